@@ -1,0 +1,44 @@
+// Number and matrix types that every other room uses.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace stillbase {
+
+/// Largest number of movable joints. Joint-space matrices keep their elements in place up to this
+/// size, so that nothing below the search allocates; a robot with more joints is refused.
+inline constexpr int kMaxJoints = 64;
+
+template <class S>
+using Vector3 = Eigen::Matrix<S, 3, 1>;
+template <class S>
+using Vector6 = Eigen::Matrix<S, 6, 1>;
+template <class S>
+using Matrix3 = Eigen::Matrix<S, 3, 3>;
+template <class S>
+using Matrix6 = Eigen::Matrix<S, 6, 6>;
+
+/// One number per joint (n).
+template <class S>
+using JointVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
+/// n x n.
+template <class S>
+using JointMatrix =
+    Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+/// 3 x n.
+template <class S>
+using Matrix3X = Eigen::Matrix<S, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJoints>;
+/// 6 x n.
+template <class S>
+using Matrix6X = Eigen::Matrix<S, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
+
+using Vector3d = Vector3<double>;
+using Vector6d = Vector6<double>;
+using Matrix3d = Matrix3<double>;
+using Matrix6d = Matrix6<double>;
+using JointVectord = JointVector<double>;
+using JointMatrixd = JointMatrix<double>;
+using Matrix3Xd = Matrix3X<double>;
+using Matrix6Xd = Matrix6X<double>;
+
+}  // namespace stillbase

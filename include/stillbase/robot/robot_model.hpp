@@ -1,0 +1,105 @@
+// The constant part of a robot: a tree of rigid bodies on a free-floating base, one hand frame.
+//
+// Frames. Base frame B: origin at the centroid of the base body (the root link with every link
+// rigidly fixed to it), axes parallel to the root link's. Body k (moved by joint k) has the frame of
+// joint k: origin on the joint axis, **z along the joint axis**. A revolute joint turns the body by
+// phi_k about z, a prismatic joint moves it by phi_k along z.
+// Joint order: depth-first in file order, so a parent's index is always smaller than its child's.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <stillbase/core/rotation.hpp>
+#include <stillbase/core/types.hpp>
+
+namespace stillbase {
+
+inline constexpr int kBase = -1;  ///< body index of the base
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum class JointType { Revolute, Continuous, Prismatic };
+
+/// Joint k connects body `parent` to body k.
+struct Joint {
+  std::string name;
+  JointType type = JointType::Revolute;
+  int parent = kBase;                    ///< body index, kBase for the base
+  Matrix3d R = Matrix3d::Identity();     ///< axes of joint frame k at phi_k = 0 in the parent's frame
+  Vector3d p = Vector3d::Zero();         ///< origin of joint frame k in the parent's frame, m
+  double lower = -kInfinity;             ///< rad or m
+  double upper = kInfinity;              ///< rad or m
+  double max_velocity = kInfinity;       ///< rad/s or m/s
+  double max_effort = kInfinity;         ///< N m or N
+  double viscous_friction = 0;           ///< URDF damping, N m s/rad
+  double coulomb_friction = 0;           ///< URDF friction, N m
+  bool is_prismatic() const { return type == JointType::Prismatic; }
+};
+
+/// A rigid body after merging of fixed links.
+struct Body {
+  std::string name;                           ///< of the moving link (for the base: the root link)
+  std::vector<std::string> merged_links;      ///< links rigidly fixed to it, in file order
+  double mass = 0;                            ///< kg, > 0
+  Vector3d centroid = Vector3d::Zero();       ///< in the body frame, m (base: 0 by definition of B)
+  Matrix3d inertia = Matrix3d::Zero();        ///< about the centroid, body axes, kg m^2
+};
+
+struct Sphere { double radius; };
+struct Capsule { double radius, length; };    ///< along z, centred; length without the caps
+struct Cylinder { double radius, length; };   ///< along z, centred
+struct Box { Vector3d size; };                ///< full edge lengths, centred
+struct ConvexMesh {
+  std::vector<Vector3d> vertices;
+  std::vector<std::vector<int>> faces;        ///< counter-clockwise seen from outside
+};
+using Geometry = std::variant<Sphere, Capsule, Cylinder, Box, ConvexMesh>;
+
+/// A collision shape fixed to a body.
+struct CollisionShape {
+  int body = kBase;     ///< body index
+  std::string link;     ///< link of the file that it came from
+  Pose pose;            ///< shape frame in the body frame
+  Geometry geometry;
+};
+
+/// A link of the file, movable or fixed, as a frame on its body.
+struct LinkFrame {
+  std::string name;
+  int body = kBase;
+  Pose pose;            ///< link frame in the body frame
+};
+
+struct RobotModel {
+  std::string name;
+  Body base;
+  std::vector<Joint> joints;            ///< n
+  std::vector<Body> bodies;             ///< n; bodies[k] is moved by joints[k]
+  std::vector<LinkFrame> links;         ///< every link of the file, in file order
+  std::vector<CollisionShape> shapes;
+  std::string hand;                     ///< name of the hand link
+  int hand_body = kBase;
+  Matrix3d R_hand = Matrix3d::Identity();  ///< axes of the hand frame in its body's frame
+  Vector3d p_hand = Vector3d::Zero();      ///< origin of the hand frame in its body's frame, m
+  std::vector<bool> moves_hand;         ///< n; joint k lies on the way from base to hand
+
+  int n() const { return static_cast<int>(joints.size()); }
+  double total_mass() const;
+};
+
+/// Index of the joint with this name, or -1.
+int find_joint(const RobotModel& robot, const std::string& name);
+
+/// The frame of the link with this name, or nullptr.
+const LinkFrame* find_link(const RobotModel& robot, const std::string& name);
+
+/// The same robot with another link as its hand.
+/// @throws std::invalid_argument when there is no such link.
+RobotModel with_hand(RobotModel robot, const std::string& link);
+
+/// Links that have no child link. `inspect` takes the only one as hand.
+std::vector<std::string> leaf_links(const RobotModel& robot);
+
+}  // namespace stillbase
