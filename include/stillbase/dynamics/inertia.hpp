@@ -1,0 +1,61 @@
+// Inertia matrices of the free-floating robot, equations (1), (2), (3), (4), (8).
+//
+// All quantities are in B; base velocity Omega = [v; omega] with v the velocity of the base
+// centroid.
+#pragma once
+
+#include <stillbase/dynamics/kinematics.hpp>
+
+namespace stillbase {
+
+/// Blocks of the inertia matrix of (3), and what they say about the whole.
+template <class S>
+struct InertiaMatrices {
+  S mass;                ///< total mass w, kg
+  Vector3<S> r_bg;       ///< system centroid from the base centroid, in B, m (r_gb = -r_bg)
+  Matrix6<S> H_b;        ///< base inertia [w E, w skew(r_gb); ., H_omega], (1)
+  Matrix6X<S> H_bphi;    ///< inertia coupling matrix [H_vphi; H_omegaphi], (1)
+  JointMatrix<S> H_phi;  ///< inertia of the arm on a fixed base, (3)
+  std::array<Matrix3<S>, kMaxJoints> I;  ///< inertia of body k about its own centroid, in B axes
+};
+
+/// Composite rigid bodies: the inertia of the subtree moved by each joint, summed from the leaves.
+/// Differs from (1): prints H_vphi = w d r_gb/d phi; with r_gb pointing to the base the sign is
+/// minus.
+template <class S>
+InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kinematics);
+
+/// Hand velocity [v_h; omega_h] = R_bh Omega + J_phi phidot, (3).
+template <class S>
+struct HandJacobian {
+  Matrix6<S> R_bh;    ///< 6x6 shift [E, -skew(r_bh); 0, E]; its transpose stands in (3)
+  Matrix6X<S> J_phi;  ///< fixed-base Jacobian, 6 x n
+};
+
+template <class S>
+HandJacobian<S> compute_hand_jacobian(const RobotModel& robot, const Kinematics<S>& kinematics);
+
+/// Base translation eliminated ("tilde"), (2) and (8).
+template <class S>
+struct TildeInertia {
+  Matrix3<S>
+      Htilde_omega;  ///< H_omega - H_vomega' H_v^-1 H_vomega: central inertia of the locked robot
+  Matrix3X<S> Htilde_omegaphi;  ///< H_omegaphi - H_vomega' H_v^-1 H_vphi: angular coupling matrix
+  JointMatrix<S> Htilde_phi;    ///< H_phi - H_vphi' H_v^-1 H_vphi
+};
+
+template <class S>
+TildeInertia<S> compute_tilde_inertia(const InertiaMatrices<S>& inertia);
+
+/// Whole base motion eliminated ("hat"), (4).
+template <class S>
+struct HatInertia {
+  JointMatrix<S> Hhat_phi;  ///< H_phi - H_bphi' H_b^-1 H_bphi: generalized inertia matrix
+  Matrix6X<S> Jhat_phi;     ///< J_phi - R_bh H_b^-1 H_bphi: generalized Jacobian
+};
+
+template <class S>
+HatInertia<S> compute_hat_inertia(const InertiaMatrices<S>& inertia,
+                                  const HandJacobian<S>& jacobian);
+
+}  // namespace stillbase

@@ -1,0 +1,29 @@
+// Poses of all bodies in the base frame B, at one posture.
+#pragma once
+
+#include <array>
+
+#include <stillbase/robot/robot_model.hpp>
+
+namespace stillbase {
+
+/// Where everything is at joint positions phi, in B.
+template <class S>
+struct Kinematics {
+  int n = 0;  ///< joints
+  std::array<Matrix3<S>, kMaxJoints>
+      R;  ///< axes of body k in B; column 2 is the axis z_k of joint k
+  std::array<Vector3<S>, kMaxJoints> o;  ///< origin of body k (on the axis of joint k) in B, m
+  std::array<Vector3<S>, kMaxJoints> c;  ///< centroid of body k in B, m
+  Matrix3<S> R_hand;                     ///< axes of the hand frame in B
+  Vector3<S> r_bh;                       ///< hand, from the base centroid, in B, m
+
+  auto z(int k) const { return R[static_cast<std::size_t>(k)].col(2); }
+};
+
+/// Forward kinematics: T_Bk = T_Bparent * (R_k, p_k) * joint(phi_k).
+/// @param phi joint positions (n), rad or m; finite
+template <class S>
+Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& phi);
+
+}  // namespace stillbase

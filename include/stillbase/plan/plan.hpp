@@ -1,0 +1,96 @@
+// A plan as plain data: what a plan file holds.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/impact/summary.hpp>
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+enum class PlanStatus { Optimal, Feasible, Infeasible, Limit };
+std::string to_string(PlanStatus status);
+
+/// Where the robot is at the contact.
+struct Configuration {
+  JointVectord phi;         ///< n
+  Pose base;                ///< T_NB
+  double contact_time = 0;  ///< s
+};
+
+struct ObjectiveValue {
+  std::string name;                             ///< e.g. "base_angular_momentum"
+  std::string unit;                             ///< e.g. "N m s"
+  double nominal = 0;                           ///< at the predicted direction
+  double worst_case = 0;                        ///< over the direction cone; = nominal without one
+  Vector3d worst_direction = Vector3d::Zero();  ///< unit, in B
+};
+
+struct ConstraintValue {
+  std::string name;
+  double value = 0, lower = 0, upper = 0;
+  double violation = 0;  ///< max(lower - value, value - upper, 0)
+};
+
+struct Certificate {
+  double kkt_residual = 0;
+  double max_violation = 0;
+  int starts = 0;
+  int distinct_solutions = 0;
+};
+
+struct Candidate {
+  Configuration configuration;
+  double objective = 0;  ///< nominal
+  double worst_case = 0;
+  double max_violation = 0;     ///< of the constraints, in their units
+  int starts_reached = 0;       ///< starts that ended here
+  bool collision_free = false;  ///< at the contact: arm, base, obstacles, target
+  std::string collision;        ///< "a with b" when not
+};
+
+enum class ApproachStatus {
+  Found,
+  NotRequested,
+  StartInvalid,
+  GoalInvalid,
+  GoalUnreachable,
+  HitEarly,
+  TimeOut,
+  TooSlow
+};
+std::string to_string(ApproachStatus status);
+
+struct Approach {
+  ApproachStatus status = ApproachStatus::NotRequested;
+  std::string detail;         ///< what failed, by how much
+  std::vector<double> times;  ///< s; the last one is the contact time
+  std::vector<JointVectord> joint_positions;
+  std::vector<JointVectord> joint_velocities;
+  std::vector<Pose> base_poses;           ///< T_NB
+  std::vector<Vector6d> base_velocities;  ///< Omega in B
+  double duration = 0;                    ///< s of motion
+  double path_length = 0;                 ///< rad
+  double attitude_excursion = 0;  ///< rad, largest turn of the base away from its final attitude
+  double min_clearance = 0;       ///< m, among pairs that may not touch
+};
+
+struct Plan {
+  CaptureProblem problem;
+  PlanStatus status = PlanStatus::Infeasible;
+  std::string optimizer;
+  Configuration configuration;
+  ImpactSummary impact;
+  ObjectiveValue objective;
+  std::vector<ConstraintValue> constraints;
+  Certificate certificate;
+  std::vector<Candidate> candidates;
+  Approach approach;
+  std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
+  std::map<std::string, double> timing;      ///< s
+};
+
+}  // namespace stillbase

@@ -1,0 +1,164 @@
+// A capture problem as plain data: what a problem file says, in SI units, after reading.
+//
+// Everything is stated: the reader has put every default in place. A problem is written back as a
+// normalised copy that reads to the same data.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/impact/joint_resistance.hpp>
+#include <stillbase/robot/robot_model.hpp>
+#include <stillbase/target/target.hpp>
+
+namespace stillbase {
+
+enum class Frame { Base, Inertial };
+
+/// Where the impulse comes from.
+enum class ImpulseSource {
+  Given,      ///< direction and magnitude are stated
+  PointMass,  ///< p = (1+e) v_n / (n' W_h n + 1/m_t)
+  RigidBody   ///< p = (1+e) v_n / (n' W_h n + n' W_t n)
+};
+
+struct ImpulseSpec {
+  ImpulseSource source = ImpulseSource::PointMass;
+  /// Direction of the impulse on the hand (unit). Empty: the target's outward normal at the contact
+  /// feature, from the predicted motion.
+  std::optional<Vector3d> direction;
+  Frame direction_frame = Frame::Base;
+  double magnitude = 1;                ///< Given: N s
+  Vector3d moment = Vector3d::Zero();  ///< Given: moment impulse in direction_frame, N m s
+  double closing_speed = 0;            ///< PointMass with a stated direction: m/s
+  double restitution = 0;              ///< e in [0, 1]
+};
+
+enum class AttitudeFreedom { Fixed, Axis, Free };
+enum class PositionFreedom { Fixed, Box, Free };
+
+/// What the search may change. Everything else stays as stated.
+struct VariableSpec {
+  std::vector<bool> joints;  ///< n; false: stays at the start posture
+  AttitudeFreedom base_attitude = AttitudeFreedom::Fixed;
+  Vector3d base_attitude_axis = Vector3d::UnitZ();    ///< Axis: unit, in N
+  double base_attitude_max = 3.14159265358979323846;  ///< rad from the stated attitude
+  PositionFreedom base_position = PositionFreedom::Fixed;
+  Vector3d base_position_lower = Vector3d::Zero();  ///< Box: corners in N, m
+  Vector3d base_position_upper = Vector3d::Zero();
+  double contact_time_lower = 0, contact_time_upper = 0;  ///< s; equal: fixed
+  std::string feature;  ///< name of the contact feature; empty without a target body
+};
+
+enum class ObjectiveQuantity {
+  BaseAngularMomentum,  ///< |Htilde_omega Delta omega|, N m s
+  BaseAngularVelocity,  ///< |Delta omega|, rad/s
+  TotalAngularMomentum  ///< |Delta L_g|, N m s
+};
+
+/// Equations on the hand.
+enum class HandConstraint {
+  None,      ///< the station follows the hand (base position free), or there is no target point
+  Position,  ///< hand origin at the point
+  Axis,      ///< the position, and the approach axis against the normal; roll about it is free
+  Pose       ///< the position and all three axes
+};
+
+struct HandSpec {
+  HandConstraint constraint = HandConstraint::None;
+  /// Where the hand must be. Empty: at the contact feature at the contact time.
+  std::optional<Vector3d> position;
+  std::optional<Eigen::Quaterniond> orientation;  ///< of the hand frame; Pose only
+  Frame frame = Frame::Inertial;                  ///< of position and orientation
+  Vector3d approach_axis =
+      Vector3d::UnitZ();  ///< unit vector of the hand frame that points out of the hand
+  double roll = 0;        ///< Pose at a contact feature: angle about the normal, rad
+};
+
+enum class CaseConstraint { None, C, C1, C2, G2, G3 };
+
+struct ConstraintSpec {
+  CaseConstraint impact_case = CaseConstraint::None;
+  double joint_limit_margin = 0;    ///< rad or m kept from every joint limit
+  double closing_speed_min = 1e-3;  ///< m/s, > 0: without it the best plan is to be missed
+};
+
+struct UncertaintySpec {
+  double cone_half_angle = 0;  ///< rad; 0: the direction is exactly known
+  std::optional<Vector3d>
+      cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
+};
+
+struct SearchSpec {
+  std::string optimizer = "nlopt-slsqp";
+  int starts = 64;
+  std::uint64_t seed = 1;
+  int max_candidates = 32;  ///< kept in the plan
+};
+
+enum class BaseMode { Held, Floating };
+
+/// A fixed body in the way.
+struct Obstacle {
+  std::string name;
+  Frame frame = Frame::Inertial;
+  Pose pose;
+  Geometry geometry;
+};
+
+struct ApproachSpec {
+  bool enabled = true;
+  BaseMode base = BaseMode::Held;
+  bool station_free = true;         ///< the start pose follows from the path's net motion
+  JointVectord acceleration_limit;  ///< n, rad/s^2 or m/s^2
+  double velocity_scale =
+      1;            ///< fraction of the joint rate limits that the approach may use, (0, 1]
+  double wait = 5;  ///< s at rest before the contact
+  double max_duration = 600;        ///< s from start to contact
+  double clearance = 0.01;          ///< m kept between bodies along the path
+  double contact_allowance = 0.15;  ///< m: the hand's body may be near the target once the feature
+                                    ///< is this close to the hand
+  double resolution = 0.02;         ///< rad between checked postures
+  std::string planner = "rrt_connect";
+  int max_iterations = 20000;  ///< of the planner
+};
+
+/// Gains and horizon of the post-impact phase, and what counts as success.
+struct PostImpactSpec {
+  std::vector<std::string> controllers;  ///< names as in the file; the first is the plan's choice
+  double K_omega = 7;                    ///< 1/s
+  double K_phi = 5;                      ///< 1/s
+  double control_period = 0.01;          ///< s
+  double horizon = 10;                   ///< s after the impact
+  double residual_base_rate_max = 0;     ///< rad/s at the horizon under the chosen controller
+  double attitude_change_max = 0;        ///< rad over the horizon under the chosen controller
+};
+
+struct CaptureProblem {
+  std::string name;       ///< stem of the file
+  std::string purpose;    ///< one sentence
+  std::string source;     ///< file it was read from, for messages
+  std::string urdf;       ///< text of the robot file
+  std::string urdf_path;  ///< as written in the problem file
+  RobotModel robot;
+  JointResistance resistance;
+  JointVectord start;  ///< n, start posture
+  Pose base;           ///< stated pose T_NB
+  std::vector<std::pair<std::string, std::string>>
+      allowed_contacts;  ///< pairs of links that may touch
+  std::optional<TargetBody> target;
+  TargetState target_state;  ///< estimate
+  std::vector<Obstacle> obstacles;
+  ImpulseSpec impulse;
+  VariableSpec variables;
+  ObjectiveQuantity objective = ObjectiveQuantity::BaseAngularMomentum;
+  HandSpec hand;
+  ConstraintSpec constraints;
+  UncertaintySpec uncertainty;
+  SearchSpec search;
+  ApproachSpec approach;
+  PostImpactSpec post_impact;
+};
+
+}  // namespace stillbase

@@ -1,0 +1,48 @@
+// A second, plain implementation of the dynamics, by summed body Jacobians: H = sum J_i' M_i J_i.
+//
+// Written apart from `dynamics` and sharing nothing with it but the robot model, so that one can
+// contradict the other. Slow and simple on purpose.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include <stillbase/robot/robot_model.hpp>
+
+namespace stillbase::reference {
+
+/// State of the robot seen from B (velocities may be empty: zero).
+struct State {
+  Eigen::VectorXd phi;                                                      ///< n
+  Eigen::VectorXd phidot;                                                   ///< n
+  Eigen::Matrix<double, 6, 1> Omega = Eigen::Matrix<double, 6, 1>::Zero();  ///< [v; omega] in B
+};
+
+/// All dynamics quantities at a state, in B, dense.
+struct Dynamics {
+  double mass = 0;
+  Eigen::Vector3d centroid;       ///< system centroid in B
+  Eigen::Vector3d hand_position;  ///< in B
+  Eigen::Matrix3d hand_rotation;  ///< hand axes in B
+  Eigen::MatrixXd H;              ///< (6+n) x (6+n), order [Omega; phidot]
+  Eigen::VectorXd c;              ///< (6+n) bias of (3)
+  Eigen::MatrixXd J;              ///< 6 x (6+n), hand velocity = J [Omega; phidot]
+  Eigen::Vector3d P, L_g;         ///< momentum (1)
+  Eigen::Matrix3d Htilde_omega;
+  Eigen::MatrixXd Htilde_omegaphi;  ///< 3 x n
+};
+/// The bias comes from body accelerations by the derivative of the body Jacobians along the motion
+/// (exact products, no differences).
+Dynamics compute(const RobotModel& robot, const State& state);
+
+/// What an impulse does, solved densely from (6).
+struct Impact {
+  Eigen::Matrix<double, 6, 1> Delta_Omega;
+  Eigen::VectorXd Delta_phidot;
+  Eigen::Vector3d total, base, coupling;  ///< angular momenta, N m s
+  double hand_inverse_mass = 0;           ///< f' W_h f / |f|^2, 1/kg
+};
+/// @param added_inertia n, added to the joint diagonal; locked: n flags or empty
+Impact impact(const Dynamics& dynamics, const Eigen::VectorXd& added_inertia,
+              const std::vector<bool>& locked, const Eigen::Matrix<double, 6, 1>& Fbar);
+
+}  // namespace stillbase::reference
