@@ -1,0 +1,59 @@
+#include <stillbase/core/rotation.hpp>
+
+#include <cmath>
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// (t - sin t) / t^3. The closed form loses digits below t of about 0.3, where five terms of the
+// series are exact to rounding.
+double third_order_sine_remainder(double t) {
+  if (std::abs(t) > 0.3) return (t - std::sin(t)) / (t * t * t);
+  const double x = t * t;
+  return 1.0 / 6 - x * (1.0 / 120 - x * (1.0 / 5040 - x * (1.0 / 362880 - x / 39916800)));
+}
+
+// sin(t) / t
+double sinc(double t) { return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t; }
+
+}  // namespace
+
+Eigen::Quaterniond rotation_exp(const Vector3d& a) {
+  const double half_angle = 0.5 * a.norm();
+  Eigen::Quaterniond q;
+  q.w() = std::cos(half_angle);
+  q.vec() = 0.5 * sinc(half_angle) * a;
+  return q.normalized();
+}
+
+Vector3d rotation_log(const Eigen::Quaterniond& q) {
+  // q and -q are the same rotation: the one with w >= 0 has its half angle in [0, pi/2].
+  const double w = std::abs(q.w());
+  const Vector3d v = q.w() < 0 ? Vector3d(-q.vec()) : Vector3d(q.vec());
+  const double s = v.norm();
+  if (s < 1e-12 * w) return 2.0 / w * v;
+  return 2.0 * std::atan2(s, w) / s * v;
+}
+
+Matrix3d rotation_right_jacobian(const Vector3d& a) {
+  const double t = a.norm();
+  const double half_sinc = sinc(0.5 * t);
+  const Matrix3d A = skew<double>(a);
+  return Matrix3d::Identity() - 0.5 * half_sinc * half_sinc * A +
+         third_order_sine_remainder(t) * A * A;
+}
+
+Eigen::Quaterniond rotation_rpy(double roll, double pitch, double yaw) {
+  return Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll, Vector3d::UnitX());
+}
+
+double wrap_angle(double x) {
+  const double wrapped = std::remainder(x, 2 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,88 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
+#include <stillbase/core/sha256.hpp>
+
+using namespace stillbase;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "stillbase-file-XXXXXX").string();
+    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    path = name;
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string file(const std::string& name) const { return (path / name).string(); }
+  long count() const { return std::distance(fs::directory_iterator(path), {}); }
+};
+
+std::string rule_of(const std::string& path, std::size_t max_bytes) {
+  try {
+    read_text_file(path, max_bytes);
+  } catch (const InputError& error) {
+    return error.findings().at(0).rule;
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("what was written is read back byte for byte") {
+  Folder folder;
+  const std::string text = std::string("one\0two\r\n", 9) + std::string(300000, 'x');
+  write_file_atomically(folder.file("a"), text, false);
+  CHECK(read_text_file(folder.file("a")) == text);
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("an existing file is replaced only when asked") {
+  Folder folder;
+  write_file_atomically(folder.file("a"), "old", false);
+  CHECK_THROWS_AS(write_file_atomically(folder.file("a"), "new", false), FileError);
+  CHECK(read_text_file(folder.file("a")) == "old");
+  CHECK(folder.count() == 1);
+  write_file_atomically(folder.file("a"), "new", true);
+  CHECK(read_text_file(folder.file("a")) == "new");
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a write that fails leaves nothing behind") {
+  Folder folder;
+  CHECK_THROWS_AS(write_file_atomically(folder.file("no/such/folder/a"), "x", true), FileError);
+  fs::create_directory(folder.path / "d");
+  CHECK_THROWS_AS(write_file_atomically(folder.file("d"), "x", true), FileError);
+  CHECK_THROWS_AS(write_file_atomically("/dev/null", "x", true), FileError);
+  // A dangling link passes the first check; the last step must still not go through it.
+  fs::create_symlink(folder.file("nowhere"), folder.file("link"));
+  CHECK_THROWS_AS(write_file_atomically(folder.file("link"), "x", false), FileError);
+  CHECK(folder.count() == 2);
+}
+
+TEST_CASE("missing files, folders and too large files are wrong input") {
+  Folder folder;
+  write_file_atomically(folder.file("a"), "12345", false);
+  CHECK(rule_of(folder.file("b"), 10) == "missing-file");
+  CHECK(rule_of(folder.file("a/b"), 10) == "missing-file");
+  CHECK(rule_of(folder.path.string(), 10) == "not-a-file");
+  CHECK(rule_of(folder.file("a"), 4) == "too-large");
+  CHECK(rule_of(folder.file("a"), 5).empty());
+  CHECK(rule_of("/dev/zero", 1000) == "too-large");
+}
+
+TEST_CASE("sha256_hex gives the digests of FIPS 180-4's examples") {
+  CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  CHECK(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
+        "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+}
