@@ -4,6 +4,9 @@
 // velocity-dependent ones, do nothing in the vanishing time of the impact.
 #pragma once
 
+#include <bitset>
+#include <vector>
+
 #include <stillbase/dynamics/inertia.hpp>
 #include <stillbase/impact/joint_resistance.hpp>
 
@@ -23,20 +26,20 @@ struct ImpactJump {
 template <class S>
 struct ImpactFactor {
   static constexpr int kMax = kMaxJoints + 3;
-  Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMax, kMax>
-      L;  ///< lower triangle
+  /// Lower triangle of the Cholesky factor, with the reciprocals of its diagonal.
+  Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMax, kMax> L;
   S mass;
-  Vector3<S> r_bg;  ///< system centroid in B
-  Matrix6X<S> H_bphi;
-  std::vector<bool> const* locked = nullptr;  ///< null: none
+  Vector3<S> r_bg;                 ///< system centroid in B, m
+  Matrix3X<S> H_vphi;              ///< linear part of the coupling matrix
+  std::bitset<kMaxJoints> locked;  ///< joints that do not move during the impact
 };
 
 /// @param added_inertia n; from added_impact_inertia()
-/// @param locked n, or null
+/// @param locked n flags; empty: none
 template <class S>
 ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia, const TildeInertia<S>& tilde,
                                  const JointVectord& added_inertia,
-                                 const std::vector<bool>* locked);
+                                 const std::vector<bool>& locked);
 
 /// Solves H [Delta Omega; Delta phidot] = [F_b; tau] for generalised impulses: F_b at the base
 /// centroid (6), tau at the joints (n). With F_b = R_bh' Fbar and tau = J_phi' Fbar this is (6).

@@ -1,10 +1,10 @@
 // The constant part of a robot: a tree of rigid bodies on a free-floating base, one hand frame.
 //
 // Frames. Base frame B: origin at the centroid of the base body (the root link with every link
-// rigidly fixed to it), axes parallel to the root link's. Body k (moved by joint k) has the frame of
-// joint k: origin on the joint axis, **z along the joint axis**. A revolute joint turns the body by
-// phi_k about z, a prismatic joint moves it by phi_k along z.
-// Joint order: depth-first in file order, so a parent's index is always smaller than its child's.
+// rigidly fixed to it), axes parallel to the root link's. Body k (moved by joint k) has the frame
+// of joint k: origin on the joint axis, **z along the joint axis**. A revolute joint turns the body
+// by phi_k about z, a prismatic joint moves it by phi_k along z. Joint order: depth-first in file
+// order, so a parent's index is always smaller than its child's.
 #pragma once
 
 #include <limits>
@@ -26,42 +26,50 @@ enum class JointType { Revolute, Continuous, Prismatic };
 struct Joint {
   std::string name;
   JointType type = JointType::Revolute;
-  int parent = kBase;                    ///< body index, kBase for the base
-  Matrix3d R = Matrix3d::Identity();     ///< axes of joint frame k at phi_k = 0 in the parent's frame
-  Vector3d p = Vector3d::Zero();         ///< origin of joint frame k in the parent's frame, m
-  double lower = -kInfinity;             ///< rad or m
-  double upper = kInfinity;              ///< rad or m
-  double max_velocity = kInfinity;       ///< rad/s or m/s
-  double max_effort = kInfinity;         ///< N m or N
-  double viscous_friction = 0;           ///< URDF damping, N m s/rad
-  double coulomb_friction = 0;           ///< URDF friction, N m
+  int parent = kBase;                 ///< body index, kBase for the base
+  Matrix3d R = Matrix3d::Identity();  ///< axes of joint frame k at phi_k = 0 in the parent's frame
+  Vector3d p = Vector3d::Zero();      ///< origin of joint frame k in the parent's frame, m
+  double lower = -kInfinity;          ///< rad or m
+  double upper = kInfinity;           ///< rad or m
+  double max_velocity = kInfinity;    ///< rad/s or m/s
+  double max_effort = kInfinity;      ///< N m or N
+  double viscous_friction = 0;        ///< URDF damping, N m s/rad
+  double coulomb_friction = 0;        ///< URDF friction, N m
   bool is_prismatic() const { return type == JointType::Prismatic; }
 };
 
 /// A rigid body after merging of fixed links.
 struct Body {
-  std::string name;                           ///< of the moving link (for the base: the root link)
-  std::vector<std::string> merged_links;      ///< links rigidly fixed to it, in file order
-  double mass = 0;                            ///< kg, > 0
-  Vector3d centroid = Vector3d::Zero();       ///< in the body frame, m (base: 0 by definition of B)
-  Matrix3d inertia = Matrix3d::Zero();        ///< about the centroid, body axes, kg m^2
+  std::string name;                       ///< of the moving link (for the base: the root link)
+  std::vector<std::string> merged_links;  ///< links rigidly fixed to it, in file order
+  double mass = 0;                        ///< kg, > 0
+  Vector3d centroid = Vector3d::Zero();   ///< in the body frame, m (base: 0 by definition of B)
+  Matrix3d inertia = Matrix3d::Zero();    ///< about the centroid, body axes, kg m^2
 };
 
-struct Sphere { double radius; };
-struct Capsule { double radius, length; };    ///< along z, centred; length without the caps
-struct Cylinder { double radius, length; };   ///< along z, centred
-struct Box { Vector3d size; };                ///< full edge lengths, centred
+struct Sphere {
+  double radius;
+};
+struct Capsule {
+  double radius, length;
+};  ///< along z, centred; length without the caps
+struct Cylinder {
+  double radius, length;
+};  ///< along z, centred
+struct Box {
+  Vector3d size;
+};  ///< full edge lengths, centred
 struct ConvexMesh {
   std::vector<Vector3d> vertices;
-  std::vector<std::vector<int>> faces;        ///< counter-clockwise seen from outside
+  std::vector<std::vector<int>> faces;  ///< counter-clockwise seen from outside
 };
 using Geometry = std::variant<Sphere, Capsule, Cylinder, Box, ConvexMesh>;
 
 /// A collision shape fixed to a body.
 struct CollisionShape {
-  int body = kBase;     ///< body index
-  std::string link;     ///< link of the file that it came from
-  Pose pose;            ///< shape frame in the body frame
+  int body = kBase;  ///< body index
+  std::string link;  ///< link of the file that it came from
+  Pose pose;         ///< shape frame in the body frame
   Geometry geometry;
 };
 
@@ -69,21 +77,22 @@ struct CollisionShape {
 struct LinkFrame {
   std::string name;
   int body = kBase;
-  Pose pose;            ///< link frame in the body frame
+  Pose pose;           ///< link frame in the body frame
+  std::string parent;  ///< parent link in the file; empty for the root
 };
 
 struct RobotModel {
   std::string name;
   Body base;
-  std::vector<Joint> joints;            ///< n
-  std::vector<Body> bodies;             ///< n; bodies[k] is moved by joints[k]
-  std::vector<LinkFrame> links;         ///< every link of the file, in file order
+  std::vector<Joint> joints;     ///< n
+  std::vector<Body> bodies;      ///< n; bodies[k] is moved by joints[k]
+  std::vector<LinkFrame> links;  ///< every link of the file, in file order
   std::vector<CollisionShape> shapes;
-  std::string hand;                     ///< name of the hand link
+  std::string hand;  ///< name of the hand link
   int hand_body = kBase;
   Matrix3d R_hand = Matrix3d::Identity();  ///< axes of the hand frame in its body's frame
   Vector3d p_hand = Vector3d::Zero();      ///< origin of the hand frame in its body's frame, m
-  std::vector<bool> moves_hand;         ///< n; joint k lies on the way from base to hand
+  std::vector<bool> moves_hand;            ///< n; joint k lies on the way from base to hand
 
   int n() const { return static_cast<int>(joints.size()); }
   double total_mass() const;

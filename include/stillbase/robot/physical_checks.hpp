@@ -1,0 +1,22 @@
+// What a mass or an inertia tensor must satisfy to belong to a real rigid body.
+#pragma once
+
+#include <string>
+
+#include <stillbase/core/types.hpp>
+
+namespace stillbase {
+
+/// Why no rigid body can have this inertia tensor; empty when one can.
+///
+/// Asked for: finite, symmetric, positive definite, and no principal moment larger than the sum of
+/// the other two (each is an integral of squared distances from an axis). The message names the
+/// principal moments. Flat bodies, where the larger moment equals the sum, pass: the sum may be
+/// missed by 1e-5 of it, which is what six written digits can lose.
+/// @param inertia about the centroid, kg m^2
+std::string inertia_fault(const Matrix3d& inertia);
+
+/// Why no rigid body can have this mass (kg); empty when one can: finite and > 0.
+std::string mass_fault(double mass);
+
+}  // namespace stillbase

@@ -1,0 +1,184 @@
+#include <stillbase/dynamics/inertia.hpp>
+
+#include <algorithm>
+
+#include "dynamics/cholesky.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// Rigid-body inertia about the base centroid: mass, first moment, second moment.
+template <class S>
+struct Composite {
+  S m;
+  Vector3<S> h;
+  Matrix3<S> I;
+
+  void add(const Composite& other) {
+    m += other.m;
+    h += other.h;
+    I += other.I;
+  }
+};
+
+/// -m skew(c)^2, the parallel-axis term.
+template <class S>
+Matrix3<S> parallel_axis(const S& m, const Vector3<S>& c) {
+  const Vector3<S> h = c * m;
+  const S xx = h.x() * c.x(), yy = h.y() * c.y(), zz = h.z() * c.z();
+  Matrix3<S> I;
+  I(0, 0) = yy + zz;
+  I(1, 1) = xx + zz;
+  I(2, 2) = xx + yy;
+  I(0, 1) = I(1, 0) = -h.x() * c.y();
+  I(0, 2) = I(2, 0) = -h.x() * c.z();
+  I(1, 2) = I(2, 1) = -h.y() * c.z();
+  return I;
+}
+
+}  // namespace
+
+template <class S>
+InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kin) {
+  const int n = kin.n;
+  InertiaMatrices<S> out;
+  std::array<Composite<S>, kMaxJoints> composite;
+  Composite<S> total{S(robot.base.mass), Vector3<S>::Zero(), robot.base.inertia.template cast<S>()};
+  for (int k = 0; k < n; ++k) {
+    const Body& body = robot.bodies[k];
+    const Matrix3<S> RI = kin.R[k] * body.inertia.template cast<S>();
+    out.I[k].noalias() = RI * kin.R[k].transpose();
+    const S m(body.mass);
+    composite[k] = {m, kin.c[k] * m, out.I[k] + parallel_axis(m, kin.c[k])};
+  }
+
+  out.H_bphi.resize(6, n);
+  out.H_phi.resize(n, n);
+  out.H_phi.setZero();
+  for (int k = n - 1; k >= 0; --k) {
+    const Composite<S>& subtree = composite[k];
+    const Joint& joint = robot.joints[k];
+    const Vector3<S> z = kin.z(k);
+    // Momentum of the subtree under unit rate of joint k: Ic_k S_k.
+    Vector3<S> p, L;
+    if (joint.is_prismatic()) {
+      p = z * subtree.m;
+      L = subtree.h.cross(z);
+    } else {
+      const Vector3<S> v = kin.o[k].cross(z);
+      p = v * subtree.m + z.cross(subtree.h);
+      L = subtree.h.cross(v) + subtree.I * z;
+    }
+    out.H_bphi.template block<3, 1>(0, k) = p;
+    out.H_bphi.template block<3, 1>(3, k) = L;
+    for (int j = k; j != kBase; j = robot.joints[j].parent) {
+      const Vector3<S> zj = kin.z(j);
+      // S_j . (p; L): for a revolute joint z . (L - o x p).
+      S value;
+      if (robot.joints[j].is_prismatic()) {
+        value = zj.dot(p);
+      } else {
+        value = zj.dot(L - kin.o[j].cross(p));
+      }
+      out.H_phi(j, k) = value;
+      out.H_phi(k, j) = value;
+    }
+    (joint.parent == kBase ? total : composite[joint.parent]).add(subtree);
+  }
+
+  out.mass = total.m;
+  out.r_bg = total.h / total.m;
+  const Matrix3<S> h = skew(total.h);
+  out.H_b.template topLeftCorner<3, 3>() = Matrix3<S>::Identity() * total.m;
+  out.H_b.template topRightCorner<3, 3>() = -h;
+  out.H_b.template bottomLeftCorner<3, 3>() = h;
+  out.H_b.template bottomRightCorner<3, 3>() = total.I;
+  return out;
+}
+
+template <class S>
+HandJacobian<S> compute_hand_jacobian(const RobotModel& robot, const Kinematics<S>& kin) {
+  HandJacobian<S> out;
+  out.R_bh.setIdentity();
+  out.R_bh.template topRightCorner<3, 3>() = -skew(kin.r_bh);
+  out.J_phi.resize(6, kin.n);
+  for (int k = 0; k < kin.n; ++k) {
+    const Vector3<S> z = kin.z(k);
+    if (!robot.moves_hand[k]) {
+      out.J_phi.col(k).setZero();
+    } else if (robot.joints[k].is_prismatic()) {
+      out.J_phi.template block<3, 1>(0, k) = z;
+      out.J_phi.template block<3, 1>(3, k).setZero();
+    } else {
+      out.J_phi.template block<3, 1>(0, k) = z.cross(kin.r_bh - kin.o[k]);
+      out.J_phi.template block<3, 1>(3, k) = z;
+    }
+  }
+  return out;
+}
+
+template <class S>
+TildeInertia<S> compute_tilde_inertia(const InertiaMatrices<S>& inertia) {
+  const Eigen::Index n = inertia.H_phi.rows();
+  TildeInertia<S> out;
+  out.Htilde_omega = inertia.H_b.template bottomRightCorner<3, 3>();
+  out.Htilde_omega -= parallel_axis(inertia.mass, inertia.r_bg);
+  out.Htilde_omegaphi.resize(3, n);
+  out.Htilde_phi.resize(n, n);
+  const S inverse_mass = S(1) / inertia.mass;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
+    out.Htilde_omegaphi.col(k) = inertia.H_bphi.template block<3, 1>(3, k) - inertia.r_bg.cross(p);
+    const Vector3<S> v = p * inverse_mass;
+    for (Eigen::Index j = k; j < n; ++j) {
+      out.Htilde_phi(j, k) = inertia.H_phi(j, k) - inertia.H_bphi.template block<3, 1>(0, j).dot(v);
+      out.Htilde_phi(k, j) = out.Htilde_phi(j, k);
+    }
+  }
+  return out;
+}
+
+template <class S>
+HatInertia<S> compute_hat_inertia(const InertiaMatrices<S>& inertia,
+                                  const HandJacobian<S>& jacobian) {
+  const TildeInertia<S> tilde = compute_tilde_inertia(inertia);
+  const Eigen::Index n = inertia.H_phi.rows();
+  Matrix3<S> L = tilde.Htilde_omega;
+  factorize_cholesky(L);
+  // H_b^-1 H_bphi: base motion per joint rate at zero momentum, with the sign turned.
+  Matrix6X<S> X(6, n);
+  HatInertia<S> out;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Vector3<S> omega = tilde.Htilde_omegaphi.col(k);
+    solve_cholesky(L, omega);
+    X.template block<3, 1>(3, k) = omega;
+    X.template block<3, 1>(0, k) =
+        inertia.H_bphi.template block<3, 1>(0, k) / inertia.mass - omega.cross(inertia.r_bg);
+  }
+  out.Hhat_phi = tilde.Htilde_phi;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    for (Eigen::Index j = k; j < n; ++j) {
+      const S value =
+          tilde.Htilde_phi(j, k) - tilde.Htilde_omegaphi.col(j).dot(X.template block<3, 1>(3, k));
+      out.Hhat_phi(j, k) = value;
+      out.Hhat_phi(k, j) = value;
+    }
+  }
+  out.Jhat_phi = jacobian.J_phi;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector3<S> omega = X.template block<3, 1>(3, k);
+    const Vector3<S> r_bh(jacobian.R_bh(1, 5), jacobian.R_bh(2, 3), jacobian.R_bh(0, 4));
+    out.Jhat_phi.template block<3, 1>(0, k) -= X.template block<3, 1>(0, k) + omega.cross(r_bh);
+    out.Jhat_phi.template block<3, 1>(3, k) -= omega;
+  }
+  return out;
+}
+
+template InertiaMatrices<double> compute_inertia(const RobotModel&, const Kinematics<double>&);
+template HandJacobian<double> compute_hand_jacobian(const RobotModel&, const Kinematics<double>&);
+template TildeInertia<double> compute_tilde_inertia(const InertiaMatrices<double>&);
+template HatInertia<double> compute_hat_inertia(const InertiaMatrices<double>&,
+                                                const HandJacobian<double>&);
+
+}  // namespace stillbase

@@ -1,0 +1,287 @@
+#include "robot/urdf_schema.hpp"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+namespace stillbase::urdf {
+
+namespace {
+
+enum class Value { Text, Number, NonNegative, Positive, Vector, PositiveVector, Axis };
+
+struct AttributeRule {
+  std::string_view name;
+  Value value;
+  bool required;
+};
+
+struct ChildRule {
+  std::string_view name;
+  int least, most;
+};
+
+constexpr int kAny = 1 << 20;
+
+struct ElementRule {
+  std::vector<AttributeRule> attributes;
+  std::vector<ChildRule> children;
+  std::vector<std::string_view> ignored;  ///< children that say nothing about mechanics
+};
+
+const std::map<std::string_view, ElementRule>& rules() {
+  using enum Value;
+  static const std::map<std::string_view, ElementRule> table = {
+      {"robot",
+       {{{"name", Text, true}, {"version", Text, false}},
+        {{"link", 1, kAny}, {"joint", 0, kAny}},
+        {"material", "transmission", "gazebo", "sensor"}}},
+      {"link",
+       {{{"name", Text, true}, {"type", Text, false}},
+        {{"inertial", 0, 1}, {"collision", 0, kAny}},
+        {"visual", "contact", "sensor", "gazebo"}}},
+      {"inertial", {{}, {{"origin", 0, 1}, {"mass", 1, 1}, {"inertia", 1, 1}}, {}}},
+      {"origin", {{{"xyz", Vector, false}, {"rpy", Vector, false}}, {}, {}}},
+      {"mass", {{{"value", NonNegative, true}}, {}, {}}},
+      {"inertia",
+       {{{"ixx", Number, true},
+         {"iyy", Number, true},
+         {"izz", Number, true},
+         {"ixy", Number, true},
+         {"ixz", Number, true},
+         {"iyz", Number, true}},
+        {},
+        {}}},
+      {"collision",
+       {{{"name", Text, false}, {"group", Text, false}},
+        {{"origin", 0, 1}, {"geometry", 1, 1}},
+        {"material", "verbose"}}},
+      {"geometry", {{}, {{"sphere", 0, 1}, {"box", 0, 1}, {"cylinder", 0, 1}}, {}}},
+      {"sphere", {{{"radius", Positive, true}}, {}, {}}},
+      {"box", {{{"size", PositiveVector, true}}, {}, {}}},
+      {"cylinder", {{{"radius", Positive, true}, {"length", Positive, true}}, {}, {}}},
+      {"joint",
+       {{{"name", Text, true}, {"type", Text, true}},
+        {{"origin", 0, 1},
+         {"parent", 1, 1},
+         {"child", 1, 1},
+         {"axis", 0, 1},
+         {"limit", 0, 1},
+         {"dynamics", 0, 1}},
+        {"calibration", "safety_controller"}}},
+      {"parent", {{{"link", Text, true}}, {}, {}}},
+      {"child", {{{"link", Text, true}}, {}, {}}},
+      {"axis", {{{"xyz", Axis, true}}, {}, {}}},
+      {"limit",
+       {{{"lower", Number, false},
+         {"upper", Number, false},
+         {"velocity", NonNegative, true},
+         {"effort", NonNegative, true}},
+        {},
+        {}}},
+      {"dynamics", {{{"damping", NonNegative, false}, {"friction", NonNegative, false}}, {}, {}}},
+  };
+  return table;
+}
+
+/// A complaint about one value, empty when there is none.
+struct Complaint {
+  std::string rule, message;
+};
+
+// One finite decimal number and nothing else. from_chars is deaf to locales and takes no blanks,
+// hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
+Complaint parse_number(std::string_view text, double& number) {
+  const std::string shown = quoted(std::string(text));
+  std::string_view digits = text;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error == std::errc::result_out_of_range) {
+    return {"not-finite", shown + " does not fit into a double"};
+  }
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    const bool comma = text.find(',') != std::string_view::npos;
+    return {"not-a-number",
+            shown + " is not a number" + (comma ? " (the decimal separator is a point)" : "")};
+  }
+  if (!std::isfinite(number)) return {"not-finite", shown + " is not finite"};
+  return {};
+}
+
+std::vector<std::string_view> split_at_blanks(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    if (end > 0) parts.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return parts;
+}
+
+Complaint check_numbers(std::string_view text, Value kind) {
+  const bool is_vector =
+      kind == Value::Vector || kind == Value::PositiveVector || kind == Value::Axis;
+  const std::vector<std::string_view> parts =
+      is_vector ? split_at_blanks(text) : std::vector<std::string_view>{text};
+  if (is_vector && parts.size() != 3) {
+    return {"not-a-vector", quoted(std::string(text)) + " must be three numbers between blanks"};
+  }
+  double largest = 0;
+  for (const std::string_view part : parts) {
+    double number = 0;
+    if (const Complaint complaint = parse_number(part, number); !complaint.rule.empty()) {
+      return complaint;
+    }
+    largest = std::max(largest, std::abs(number));
+    if ((kind == Value::Positive || kind == Value::PositiveVector) && !(number > 0)) {
+      return {"out-of-range", quoted(std::string(text)) + " must be greater than 0"};
+    }
+    if (kind == Value::NonNegative && number < 0) {
+      return {"out-of-range", quoted(std::string(text)) + " must not be negative"};
+    }
+  }
+  if (kind == Value::Axis && largest == 0) {
+    return {"joint-axis", quoted(std::string(text)) + " has no direction"};
+  }
+  return {};
+}
+
+void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& rule,
+                      Findings& findings) {
+  const std::string tag = fmt::format("<{}>", element.Name());
+  std::set<std::string> seen;
+  for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const std::string name = a->Name();
+    const std::string where = fmt::format("{} {}", tag, name);
+    if (!seen.insert(name).second) {
+      findings.add(a->GetLineNum(), "repeated-attribute", where + " is given twice");
+      continue;
+    }
+    const auto known = std::find_if(rule.attributes.begin(), rule.attributes.end(),
+                                    [&](const AttributeRule& r) { return r.name == name; });
+    if (known == rule.attributes.end()) {
+      if (name.rfind("xmlns", 0) == 0) continue;
+      std::string allowed;
+      for (const AttributeRule& r : rule.attributes) allowed += fmt::format(" {}", r.name);
+      findings.add(a->GetLineNum(), "unknown-attribute",
+                   fmt::format("{} has no attribute {}; allowed:{}", tag, quoted(name),
+                               allowed.empty() ? " none" : allowed));
+    } else if (known->value == Value::Text) {
+      if (known->required && std::string_view(a->Value()).empty()) {
+        findings.add(a->GetLineNum(), "missing-attribute", where + " is empty");
+      }
+    } else if (const Complaint c = check_numbers(a->Value(), known->value); !c.rule.empty()) {
+      findings.add(a->GetLineNum(), c.rule, fmt::format("{}: {}", where, c.message));
+    }
+  }
+  for (const AttributeRule& r : rule.attributes) {
+    if (r.required && seen.count(std::string(r.name)) == 0) {
+      findings.add(element.GetLineNum(), "missing-attribute",
+                   fmt::format("{} needs the attribute {}", tag, r.name));
+    }
+  }
+}
+
+// Elements that URDF files do contain and that we refuse deserve a reason of their own.
+std::string reason_against(std::string_view parent, std::string_view name) {
+  if (name == "mimic") return "coupled joints (<mimic>) are not supported: each joint is free";
+  if (parent == "geometry" && name == "mesh") {
+    return "meshes are not supported as collision shapes: use sphere, box, cylinder or capsule";
+  }
+  if (parent == "geometry" && name == "capsule") {
+    return "URDF has no <capsule>: write a <cylinder> in a <collision> whose name ends in _capsule";
+  }
+  if (name.find(':') != std::string_view::npos) return "macros (xacro) must be expanded first";
+  return "";
+}
+
+void check_children(const tinyxml2::XMLElement& element, const ElementRule& rule,
+                    Findings& findings) {
+  const std::string tag = fmt::format("<{}>", element.Name());
+  std::map<std::string_view, int> count;
+  for (const auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToText() != nullptr) {
+      findings.add(node->GetLineNum(), "unexpected-text",
+                   fmt::format("{} contains the text {}", tag, quoted(node->Value())));
+    }
+    const auto* child = node->ToElement();
+    if (child == nullptr) continue;
+    const std::string_view name = child->Name();
+    if (std::find(rule.ignored.begin(), rule.ignored.end(), name) != rule.ignored.end()) continue;
+    const auto known = std::find_if(rule.children.begin(), rule.children.end(),
+                                    [&](const ChildRule& r) { return r.name == name; });
+    if (known == rule.children.end()) {
+      const std::string reason = reason_against(element.Name(), name);
+      std::string allowed;
+      for (const ChildRule& r : rule.children) allowed += fmt::format(" {}", r.name);
+      findings.add(child->GetLineNum(), name == "mimic" ? "mimic" : "unknown-element",
+                   reason.empty() ? fmt::format("{} in {}; allowed:{}", quoted(std::string(name)),
+                                                tag, allowed.empty() ? " none" : allowed)
+                                  : reason);
+      continue;
+    }
+    if (++count[known->name] == known->most + 1) {
+      findings.add(child->GetLineNum(), "repeated-element",
+                   fmt::format("{} holds more than one <{}>", tag, name));
+    }
+    check_element(*child, findings);
+  }
+  for (const ChildRule& r : rule.children) {
+    if (count[r.name] < r.least) {
+      findings.add(element.GetLineNum(), "missing-element",
+                   fmt::format("{} needs a <{}>", tag, r.name));
+    }
+  }
+}
+
+}  // namespace
+
+std::string quoted(const std::string& text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown(1, '\'');
+  shown.append(text, 0, kLongest);
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  // A cut through a multi-byte character would leave invalid UTF-8.
+  if (text.size() > kLongest) {
+    while ((static_cast<unsigned char>(shown.back()) & 0xc0) == 0x80) shown.pop_back();
+    if (static_cast<unsigned char>(shown.back()) >= 0xc0) shown.pop_back();
+    shown += "...";
+  }
+  shown += '\'';
+  return shown;
+}
+
+double number(const char* text) {
+  double value = 0;
+  [[maybe_unused]] const Complaint complaint = parse_number(text, value);
+  assert(complaint.rule.empty());
+  return value;
+}
+
+void check_element(const tinyxml2::XMLElement& element, Findings& findings) {
+  const ElementRule& rule = rules().at(element.Name());
+  check_attributes(element, rule, findings);
+  check_children(element, rule, findings);
+  if (std::string_view(element.Name()) == "geometry") {
+    int shapes = 0;
+    for (const auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+      ++shapes;
+    }
+    if (shapes != 1) {
+      findings.add(element.GetLineNum(), "geometry",
+                   fmt::format("<geometry> holds {} shapes, must be one", shapes));
+    }
+  }
+}
+
+}  // namespace stillbase::urdf
