@@ -1,0 +1,200 @@
+#include <stillbase/impact/gradient.hpp>
+
+namespace stillbase {
+
+namespace {
+
+/// Linear and angular part of a twist or a momentum, about the base centroid.
+template <class S>
+struct Spatial {
+  Vector3<S> v;
+  Vector3<S> w;
+};
+
+/// Generalised velocity: base twist and joint rates.
+template <class S>
+struct Motion {
+  Vector6<S> Omega;
+  JointVector<S> phidot;
+};
+
+template <class S>
+Spatial<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+  const Vector3<S> z = kin.z(k);
+  if (robot.joints[k].is_prismatic()) return {z, Vector3<S>::Zero()};
+  return {kin.o[k].cross(z), z};
+}
+
+/// Twists of all bodies and momenta of the subtrees that they carry.
+template <class S>
+struct Sweep {
+  std::array<Spatial<S>, kMaxJoints> V;
+  std::array<Spatial<S>, kMaxJoints> P;
+
+  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const Motion<S>& x) {
+    const Kinematics<S>& kin = posture.kinematics;
+    for (int k = 0; k < kin.n; ++k) {
+      const int parent = robot.joints[k].parent;
+      const Spatial<S> axis = joint_axis(robot, kin, k);
+      const Vector3<S> v_p = parent == kBase ? Vector3<S>(x.Omega.template head<3>()) : V[parent].v;
+      const Vector3<S> w_p = parent == kBase ? Vector3<S>(x.Omega.template tail<3>()) : V[parent].w;
+      V[k] = {v_p + axis.v * x.phidot[k], w_p + axis.w * x.phidot[k]};
+      P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
+      P[k].w = kin.c[k].cross(P[k].v) + posture.inertia.I[k] * V[k].w;
+    }
+    for (int k = kin.n - 1; k >= 0; --k) {
+      const int parent = robot.joints[k].parent;
+      if (parent == kBase) continue;
+      P[parent].v += P[k].v;
+      P[parent].w += P[k].w;
+    }
+  }
+};
+
+/// gradient += sign * d/dphi (lambda' H x), lambda and x fixed: each subtree moves as a rigid body
+/// under its joint, so only the twist that it inherits counts.
+template <class S>
+void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                          const Motion<S>& lambda, const Motion<S>& x, const S& sign,
+                          JointVector<S>& gradient) {
+  const Sweep<S> a(robot, posture, lambda);
+  const Sweep<S> b(robot, posture, x);
+  for (int k = 0; k < posture.kinematics.n; ++k) {
+    const Spatial<S> axis = joint_axis(robot, posture.kinematics, k);
+    // (S_k x V) . P with the twist cross product.
+    const auto term = [&axis](const Spatial<S>& V, const Spatial<S>& P) -> S {
+      const Vector3<S> v = axis.w.cross(V.v) + axis.v.cross(V.w);
+      const Vector3<S> w = axis.w.cross(V.w);
+      return v.dot(P.v) + w.dot(P.w);
+    };
+    gradient[k] -= sign * (term(a.V[k], b.P[k]) + term(b.V[k], a.P[k]));
+  }
+}
+
+/// gradient += d/dphi (lambda' J' F), lambda and F fixed.
+template <class S>
+void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                       const Motion<S>& lambda, const Vector6<S>& F, JointVector<S>& gradient) {
+  const Kinematics<S>& kin = posture.kinematics;
+  const Vector3<S> f = F.template head<3>();
+  const Vector3<S> moment = F.template tail<3>() + kin.r_bh.cross(f);
+  // From the hand to the base: the twist that the joints beyond k add, V_N - V_k.
+  Vector3<S> v = Vector3<S>::Zero();
+  Vector3<S> w = Vector3<S>::Zero();
+  Vector3<S> omega_N = lambda.Omega.template tail<3>();
+  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
+    if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
+  }
+  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
+    const Spatial<S> axis = joint_axis(robot, kin, k);
+    const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
+    const Vector3<S> dw = axis.w.cross(w);
+    const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
+    gradient[k] += dv.dot(f) + dw.dot(moment) + omega_N.dot(dh.cross(f));
+    v += axis.v * lambda.phidot[k];
+    w += axis.w * lambda.phidot[k];
+  }
+}
+
+template <class S>
+Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const Motion<S>& x) {
+  Vector6<S> twist = jacobian.R_bh * x.Omega;
+  for (Eigen::Index k = 0; k < x.phidot.size(); ++k) twist += jacobian.J_phi.col(k) * x.phidot[k];
+  return twist;
+}
+
+/// The whole robot turning as one body about its centroid: u' Htilde_omega w = x(u)' H x(w).
+template <class S>
+Motion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
+  Motion<S> x;
+  x.Omega.template head<3>() = -u.cross(posture.inertia.r_bg);
+  x.Omega.template tail<3>() = u;
+  x.phidot.setZero(posture.kinematics.n);
+  return x;
+}
+
+}  // namespace
+
+ImpactResistance prepare_resistance(const JointResistance& resistance, int n) {
+  ImpactResistance out{added_impact_inertia(resistance, n), {}};
+  if (resistance.model == ResistanceModel::Locked) out.locked = resistance.locked;
+  return out;
+}
+
+template <class S>
+PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
+                                  const JointVector<S>& phi) {
+  PostureImpact<S> out;
+  out.kinematics = compute_kinematics(robot, phi);
+  out.inertia = compute_inertia(robot, out.kinematics);
+  out.tilde = compute_tilde_inertia(out.inertia);
+  out.jacobian = compute_hand_jacobian(robot, out.kinematics);
+  out.factor =
+      factorize_impact(out.inertia, out.tilde, resistance.added_inertia, resistance.locked);
+  return out;
+}
+
+template <class S>
+ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) {
+  ImpactResponse<S> out;
+  out.F = F;
+  out.d = compute_jump(posture.factor, posture.jacobian, F);
+  out.total = momentum_change(posture.inertia, posture.jacobian, F);
+  out.base = posture.tilde.Htilde_omega * out.omega();
+  out.hand_inverse_mass =
+      hand_twist(posture.jacobian, Motion<S>{out.d.Delta_Omega, out.d.Delta_phidot}).dot(F);
+  return out;
+}
+
+template <class S>
+ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                      const ImpactResponse<S>& response,
+                                      const ResponseWeights<S>& weights) {
+  const int n = posture.kinematics.n;
+  const Vector3<S> f = response.F.template head<3>();
+  const Motion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
+  ResponseGradient<S> out;
+  out.phi.setZero(n);
+
+  // Adjoint of the parts that are linear in d: H lambda = [0; u_omega + Htilde_omega u_base; 0].
+  Vector6<S> rhs;
+  rhs.template head<3>().setZero();
+  rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
+  const JointVector<S> no_torque = JointVector<S>::Zero(n);
+  const ImpactJump<S> adjoint = solve_impact(posture.factor, rhs, no_torque);
+
+  // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
+  const S s = weights.hand_inverse_mass;
+  const Motion<S> lambda{adjoint.Delta_Omega + d.Omega * s, adjoint.Delta_phidot + d.phidot * s};
+  const Motion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
+  add_hand_gradient(robot, posture, lambda_hand, response.F, out.phi);
+  add_inertia_gradient(robot, posture, lambda, d, S(-1), out.phi);
+  out.F = hand_twist(posture.jacobian, lambda_hand);
+
+  // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
+  if (weights.base != Vector3<S>::Zero()) {
+    add_inertia_gradient(robot, posture, locked_rotation(posture, weights.base),
+                         locked_rotation(posture, response.omega()), S(1), out.phi);
+  }
+
+  // total = r_gh x f + t, r_gh = r_bh - r_bg.
+  const Vector3<S> lever = f.cross(weights.total);
+  for (int k = 0; k < n; ++k) {
+    const Vector3<S> dr = posture.jacobian.J_phi.template block<3, 1>(0, k) -
+                          posture.inertia.H_bphi.template block<3, 1>(0, k) / posture.inertia.mass;
+    out.phi[k] += dr.dot(lever);
+  }
+  const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
+  out.F.template head<3>() += weights.total.cross(r_gh);
+  out.F.template tail<3>() += weights.total;
+  return out;
+}
+
+template PostureImpact<double> evaluate_posture(const RobotModel&, const ImpactResistance&,
+                                                const JointVector<double>&);
+template ImpactResponse<double> respond(const PostureImpact<double>&, const Vector6<double>&);
+template ResponseGradient<double> response_gradient(const RobotModel&, const PostureImpact<double>&,
+                                                    const ImpactResponse<double>&,
+                                                    const ResponseWeights<double>&);
+
+}  // namespace stillbase
