@@ -31,6 +31,9 @@ struct ChildRule {
 
 constexpr int kAny = 1 << 20;
 
+// Sums, products and squares of such numbers along a chain of fixed links stay finite.
+constexpr double kLargestNumber = 1e60;
+
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
@@ -113,6 +116,9 @@ Complaint parse_number(std::string_view text, double& number) {
             shown + " is not a number" + (comma ? " (the decimal separator is a point)" : "")};
   }
   if (!std::isfinite(number)) return {"not-finite", shown + " is not finite"};
+  if (std::abs(number) > kLargestNumber) {
+    return {"out-of-range", fmt::format("{} is larger than {:g}", shown, kLargestNumber)};
+  }
   return {};
 }
 

@@ -256,7 +256,7 @@ TEST_CASE("joint axes become the z axis of their body, in every direction") {
   Random random(3);
   std::vector<Vector3d> axes = {{0, 0, 1},     {0, 0, -1},     {1e-9, 0, -1},
                                 {0, 1, 0},     {0, -3, 0},     {1, 1, 1e-9},
-                                {1, 1, -1e-9}, {1e-200, 0, 0}, {1e200, -1e200, 0}};
+                                {1, 1, -1e-9}, {1e-200, 0, 0}, {1e50, -1e50, 0}};
   for (int i = 0; i < 20; ++i) axes.push_back(random_vector(random, 0.1, 9));
   for (const Vector3d& axis : axes) {
     const RobotModel robot = read(link("base") + link("a") +

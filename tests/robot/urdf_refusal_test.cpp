@@ -142,6 +142,8 @@ TEST_CASE("numbers must be plain, finite numbers") {
   refused(with("rpy=\"0 0 0\"", "rpy=\"0 nan 0\""), 7, "not-finite");
   refused(with("ixx=\"0.1\"", "ixx=\"x\""), 9, "not-a-number");
   refused(with("lower=\"-1\"", "lower=\"-inf\""), 19, "not-finite");
+  // Finite, but its square is not.
+  refused(with("xyz=\"0 0 0.5\"", "xyz=\"0 0 1e200\""), 7, "out-of-range");
   CHECK(findings_of(with("value=\"2\"", "value=\"+2.e0\"")).empty());
 }
 
