@@ -161,10 +161,7 @@ void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& ru
   for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string name = a->Name();
     const std::string where = fmt::format("{} {}", tag, name);
-    if (!seen.insert(name).second) {
-      findings.add(a->GetLineNum(), "repeated-attribute", where + " is given twice");
-      continue;
-    }
+    seen.insert(name);  // repeated ones are no XML
     const auto known = std::find_if(rule.attributes.begin(), rule.attributes.end(),
                                     [&](const AttributeRule& r) { return r.name == name; });
     if (known == rule.attributes.end()) {
@@ -190,6 +187,13 @@ void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& ru
   }
 }
 
+std::string trimmed(const std::string& text) {
+  const char* blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
 // Elements that URDF files do contain and that we refuse deserve a reason of their own.
 std::string reason_against(std::string_view parent, std::string_view name) {
   if (name == "mimic") return "coupled joints (<mimic>) are not supported: each joint is free";
@@ -210,7 +214,7 @@ void check_children(const tinyxml2::XMLElement& element, const ElementRule& rule
   for (const auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
     if (node->ToText() != nullptr) {
       findings.add(node->GetLineNum(), "unexpected-text",
-                   fmt::format("{} contains the text {}", tag, quoted(node->Value())));
+                   fmt::format("{} contains the text {}", tag, quoted(trimmed(node->Value()))));
     }
     const auto* child = node->ToElement();
     if (child == nullptr) continue;
