@@ -47,7 +47,7 @@ Json geometry_json(const Geometry& geometry) {
   return std::visit(Visitor{}, geometry);
 }
 
-Json target_json(const TargetBody& body, const TargetState& state) {
+Json target_body_json(const TargetBody& body) {
   Json json = {{"name", body.name},
                {"model", body.is_point_mass ? "point_mass" : "rigid_body"},
                {"mass", number_json(body.mass)}};
@@ -69,12 +69,15 @@ Json target_json(const TargetBody& body, const TargetState& state) {
                                 {"point", array_json(feature.point)},
                                 {"normal", array_json(feature.normal)}});
   }
-  json["state"] = {{"time", number_json(state.time)},
-                   {"position", array_json(state.pose.position)},
-                   {"orientation", quaternion_json(state.pose.orientation)},
-                   {"linear_velocity", array_json(state.linear_velocity)},
-                   {"angular_velocity", array_json(state.angular_velocity)}};
   return json;
+}
+
+Json target_state_json(const TargetState& state) {
+  return {{"time", number_json(state.time)},
+          {"position", array_json(state.pose.position)},
+          {"orientation", quaternion_json(state.pose.orientation)},
+          {"linear_velocity", array_json(state.linear_velocity)},
+          {"angular_velocity", array_json(state.angular_velocity)}};
 }
 
 Json impact_section_json(const CaptureProblem& problem) {
@@ -157,7 +160,12 @@ Json problem_json(const CaptureProblem& problem) {
                    {"start", joint_values_json(problem.robot, problem.start)},
                    {"base", pose_json(problem.base)},
                    {"allowed_contacts", contacts}};
-  if (problem.target) json["target"] = target_json(*problem.target, problem.target_state);
+  if (problem.target) {
+    json["target"] = target_body_json(*problem.target);
+    if (!problem.impulse.direction) {
+      json["target"]["state"] = target_state_json(problem.target_state);
+    }
+  }
   json["impact"] = impact_section_json(problem);
   json["variables"] = variables_json(problem);
   json["objective"] = {{"quantity", word_of(objective_names(), problem.objective)}};

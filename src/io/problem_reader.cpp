@@ -141,7 +141,7 @@ void read_target_section(MapReader& problem_map, CaptureProblem& problem,
   } else if (!map.has("file")) {
     problem.target = read_target_body(map);
   }
-  if (const Node* state = map.child("state", Need::Required)) {
+  if (const Node* state = map.child("state")) {
     problem.target_state = read_target_state(context, *state, map.path_of("state"));
   }
   map.finish();
@@ -169,31 +169,41 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("impact", "missing-key",
            "source: 'rigid_body' needs a target that is a rigid body with a contact feature");
   }
+  if (impulse.source == ImpulseSource::RigidBody && impulse.direction) {
+    refuse("impact", "not-used",
+           "direction: 'rigid_body' takes it from the contact feature; leave it out");
+  }
   if (impulse.source != ImpulseSource::Given && !impulse.moment.isZero(0)) {
     refuse("impact", "not-used", "moment: only a given impulse has a moment");
   }
-  const bool states_speed = impulse.source == ImpulseSource::PointMass && impulse.direction;
-  if (states_speed && !(impulse.closing_speed >= problem.constraints.closing_speed_min)) {
+  if (impulse.source == ImpulseSource::PointMass && impulse.direction &&
+      !(impulse.closing_speed >= problem.constraints.closing_speed_min)) {
     refuse("impact", "out-of-range",
            fmt::format("closing_speed: is {} m/s; a point mass from a stated direction needs at "
                        "least closing_speed_min = {} m/s",
                        impulse.closing_speed, problem.constraints.closing_speed_min));
   }
-  if (!states_speed && impulse.closing_speed != 0) {
+  if (!impulse.direction && impulse.closing_speed != 0) {
     refuse("impact", "not-used",
-           "closing_speed: is stated only for a point mass from a stated direction; here the "
-           "motion of the target decides");
+           "closing_speed: is stated only beside a direction; here the motion of the target "
+           "decides");
+  }
+  const Node* target = map.child("target");
+  const bool states_motion = target != nullptr && MapReader(context, *target, "").has("state");
+  if (impulse.direction && states_motion) {
+    refuse("target", "not-used",
+           "state: with impact.direction stated the target comes along it at closing_speed; leave "
+           "one of them out");
+  }
+  if (!impulse.direction && problem.target && !states_motion) {
+    refuse("target", "missing-key",
+           "state: must be stated when impact.direction is not, or nothing says how it moves");
   }
 
   const HandSpec& hand = problem.hand;
-  const bool needs_feature =
-      hand.constraint == HandConstraint::Axis ||
-      (hand.constraint == HandConstraint::Position && !hand.position) ||
-      (hand.constraint == HandConstraint::Pose && (!hand.position || !hand.orientation));
-  if (needs_feature && !has_feature) {
+  if (hand.constraint == HandConstraint::Position && !hand.position && impulse.direction) {
     refuse("hand", "missing-key",
-           "constraint: needs a target with a contact feature, or position (and for 'pose' "
-           "orientation) stated");
+           "position: must be stated beside impact.direction; the target comes to the hand then");
   }
   if (hand.orientation && hand.constraint != HandConstraint::Pose) {
     refuse("hand", "not-used", "orientation: only the constraint 'pose' uses it");

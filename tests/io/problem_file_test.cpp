@@ -258,11 +258,33 @@ TEST_CASE("sections that contradict each other are refused") {
   refuses_change("impact:\n", "impact:\n  closing_speed: 1\n", "not-used",
                  {"impact.closing_speed"});
   refuses_change("impact:\n", "impact:\n  moment: [0, 0, 1]\n", "not-used", {"impact.moment"});
-  const std::string without_feature =
-      replaced(kProblem, "    - {name: plus_x, point: [0.3, 0.12, 0.06], normal: [1, 0, 0]}", "");
-  const auto findings = findings_of([&] { read(replaced(without_feature, "  features:\n", "")); });
-  INFO(text_of(findings));
-  CHECK(findings.size() == 3);  // direction, source and hand need it
+}
+
+TEST_CASE("what the sections need of each other is asked for") {
+  const std::string point_mass =
+      replaced(replaced(kProblem, "source: rigid_body", "source: point_mass"), "restitution: 0.5",
+               "direction: {angle: 10 deg}");
+  const auto rules = [](const std::string& text) {
+    std::string list;
+    for (const Finding& finding : findings_of([&] { read(text); })) list += finding.message + "\n";
+    return list;
+  };
+  CHECK_THAT(rules(point_mass), Catch::Contains("impact.closing_speed") &&
+                                    Catch::Contains("closing_speed_min = 0.01") &&
+                                    Catch::Contains("target.state"));
+  const std::string without_feature = replaced(
+      replaced(kProblem, "    - {name: plus_x, point: [0.3, 0.12, 0.06], normal: [1, 0, 0]}", ""),
+      "  features:\n", "");
+  CHECK_THAT(rules(without_feature),
+             Catch::Contains("impact.direction") && Catch::Contains("impact.source"));
+  const std::string two_directions =
+      replaced(kProblem, "impact:\n", "impact:\n  direction: [1, 0, 0]\n");
+  CHECK_THAT(rules(two_directions),
+             Catch::Contains("impact.direction") && Catch::Contains("target.state"));
+  const std::string without_motion = replaced(
+      replaced(replaced(kProblem, "  state:\n", ""), "    linear_velocity: [-50 mm/s, 0, 0]\n", ""),
+      "    angular_velocity: {axis: [1, 2, 2], rate: 5 deg/s}\n", "");
+  CHECK_THAT(rules(without_motion), Catch::Contains("target.state"));
 }
 
 TEST_CASE("several findings are reported together") {
