@@ -53,7 +53,8 @@ std::optional<Vector3d> read_direction(ReadContext& context, const Node& node,
 /// A vector that must be a unit vector to 1e-6 as written.
 std::optional<Vector3d> read_unit_vector(ReadContext& context, const Node& node,
                                          const std::string& path);
-/// {w, x, y, z} of norm 1 to 1e-6, {rpy: [roll, pitch, yaw]} as in URDF, or {axis: , angle: }.
+/// {w, x, y, z} of norm 1 to 1e-6, {rpy: [roll, pitch, yaw]} as in URDF, or {axis: , angle: }. A
+/// quaternion of norm 1 to rounding is kept bit for bit.
 std::optional<Eigen::Quaterniond> read_orientation(ReadContext& context, const Node& node,
                                                    const std::string& path);
 

@@ -10,24 +10,34 @@ namespace stillbase::io {
 
 namespace {
 
-void write(const Json& json, int depth, std::string& out) {
-  const auto is_plain = [](const Json& value) { return !value.is_structured(); };
-  const bool fits_a_line = !json.is_structured() || json.empty() ||
-                           (json.is_array() && std::all_of(json.begin(), json.end(), is_plain));
-  if (fits_a_line) {
-    if (!json.is_array()) {
-      out += json.dump();
-      return;
-    }
-    out += '[';
-    for (std::size_t i = 0; i < json.size(); ++i) {
-      if (i > 0) out += ", ";
-      out += json[i].dump();
-    }
-    out += ']';
+/// On one line, with a space after commas and colons.
+void write_flat(const Json& json, std::string& out) {
+  if (!json.is_structured()) {
+    out += json.dump();
     return;
   }
-  const std::string indent(2 * (static_cast<std::size_t>(depth) + 1), ' ');
+  out += json.is_array() ? '[' : '{';
+  bool is_first = true;
+  for (auto it = json.begin(); it != json.end(); ++it) {
+    if (!is_first) out += ", ";
+    is_first = false;
+    if (json.is_object()) out += Json(it.key()).dump() + ": ";
+    write_flat(*it, out);
+  }
+  out += json.is_array() ? ']' : '}';
+}
+
+void write(const Json& json, std::size_t depth, std::string& out) {
+  const auto is_plain = [](const Json& value) { return !value.is_structured(); };
+  std::string flat;
+  write_flat(json, flat);
+  const bool is_list = json.is_array() && std::all_of(json.begin(), json.end(), is_plain);
+  constexpr std::size_t kLineLength = 100;
+  if (!json.is_structured() || is_list || flat.size() + 2 * depth <= kLineLength) {
+    out += flat;
+    return;
+  }
+  const std::string indent(2 * (depth + 1), ' ');
   out += json.is_array() ? "[\n" : "{\n";
   bool is_first = true;
   for (auto it = json.begin(); it != json.end(); ++it) {
@@ -37,7 +47,7 @@ void write(const Json& json, int depth, std::string& out) {
     if (json.is_object()) out += Json(it.key()).dump() + ": ";
     write(*it, depth + 1, out);
   }
-  out += '\n' + std::string(2 * static_cast<std::size_t>(depth), ' ');
+  out += '\n' + std::string(2 * depth, ' ');
   out += json.is_array() ? ']' : '}';
 }
 

@@ -47,6 +47,9 @@ void read_joint_values(MapReader& map, const std::string& key, const RobotModel&
 void read_joint_flags(MapReader& map, const std::string& key, const RobotModel& robot, Need need,
                       std::vector<bool>& out);
 
+/// The keys that the model of a joint resistance needs.
+void read_resistance_values(MapReader& map, const RobotModel& robot, JointResistance& resistance);
+
 std::vector<std::string> joint_names(const RobotModel& robot);
 std::vector<std::string> link_names(const RobotModel& robot);
 

@@ -51,25 +51,7 @@ void read_resistance(MapReader& impact, CaptureProblem& problem) {
   }
   MapReader map(impact.context(), *node, impact.path_of(key));
   map.choice("model", resistance.model, resistance_names(), Need::Required);
-  switch (resistance.model) {
-    case ResistanceModel::Free:
-      break;
-    case ResistanceModel::RotorInertia:
-      read_joint_values(map, "rotor_inertia", problem.robot, Dimension::Inertia, Dimension::Mass,
-                        kNonNegative, true, Need::Required, resistance.rotor_inertia);
-      break;
-    case ResistanceModel::Servo:
-      read_joint_values(map, "stiffness", problem.robot, Dimension::Stiffness, Dimension::Stiffness,
-                        kNonNegative, true, Need::Required, resistance.stiffness);
-      read_joint_values(map, "damping", problem.robot, Dimension::Damping, Dimension::Damping,
-                        kNonNegative, true, Need::Required, resistance.damping);
-      map.number("contact_duration", resistance.contact_duration, Dimension::Time, kPositive,
-                 Need::Required);
-      break;
-    case ResistanceModel::Locked:
-      read_joint_flags(map, "locked", problem.robot, Need::Required, resistance.locked);
-      break;
-  }
+  read_resistance_values(map, problem.robot, resistance);
   map.finish();
 }
 
@@ -89,6 +71,28 @@ void read_impulse_direction(MapReader& map, ImpulseSpec& impulse) {
 }
 
 }  // namespace
+
+void read_resistance_values(MapReader& map, const RobotModel& robot, JointResistance& resistance) {
+  switch (resistance.model) {
+    case ResistanceModel::Free:
+      break;
+    case ResistanceModel::RotorInertia:
+      read_joint_values(map, "rotor_inertia", robot, Dimension::Inertia, Dimension::Mass,
+                        kNonNegative, true, Need::Required, resistance.rotor_inertia);
+      break;
+    case ResistanceModel::Servo:
+      read_joint_values(map, "stiffness", robot, Dimension::Stiffness, Dimension::Stiffness,
+                        kNonNegative, true, Need::Required, resistance.stiffness);
+      read_joint_values(map, "damping", robot, Dimension::Damping, Dimension::Damping, kNonNegative,
+                        true, Need::Required, resistance.damping);
+      map.number("contact_duration", resistance.contact_duration, Dimension::Time, kPositive,
+                 Need::Required);
+      break;
+    case ResistanceModel::Locked:
+      read_joint_flags(map, "locked", robot, Need::Required, resistance.locked);
+      break;
+  }
+}
 
 void read_impact_section(MapReader& map, CaptureProblem& problem) {
   MapReader impact = section(map, "impact");
