@@ -19,7 +19,7 @@ namespace {
 constexpr double kTurn = 6.283185307179586;
 constexpr double kLimitSlack = 1e-6;  ///< rad or m: what optimizers leave outside a limit
 constexpr int kAttempts = 8;
-constexpr int kSweptEffort = 20;  ///< part of the planner's iterations spent around those
+constexpr int kSweptEffort = 5;  ///< part of the planner's iterations spent around those
 constexpr int kSweptPoses = 8;    ///< target poses during a motion that was hit, taken as obstacles
 
 bool is_finite(const Pose& pose) {
