@@ -44,6 +44,17 @@ TEST_CASE("bodies joined where both shapes reach the joint are exempt") {
   CHECK(scene.pair_count() == 1);  // link2 with base alone
 }
 
+TEST_CASE("joined shapes that overlap wherever the joint stands are exempt, others are not") {
+  RobotModel robot = planar_robot(2, 1.2);
+  // A flange in front of the elbow, on its axis: inside the end of link 1 at every angle.
+  robot.shapes.back() = {1, "link2", Pose{Vector3d(0.03, 0, 0), Eigen::Quaterniond::Identity()},
+                         Sphere{0.02}};
+  CHECK(CollisionScene(robot, {}).pair_count() == 1);
+  // Further out it leaves link 1 when the elbow is straight.
+  robot.shapes.back().pose.position.x() = 0.3;
+  CHECK(CollisionScene(robot, {}).pair_count() == 2);
+}
+
 TEST_CASE("allowed contacts are not looked at") {
   const RobotModel robot = planar_robot();
   SceneParts parts;
