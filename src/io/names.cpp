@@ -93,24 +93,4 @@ const Names<ApproachStatus>& approach_status_names() {
   return names;
 }
 
-const std::vector<std::string>& known_optimizers() {
-  static const std::vector<std::string> names{
-      "nlopt-slsqp",  "nlopt-auglag-lbfgs", "nlopt-auglag-mma",    "nlopt-ccsaq",
-      "nlopt-cobyla", "nlopt-bobyqa",       "nlopt-crs2",          "nlopt-isres",
-      "nlopt-esch",   "nlopt-direct-l",     "nlopt-mlsl",          "nlopt-stogo",
-      "ipopt",        "ipopt-lbfgs",        "gradient-projection", "random-search"};
-  return names;
-}
-
-const std::vector<std::string>& known_planners() {
-  static const std::vector<std::string> names{"rrt_connect"};
-  return names;
-}
-
-const std::vector<std::string>& known_controllers() {
-  static const std::vector<std::string> names{"none", "joint_damping", "joint_damping_literal",
-                                              "rns", "rns_damped"};
-  return names;
-}
-
 }  // namespace stillbase::io

@@ -50,9 +50,4 @@ const Names<ImpactCase>& impact_case_names();
 const Names<PlanStatus>& plan_status_names();
 const Names<ApproachStatus>& approach_status_names();
 
-/// Optimizers, planners and controllers that a file may name.
-const std::vector<std::string>& known_optimizers();
-const std::vector<std::string>& known_planners();
-const std::vector<std::string>& known_controllers();
-
 }  // namespace stillbase::io

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/approach/approach.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/simulation/controllers.hpp>
+
 #include "io/problem_reader.hpp"
 #include "io/target_reader.hpp"
 
@@ -250,7 +254,7 @@ void read_search_section(MapReader& map, CaptureProblem& problem) {
   SearchSpec& search = problem.search;
   if (fields.text("optimizer", search.optimizer)) {
     check_name(map.context(), fields.line_of("optimizer"), fields.path_of("optimizer"),
-               search.optimizer, known_optimizers(), "optimizers");
+               search.optimizer, nlp::optimizer_names(), "optimizers");
   }
   fields.integer("starts", search.starts, 1, kManyTimes);
   fields.unsigned_integer("seed", search.seed);
@@ -278,7 +282,7 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
   fields.number("resolution", approach.resolution, Dimension::Angle, kPositive);
   if (fields.text("planner", approach.planner)) {
     check_name(map.context(), fields.line_of("planner"), fields.path_of("planner"),
-               approach.planner, known_planners(), "planners");
+               approach.planner, approach_planner_names(), "planners");
   }
   fields.integer("max_iterations", approach.max_iterations, 1, kManyTimes);
   fields.finish();
@@ -296,7 +300,7 @@ void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
     for (std::size_t i = 0; i < list->items.size(); ++i) {
       const std::string path = fmt::format("{}[{}]", fields.path_of("controllers"), i);
       const auto name = read_text(context, list->items[i], path);
-      if (!name || !check_name(context, list->items[i].line, path, *name, known_controllers(),
+      if (!name || !check_name(context, list->items[i].line, path, *name, controller_names(),
                                "controllers")) {
         continue;
       }
