@@ -190,11 +190,30 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   return out;
 }
 
+template <class S>
+JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                        int i, const Vector3<S>& y) {
+  // Both motions carry no linear momentum, so the translation drops out of the derivative.
+  Motion<S> x;
+  x.Omega.setZero();
+  x.Omega.template head<3>() =
+      -posture.inertia.H_bphi.template block<3, 1>(0, i) / posture.inertia.mass;
+  x.phidot.setZero(posture.kinematics.n);
+  x.phidot[i] = S(1);
+  JointVector<S> gradient;
+  gradient.setZero(posture.kinematics.n);
+  add_inertia_gradient(robot, posture, locked_rotation(posture, y), x, S(1), gradient);
+  return gradient;
+}
+
 template PostureImpact<double> evaluate_posture(const RobotModel&, const ImpactResistance&,
                                                 const JointVector<double>&);
 template ImpactResponse<double> respond(const PostureImpact<double>&, const Vector6<double>&);
 template ResponseGradient<double> response_gradient(const RobotModel&, const PostureImpact<double>&,
                                                     const ImpactResponse<double>&,
                                                     const ResponseWeights<double>&);
+template JointVector<double> coupling_column_gradient(const RobotModel&,
+                                                      const PostureImpact<double>&, int,
+                                                      const Vector3<double>&);
 
 }  // namespace stillbase

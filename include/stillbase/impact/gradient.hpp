@@ -69,4 +69,10 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
                                       const ImpactResponse<S>& response,
                                       const ResponseWeights<S>& weights);
 
+/// d/dphi of y . Htilde_omegaphi e_i, y fixed in B (n): how column i of the angular coupling matrix
+/// turns with the posture.
+template <class S>
+JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                        int i, const Vector3<S>& y);
+
 }  // namespace stillbase

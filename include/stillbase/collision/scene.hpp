@@ -1,0 +1,108 @@
+// Who may touch whom: the robot's bodies, the obstacles and the target at one instant.
+//
+// Which pairs of shapes are looked at:
+//  - two shapes of the same body never;
+//  - shapes of two bodies joined by one joint, unless *both* reach that joint's origin (in the
+//    parent at joint position 0): those overlap by construction. A link whose shoulder stands off
+//    the base's box can swing into it and is checked;
+//  - pairs named in allowed_contacts (names of links, obstacles, or "target") never;
+//  - obstacles against every body; those fixed to the base not against the base body;
+//  - the target against every body and against obstacles fixed to the base. The hand's body may be
+//    near the target only while the contact feature is within `contact_allowance` of the hand
+//    point; earlier it is a hit that came early. A target without a feature (a point mass with a
+//    round shape) is met at the point of its bounding sphere that is nearest to the hand.
+//
+// Distances between spheres and capsules are exact; other pairs go through GJK (FCL): capsule
+// against box to 1e-6 m, box against box up to half a millimetre too large. Overlapping pairs have
+// a distance <= 0 whose size means nothing.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+/// Name of the target's body in messages and in allowed_contacts.
+inline constexpr const char* kTargetName = "target";
+
+/// Two things and the distance between them, m.
+struct Proximity {
+  std::string first, second;  ///< link, obstacle or "target"; the one further out comes first
+  double distance = 0;
+};
+/// "link2 with base".
+std::string to_string(const Proximity& proximity);
+
+/// Upper bounds on how far everything moves during an interval, counted from the instant that is
+/// looked at to either end.
+struct SceneTravel {
+  JointVectord joints;            ///< n, rad or m
+  double base_translation = 0;    ///< of B's origin in N, m
+  double base_rotation = 0;       ///< rad
+  double target_translation = 0;  ///< of T's origin in N, m
+  double target_rotation = 0;     ///< rad
+};
+
+enum class SweepVerdict {
+  Clear,   ///< every pair keeps the margin during the whole interval: proven
+  Unsure,  ///< the margin is kept at the instant, the interval must be looked at more closely
+  Hit      ///< the margin is broken at the instant
+};
+
+struct SweepResult {
+  SweepVerdict verdict = SweepVerdict::Clear;
+  Proximity closest;  ///< the pair that decides, unless Clear
+};
+
+/// What a scene is made of beside the robot.
+struct SceneParts {
+  std::vector<std::pair<std::string, std::string>> allowed_contacts;
+  std::vector<Obstacle> obstacles;
+  std::optional<TargetBody> target;
+  std::optional<ContactFeature> feature;  ///< where the hand meets the target
+  double contact_allowance = 0;           ///< m
+};
+
+/// Immutable; copies are cheap and share their shapes. Any number of threads may ask at once.
+class CollisionScene {
+ public:
+  /// @throws std::invalid_argument for shapes or poses that are not finite and positive
+  CollisionScene(const RobotModel& robot, const SceneParts& parts);
+
+  /// The scene of a problem: its obstacles, allowed contacts, target and chosen feature.
+  /// @throws std::invalid_argument also when the target has no feature of the name asked for
+  explicit CollisionScene(const CaptureProblem& problem);
+
+  /// First pair, in a fixed order, that is closer than `margin` or overlaps.
+  /// @param kinematics posture, in B
+  /// @param base T_NB; matters for obstacles in N and the target alone
+  /// @param target T_NT, or null: the target is elsewhere
+  /// @throws std::invalid_argument for poses that are not finite
+  std::optional<Proximity> first_hit(const Kinematics<double>& kinematics, const Pose& base,
+                                     const Pose* target, double margin = 0) const;
+
+  /// The closest pair among those that may not touch. Empty when there is no such pair.
+  std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
+                                   const Pose* target) const;
+
+  /// Looks at one instant and concludes for an interval around it: no point of a body moves further
+  /// than the travel bounds allow, pair by pair.
+  SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
+                    const SceneTravel& travel, double margin) const;
+
+  /// Number of pairs that are looked at.
+  int pair_count() const;
+
+  struct Data;  ///< private to src/collision
+
+ private:
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace stillbase

@@ -1,0 +1,28 @@
+// Which entries of the variable vector mean what.
+#pragma once
+
+#include <vector>
+
+#include <stillbase/core/rotation.hpp>
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+struct VariableLayout {
+  std::vector<int> joints;       ///< free joints, in order; entry i of x is phi[joints[i]]
+  int attitude = -1;             ///< first attitude variable, or -1
+  int attitude_size = 0;         ///< 0, 1 (angle about the axis) or 3 (rotation vector)
+  int time = -1;                 ///< contact time, or -1
+  int size = 0;                  ///< N
+  Eigen::VectorXd lower, upper;  ///< N
+
+  explicit VariableLayout(const CaptureProblem& problem);
+
+  JointVectord joint_positions(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
+  Eigen::Quaterniond attitude_of(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
+  /// Turn of B (rad, in B) per attitude variable, 3 x attitude_size.
+  Eigen::Matrix3Xd attitude_rates(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
+  double contact_time(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
+};
+
+}  // namespace stillbase

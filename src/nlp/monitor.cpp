@@ -1,0 +1,174 @@
+#include "nlp/monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillbase::nlp {
+namespace {
+
+// A line search that halves its step 60 times has reached the rounding of its own point.
+constexpr int kMaxRejectedInARow = 60;
+
+// Solvers ask for one point a few times (objective, constraints, gradients). One that asks for it
+// this often is in a loop that the evaluation budget alone would never end.
+constexpr int kMaxRepeatsInARow = 1000;
+
+bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() && (a.array() == b.array()).all();
+}
+
+}  // namespace
+
+Monitor::Monitor(const Problem& problem, const OptimizeOptions& options, bool with_derivatives,
+                 int max_evaluations)
+    : problem_(problem),
+      options_(options),
+      with_derivatives_(with_derivatives),
+      max_evaluations_(max_evaluations),
+      lower_(problem.lower()),
+      upper_(problem.upper()),
+      constraint_lower_(problem.constraint_lower()),
+      constraint_upper_(problem.constraint_upper()),
+      trial_(problem.num_variables()),
+      multipliers_(problem.num_constraints()) {}
+
+bool Monitor::may_go_on() {
+  if (stopped()) return false;
+  if (options_.stop.is_interrupted()) {
+    stop_ = StopReason::Interrupted;
+  } else if (options_.stop.is_late()) {
+    stop_ = StopReason::Deadline;
+  } else if (evaluations_ >= max_evaluations_) {
+    stop_ = StopReason::EvaluationLimit;
+  }
+  return !stopped();
+}
+
+void Monitor::keep_exception() {
+  exception_ = std::current_exception();
+  stop_ = StopReason::NonFinite;  // any reason will do: the exception leaves minimize() instead
+}
+
+void Monitor::run_model(Point& point, bool with_derivatives) {
+  point.valid = false;
+  point.has_derivatives = false;
+  ++evaluations_;
+  Evaluation& e = point.evaluation;
+  if (with_derivatives) {
+    ++gradient_evaluations_;
+    problem_.evaluate(point.x, e);
+  } else {
+    problem_.evaluate_value(point.x, e);
+  }
+  const bool finite = std::isfinite(e.objective) && e.constraints.allFinite() &&
+                      (!with_derivatives || (e.gradient.allFinite() && e.jacobian.allFinite()));
+  if (!finite) {
+    ++rejected_evaluations_;
+    if (++rejected_in_a_row_ >= kMaxRejectedInARow) stop(StopReason::NonFinite);
+    return;
+  }
+  rejected_in_a_row_ = 0;
+  worst_objective_ = std::max(worst_objective_, e.objective);
+  point.valid = true;
+  point.has_derivatives = with_derivatives;
+  point.feasible = true;
+  point.violation_squared = 0.0;
+  for (Eigen::Index i = 0; i < e.constraints.size(); ++i) {
+    const double g = e.constraints[i];
+    const double v = std::max({g - constraint_upper_[i], constraint_lower_[i] - g, 0.0});
+    point.feasible = point.feasible && v <= options_.feasibility_tolerance;
+    point.violation_squared += v * v;
+  }
+}
+
+const Monitor::Point* Monitor::find_known(const Eigen::VectorXd& x) const {
+  for (const Point& point : recent_) {
+    if (is_same(x, point.x)) return &point;
+  }
+  return is_same(x, best_.x) ? &best_ : nullptr;
+}
+
+void Monitor::keep_if_best(const Point& point) {
+  if (!point.valid) return;
+  const bool better =
+      !best_.valid || (point.feasible != best_.feasible ? point.feasible
+                       : point.feasible ? point.evaluation.objective < best_.evaluation.objective
+                                        : point.violation_squared < best_.violation_squared);
+  if (better) best_ = point;
+}
+
+const Evaluation* Monitor::evaluate(const double* x) noexcept {
+  try {
+    trial_ = Eigen::Map<const Eigen::VectorXd>(x, trial_.size()).cwiseMax(lower_).cwiseMin(upper_);
+    for (Eigen::Index j = 0; j < trial_.size(); ++j) {
+      if (!std::isfinite(x[j])) {  // the solver's own overflow; cwiseMax would hide a NaN
+        if (++rejected_in_a_row_ >= kMaxRejectedInARow) stop(StopReason::NonFinite);
+        return nullptr;
+      }
+    }
+    if (const Point* known = find_known(trial_)) {
+      if (++repeats_in_a_row_ >= kMaxRepeatsInARow) stop(StopReason::Stalled);
+      return known->valid ? &known->evaluation : nullptr;
+    }
+    if (!may_go_on()) return nullptr;
+    repeats_in_a_row_ = 0;
+    Point& point = recent_[next_];
+    next_ = (next_ + 1) % recent_.size();
+    point.x = trial_;
+    run_model(point, with_derivatives_);
+    keep_if_best(point);
+    return point.valid ? &point.evaluation : nullptr;
+  } catch (...) {
+    keep_exception();
+    return nullptr;
+  }
+}
+
+bool Monitor::lagrangian_hessian(const double* x, double sigma, const double* multipliers,
+                                 Eigen::MatrixXd& out) noexcept {
+  try {
+    if (stopped() || (options_.stop.reached() && !may_go_on())) return false;
+    trial_ = Eigen::Map<const Eigen::VectorXd>(x, trial_.size()).cwiseMax(lower_).cwiseMin(upper_);
+    multipliers_ = Eigen::Map<const Eigen::VectorXd>(multipliers, multipliers_.size());
+    ++hessian_evaluations_;
+    problem_.lagrangian_hessian(trial_, sigma, multipliers_, out);
+    return out.allFinite();
+  } catch (...) {
+    keep_exception();
+    return false;
+  }
+}
+
+bool Monitor::evaluate_start(const Eigen::VectorXd& x) noexcept {
+  try {
+    Point& point = recent_[next_++];
+    point.x = x;
+    run_model(point, true);
+    keep_if_best(point);
+    return point.valid;
+  } catch (...) {
+    keep_exception();
+    return false;
+  }
+}
+
+void Monitor::complete_best() noexcept {
+  if (!best_.valid || best_.has_derivatives) return;
+  try {
+    Point completed;
+    completed.x = best_.x;
+    run_model(completed, true);
+    // Without finite derivatives the values still stand; there is no certificate then.
+    if (completed.valid) best_ = completed;
+  } catch (...) {
+    keep_exception();
+  }
+}
+
+double Monitor::rejection_value() const {
+  return std::isfinite(worst_objective_)
+             ? worst_objective_ + 10.0 * (1.0 + std::abs(worst_objective_))
+             : 1e10;
+}
+
+}  // namespace stillbase::nlp

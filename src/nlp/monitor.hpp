@@ -1,0 +1,102 @@
+// What stands between a problem and every solver: one model evaluation per point, the best point so
+// far, budget, deadline, interruption, NaN and exceptions. No adapter does any of this itself.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <exception>
+#include <stillbase/nlp/optimizer.hpp>
+
+namespace stillbase::nlp {
+
+class Monitor {
+ public:
+  /// `with_derivatives`: every evaluation brings derivatives. Even where a line search only asks
+  /// for the value this is cheaper than evaluating the accepted point twice. `max_evaluations`:
+  /// what the solver may use.
+  Monitor(const Problem& problem, const OptimizeOptions& options, bool with_derivatives,
+          int max_evaluations);
+
+  /// Values (and derivatives) at x (N doubles), moved into the box where rounding left it. Null
+  /// when the point is rejected (NaN or infinity) or the solver has to stop: ask stopped(). The
+  /// pointer holds until the next call. Safe in any callback: never throws.
+  const Evaluation* evaluate(const double* x) noexcept;
+
+  /// Hessian of the Lagrangian; false when it has NaN or infinity or the solver has to stop.
+  bool lagrangian_hessian(const double* x, double sigma, const double* multipliers,
+                          Eigen::MatrixXd& out) noexcept;
+
+  /// The start, with derivatives, whatever budget and deadline say. False: it is not finite.
+  bool evaluate_start(const Eigen::VectorXd& x) noexcept;
+
+  /// Adds the derivatives at the best point when they are missing, whatever the budget says.
+  void complete_best() noexcept;
+
+  bool stopped() const { return stop_ != StopReason::SolverEnded; }
+  StopReason stop_reason() const { return stop_; }
+  void stop(StopReason reason) {
+    if (!stopped()) stop_ = reason;
+  }
+  /// Throws what the problem threw.
+  void rethrow() const {
+    if (exception_) std::rethrow_exception(exception_);
+  }
+
+  /// A finite objective worse than all seen, for solvers that cannot take a refusal or infinity.
+  double rejection_value() const;
+
+  bool has_best() const { return best_.valid; }
+  const Eigen::VectorXd& best_x() const { return best_.x; }
+  const Evaluation& best() const { return best_.evaluation; }
+
+  const Problem& problem() const { return problem_; }
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  const Eigen::VectorXd& constraint_lower() const { return constraint_lower_; }
+  const Eigen::VectorXd& constraint_upper() const { return constraint_upper_; }
+
+  int evaluations() const { return evaluations_; }
+  int gradient_evaluations() const { return gradient_evaluations_; }
+  int hessian_evaluations() const { return hessian_evaluations_; }
+  int rejected_evaluations() const { return rejected_evaluations_; }
+
+ private:
+  struct Point {
+    Eigen::VectorXd x;
+    Evaluation evaluation;
+    bool valid = false;  // finite
+    bool has_derivatives = false;
+    bool feasible = false;
+    double violation_squared = kInfinity;
+  };
+
+  bool may_go_on();
+  void keep_exception();  // in a handler only
+  void run_model(Point& point, bool with_derivatives);
+  const Point* find_known(const Eigen::VectorXd& x) const;
+  void keep_if_best(const Point& point);
+
+  const Problem& problem_;
+  const OptimizeOptions& options_;
+  const bool with_derivatives_;
+  const int max_evaluations_;
+  const Eigen::VectorXd lower_, upper_, constraint_lower_, constraint_upper_;
+
+  Eigen::VectorXd trial_, multipliers_;
+  // Solvers ask for one point in several callbacks, and line searches and restoration phases come
+  // back to points of some steps ago (13 seen with ipopt, 26 in a cycle of nlopt-auglag-mma).
+  std::array<Point, 32> recent_;
+  std::size_t next_ = 0;  // the slot of recent_ that is overwritten next
+  Point best_;
+  double worst_objective_ = -kInfinity;
+  int evaluations_ = 0;
+  int gradient_evaluations_ = 0;
+  int hessian_evaluations_ = 0;
+  int rejected_evaluations_ = 0;
+  int rejected_in_a_row_ = 0;
+  int repeats_in_a_row_ = 0;
+  StopReason stop_ = StopReason::SolverEnded;
+  std::exception_ptr exception_;
+};
+
+}  // namespace stillbase::nlp

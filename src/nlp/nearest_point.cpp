@@ -1,0 +1,50 @@
+#include "nlp/nearest_point.hpp"
+
+namespace stillbase::nlp {
+namespace {
+
+class ViolationProblem final : public Problem {
+ public:
+  explicit ViolationProblem(const Problem& problem)
+      : problem_(problem),
+        constraint_lower_(problem.constraint_lower()),
+        constraint_upper_(problem.constraint_upper()) {}
+
+  int num_variables() const override { return problem_.num_variables(); }
+  int num_constraints() const override { return 0; }
+  Eigen::VectorXd lower() const override { return problem_.lower(); }
+  Eigen::VectorXd upper() const override { return problem_.upper(); }
+  Eigen::VectorXd constraint_lower() const override { return {}; }
+  Eigen::VectorXd constraint_upper() const override { return {}; }
+
+  void evaluate(const Eigen::VectorXd& x, Evaluation& out) const override {
+    problem_.evaluate(x, inner_);
+    const Eigen::VectorXd violation =
+        signed_violation(inner_.constraints, constraint_lower_, constraint_upper_);
+    out.objective = 0.5 * violation.squaredNorm();
+    // A NaN compares false with both bounds and would look like no violation.
+    if (!inner_.constraints.allFinite()) out.objective = kInfinity;
+    out.gradient.noalias() = inner_.jacobian.transpose() * violation;
+    out.constraints.resize(0);
+    out.jacobian.resize(0, x.size());
+  }
+
+ private:
+  const Problem& problem_;
+  const Eigen::VectorXd constraint_lower_, constraint_upper_;
+  mutable Evaluation inner_;
+};
+
+}  // namespace
+
+NearestPoint nearest_point(const Problem& problem, const Eigen::VectorXd& x0, int max_evaluations,
+                           const OptimizeOptions& options) {
+  OptimizeOptions inner = options;
+  inner.max_evaluations = max_evaluations;
+  inner.explain_infeasibility = false;
+  const ViolationProblem violation(problem);
+  const OptimizeResult found = make_optimizer("nlopt-slsqp")->minimize(violation, x0, inner);
+  return {found.x, found.evaluations};
+}
+
+}  // namespace stillbase::nlp

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+
+#include "nlp/monitor.hpp"
+#include "nlp/nearest_point.hpp"
+
+namespace stillbase::nlp {
+namespace {
+
+// A violation is at a local minimum when its relative slope is below this. Solvers that minimise a
+// penalty stop at about 1e-4 of it; anywhere else the slope is of order one.
+constexpr double kFlatViolation = 1e-3;
+
+// Enough for SLSQP on a dozen variables several times over, little against a whole search.
+constexpr int kMaxExplainEvaluations = 200;
+
+struct Refusal {
+  Status status = Status::Failed;
+  std::string message;
+};
+
+bool has_nan(const Eigen::VectorXd& v) { return v.hasNaN(); }
+
+// Empty message: the request can be run.
+Refusal check(const Problem& problem, const Eigen::VectorXd& x0, const OptimizerInfo& info) {
+  const int n = problem.num_variables(), m = problem.num_constraints();
+  if (n < 1 || m < 0) return {Status::Failed, "the problem has no variables"};
+  if (n < info.min_variables) {
+    return {Status::Failed,
+            info.name + " needs at least " + std::to_string(info.min_variables) + " variables"};
+  }
+  const Eigen::VectorXd lower = problem.lower(), upper = problem.upper();
+  const Eigen::VectorXd g_lower = problem.constraint_lower(), g_upper = problem.constraint_upper();
+  if (x0.size() != n || lower.size() != n || upper.size() != n) {
+    return {Status::Failed, "start and bounds must have one number per variable"};
+  }
+  if (g_lower.size() != m || g_upper.size() != m) {
+    return {Status::Failed, "constraint bounds must have one number per constraint"};
+  }
+  if (!x0.allFinite()) return {Status::Failed, "the start is not finite"};
+  if (has_nan(lower) || has_nan(upper) || has_nan(g_lower) || has_nan(g_upper)) {
+    return {Status::Failed, "a bound is not a number"};
+  }
+  for (int j = 0; j < n; ++j) {
+    const std::string variable = "variable " + std::to_string(j);
+    if (lower[j] > upper[j] || lower[j] == kInfinity || upper[j] == -kInfinity) {
+      return {Status::Infeasible, variable + " has crossed bounds"};
+    }
+    if (info.global && (std::isinf(lower[j]) || std::isinf(upper[j]))) {
+      return {Status::Failed, info.name + " needs finite bounds; " + variable + " has none"};
+    }
+  }
+  for (int i = 0; i < m; ++i) {
+    if (g_lower[i] > g_upper[i] || g_lower[i] == kInfinity || g_upper[i] == -kInfinity) {
+      return {Status::Infeasible, "constraint " + std::to_string(i) + " has crossed bounds"};
+    }
+  }
+  return {};
+}
+
+void remark(OptimizeResult& result, std::string_view text) {
+  if (text.empty()) return;
+  if (!result.message.empty()) result.message += "; ";
+  result.message += text;
+}
+
+void take_point(OptimizeResult& result, const Problem& problem, const Eigen::VectorXd& x,
+                const Evaluation& at_x, const OptimizeOptions& options) {
+  result.x = x;
+  result.objective = at_x.objective;
+  result.constraints = at_x.constraints;
+  result.certificate = certify(problem, x, at_x);
+  result.feasible = result.certificate.max_violation <= options.feasibility_tolerance;
+}
+
+// Evaluations kept back from the solver for explain().
+int explain_budget(const OptimizeOptions& options) {
+  return options.explain_infeasibility
+             ? std::min(kMaxExplainEvaluations, options.max_evaluations / 10)
+             : 0;
+}
+
+// A violated point that the solver left for no visible reason: say why, or take the nearest
+// attempt.
+void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptions& options) {
+  const int budget = explain_budget(options) - 1;
+  if (budget < 1) return;
+  const NearestPoint nearest = nearest_point(problem, result.x, budget, options);
+  Evaluation at_x;
+  problem.evaluate(nearest.x, at_x);
+  result.evaluations += nearest.evaluations + 1;
+  result.gradient_evaluations += nearest.evaluations + 1;
+  const Certificate found = certify(problem, nearest.x, at_x);
+  if (found.max_violation <= options.feasibility_tolerance) {
+    remark(result, "no feasible point found, although there is one near");
+  } else if (found.violation_slope <= kFlatViolation) {
+    take_point(result, problem, nearest.x, at_x, options);
+    result.status = Status::Infeasible;
+    remark(result, "the nearest attempt was found by minimising the violation");
+  }
+}
+
+void judge(OptimizeResult& result, const Problem& problem, const OptimizeOptions& options) {
+  const Certificate& certificate = result.certificate;
+  const bool limited =
+      result.stop == StopReason::EvaluationLimit || result.stop == StopReason::Deadline;
+  if (result.stop == StopReason::Interrupted) {
+    result.status = Status::Interrupted;
+  } else if (result.feasible && certificate.kkt_residual <= options.optimality_tolerance) {
+    result.status = Status::Optimal;
+  } else if (!result.feasible && certificate.violation_slope <= kFlatViolation) {
+    result.status = Status::Infeasible;
+  } else if (limited) {
+    result.status = Status::Limit;
+  } else {
+    result.status = result.feasible ? Status::Feasible : Status::Failed;
+  }
+  const bool unexplained = !result.feasible && (result.status == Status::Failed ||
+                                                result.stop == StopReason::EvaluationLimit);
+  if (unexplained && result.status != Status::Infeasible) explain(result, problem, options);
+}
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::Optimal:
+      return "optimal";
+    case Status::Feasible:
+      return "feasible";
+    case Status::Infeasible:
+      return "infeasible";
+    case Status::Limit:
+      return "limit";
+    case Status::Interrupted:
+      return "interrupted";
+    case Status::Failed:
+      return "failed";
+  }
+  return "";
+}
+
+std::string_view to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::SolverEnded:
+      return "solver ended";
+    case StopReason::EvaluationLimit:
+      return "evaluation limit";
+    case StopReason::Deadline:
+      return "deadline";
+    case StopReason::Interrupted:
+      return "interrupted";
+    case StopReason::NonFinite:
+      return "not finite";
+    case StopReason::Stalled:
+      return "stalled";
+    case StopReason::Refused:
+      return "refused";
+  }
+  return "";
+}
+
+OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd& x0,
+                                   const OptimizeOptions& options) const {
+  OptimizeResult result;
+  result.optimizer = info_.name;
+  result.x = x0;
+  if (Refusal refusal = check(problem, x0, info_); !refusal.message.empty()) {
+    result.status = refusal.status;
+    result.message = std::move(refusal.message);
+    return result;
+  }
+
+  // A solver without derivatives leaves one evaluation for the certificate.
+  const int constraints = problem.num_constraints();
+  const int reserved =
+      (info_.uses_gradient ? 0 : 1) + (constraints > 0 ? explain_budget(options) : 0);
+  Monitor monitor(problem, options, info_.uses_gradient,
+                  std::max(1, options.max_evaluations - reserved));
+  const Eigen::VectorXd start = x0.cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
+  if (start != x0) remark(result, "the start was moved into the bounds");
+  result.x = start;
+
+  const bool start_is_finite = monitor.evaluate_start(start);
+  monitor.rethrow();
+  if (!start_is_finite && !info_.global) {
+    monitor.stop(StopReason::NonFinite);
+    remark(result, "the model is not finite at the start");
+  } else {
+    const NativeOutcome native = solve(monitor, start, options);
+    result.native_code = native.code;
+    result.native_status = native.status;
+    remark(result, native.remark);
+  }
+  monitor.complete_best();
+  monitor.rethrow();
+
+  result.stop = monitor.stop_reason();
+  result.evaluations = monitor.evaluations();
+  result.gradient_evaluations = monitor.gradient_evaluations();
+  result.hessian_evaluations = monitor.hessian_evaluations();
+  result.rejected_evaluations = monitor.rejected_evaluations();
+  if (!monitor.has_best()) {
+    if (result.stop == StopReason::SolverEnded) result.stop = StopReason::NonFinite;
+    return result;
+  }
+  take_point(result, problem, monitor.best_x(), monitor.best(), options);
+  judge(result, problem, options);
+  return result;
+}
+
+}  // namespace stillbase::nlp

@@ -1,0 +1,50 @@
+#include <stillbase/plan/encounter.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace stillbase {
+
+const ContactFeature& chosen_feature(const CaptureProblem& problem) {
+  for (const ContactFeature& feature : problem.target->features) {
+    if (feature.name == problem.variables.feature) return feature;
+  }
+  throw std::logic_error("no contact feature '" + problem.variables.feature + "'");
+}
+
+std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
+                                             const Eigen::Quaterniond& R_NB, double contact_time) {
+  if (!problem.target) return std::nullopt;
+  const double reach = problem.approach.max_duration + problem.approach.wait + 1;
+  if (!problem.impulse.direction) {
+    const double latest =
+        std::max(std::abs(problem.variables.contact_time_upper - problem.target_state.time),
+                 std::abs(problem.variables.contact_time_lower - problem.target_state.time));
+    return TargetMotion(*problem.target, problem.target_state, std::max(latest, reach) + 1);
+  }
+  const Vector3d n = problem.impulse.direction_frame == Frame::Base
+                         ? Vector3d(R_NB * *problem.impulse.direction)
+                         : *problem.impulse.direction;
+  TargetState state;
+  state.time = contact_time;
+  state.linear_velocity = problem.impulse.closing_speed * n;
+  Vector3d contact_point = Vector3d::Zero();  // in T
+  if (!problem.variables.feature.empty()) {
+    const ContactFeature& feature = chosen_feature(problem);
+    state.pose.orientation = Eigen::Quaterniond::FromTwoVectors(feature.normal, n);
+    contact_point = state.pose.orientation * feature.point;
+  } else {
+    double radius = 0;
+    for (const TargetShape& shape : problem.target->shapes) {
+      if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+        radius = std::max(radius, sphere->radius);
+      }
+    }
+    contact_point = radius * n;
+  }
+  state.pose.position = hand_N - contact_point;
+  return TargetMotion(*problem.target, state, reach);
+}
+
+}  // namespace stillbase

@@ -1,0 +1,245 @@
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <thread>
+
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/core/random.hpp>
+
+#include "collision/planar_robot.hpp"
+
+using namespace stillbase;
+using namespace stillbase::test;
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+JointVectord posture(std::initializer_list<double> degrees) {
+  JointVectord phi(static_cast<Eigen::Index>(degrees.size()));
+  Eigen::Index k = 0;
+  for (const double d : degrees) phi[k++] = d * kDegree;
+  return phi;
+}
+
+std::string hit_name(const CollisionScene& scene, const RobotModel& robot, const JointVectord& phi,
+                     const Pose* target = nullptr, const Pose& base = {}, double margin = 0) {
+  const auto hit = scene.first_hit(compute_kinematics<double>(robot, phi), base, target, margin);
+  return hit ? to_string(*hit) : "";
+}
+
+}  // namespace
+
+TEST_CASE("a link whose shoulder stands off the base is checked against the base") {
+  const RobotModel robot = planar_robot(2, 1.4);
+  const CollisionScene scene(robot, {});
+  CHECK(scene.pair_count() == 2);  // link1 and link2 against the base; the elbow is exempt
+  CHECK(hit_name(scene, robot, posture({-80, 160})).empty());
+  CHECK(hit_name(scene, robot, posture({180, 0})) == "link1 with base");
+  CHECK(hit_name(scene, robot, posture({100, 130})) == "link2 with base");
+}
+
+TEST_CASE("bodies joined where both shapes reach the joint are exempt") {
+  const CollisionScene scene(planar_robot(2, 1.2), {});
+  CHECK(scene.pair_count() == 1);  // link2 with base alone
+}
+
+TEST_CASE("allowed contacts are not looked at") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.allowed_contacts = {{"base", "link1"}};
+  const CollisionScene scene(robot, parts);
+  CHECK(scene.pair_count() == 1);
+  CHECK(hit_name(scene, robot, posture({180, 0})) == "link2 with base");
+}
+
+TEST_CASE("the margin decides between a hit and none at the distance that nearest() gives") {
+  const RobotModel robot = planar_robot();
+  const CollisionScene scene(robot, {});
+  Random random(1);
+  int apart = 0;
+  for (int i = 0; i < 200; ++i) {
+    const JointVectord phi = posture({random.uniform(-170, 170), random.uniform(-170, 170)});
+    const auto kinematics = compute_kinematics<double>(robot, phi);
+    const auto nearest = scene.nearest(kinematics, Pose{}, nullptr);
+    REQUIRE(nearest);
+    if (nearest->distance <= 0) {
+      CHECK(scene.first_hit(kinematics, Pose{}, nullptr));
+      continue;
+    }
+    ++apart;
+    CHECK_FALSE(scene.first_hit(kinematics, Pose{}, nullptr, nearest->distance - 1e-9));
+    CHECK(scene.first_hit(kinematics, Pose{}, nullptr, nearest->distance + 1e-9));
+  }
+  CHECK(apart > 50);
+}
+
+TEST_CASE("obstacles stay in their frame") {
+  const RobotModel robot = planar_robot();
+  const Vector3d beside_hand(5.4, 0.3, 0);
+  const Pose moved{Vector3d(1, 2, 3),
+                   Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitX()))};
+  for (const Frame frame : {Frame::Base, Frame::Inertial}) {
+    SceneParts parts;
+    parts.obstacles = {
+        {"panel", frame, Pose{beside_hand, Eigen::Quaterniond::Identity()}, Sphere{0.3}}};
+    const CollisionScene scene(robot, parts);
+    const std::string expected = "link2 with panel";
+    CHECK(hit_name(scene, robot, posture({0, 0})) == expected);
+    CHECK(hit_name(scene, robot, posture({0, 0}), nullptr, moved) ==
+          (frame == Frame::Base ? expected : ""));
+  }
+}
+
+TEST_CASE("a round point mass may touch the hand's link at the hand only") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = point_target();
+  parts.contact_allowance = 0.15;
+  const CollisionScene scene(robot, parts);
+  const JointVectord straight = posture({0, 0});  // hand at (5.4, 0, 0)
+  const auto target_at = [](double x, double y) {
+    return Pose{Vector3d(x, y, 0), Eigen::Quaterniond::Identity()};
+  };
+  const Pose at_hand = target_at(5.5, 0), on_link = target_at(4.5, 0.15),
+             on_link1 = target_at(2, 0);
+  const Pose in_base = target_at(0, 0), far = target_at(9, 9);
+  CHECK(hit_name(scene, robot, straight, &at_hand).empty());
+  CHECK(hit_name(scene, robot, straight, &on_link) == "target with link2");
+  CHECK(hit_name(scene, robot, straight, &on_link1) == "target with link1");
+  CHECK(hit_name(scene, robot, straight, &in_base) == "target with base");
+  CHECK(hit_name(scene, robot, straight, &far).empty());
+  CHECK(hit_name(scene, robot, straight).empty());
+}
+
+TEST_CASE("the hand may touch the target only where the feature is") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = cube_target();
+  parts.feature = parts.target->features.front();
+  parts.contact_allowance = 0.15;
+  const CollisionScene scene(robot, parts);
+  const JointVectord straight = posture({0, 0});
+  // The +x face of the cube turned towards the hand, which comes from -x.
+  const Eigen::Quaterniond about_z(Eigen::AngleAxisd(180 * kDegree, Vector3d::UnitZ()));
+  const Vector3d feature = about_z * parts.feature->point;
+  const Pose touching{Vector3d(5.4, 0, 0) - feature, about_z};
+  const Pose elsewhere{Vector3d(5.4, 0.25, 0) - feature, about_z};
+  CHECK(hit_name(scene, robot, straight, &touching).empty());
+  CHECK(hit_name(scene, robot, straight, &elsewhere) == "target with link2");
+}
+
+TEST_CASE("the target is checked against what is fixed to the base") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = point_target();
+  parts.obstacles = {{"antenna", Frame::Base,
+                      Pose{Vector3d(0, 3, 0), Eigen::Quaterniond::Identity()}, Sphere{0.2}}};
+  const CollisionScene scene(robot, parts);
+  const Pose target{Vector3d(0, 3.1, 0), Eigen::Quaterniond::Identity()};
+  CHECK(hit_name(scene, robot, posture({-80, 160}), &target) == "target with antenna");
+}
+
+TEST_CASE("what a sweep calls clear stays clear everywhere in the interval") {
+  const RobotModel robot = planar_robot(3);
+  SceneParts parts;
+  parts.target = cube_target();
+  parts.feature = parts.target->features.front();
+  parts.contact_allowance = 0.15;
+  parts.obstacles = {{"panel", Frame::Inertial,
+                      Pose{Vector3d(3, 2, 0), Eigen::Quaterniond::Identity()}, Sphere{0.3}}};
+  const CollisionScene scene(robot, parts);
+  Random random(7);
+  const double margin = 0.01;
+  int clear = 0, unsure = 0, hits = 0;
+  for (int i = 0; i < 300; ++i) {
+    const JointVectord phi =
+        posture({random.uniform(-90, 90), random.uniform(-90, 90), random.uniform(-90, 90)});
+    SceneTravel travel;
+    travel.joints = JointVectord::Constant(3, random.uniform(0, 0.1));
+    travel.base_translation = random.uniform(0, 0.1);
+    travel.base_rotation = random.uniform(0, 0.05);
+    travel.target_translation = random.uniform(0, 0.1);
+    travel.target_rotation = random.uniform(0, 0.1);
+    const Pose target{Vector3d(random.uniform(4, 8), random.uniform(-4, 4), 0),
+                      rotation_exp(random.uniform() * random.unit_vector())};
+    const SweepResult result =
+        scene.sweep(compute_kinematics<double>(robot, phi), Pose{}, &target, travel, margin);
+    if (result.verdict == SweepVerdict::Unsure) ++unsure;
+    if (result.verdict == SweepVerdict::Hit) {
+      ++hits;
+      CHECK(result.closest.distance < margin);
+    }
+    if (result.verdict != SweepVerdict::Clear) continue;
+    ++clear;
+    for (int s = 0; s < 30; ++s) {
+      JointVectord near = phi;
+      for (Eigen::Index k = 0; k < 3; ++k)
+        near[k] += (random.uniform() < 0.5 ? -1 : 1) * travel.joints[k];
+      const Pose base{travel.base_translation * random.unit_vector(),
+                      rotation_exp(travel.base_rotation * random.unit_vector())};
+      const Pose near_target{
+          target.position + travel.target_translation * random.unit_vector(),
+          rotation_exp(travel.target_rotation * random.unit_vector()) * target.orientation};
+      CHECK_FALSE(
+          scene.first_hit(compute_kinematics<double>(robot, near), base, &near_target, margin));
+    }
+  }
+  CHECK(clear > 20);
+  CHECK(unsure > 20);
+  CHECK(hits > 20);
+}
+
+TEST_CASE("numbers that are not finite are refused before they reach FCL") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = cube_target();
+  const CollisionScene scene(robot, parts);
+  const auto good = compute_kinematics<double>(robot, posture({0, 0}));
+  JointVectord phi = posture({0, 0});
+  phi[1] = std::nan("");
+  CHECK_THROWS_AS(scene.nearest(compute_kinematics<double>(robot, phi), Pose{}, nullptr),
+                  std::invalid_argument);
+  Pose bad;
+  bad.position.x() = kInfinity;
+  CHECK_THROWS_AS(scene.first_hit(good, Pose{}, &bad), std::invalid_argument);
+  parts.target->shapes.front().geometry = Sphere{std::nan("")};
+  CHECK_THROWS_AS(CollisionScene(robot, parts), std::invalid_argument);
+}
+
+TEST_CASE("copies of a scene answer alike in several threads") {
+  const RobotModel robot = planar_robot(3);
+  SceneParts parts;
+  parts.target = cube_target();
+  const CollisionScene scene(robot, parts);
+  const auto answers = [&robot](const CollisionScene& copy) {
+    std::vector<double> distances;
+    Random random(9);
+    for (int i = 0; i < 300; ++i) {
+      const JointVectord phi =
+          posture({random.uniform(-90, 90), random.uniform(-90, 90), random.uniform(-90, 90)});
+      const Pose target{Vector3d(4, random.uniform(-2, 2), 0), Eigen::Quaterniond::Identity()};
+      distances.push_back(
+          copy.nearest(compute_kinematics<double>(robot, phi), Pose{}, &target)->distance);
+    }
+    return distances;
+  };
+  const std::vector<double> expected = answers(scene);
+  std::vector<double> first, second;
+  {
+    std::jthread a([&, copy = scene] { first = answers(copy); });
+    std::jthread b([&, copy = scene] { second = answers(copy); });
+  }
+  CHECK(first == expected);
+  CHECK(second == expected);
+}
+
+TEST_CASE("a problem whose target lacks the feature asked for has no scene") {
+  CaptureProblem problem;
+  problem.robot = planar_robot();
+  problem.target = cube_target();
+  problem.variables.feature = "face";
+  CHECK_NOTHROW(CollisionScene(problem));
+  problem.variables.feature = "other";
+  CHECK_THROWS_AS(CollisionScene(problem), std::invalid_argument);
+}
