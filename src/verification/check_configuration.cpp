@@ -85,9 +85,8 @@ void check_hand(const Context& context, const ContactEvent& event,
     const Vector3d wanted = in_base ? base * *hand.position : *hand.position;
     claims.at_most("hand_position", (position - wanted).norm(), options.hand_position_tolerance,
                    "m", "hand from its stated point");
-  }
-  if (event.feature) {
-    claims.at_most("hand_at_contact_point", (position - event.feature->point).norm(),
+  } else if (event.feature) {
+    claims.at_most("hand_position", (position - event.feature->point).norm(),
                    options.hand_position_tolerance, "m",
                    "hand from the contact feature at the contact time");
   }
@@ -102,6 +101,16 @@ void check_hand(const Context& context, const ContactEvent& event,
     claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, wanted}).angle,
                    options.hand_angle_tolerance, "rad", "hand axes from their stated directions");
   } else if (wants_axes && event.feature) {
+    if (hand.constraint == HandConstraint::Pose) {
+      // Roll zero: the shortest turn that brings the approach axis from T's axes to the normal.
+      const Vector3d normal_T = event.R_NT.conjugate() * event.feature->normal;
+      const Eigen::Quaterniond wanted =
+          event.R_NT * rotation_exp(hand.roll * normal_T) *
+          Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -normal_T);
+      claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, wanted}).angle,
+                     options.hand_angle_tolerance, "rad",
+                     "hand axes from the inward normal and the stated roll about it");
+    }
     claims.at_most("hand_axis", angle_between(R_NH * hand.approach_axis, -event.feature->normal),
                    options.hand_angle_tolerance, "rad",
                    "approach axis from the inward normal of the contact feature");
@@ -117,20 +126,15 @@ void check_configuration(const Context& context, const ContactEvent& event,
   check_hand(context, event, response, claims);
 
   const CaptureProblem& problem = context.problem;
-  if (const auto v_n = closing_speed(problem, event, event.n)) {
-    claims.same("closing_speed",
-                relative_error(context.plan.impact.closing_speed, *v_n,
-                               event.velocity ? event.velocity->norm() : 0),
-                context.options.recompute_tolerance,
-                fmt::format("{:.6g} m/s along the direction of the impulse", *v_n));
-    if (problem.impulse.source != ImpulseSource::Given) {
-      const double least = problem.constraints.closing_speed_min;
-      claims.at_least("closing_speed_min", *v_n, least - kFixed, "m/s",
-                      fmt::format("target and hand close with {} m/s or more", least));
-    }
-  } else if (problem.impulse.source != ImpulseSource::Given) {
-    claims.not_evaluated("closing_speed", context.options.recompute_tolerance, "1",
-                         "nothing says how fast target and hand close");
+  const double v_n = closing_speed(problem, event, event.n);
+  claims.same("closing_speed",
+              relative_error(context.plan.impact.closing_speed, v_n,
+                             event.velocity ? event.velocity->norm() : 0),
+              context.options.recompute_tolerance,
+              fmt::format("{:.6g} m/s along the direction of the impulse", v_n));
+  if (problem.impulse.source != ImpulseSource::Given) {
+    claims.at_least("closing_speed_min", v_n, problem.constraints.closing_speed_min, kFixed,
+                    "m/s", "how fast target and hand close");
   }
 }
 

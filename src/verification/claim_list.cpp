@@ -48,9 +48,9 @@ void ClaimList::at_most(const std::string& name, double value, double limit,
   add(name, value, limit, unit, value <= limit, detail);
 }
 
-void ClaimList::at_least(const std::string& name, double value, double limit,
+void ClaimList::at_least(const std::string& name, double value, double limit, double slack,
                          const std::string& unit, const std::string& detail) {
-  add(name, value, limit, unit, value >= limit, "at least: " + detail);
+  add(name, value, limit, unit, value >= limit - slack, "at least: " + detail);
 }
 
 void ClaimList::same(const std::string& name, double error, double tolerance,

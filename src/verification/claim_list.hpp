@@ -28,9 +28,9 @@ class ClaimList {
   /// Passes when value <= limit. A value that is not finite counts as not evaluated.
   void at_most(const std::string& name, double value, double limit, const std::string& unit,
                const std::string& detail);
-  /// Passes when value >= limit.
-  void at_least(const std::string& name, double value, double limit, const std::string& unit,
-                const std::string& detail);
+  /// Passes when value >= limit - slack.
+  void at_least(const std::string& name, double value, double limit, double slack,
+                const std::string& unit, const std::string& detail);
   /// Passes when both are the same within the relative tolerance.
   void same(const std::string& name, double error, double tolerance, const std::string& detail);
   /// A yes or no: value is the number of objections, limit 0.

@@ -1,5 +1,7 @@
 #include "verification/recomputation.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace stillbase::verification {
@@ -26,7 +28,7 @@ Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n) {
 
 }  // namespace
 
-std::optional<ContactFeature> chosen_feature(const CaptureProblem& problem) {
+std::optional<ContactFeature> feature_of(const CaptureProblem& problem) {
   if (!problem.target || problem.variables.feature.empty()) return std::nullopt;
   for (const ContactFeature& feature : problem.target->features) {
     if (feature.name == problem.variables.feature) return feature;
@@ -34,39 +36,74 @@ std::optional<ContactFeature> chosen_feature(const CaptureProblem& problem) {
   return std::nullopt;
 }
 
+std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
+                                          const Configuration& configuration,
+                                          const Vector3d& hand_N, double first_time) {
+  if (!problem.target) return std::nullopt;
+  TargetState state = problem.target_state;
+  if (problem.impulse.direction) {
+    const Vector3d n = problem.impulse.direction_frame == Frame::Base
+                           ? configuration.base.orientation * *problem.impulse.direction
+                           : *problem.impulse.direction;
+    state = {};
+    state.time = configuration.contact_time;
+    state.linear_velocity = problem.impulse.closing_speed * n;
+    Vector3d to_contact = Vector3d::Zero();
+    if (const auto feature = feature_of(problem)) {
+      state.pose.orientation = Eigen::Quaterniond::FromTwoVectors(feature->normal, n);
+      to_contact = state.pose.orientation * feature->point;
+    } else {
+      double radius = 0;
+      for (const TargetShape& shape : problem.target->shapes) {
+        if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+          radius = std::max(radius, sphere->radius);
+        }
+      }
+      to_contact = radius * n;
+    }
+    state.pose.position = hand_N - to_contact;
+  }
+  const double reach = std::max(std::abs(first_time - state.time),
+                                std::abs(configuration.contact_time - state.time));
+  return TargetMotion(*problem.target, state, reach + 1);
+}
+
 ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
                            const Configuration& configuration) {
   ContactEvent event;
   const Matrix3d R_BN = configuration.base.orientation.conjugate().toRotationMatrix();
-  if (const auto feature = chosen_feature(problem); feature && motion != nullptr) {
-    const double t = configuration.contact_time;
-    event.feature = motion->contact(*feature, t);
-    const Matrix3d R_BT = R_BN * motion->state(t).pose.orientation.toRotationMatrix();
-    event.velocity = R_BN * event.feature->velocity;
-    event.r = R_BN * event.feature->r;
-    event.target_inertia = R_BT * problem.target->inertia * R_BT.transpose();
-  }
   const ImpulseSpec& impulse = problem.impulse;
-  const Matrix3d to_base =
-      impulse.direction_frame == Frame::Base ? Matrix3d::Identity().eval() : R_BN;
-  if (impulse.direction) {
-    event.n = to_base * *impulse.direction;
-  } else if (event.feature) {
-    event.n = R_BN * event.feature->normal;
-  } else {
-    event.missing = "neither a direction nor a contact feature says where the impulse comes from";
+  const bool in_base = impulse.direction_frame == Frame::Base;
+  if (impulse.source == ImpulseSource::Given) {
+    event.moment = in_base ? impulse.moment : Vector3d(R_BN * impulse.moment);
+  } else if (!problem.target) {
+    event.missing = "the contact law needs a target";
   }
-  if (impulse.source == ImpulseSource::Given) event.moment = to_base * impulse.moment;
+  if (impulse.direction) {
+    event.n = in_base ? *impulse.direction : Vector3d(R_BN * *impulse.direction);
+    if (impulse.source == ImpulseSource::RigidBody) {
+      event.missing = "a rigid body hits along the normal of its feature, not a stated direction";
+    }
+    return event;
+  }
+  const auto feature = feature_of(problem);
+  if (!feature || motion == nullptr) {
+    event.missing = "neither a direction nor a contact feature says where the impulse comes from";
+    return event;
+  }
+  const double t = configuration.contact_time;
+  event.feature = motion->contact(*feature, t);
+  event.R_NT = motion->state(t).pose.orientation;
+  event.n = R_BN * event.feature->normal;
+  event.velocity = R_BN * event.feature->velocity;
+  event.r = R_BN * event.feature->r;
+  const Matrix3d R_BT = R_BN * event.R_NT.toRotationMatrix();
+  event.target_inertia = R_BT * problem.target->inertia * R_BT.transpose();
   return event;
 }
 
-std::optional<double> closing_speed(const CaptureProblem& problem, const ContactEvent& event,
-                                    const Vector3d& d) {
-  if (problem.impulse.source == ImpulseSource::PointMass && problem.impulse.direction) {
-    return problem.impulse.closing_speed;
-  }
-  if (event.velocity) return d.dot(*event.velocity);
-  return std::nullopt;
+double closing_speed(const CaptureProblem& problem, const ContactEvent& event, const Vector3d& d) {
+  return event.velocity ? d.dot(*event.velocity) : problem.impulse.closing_speed;
 }
 
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
@@ -97,14 +134,13 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
     Fbar.head<3>() = impulse.magnitude * d;
     return Fbar;
   }
-  const auto v_n = closing_speed(problem, event, d);
-  if (!v_n) throw std::logic_error("nothing says how fast target and hand close");
+  const double v_n = closing_speed(problem, event, d);
   double inverse_mass = d.dot(response.W * d) + 1 / problem.target->mass;
   if (impulse.source == ImpulseSource::RigidBody) {
     const Vector3d arm = event.r.cross(d);
     inverse_mass += arm.dot(event.target_inertia.ldlt().solve(arm));
   }
-  if (*v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * *v_n / inverse_mass * d;
+  if (v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
   return Fbar;
 }
 

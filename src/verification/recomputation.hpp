@@ -10,16 +10,25 @@
 namespace stillbase::verification {
 
 /// The chosen contact feature of the problem, if it has one.
-std::optional<ContactFeature> chosen_feature(const CaptureProblem& problem);
+std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
+
+/// Motion of the target from `first_time` (s) on, which may be far before the contact: the predicted
+/// one, or, when the impulse direction is stated, that of a target that comes along it and meets the
+/// hand (the encounter of plan/encounter.hpp, written apart). Empty without a target.
+/// @throws std::invalid_argument when it cannot be predicted over that time
+std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
+                                          const Configuration& configuration,
+                                          const Vector3d& hand_N, double first_time);
 
 /// The contact as the problem and the motion of the target fix it, at one configuration.
 struct ContactEvent {
-  std::string missing;                   ///< why the direction is not known; empty: it is
-  std::optional<ContactState> feature;   ///< of the chosen feature at the contact time, in N
-  Vector3d n = Vector3d::Zero();         ///< direction of the impulse on the hand, unit, in B
-  Vector3d moment = Vector3d::Zero();    ///< given moment impulse in B, N m s
-  std::optional<Vector3d> velocity;      ///< of the target's contact point in B, m/s
-  Vector3d r = Vector3d::Zero();         ///< contact point from the target's centroid, in B, m
+  std::string missing;                         ///< why it is not known; empty: it is
+  std::optional<ContactState> feature;         ///< where the predicted target is hit, in N
+  Eigen::Quaterniond R_NT = Eigen::Quaterniond::Identity();  ///< with `feature`
+  Vector3d n = Vector3d::Zero();               ///< direction of the impulse on the hand, unit, in B
+  Vector3d moment = Vector3d::Zero();          ///< given moment impulse in B, N m s
+  std::optional<Vector3d> velocity;            ///< with `feature`: of its point in B, m/s
+  Vector3d r = Vector3d::Zero();               ///< contact point from the target's centroid, B, m
   Matrix3d target_inertia = Matrix3d::Zero();  ///< in B, kg m^2
 };
 
@@ -27,12 +36,11 @@ struct ContactEvent {
 ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
                            const Configuration& configuration);
 
-/// How fast target and hand close along d (robot at rest), m/s; empty when nothing says so.
+/// How fast target and hand close along d (robot at rest), m/s.
 ///
-/// With a contact feature the velocity of its point decides; a point mass from a stated direction
-/// comes along whichever direction it comes from with the stated closing speed.
-std::optional<double> closing_speed(const CaptureProblem& problem, const ContactEvent& event,
-                                    const Vector3d& d);
+/// With a predicted target the velocity of its contact point decides; along a stated direction (and
+/// along those about it) it comes with the stated closing speed.
+double closing_speed(const CaptureProblem& problem, const ContactEvent& event, const Vector3d& d);
 
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
@@ -55,7 +63,7 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
 
 /// The impulse [f; t] at the hand along d, by the problem's contact law, in B. Zero when hand and
 /// target separate.
-/// @throws std::logic_error when the problem does not say how fast they close
+/// @pre event.missing is empty
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d);
 
