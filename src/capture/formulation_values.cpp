@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include <stillbase/core/random.hpp>
 #include <stillbase/impact/contact.hpp>
 #include <stillbase/plan/encounter.hpp>
@@ -91,12 +93,23 @@ Local Formulation::Parts::localise(const Eigen::VectorXd& x) const {
   }
   out.encounter.F.head<3>() = out.R_EB.transpose() * F_E.head<3>();
   out.encounter.F.tail<3>() = out.R_EB.transpose() * F_E.tail<3>();
+  if (out.contact && !problem.impulse.direction) {
+    out.encounter.speed_stated = false;
+    out.encounter.velocity = out.R_NB.transpose() * out.contact->velocity;
+  }
   if (problem.impulse.source == ImpulseSource::PointMass) {
+    out.encounter.target_mass = problem.target->mass;
     out.encounter.target_inverse_mass = 1 / problem.target->mass;
   } else if (problem.impulse.source == ImpulseSource::RigidBody) {
     const ContactFeature& feature = chosen_feature(problem);
     out.encounter.target_inverse_mass = target_inverse_mass(
         problem.target->mass, problem.target->inertia, feature.point, feature.normal);
+    out.encounter.target_mass = problem.target->mass;
+    out.encounter.r = out.R_EB.transpose() * feature.point;
+    if (!problem.target->inertia.isZero(0)) {
+      out.encounter.target_inverse_inertia =
+          out.R_EB.transpose() * problem.target->inertia.inverse() * out.R_EB;
+    }
   }
   return out;
 }

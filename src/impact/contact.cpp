@@ -1,6 +1,7 @@
 #include <stillbase/impact/contact.hpp>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 namespace stillbase {
 

@@ -31,6 +31,9 @@ struct ChildRule {
 
 constexpr int kAny = 1 << 20;
 
+// Sums, products and squares of such numbers along a chain of fixed links stay finite.
+constexpr double kLargestNumber = 1e60;
+
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
@@ -113,6 +116,9 @@ Complaint parse_number(std::string_view text, double& number) {
             shown + " is not a number" + (comma ? " (the decimal separator is a point)" : "")};
   }
   if (!std::isfinite(number)) return {"not-finite", shown + " is not finite"};
+  if (std::abs(number) > kLargestNumber) {
+    return {"out-of-range", fmt::format("{} is larger than {:g}", shown, kLargestNumber)};
+  }
   return {};
 }
 
@@ -161,10 +167,7 @@ void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& ru
   for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string name = a->Name();
     const std::string where = fmt::format("{} {}", tag, name);
-    if (!seen.insert(name).second) {
-      findings.add(a->GetLineNum(), "repeated-attribute", where + " is given twice");
-      continue;
-    }
+    seen.insert(name);  // repeated ones are no XML
     const auto known = std::find_if(rule.attributes.begin(), rule.attributes.end(),
                                     [&](const AttributeRule& r) { return r.name == name; });
     if (known == rule.attributes.end()) {
@@ -190,6 +193,13 @@ void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& ru
   }
 }
 
+std::string trimmed(const std::string& text) {
+  const char* blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
 // Elements that URDF files do contain and that we refuse deserve a reason of their own.
 std::string reason_against(std::string_view parent, std::string_view name) {
   if (name == "mimic") return "coupled joints (<mimic>) are not supported: each joint is free";
@@ -210,7 +220,7 @@ void check_children(const tinyxml2::XMLElement& element, const ElementRule& rule
   for (const auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
     if (node->ToText() != nullptr) {
       findings.add(node->GetLineNum(), "unexpected-text",
-                   fmt::format("{} contains the text {}", tag, quoted(node->Value())));
+                   fmt::format("{} contains the text {}", tag, quoted(trimmed(node->Value()))));
     }
     const auto* child = node->ToElement();
     if (child == nullptr) continue;

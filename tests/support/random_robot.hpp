@@ -48,8 +48,8 @@ inline RobotModel with_links_and_hand(RobotModel robot, int hand_body, const Pos
   robot.base.name = "base";
   robot.links.push_back({"base", kBase, Pose{}, ""});
   for (int k = 0; k < robot.n(); ++k) {
-    robot.joints[k].name = "joint_" + std::to_string(k + 1);
-    robot.bodies[k].name = "link_" + std::to_string(k + 1);
+    robot.joints[k].name = std::string("joint_").append(std::to_string(k + 1));
+    robot.bodies[k].name = std::string("link_").append(std::to_string(k + 1));
     const int parent = robot.joints[k].parent;
     const std::string parent_name =
         parent == kBase ? std::string("base") : robot.bodies[parent].name;

@@ -22,10 +22,15 @@ namespace stillbase {
 
 /// The encounter at one attitude and time, in B.
 struct Encounter {
-  Vector6d F;                      ///< unit wrench [n; 0], or the given impulse
-  double closing_speed = 0;        ///< v_n, m/s (stated, or of the predicted motion)
-  double target_inverse_mass = 0;  ///< n' W_t n, 1/kg
-  bool magnitude_given = false;    ///< F is the impulse itself
+  Vector6d F;                            ///< [n; moment per unit of impulse]
+  double closing_speed = 0;              ///< v_n, m/s (stated, or of the predicted motion)
+  double target_inverse_mass = 0;        ///< n' W_t n, 1/kg
+  bool magnitude_given = false;          ///< the impulse is stated: no contact law
+  bool speed_stated = true;              ///< v_n is the same for every direction
+  Vector3d velocity = Vector3d::Zero();  ///< of the target's contact point, when predicted
+  Vector3d r = Vector3d::Zero();         ///< contact point from the target's centroid
+  Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< I_t^-1; zero for a point mass
+  double target_mass = kInfinity;
 };
 
 /// Impulse along the encounter's direction: p of the contact law (1 when given).

@@ -27,6 +27,7 @@ struct SearchResult {
   /// the single least violated point.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
+  std::vector<Eigen::VectorXd> points;    ///< variables of each candidate
   int starts = 0;                         ///< done
   int distinct_solutions = 0;             ///< before the list was cut
   bool stopped = false;                   ///< a limit or an interrupt ended the search
@@ -34,6 +35,10 @@ struct SearchResult {
   long evaluations = 0;
 };
 
+/// Optimal: violation at most 1e-9 and KKT residual at most 1e-6; feasible: the first only.
+PlanStatus status_of(const Certificate& certificate);
+
+/// @throws std::invalid_argument for an optimizer that is not in the registry
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
                     const SearchOptions& options);
 

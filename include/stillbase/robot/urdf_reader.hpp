@@ -33,6 +33,8 @@ inline constexpr int kMaxUrdfLinks = 256;
 /// Read and not used: <visual>, <material>, <transmission>, <gazebo>, <sensor>, <contact>,
 /// <calibration>, <safety_controller>. Every other unknown element or attribute is refused.
 ///
+/// Numbers are plain decimals with a point, finite and at most 1e60 in size.
+///
 /// @param text URDF in UTF-8; at most kMaxUrdfBytes
 /// @param source name of the file for messages
 /// @param hand name of the hand link; when empty the only leaf link

@@ -1,0 +1,94 @@
+// Post-impact controllers of the paper's section V.
+//
+// They know the robot exactly (same model as the plant, rotor inertia in H_phi), measure Omega, phi
+// and phidot without error and command joint torques. All of them assume F_h = F_b = 0.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <stillbase/simulation/plant.hpp>
+
+namespace stillbase {
+
+enum class ControllerKind {
+  None,                 ///< free joints
+  JointDamping,         ///< (19), gain scaled by Hhat_phi
+  JointDampingLiteral,  ///< (19) as printed
+  Rns,                  ///< (24) without its last term
+  RnsDamped             ///< (24)
+};
+
+/// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped".
+std::string to_string(ControllerKind kind);
+
+/// The controller with this name; nothing when there is none.
+std::optional<ControllerKind> controller_from_name(std::string_view name);
+
+/// Every name, in the order of the enumeration.
+std::vector<std::string> controller_names();
+
+/// True for the controllers that move the momentum to the arm.
+bool is_reaction_null_space_control(ControllerKind kind);
+
+struct Controller {
+  ControllerKind kind = ControllerKind::None;
+  double K_omega = 7;  ///< 1/s, the paper's
+  double K_phi = 5;    ///< 1/s, the paper's; joint_damping_literal reads it as N m s/rad (N s/m)
+  /// Where the arm loses its grip on a direction of base momentum (singular value sigma of the
+  /// angular coupling matrix), the direction is given up gradually, see momentum_edge().
+  double rank_edge = 1e-2;      ///< sigma relative to the largest one
+  double joint_rate_edge = 10;  ///< joint rate that carrying L_g would take, |L_g| / sigma, rad/s
+};
+
+/// The singular value below which a direction is given up:
+/// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first bounds the joint accelerations near
+/// rank loss; the second does so where the whole arm has little grip (folded in), and leaves in the
+/// base what the arm could only carry by spinning.
+double momentum_edge(const Controller& controller, double sigma_max, double L_g);
+
+/// What the arm can do for the base: the angular coupling matrix A = Htilde_omegaphi in its
+/// singular directions U (in B), sigma descending.
+struct MomentumTransfer {
+  Matrix3d U;        ///< columns: directions of base angular momentum
+  Vector3d sigma;    ///< singular values of A
+  Vector3d share;    ///< min(1, (sigma / edge)^2), edge = rank_edge * sigma_max
+  Vector3d inverse;  ///< 1 / max(sigma, edge)^2; 0 when A = 0
+  int rank = 0;      ///< directions with full share
+
+  /// A^d b = A' U diag(inverse) U' b: joint accelerations for a rate b of coupling momentum. The
+  /// pseudoinverse where the share is 1; nowhere larger than |b| / edge.
+  JointVectord joint_rates(const Matrix3Xd& A, const Vector3d& b) const;
+  /// The part of an angular momentum (B components) that the arm cannot take over.
+  Vector3d unreachable(const Vector3d& momentum) const;
+};
+
+/// @param L_g angular momentum about the system centroid (any axes), N m s
+MomentumTransfer compute_momentum_transfer(const Controller& controller,
+                                           const Matrix3Xd& Htilde_omegaphi, const Vector3d& L_g);
+
+/// Joint torques that the controller asks for (n), before any limit, N m or N.
+///
+/// none: 0.
+/// joint_damping: tau = -Hhat_phi K_phi phidot + chat, so phi'' = -K_phi phidot by (18).
+///   Differs from (19): which prints -K_phi phidot while giving K_phi in 1/s.
+/// joint_damping_literal: tau = -K_phi phidot + chat, (19) as printed.
+/// rns, rns_damped: the joint acceleration
+///     phi'' = -A^+ (Htilde_omega dot_omega + ctilde_omega) - P_RNSomega K_phi phidot,
+///     dot_omega = -K_omega omega (23), last term (22) in rns_damped only,
+///   and its torque by (18), tau = Hhat_phi phi'' + chat. With full row rank of A = Htilde_omegaphi
+///   this is (24).
+///   Differs from (22): which prints K_omega where K_phi is meant.
+///   Differs from (21): whose text puts a hat on the H_phi of the last term; a tilde is right.
+///   Differs from (24): where A loses rank, (24) asks for a dot_omega that the arm cannot give
+///   and so disturbs the directions that it can. Here the wanted Htilde_omega dot_omega +
+///   ctilde_omega is projected onto the range of A (damped near the edge, see MomentumTransfer);
+///   (18) then takes the dot_omega that really comes. Angular momentum along a lost direction u
+///   stays in the base: u' Htilde_omega omega = u' L_g.
+/// Joint coordinates of different units (prismatic beside revolute) are weighed as they stand.
+JointVectord control_torque(const Controller& controller, const RobotModel& robot,
+                            const PlantTerms& terms, const PlantState& state);
+
+}  // namespace stillbase

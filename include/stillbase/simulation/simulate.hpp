@@ -1,0 +1,141 @@
+// Closed-loop simulation of the post-impact phase: plant, controller, integrator, limits.
+//
+// Rotation. The attitude is integrated as a quaternion, dq/dt = 1/2 q (0, omega), and brought back
+// to unit length after every step. That equation is linear in q, so a wrong length never turns the
+// frame, and bringing back moves q by no more than the step's own error: a method of order 4 stays
+// of order 4 (projection methods; Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
+// Base and joint velocities do not depend on the pose at all.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/simulation/controllers.hpp>
+
+namespace stillbase {
+
+enum class IntegratorKind {
+  Rk4,        ///< classical Runge-Kutta, fixed step; the paper's
+  Dopri5,     ///< Dormand-Prince 5(4), adaptive
+  Fehlberg78  ///< Runge-Kutta-Fehlberg 7(8), adaptive; the cheapest one for tight tolerances
+};
+
+/// Wrench on the base [force; moment about the base centroid] in B at time t.
+using BaseWrench = std::function<Vector6d(double t, const PlantState& state)>;
+
+struct SimulationOptions {
+  IntegratorKind integrator = IntegratorKind::Rk4;
+  double step = 0.01;  ///< s; Rk4: largest step (each interval is divided evenly), else first step
+  double relative_tolerance = 1e-10;  ///< adaptive, per step
+  double absolute_tolerance = 1e-12;  ///< adaptive, per step, in SI units
+  /// s between evaluations of the controller, held in between; counted from start_time. 0:
+  /// evaluated wherever the integrator asks (continuous control).
+  double control_period = 0.01;
+  double start_time = 0;        ///< s
+  double horizon = 10;          ///< s after start_time
+  double output_period = 0.01;  ///< s between trace samples; 0: first and last only
+  bool torque_limits = true;    ///< clip at the joints' max_effort
+  bool friction = false;        ///< viscous and Coulomb friction of the model, see joint_friction
+  double friction_transition_rate = 0.01;  ///< rad/s or m/s
+  BaseWrench base_wrench;                  ///< empty: none
+  long max_steps = 100'000'000;            ///< of the integrator, failed tries included
+  StopCondition stop;
+};
+
+enum class SimulationStatus {
+  Finished,
+  Interrupted,  ///< by StopCondition::interrupted
+  TimeLimit,    ///< by StopCondition::deadline
+  StepLimit,    ///< max_steps, or the adaptive step fell to nothing
+  Diverged      ///< a state beyond all bounds; the last good one ends the trace
+};
+std::string to_string(SimulationStatus status);
+
+/// Motion at one instant. Momenta about the system centroid, (2).
+struct TraceSample {
+  double time = 0;  ///< s
+  PlantState state;
+  Vector3d base = Vector3d::Zero();      ///< Htilde_omega omega, in B, N m s
+  Vector3d coupling = Vector3d::Zero();  ///< Htilde_omegaphi phidot, in B, N m s
+  Vector3d total = Vector3d::Zero();     ///< L_g in B, N m s
+  Vector3d total_N = Vector3d::Zero();   ///< L_g in N, N m s; conserved
+  Vector3d P_N = Vector3d::Zero();       ///< linear momentum in N, N s; conserved
+  JointVectord rns;                      ///< n; phidot's part in the angular reaction null space
+  JointVectord orthogonal;               ///< n; phidot - rns
+  JointVectord tau;                      ///< n; torque of the controller after limits, N m
+  double kinetic_energy = 0;             ///< J
+};
+
+enum class LimitKind { Torque, Rate, LowerStop, UpperStop };
+std::string to_string(LimitKind kind);
+
+/// A joint meets one of its limits for the first time.
+struct LimitEvent {
+  int joint = 0;
+  LimitKind kind = LimitKind::Torque;
+  double time = 0;  ///< s; stops: from the cubic through the step's ends, else the step's end
+};
+
+/// What came of the run. Extremes are taken over the integrator's steps.
+struct SimulationSummary {
+  double peak_base_rate = 0;       ///< max |omega|, rad/s
+  double residual_base_rate = 0;   ///< |omega| at the end, rad/s
+  double attitude_turned = 0;      ///< largest angle away from the first attitude, rad, <= pi
+  double attitude_turned_end = 0;  ///< the same at the end
+  double peak_joint_rate = 0;      ///< max |phidot| (norm over the joints), rad/s
+  double residual_joint_rate = 0;  ///< |phidot| at the end
+  JointVectord peak_joint_rates;   ///< n, max |phidot_k|
+  double peak_torque = 0;          ///< max over time and joints, N m
+  JointVectord peak_torques;       ///< n, max |tau_k|
+  /// Largest |P - P(0)| and |L_g - L_g(0)| in N. With a base wrench this is its doing, not an
+  /// error.
+  double linear_momentum_drift = 0;   ///< N s
+  double angular_momentum_drift = 0;  ///< N m s
+  /// The larger of both, relative to the most that the initial kinetic energy T could hold:
+  /// sqrt(2 w T) and sqrt(2 T trace(Htilde_omega)) (never zero for a robot that moves).
+  double relative_momentum_drift = 0;
+  /// Angular momentum that the arm cannot take over from the base, under reaction null space
+  /// control (zero otherwise).
+  double peak_lost_momentum = 0;               ///< N m s
+  Vector3d lost_momentum = Vector3d::Zero();   ///< at the end, in B, N m s
+  Vector3d lost_direction = Vector3d::Zero();  ///< its unit vector; zero when nothing is lost
+  int lowest_rank = 3;             ///< least number of directions that the arm fully reaches
+  std::vector<LimitEvent> limits;  ///< by time; torque and rate limits, stops (not enforced)
+  long steps = 0;                  ///< of the integrator
+};
+
+struct SimulationResult {
+  SimulationStatus status = SimulationStatus::Finished;
+  std::vector<TraceSample> trace;  ///< at least the first and the last state
+  SimulationSummary summary;
+};
+
+/// Runs the closed loop from a state right after the impact (or any other state).
+///
+/// Joint stops are not enforced: passing one is reported, and what comes later is without them.
+/// @param resistance its rotor inertia stays in plant and controller; the rest ended with the
+/// impact
+/// @throws InputError when sizes or options make no sense.
+[[nodiscard]] SimulationResult simulate_post_impact(const RobotModel& robot,
+                                                    const JointResistance& resistance,
+                                                    const PlantState& initial,
+                                                    const Controller& controller,
+                                                    const SimulationOptions& options);
+
+/// Runs the controller for `lead_time`, applies the impulse, and runs on for options.horizon: the
+/// paper's Figs. 6 to 8 (from rest, impact at 0.1 s). The trace shows the impact as two samples at
+/// the same time; the summary is that of the time after the impact.
+/// @param Fbar impulse [f; t] at the hand in B, N s, N m s
+[[nodiscard]] SimulationResult simulate_impact(const RobotModel& robot,
+                                               const JointResistance& resistance,
+                                               const PlantState& before, const Vector6d& Fbar,
+                                               double lead_time, const Controller& controller,
+                                               const SimulationOptions& options);
+
+/// The trace as CSV text, one line per sample, units in the column names. Numbers read back
+/// exactly.
+std::string trace_csv(const RobotModel& robot, const std::vector<TraceSample>& trace);
+
+}  // namespace stillbase

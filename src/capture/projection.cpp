@@ -1,0 +1,97 @@
+#include "capture/projection.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+
+namespace stillbase {
+
+namespace {
+
+/// Residual of everything that is violated, with its Jacobian.
+void residual(const Formulation& formulation, const Eigen::VectorXd& x, bool zero_objective,
+              Eigen::VectorXd& r, Eigen::MatrixXd& J) {
+  nlp::Evaluation at_x;
+  formulation.evaluate(x, at_x);
+  const Eigen::VectorXd lower = formulation.constraint_lower();
+  const Eigen::VectorXd upper = formulation.constraint_upper();
+  const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);
+  std::vector<int> rows;
+  for (int i = 0; i < violation.size(); ++i) {
+    if (lower[i] == upper[i] || violation[i] != 0) rows.push_back(i);
+  }
+  const int m = static_cast<int>(rows.size());
+  const int extra = zero_objective ? 3 : 0;
+  r.resize(m + extra);
+  J.resize(m + extra, x.size());
+  for (int i = 0; i < m; ++i) {
+    r[i] = violation[rows[static_cast<std::size_t>(i)]];
+    J.row(i) = at_x.jacobian.row(rows[static_cast<std::size_t>(i)]);
+  }
+  if (zero_objective) {
+    Vector3d y;
+    Eigen::MatrixXd J_y;
+    formulation.objective_vector(x, y, J_y);
+    r.tail<3>() = y;
+    J.bottomRows<3>() = J_y;
+  }
+}
+
+}  // namespace
+
+ProjectionResult project_onto_constraints(const Formulation& formulation, const Eigen::VectorXd& x0,
+                                          bool zero_objective, int max_iterations) {
+  const Eigen::VectorXd lower = formulation.lower();
+  const Eigen::VectorXd upper = formulation.upper();
+  constexpr double kMaxStep = 0.5;  // rad: beyond it the linear model says nothing
+  ProjectionResult out{x0.cwiseMax(lower).cwiseMin(upper), kInfinity};
+  Eigen::VectorXd r, r_trial;
+  Eigen::MatrixXd J, J_trial;
+  residual(formulation, out.x, zero_objective, r, J);
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (r.size() == 0 || r.cwiseAbs().maxCoeff() < 1e-14) break;
+    // Variables that the step would push through a bound are held, then the step is taken anew.
+    std::vector<bool> held(static_cast<std::size_t>(x0.size()), false);
+    Eigen::VectorXd step;
+    for (int pass = 0; pass <= x0.size(); ++pass) {
+      Eigen::MatrixXd A = J;
+      for (int i = 0; i < x0.size(); ++i) {
+        if (held[static_cast<std::size_t>(i)]) A.col(i).setZero();
+      }
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+      solver.setThreshold(1e-9);
+      step = -solver.compute(A).solve(r);
+      bool changed = false;
+      for (int i = 0; i < x0.size(); ++i) {
+        const bool out_of_box =
+            (out.x[i] <= lower[i] && step[i] < 0) || (out.x[i] >= upper[i] && step[i] > 0);
+        if (out_of_box && !held[static_cast<std::size_t>(i)]) {
+          held[static_cast<std::size_t>(i)] = true;
+          changed = true;
+        }
+      }
+      if (!changed) break;
+    }
+    const double longest = step.cwiseAbs().maxCoeff();
+    if (!(longest > 0)) break;
+    if (longest > kMaxStep) step *= kMaxStep / longest;
+    const double before = r.squaredNorm();
+    double alpha = 1;
+    bool accepted = false;
+    for (int halving = 0; halving < 12; ++halving, alpha /= 2) {
+      const Eigen::VectorXd trial = (out.x + alpha * step).cwiseMax(lower).cwiseMin(upper);
+      residual(formulation, trial, zero_objective, r_trial, J_trial);
+      if (r_trial.squaredNorm() < before) {
+        out.x = trial;
+        r = r_trial;
+        J = J_trial;
+        accepted = true;
+        break;
+      }
+    }
+    if (!accepted) break;
+  }
+  out.violation = r.size() == 0 ? 0 : r.cwiseAbs().maxCoeff();
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,161 @@
+#include <stillbase/capture/search.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kFeasible = 1e-9;  ///< largest violation of a feasible plan
+constexpr double kOptimal = 1e-6;   ///< largest KKT residual of an optimal plan
+constexpr double kSameConfiguration = 1e-5;
+
+struct Solution {
+  Eigen::VectorXd x;
+  double objective = kInfinity;  ///< 1/2 |y|^2 in objective units
+  double violation = kInfinity;
+  int reached = 1;
+};
+
+double largest_violation(const Formulation& formulation, const Eigen::VectorXd& x) {
+  double worst = 0;
+  for (const ConstraintValue& value : formulation.report(x)) {
+    worst = std::max(worst, value.violation);
+  }
+  return worst;
+}
+
+Solution judge(const Formulation& formulation, const Eigen::VectorXd& x) {
+  nlp::Evaluation at_x;
+  formulation.evaluate_value(x, at_x);
+  return {x, at_x.objective, largest_violation(formulation, x), 1};
+}
+
+/// The better of two points: feasible before infeasible, then the lower objective.
+bool better(const Solution& a, const Solution& b) {
+  const bool fa = a.violation <= kFeasible, fb = b.violation <= kFeasible;
+  if (fa != fb) return fa;
+  return fa ? a.objective < b.objective : a.violation < b.violation;
+}
+
+/// What a local solver leaves is close; Newton steps make constraints exact and zeros exact.
+Solution polish(const Formulation& formulation, const Solution& found) {
+  Solution best = found;
+  const auto consider = [&](const ProjectionResult& moved) {
+    const Solution trial = judge(formulation, moved.x);
+    if (better(trial, best) && formulation.distance(trial.x, found.x) < 0.1) best = trial;
+  };
+  consider(project_onto_constraints(formulation, best.x, false, 8));
+  if (best.objective < 1e-6 && best.objective > 0) {
+    consider(project_onto_constraints(formulation, best.x, true, 20));
+  }
+  return best;
+}
+
+void keep_distinct(const Formulation& formulation, const Solution& found,
+                   std::vector<Solution>& solutions) {
+  for (Solution& known : solutions) {
+    if (formulation.distance(known.x, found.x) > kSameConfiguration) continue;
+    const int reached = known.reached + found.reached;
+    if (better(found, known)) known = found;
+    known.reached = reached;
+    return;
+  }
+  solutions.push_back(found);
+}
+
+}  // namespace
+
+SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
+                    const SearchOptions& options) {
+  const auto optimizer = nlp::make_optimizer(options.optimizer);
+  if (!optimizer) throw std::invalid_argument("no optimizer named " + options.optimizer);
+  nlp::OptimizeOptions optimize;
+  optimize.stop = options.stop;
+  optimize.feasibility_tolerance = kFeasible;
+  optimize.optimality_tolerance = kOptimal;
+
+  SearchResult out;
+  std::vector<Solution> solutions;
+  Solution nearest;
+  // With as many equations as variables the solutions are isolated points and there is nothing to
+  // minimise: Newton steps from many more starts find them, and cost less than one local solve.
+  const bool isolated = formulation.freedom() == 0;
+  const int starts = isolated ? 16 * options.starts : options.starts;
+  for (int start = 0; start < starts; ++start) {
+    if (options.stop.reached() && start > 0) {
+      out.stopped = true;
+      break;
+    }
+    const Eigen::VectorXd x0 = formulation.start_point(
+        low_discrepancy_point(start, formulation.start_dimension(), options.seed));
+    const ProjectionResult projected =
+        project_onto_constraints(formulation, x0, false, isolated ? 60 : 15);
+    Solution found;
+    if (isolated && start >= options.starts) {
+      found = judge(formulation, formulation.normalised(projected.x));
+    } else {
+      optimize.seed = options.seed + static_cast<std::uint64_t>(start);
+      const nlp::OptimizeResult result = optimizer->minimize(formulation, projected.x, optimize);
+      ++out.solver_calls[options.optimizer];
+      found = polish(formulation, judge(formulation, formulation.normalised(result.x)));
+    }
+    found.x = formulation.normalised(found.x);
+    ++out.starts;
+    if (better(found, nearest)) nearest = found;
+    if (found.violation <= kFeasible) keep_distinct(formulation, found, solutions);
+    if (options.on_progress) options.on_progress(start + 1, starts);
+  }
+
+  if (solutions.empty() && nearest.x.size() > 0) solutions.push_back(nearest);
+  out.distinct_solutions = nearest.violation <= kFeasible ? static_cast<int>(solutions.size()) : 0;
+  std::vector<std::pair<Candidate, Eigen::VectorXd>> ranked;
+  for (const Solution& solution : solutions) {
+    Candidate candidate;
+    candidate.configuration = formulation.configuration(solution.x);
+    candidate.objective = nominal_value(problem, formulation, candidate.configuration);
+    candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
+    candidate.max_violation = solution.violation;
+    candidate.starts_reached = solution.reached;
+    ranked.emplace_back(candidate, solution.x);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
+    return a.first.worst_case < b.first.worst_case;
+  });
+  if (static_cast<int>(ranked.size()) > options.max_candidates) {
+    ranked.resize(static_cast<std::size_t>(options.max_candidates));
+  }
+  for (const auto& [candidate, x] : ranked) {
+    const nlp::Certificate kkt = nlp::certify(formulation, x);
+    Certificate certificate;
+    certificate.kkt_residual = kkt.kkt_residual;
+    certificate.max_violation = candidate.max_violation;
+    certificate.starts = out.starts;
+    certificate.distinct_solutions = out.distinct_solutions;
+    out.candidates.push_back(candidate);
+    out.certificates.push_back(certificate);
+    out.points.push_back(x);
+  }
+  out.evaluations = formulation.evaluations();
+  if (out.candidates.empty() || nearest.violation > kFeasible) {
+    out.status = out.stopped ? PlanStatus::Limit : PlanStatus::Infeasible;
+  } else {
+    out.status = out.stopped ? PlanStatus::Limit : PlanStatus::Feasible;
+  }
+  return out;
+}
+
+PlanStatus status_of(const Certificate& certificate) {
+  if (!(certificate.max_violation <= kFeasible)) return PlanStatus::Infeasible;
+  return certificate.kkt_residual <= kOptimal ? PlanStatus::Optimal : PlanStatus::Feasible;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,99 @@
+// The only place that knows Boost.odeint.
+#include <algorithm>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "simulation/integrators.hpp"
+
+namespace stillbase {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+using Numbers = std::vector<double>;
+
+template <class Controlled>
+class AdaptiveIntegrator final : public Integrator {
+ public:
+  AdaptiveIntegrator(Controlled stepper, const SimulationOptions& options)
+      : stepper_(std::move(stepper)), options_(options), step_(options.step) {}
+
+  SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                           StepObserver& observer) override {
+    const auto system = [&](const Numbers& from, Numbers& to, double time) {
+      y_ = Eigen::Map<const Eigen::VectorXd>(from.data(), static_cast<Eigen::Index>(from.size()));
+      loop.derivative(time, y_, dydt_, nullptr);
+      std::copy(dydt_.data(), dydt_.data() + dydt_.size(), to.begin());
+    };
+    // The torque may have changed since the last call: no derivative is carried over.
+    if constexpr (requires { stepper_.reset(); }) stepper_.reset();
+    numbers_.assign(x.data(), x.data() + x.size());
+    while (t < t1) {
+      loop.derivative(t, x, dydt_, &observer);
+      const SimulationStatus status = one_step(system, t, t1);
+      x = Eigen::Map<const Eigen::VectorXd>(numbers_.data(), x.size());
+      normalise_attitude(x);
+      if (status != SimulationStatus::Finished) return status;
+    }
+    return SimulationStatus::Finished;
+  }
+
+ private:
+  /// One accepted step, not beyond t1. numbers_ and t move only with an accepted step.
+  template <class System>
+  SimulationStatus one_step(const System& system, double& t, double t1) {
+    const Numbers before = numbers_;
+    for (;;) {
+      const SimulationStatus status = check_stop(options_, steps_);
+      if (status != SimulationStatus::Finished) return status;
+      const bool last = t + step_ >= t1;
+      double dt = last ? t1 - t : step_;
+      if (dt <= 16 * std::numeric_limits<double>::epsilon() * std::abs(t) && !last) {
+        return SimulationStatus::StepLimit;
+      }
+      const double t_before = t;
+      ++steps_;
+      const bool accepted = stepper_.try_step(system, numbers_, t, dt) == odeint::success;
+      // A step cut short by t1 says little about the next one: keep the longer proposal.
+      step_ = accepted && last ? std::max(step_, dt) : dt;
+      const Eigen::Map<const Eigen::VectorXd> reached(numbers_.data(),
+                                                      static_cast<Eigen::Index>(numbers_.size()));
+      if (!is_bounded(reached) || !std::isfinite(step_)) {
+        // odeint takes an error of NaN for a small one.
+        numbers_ = before;
+        t = t_before;
+        return SimulationStatus::Diverged;
+      }
+      if (!accepted) continue;
+      if (last) t = t1;
+      return SimulationStatus::Finished;
+    }
+  }
+
+  Controlled stepper_;
+  const SimulationOptions& options_;
+  double step_;  ///< s, proposal for the next step
+  Numbers numbers_;
+  StateVector y_, dydt_;
+};
+
+template <class Stepper>
+std::unique_ptr<Integrator> make(const SimulationOptions& options) {
+  auto controlled =
+      odeint::make_controlled(options.absolute_tolerance, options.relative_tolerance, Stepper());
+  return std::make_unique<AdaptiveIntegrator<decltype(controlled)>>(controlled, options);
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_adaptive_integrator(const SimulationOptions& options) {
+  return options.integrator == IntegratorKind::Dopri5
+             ? make<odeint::runge_kutta_dopri5<Numbers>>(options)
+             : make<odeint::runge_kutta_fehlberg78<Numbers>>(options);
+}
+
+}  // namespace stillbase

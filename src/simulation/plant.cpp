@@ -1,0 +1,78 @@
+#include <stillbase/simulation/plant.hpp>
+
+#include <cmath>
+
+#include <stillbase/impact/jump.hpp>
+
+namespace stillbase {
+namespace {
+
+InertiaMatrices<double> inertia_with_rotors(const RobotModel& robot,
+                                            const Kinematics<double>& kinematics,
+                                            const JointVectord& rotor_inertia) {
+  InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
+  inertia.H_phi.diagonal() += rotor_inertia;
+  return inertia;
+}
+
+}  // namespace
+
+PlantState state_at_rest(const Pose& base, const JointVectord& phi) {
+  return {base, phi, Vector6d::Zero(), JointVectord::Zero(phi.size())};
+}
+
+PlantTerms::PlantTerms(const RobotModel& robot, const JointVectord& rotor_inertia,
+                       const PlantState& state)
+    : kinematics(compute_kinematics(robot, state.phi)),
+      inertia(inertia_with_rotors(robot, kinematics, rotor_inertia)),
+      tilde(compute_tilde_inertia(inertia)),
+      bias(compute_bias(robot, kinematics, inertia, state.Omega, state.phidot)) {}
+
+PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& F_b,
+                                       const JointVectord& tau) {
+  // The jump (6) and the motion (3) have the same matrix; H_phi already holds the rotors.
+  const JointVectord nothing_added = JointVectord::Zero(tau.size());
+  const ImpactFactor<double> factor =
+      factorize_impact(terms.inertia, terms.tilde, nothing_added, {});
+  const Vector6d base = F_b - terms.bias.c_b;
+  const JointVectord joints = tau - terms.bias.c_phi;
+  const ImpactJump<double> solution = solve_impact(factor, base, joints);
+  return {solution.Delta_Omega, solution.Delta_phidot};
+}
+
+JointVectord joint_friction(const RobotModel& robot, const JointVectord& phidot,
+                            double transition_rate) {
+  JointVectord torque(phidot.size());
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    torque[k] = -joint.viscous_friction * phidot[k] -
+                joint.coulomb_friction * std::tanh(phidot[k] / transition_rate);
+  }
+  return torque;
+}
+
+double kinetic_energy(const InertiaMatrices<double>& inertia, const PlantState& state) {
+  const Vector6d base = inertia.H_b * state.Omega;
+  const Vector6d coupling = inertia.H_bphi * state.phidot;
+  const JointVectord arm = inertia.H_phi * state.phidot;
+  return 0.5 * state.Omega.dot(base) + state.Omega.dot(coupling) + 0.5 * state.phidot.dot(arm);
+}
+
+PlantState state_after_impact(const RobotModel& robot, const JointResistance& resistance,
+                              const PlantState& before, const Vector6d& Fbar) {
+  const Kinematics<double> kinematics = compute_kinematics(robot, before.phi);
+  const InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
+  const HandJacobian<double> jacobian = compute_hand_jacobian(robot, kinematics);
+  const TildeInertia<double> tilde = compute_tilde_inertia(inertia);
+  const std::vector<bool> locked =
+      resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>();
+  const ImpactFactor<double> factor =
+      factorize_impact(inertia, tilde, added_impact_inertia(resistance, robot.n()), locked);
+  const ImpactJump<double> jump = compute_jump(factor, jacobian, Fbar);
+  PlantState after = before;
+  after.Omega += jump.Delta_Omega;
+  after.phidot += jump.Delta_phidot;
+  return after;
+}
+
+}  // namespace stillbase

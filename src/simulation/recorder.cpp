@@ -1,0 +1,166 @@
+#include "simulation/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stillbase/dynamics/reaction_null_space.hpp>
+
+namespace stillbase {
+namespace {
+
+/// Momentum below this fraction of the total is rounding, not lost.
+constexpr double kNoMomentum = 1e-9;
+
+TraceSample make_sample(double t, const PlantState& state, const PlantTerms& terms,
+                        const Momentum<double>& momentum, const JointVectord& tau) {
+  TraceSample sample;
+  sample.time = t;
+  sample.state = state;
+  sample.base = momentum.base;
+  sample.coupling = momentum.coupling;
+  sample.total = momentum.L_g;
+  sample.total_N = state.base.orientation * momentum.L_g;
+  sample.P_N = state.base.orientation * momentum.P;
+  const JointVelocityParts parts =
+      decompose_joint_velocity(angular_reaction_null_space(terms.tilde), state.phidot);
+  sample.rns = parts.rns;
+  sample.orthogonal = parts.orthogonal;
+  sample.tau = tau;
+  sample.kinetic_energy = kinetic_energy(terms.inertia, state);
+  return sample;
+}
+
+/// First zero in [0, 1] of the cubic Hermite segment from (y0, slope m0) to (y1, slope m1) with
+/// y0 <= 0 < y1, by bisection.
+double hermite_crossing(double y0, double m0, double y1, double m1) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 0.5 * (low + high);
+    const double r = 1 - s;
+    const double y =
+        r * r * (1 + 2 * s) * y0 + s * r * r * m0 + s * s * (3 - 2 * s) * y1 - s * s * r * m1;
+    (y > 0 ? high : low) = s;
+  }
+  return high;
+}
+
+}  // namespace
+
+Recorder::Recorder(const RobotModel& robot, const Controller& controller,
+                   const SimulationOptions& options)
+    : robot_(robot), controller_(controller), options_(options) {
+  result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
+  result_.summary.peak_torques = JointVectord::Zero(robot.n());
+}
+
+void Recorder::observe(double t, const PlantState& state, const PlantTerms& terms,
+                       const JointVectord& tau, bool saturated) {
+  SimulationSummary& summary = result_.summary;
+  const Momentum<double> momentum =
+      compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
+  if (!started_) start(state, terms, momentum);
+
+  summary.residual_base_rate = state.Omega.tail<3>().norm();
+  summary.peak_base_rate = std::max(summary.peak_base_rate, summary.residual_base_rate);
+  summary.attitude_turned_end = first_attitude_.angularDistance(state.base.orientation);
+  summary.attitude_turned = std::max(summary.attitude_turned, summary.attitude_turned_end);
+  summary.residual_joint_rate = state.phidot.norm();
+  summary.peak_joint_rate = std::max(summary.peak_joint_rate, summary.residual_joint_rate);
+  summary.peak_joint_rates = summary.peak_joint_rates.cwiseMax(state.phidot.cwiseAbs());
+  summary.peak_torques = summary.peak_torques.cwiseMax(tau.cwiseAbs());
+  watch_momentum(state, momentum);
+  if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
+  if (saturated) {
+    for (int k = 0; k < robot_.n(); ++k) {
+      const double limit = robot_.joints[static_cast<std::size_t>(k)].max_effort;
+      if (std::abs(tau[k]) >= limit) note(k, LimitKind::Torque, t);
+    }
+  }
+  watch_limits(t, state);
+
+  if (record_now_) {
+    result_.trace.push_back(make_sample(t, state, terms, momentum, tau));
+    record_now_ = false;
+  }
+  started_ = true;
+  t_ = t;
+  state_ = state;
+}
+
+void Recorder::start(const PlantState& state, const PlantTerms& terms,
+                     const Momentum<double>& momentum) {
+  first_attitude_ = state.base.orientation;
+  first_P_N_ = state.base.orientation * momentum.P;
+  first_L_N_ = state.base.orientation * momentum.L_g;
+  const double T = kinetic_energy(terms.inertia, state);
+  P_scale_ = std::sqrt(2 * terms.inertia.mass * T);
+  L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
+}
+
+void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& momentum) {
+  SimulationSummary& summary = result_.summary;
+  const double P_drift = (state.base.orientation * momentum.P - first_P_N_).norm();
+  const double L_drift = (state.base.orientation * momentum.L_g - first_L_N_).norm();
+  summary.linear_momentum_drift = std::max(summary.linear_momentum_drift, P_drift);
+  summary.angular_momentum_drift = std::max(summary.angular_momentum_drift, L_drift);
+  if (P_scale_ > 0) {
+    summary.relative_momentum_drift =
+        std::max({summary.relative_momentum_drift, P_drift / P_scale_, L_drift / L_scale_});
+  }
+}
+
+void Recorder::watch_lost_momentum(const PlantTerms& terms, const Momentum<double>& momentum) {
+  SimulationSummary& summary = result_.summary;
+  const MomentumTransfer transfer =
+      compute_momentum_transfer(controller_, terms.tilde.Htilde_omegaphi, momentum.L_g);
+  summary.lowest_rank = std::min(summary.lowest_rank, transfer.rank);
+  summary.lost_momentum = transfer.unreachable(momentum.L_g);
+  const double lost = summary.lost_momentum.norm();
+  summary.peak_lost_momentum = std::max(summary.peak_lost_momentum, lost);
+  summary.lost_direction = Vector3d::Zero();
+  const double scale = momentum.base.norm() + momentum.coupling.norm();
+  if (lost > kNoMomentum * scale) summary.lost_direction = summary.lost_momentum / lost;
+}
+
+void Recorder::watch_limits(double t, const PlantState& state) {
+  for (int k = 0; k < robot_.n(); ++k) {
+    const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+    if (std::abs(state.phidot[k]) > joint.max_velocity) note(k, LimitKind::Rate, t);
+    watch_stops(k, t, state);
+  }
+}
+
+void Recorder::watch_stops(int k, double t, const PlantState& state) {
+  const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+  const auto passed = [&](double sign, double stop, LimitKind kind) {
+    const double y1 = sign * (state.phi[k] - stop);
+    if (!(y1 > 0)) return;
+    if (!started_) return note(k, kind, t);
+    const double y0 = sign * (state_.phi[k] - stop);
+    if (y0 > 0) return;
+    const double h = t - t_;
+    const double s =
+        hermite_crossing(y0, sign * h * state_.phidot[k], y1, sign * h * state.phidot[k]);
+    note(k, kind, t_ + s * h);
+  };
+  if (joint.lower > -kInfinity) passed(-1, joint.lower, LimitKind::LowerStop);
+  if (joint.upper < kInfinity) passed(1, joint.upper, LimitKind::UpperStop);
+}
+
+void Recorder::note(int joint, LimitKind kind, double time) {
+  for (const LimitEvent& event : result_.summary.limits) {
+    if (event.joint == joint && event.kind == kind) return;
+  }
+  result_.summary.limits.push_back({joint, kind, time});
+}
+
+SimulationResult Recorder::take(SimulationStatus status, long steps) {
+  SimulationSummary& summary = result_.summary;
+  if (robot_.n() > 0) summary.peak_torque = summary.peak_torques.maxCoeff();
+  summary.steps = steps;
+  std::stable_sort(summary.limits.begin(), summary.limits.end(),
+                   [](const LimitEvent& a, const LimitEvent& b) { return a.time < b.time; });
+  result_.status = status;
+  return std::move(result_);
+}
+
+}  // namespace stillbase

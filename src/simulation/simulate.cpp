@@ -1,0 +1,148 @@
+#include <stillbase/simulation/simulate.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stillbase/core/error.hpp>
+
+#include "simulation/integrators.hpp"
+#include "simulation/recorder.hpp"
+
+namespace stillbase {
+namespace {
+
+/// Refuses what cannot be run, everything at once.
+void check(const RobotModel& robot, const JointResistance& resistance, const PlantState& initial,
+           const Controller& controller, const SimulationOptions& options) {
+  std::vector<Finding> findings;
+  const auto require = [&](bool holds, const char* rule, const char* message) {
+    if (!holds) findings.push_back({"simulation", 0, rule, message});
+  };
+  const int n = robot.n();
+  const bool sizes = initial.phi.size() == n && initial.phidot.size() == n;
+  require(sizes, "state-size", "joint positions and rates need one number per joint");
+  require(initial.phi.allFinite() && initial.phidot.allFinite() && initial.Omega.allFinite() &&
+              initial.base.position.allFinite() && initial.base.orientation.coeffs().allFinite(),
+          "state-finite", "the initial state must be finite");
+  require(std::abs(initial.base.orientation.norm() - 1) < 1e-6, "state-attitude",
+          "the base orientation must be a unit quaternion");
+  require(resistance.model != ResistanceModel::RotorInertia || resistance.rotor_inertia.size() == n,
+          "rotor-inertia", "rotor inertia needs one number per joint");
+  // !(x > 0) refuses NaN too.
+  require(controller.K_omega >= 0 && std::isfinite(controller.K_omega) && controller.K_phi >= 0 &&
+              std::isfinite(controller.K_phi),
+          "gain", "gains must be finite and not negative");
+  require(controller.rank_edge > 1e-7 && controller.rank_edge < 1, "rank-edge",
+          "must lie between 1e-7 and 1");
+  require(controller.joint_rate_edge > 0, "joint-rate-edge", "must be above zero");
+  require(options.step > 0 && std::isfinite(options.step), "step", "must be finite and above zero");
+  require(options.relative_tolerance > 0 && options.absolute_tolerance > 0, "tolerance",
+          "must be above zero");
+  require(options.control_period >= 0 && std::isfinite(options.control_period), "control-period",
+          "must be finite and not negative");
+  require(options.output_period >= 0 && std::isfinite(options.output_period), "output-period",
+          "must be finite and not negative");
+  require(
+      options.horizon >= 0 && std::isfinite(options.horizon) && std::isfinite(options.start_time),
+      "horizon", "must be finite and not negative");
+  require(options.friction_transition_rate > 0, "friction-transition-rate", "must be above zero");
+  if (!findings.empty()) throw InputError(std::move(findings));
+}
+
+/// Instants start + i * period; none when the period is zero.
+class Ticks {
+ public:
+  Ticks(double start, double period) : start_(start), period_(period) {}
+  double next() const {
+    return period_ > 0 ? start_ + static_cast<double>(count_) * period_ : kInfinity;
+  }
+  /// True when t is the next instant (up to rounding); moves on to the one after.
+  bool fires_at(double t) {
+    if (period_ <= 0 || next() > t + 1e-9 * period_) return false;
+    ++count_;
+    return true;
+  }
+
+ private:
+  double start_, period_;
+  long count_ = 0;
+};
+
+}  // namespace
+
+std::string to_string(SimulationStatus status) {
+  switch (status) {
+    case SimulationStatus::Finished:
+      return "finished";
+    case SimulationStatus::Interrupted:
+      return "interrupted";
+    case SimulationStatus::TimeLimit:
+      return "time_limit";
+    case SimulationStatus::StepLimit:
+      return "step_limit";
+    case SimulationStatus::Diverged:
+      return "diverged";
+  }
+  return "unknown";
+}
+
+std::string to_string(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::Torque:
+      return "torque";
+    case LimitKind::Rate:
+      return "rate";
+    case LimitKind::LowerStop:
+      return "lower_stop";
+    case LimitKind::UpperStop:
+      return "upper_stop";
+  }
+  return "unknown";
+}
+
+SimulationResult simulate_post_impact(const RobotModel& robot, const JointResistance& resistance,
+                                      const PlantState& initial, const Controller& controller,
+                                      const SimulationOptions& options) {
+  check(robot, resistance, initial, controller, options);
+  const JointVectord rotor_inertia = added_plant_inertia(resistance, robot.n());
+  ClosedLoop loop(robot, rotor_inertia, controller, options);
+  Recorder recorder(robot, controller, options);
+  const std::unique_ptr<Integrator> integrator = options.integrator == IntegratorKind::Rk4
+                                                     ? make_rk4_integrator(options)
+                                                     : make_adaptive_integrator(options);
+  StateVector x = pack(initial);
+  normalise_attitude(x);
+  double t = options.start_time;
+  const double end = options.start_time + options.horizon;
+  Ticks control(t, options.control_period), output(t, options.output_period);
+  SimulationStatus status = SimulationStatus::Finished;
+  while (t < end && status == SimulationStatus::Finished) {
+    if (control.fires_at(t)) loop.sample_next();
+    if (output.fires_at(t)) recorder.record_next();
+    double next = std::min({control.next(), output.next(), end});
+    if (end - next < 1e-9 * (next - t)) next = end;
+    status = integrator->advance(loop, x, t, next, recorder);
+  }
+  // The last state, whatever ended the run.
+  recorder.record_next();
+  StateVector unused;
+  loop.derivative(t, x, unused, &recorder);
+  return recorder.take(status, integrator->steps());
+}
+
+SimulationResult simulate_impact(const RobotModel& robot, const JointResistance& resistance,
+                                 const PlantState& before, const Vector6d& Fbar, double lead_time,
+                                 const Controller& controller, const SimulationOptions& options) {
+  SimulationOptions lead = options;
+  lead.horizon = lead_time;
+  SimulationResult first = simulate_post_impact(robot, resistance, before, controller, lead);
+  if (first.status != SimulationStatus::Finished) return first;
+
+  SimulationOptions rest = options;
+  rest.start_time = options.start_time + lead_time;
+  const PlantState after = state_after_impact(robot, resistance, first.trace.back().state, Fbar);
+  SimulationResult second = simulate_post_impact(robot, resistance, after, controller, rest);
+  second.trace.insert(second.trace.begin(), first.trace.begin(), first.trace.end());
+  return second;
+}
+
+}  // namespace stillbase
