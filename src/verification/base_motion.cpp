@@ -24,8 +24,7 @@ struct PoseRate {
 
 PoseRate pose_rate(const Pose& pose, const Vector6d& Omega) {
   const Eigen::Quaterniond omega(0, Omega(3), Omega(4), Omega(5));
-  return {pose.orientation * Vector3d(Omega.head<3>()),
-          0.5 * (pose.orientation * omega).coeffs()};
+  return {pose.orientation * Vector3d(Omega.head<3>()), 0.5 * (pose.orientation * omega).coeffs()};
 }
 
 Pose moved(Pose pose, const PoseRate& rate, double h) {

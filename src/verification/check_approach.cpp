@@ -35,14 +35,14 @@ void check_ends(const Context& context, ClaimList& claims) {
   const Configuration& goal = context.plan.configuration;
   const std::size_t last = approach.times.size() - 1;
 
-  claims.at_most("approach_start",
-                 largest_difference(problem.robot, approach.joint_positions.front(), problem.start,
-                                    true),
-                 kSame, "rad", "first posture from the problem's start posture");
-  claims.at_most("approach_arrival",
-                 largest_difference(problem.robot, approach.joint_positions.back(), goal.phi,
-                                    false),
-                 kSame, "rad", "last posture from the configuration");
+  claims.at_most(
+      "approach_start",
+      largest_difference(problem.robot, approach.joint_positions.front(), problem.start, true),
+      kSame, "rad", "first posture from the problem's start posture");
+  claims.at_most(
+      "approach_arrival",
+      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false), kSame,
+      "rad", "last posture from the configuration");
   claims.at_most("approach_contact_time", std::abs(approach.times.back() - goal.contact_time),
                  kSame, "s", "last time from the contact time");
   claims.at_most("approach_rest",
@@ -154,11 +154,11 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
     const Vector6d& Omega = approach.base_velocities[i];
     rate = std::max(rate, Omega.cwiseAbs().maxCoeff());
     if (!held) {
-      momentum = std::max(momentum, momentum_left(problem.robot, approach.joint_positions[i],
-                                                  Omega, approach.joint_velocities[i]));
+      momentum = std::max(momentum, momentum_left(problem.robot, approach.joint_positions[i], Omega,
+                                                  approach.joint_velocities[i]));
     }
-    excursion = std::max(
-        excursion, pose_error(approach.base_poses[i], context.plan.configuration.base).angle);
+    excursion = std::max(excursion,
+                         pose_error(approach.base_poses[i], context.plan.configuration.base).angle);
   }
   claims.at_most("approach_base_poses", worst_pose, options.base_path_tolerance, "m or rad",
                  fmt::format("{}: stored poses from those integrated from the first one", how));
@@ -179,20 +179,19 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
                    "m or rad", "first base pose from the stated one");
   }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
-                 kSame, "rad", fmt::format("largest turn away from the final attitude, {:.6g} rad",
-                                           excursion));
+                 kSame, "rad",
+                 fmt::format("largest turn away from the final attitude, {:.6g} rad", excursion));
 
   // Where the hand really ends, by the integrated motion alone.
   const auto at_rest = reference::compute(problem.robot, {approach.joint_positions.back(), {}, {}});
-  const auto wanted =
-      reference::compute(problem.robot, {context.plan.configuration.phi, {}, {}});
+  const auto wanted = reference::compute(problem.robot, {context.plan.configuration.phi, {}, {}});
   const Pose& base = context.plan.configuration.base;
-  claims.at_most("approach_hand_arrival",
-                 (poses.back() * Vector3d(at_rest.hand_position) -
-                  base * Vector3d(wanted.hand_position))
-                     .norm(),
-                 options.base_path_tolerance * (1 + wanted.hand_position.norm()), "m",
-                 "hand at the end of the integrated motion from its place at the contact");
+  claims.at_most(
+      "approach_hand_arrival",
+      (poses.back() * Vector3d(at_rest.hand_position) - base * Vector3d(wanted.hand_position))
+          .norm(),
+      options.base_path_tolerance * (1 + wanted.hand_position.norm()), "m",
+      "hand at the end of the integrated motion from its place at the contact");
 }
 
 void check_clearance(const Context& context, const std::vector<Pose>& poses, ClaimList& claims) {

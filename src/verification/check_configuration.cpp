@@ -66,28 +66,27 @@ void check_base(const Context& context, ClaimList& claims) {
   claims.at_most("base_position", beyond, kFixed, "m", rule);
 
   const double time = context.plan.configuration.contact_time;
-  claims.at_most("contact_time",
-                 std::max({0.0, free.contact_time_lower - time, time - free.contact_time_upper}),
-                 kFixed, "s",
-                 fmt::format("within [{}, {}] s", free.contact_time_lower,
-                             free.contact_time_upper));
+  claims.at_most(
+      "contact_time",
+      std::max({0.0, free.contact_time_lower - time, time - free.contact_time_upper}), kFixed, "s",
+      fmt::format("within [{}, {}] s", free.contact_time_lower, free.contact_time_upper));
 }
 
-void check_hand(const Context& context, const ContactEvent& event,
-                const PostureResponse& response, ClaimList& claims) {
+void check_hand(const Context& context, const ContactEvent& event, const PostureResponse& response,
+                ClaimList& claims) {
   const HandSpec& hand = context.problem.hand;
   const Pose& base = context.plan.configuration.base;
   const VerifyOptions& options = context.options;
   const bool in_base = hand.frame == Frame::Base;
+  const double tolerance = options.hand_position_tolerance;
 
   const Vector3d position = base * Vector3d(response.dynamics.hand_position);
   if (hand.position) {
     const Vector3d wanted = in_base ? base * *hand.position : *hand.position;
-    claims.at_most("hand_position", (position - wanted).norm(), options.hand_position_tolerance,
-                   "m", "hand from its stated point");
+    claims.at_most("hand_position", (position - wanted).norm(), tolerance, "m",
+                   "hand from its stated point");
   } else if (event.feature) {
-    claims.at_most("hand_position", (position - event.feature->point).norm(),
-                   options.hand_position_tolerance, "m",
+    claims.at_most("hand_position", (position - event.feature->point).norm(), tolerance, "m",
                    "hand from the contact feature at the contact time");
   }
 
@@ -133,8 +132,8 @@ void check_configuration(const Context& context, const ContactEvent& event,
               context.options.recompute_tolerance,
               fmt::format("{:.6g} m/s along the direction of the impulse", v_n));
   if (problem.impulse.source != ImpulseSource::Given) {
-    claims.at_least("closing_speed_min", v_n, problem.constraints.closing_speed_min, kFixed,
-                    "m/s", "how fast target and hand close");
+    claims.at_least("closing_speed_min", v_n, problem.constraints.closing_speed_min, kFixed, "m/s",
+                    "how fast target and hand close");
   }
 }
 

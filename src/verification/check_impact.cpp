@@ -135,10 +135,10 @@ void check_impact(const Context& context, const ContactEvent& event,
                              stated.rank, space.rank));
   claims.same("joint_velocity_rns", relative_error(stated.Delta_phidot_rns, rns, joint_scale),
               tolerance, "part in the reaction null space");
-  claims.same("joint_velocity_orthogonal",
-              relative_error(stated.Delta_phidot_orthogonal, impact.Delta_phidot - rns,
-                             joint_scale),
-              tolerance, "part orthogonal to it");
+  claims.same(
+      "joint_velocity_orthogonal",
+      relative_error(stated.Delta_phidot_orthogonal, impact.Delta_phidot - rns, joint_scale),
+      tolerance, "part orthogonal to it");
 
   auto momentum = [&](const char* name, const Vector3d& said, const Vector3d& found) {
     claims.same(name, relative_error(said, found, scale), tolerance,
@@ -155,9 +155,9 @@ void check_impact(const Context& context, const ContactEvent& event,
   claims.at_most("case_tolerance", judgement.tolerance, kWidestCaseTolerance, "1",
                  "below it a momentum counts as zero");
   const ImpactCase found = judge(residuals, judgement.tolerance);
-  claims.at_most("impact_case", judgement.impact_case == found ? 0 : 1, 0, "1",
-                 fmt::format("stated {}, found {}", name_of(judgement.impact_case),
-                             name_of(found)));
+  claims.at_most(
+      "impact_case", judgement.impact_case == found ? 0 : 1, 0, "1",
+      fmt::format("stated {}, found {}", name_of(judgement.impact_case), name_of(found)));
   claims.same("case_residuals",
               relative_error(Vector3d(judgement.total, judgement.base, judgement.coupling),
                              Vector3d(residuals.total, residuals.base, residuals.coupling), 1),

@@ -1,4 +1,4 @@
-// Objective, worst case over the cone of directions, constraint list and certificate.
+// Objective and its worst case over the cone of directions.
 #include <algorithm>
 #include <cmath>
 
@@ -38,16 +38,13 @@ void check_objective(const Context& context, const ContactEvent& event,
   std::vector<std::string> objections;
   if (stated.name != names.name) objections.push_back("name is " + stated.name);
   if (stated.unit != names.unit) objections.push_back("unit is " + stated.unit);
-  claims.none_wrong("objective_name", objections,
-                    fmt::format("{} in {}", names.name, names.unit));
+  claims.none_wrong("objective_name", objections, fmt::format("{} in {}", names.name, names.unit));
 
   auto value = [&](const Vector3d& d) {
-    return objective_value(problem.objective, response,
-                           impulse_along(problem, event, response, d));
+    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
   };
   auto scale = [&](const Vector3d& d) {
-    return objective_scale(problem.objective, response,
-                           impulse_along(problem, event, response, d));
+    return objective_scale(problem.objective, response, impulse_along(problem, event, response, d));
   };
   const double nominal = value(event.n);
   claims.same("objective_nominal", relative_error(stated.nominal, nominal, scale(event.n)),
@@ -55,9 +52,8 @@ void check_objective(const Context& context, const ContactEvent& event,
 
   const double half_angle = problem.uncertainty.cone_half_angle;
   if (!(half_angle > 0)) {
-    claims.same("objective_worst_case",
-                relative_error(stated.worst_case, nominal, scale(event.n)), tolerance,
-                "without a cone the nominal value");
+    claims.same("objective_worst_case", relative_error(stated.worst_case, nominal, scale(event.n)),
+                tolerance, "without a cone the nominal value");
     return;
   }
 
@@ -69,7 +65,8 @@ void check_objective(const Context& context, const ContactEvent& event,
                  "the stated worst direction is a direction of the cone");
   if (d.norm() > 0) {
     claims.same("objective_worst_case", relative_error(stated.worst_case, value(d), scale(d)),
-                tolerance, fmt::format("{:.9g} {} along the stated direction", value(d), names.unit));
+                tolerance,
+                fmt::format("{:.9g} {} along the stated direction", value(d), names.unit));
   } else {
     claims.not_evaluated("objective_worst_case", tolerance, "1", "no worst direction is stated");
   }
@@ -83,69 +80,6 @@ void check_objective(const Context& context, const ContactEvent& event,
                              "the stated worst case",
                              worst.value, names.unit, worst.direction.x(), worst.direction.y(),
                              worst.direction.z()));
-}
-
-void check_constraints(const Context& context, ClaimList& claims) {
-  const Plan& plan = context.plan;
-  double largest = 0, mismatch = 0;
-  std::vector<std::string> broken;
-  for (const ConstraintValue& c : plan.constraints) {
-    const double violation = std::max({c.lower - c.value, c.value - c.upper, 0.0});
-    mismatch = std::max(mismatch, std::abs(violation - c.violation));
-    largest = std::max(largest, violation);
-    if (violation > context.options.hand_position_tolerance) broken.push_back(c.name);
-  }
-  claims.at_most("constraint_violations", mismatch, 1e-12, "1",
-                 "stated violation of each constraint against its value and bounds");
-  claims.at_most("constraint_values", largest, context.options.hand_position_tolerance, "1",
-                 broken.empty() ? "largest stated violation"
-                                : fmt::format("largest stated violation: {}", broken.front()));
-  claims.same("certificate_violation",
-              relative_error(plan.certificate.max_violation, largest, 1e-6), 1e-6,
-              "largest violation in the certificate");
-}
-
-void check_candidates(const Context& context, ClaimList& claims) {
-  const CaptureProblem& problem = context.problem;
-  const Plan& plan = context.plan;
-  const VerifyOptions& options = context.options;
-  double worst_nominal = 0, worst_cone = 0, nearest = kInfinity;
-  std::vector<std::string> objections;
-  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
-    if (options.stop.reached()) {
-      objections.push_back(fmt::format("stopped before candidate {}", i));
-      break;
-    }
-    const Candidate& candidate = plan.candidates[i];
-    const Configuration& at = candidate.configuration;
-    const PostureResponse response = posture_response(problem, at.phi);
-    const ContactEvent event = contact_event(problem, context.motion, at);
-    auto value = [&](const Vector3d& d) {
-      return objective_value(problem.objective, response,
-                             impulse_along(problem, event, response, d));
-    };
-    const double scale = objective_scale(problem.objective, response,
-                                         impulse_along(problem, event, response, event.n));
-    worst_nominal = std::max(worst_nominal,
-                             relative_error(candidate.objective, value(event.n), scale));
-    const WorstDirection worst =
-        worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
-                        problem.uncertainty.cone_plane_normal, options.cone_samples);
-    worst_cone = std::max(worst_cone, std::abs(candidate.worst_case - worst.value) /
-                                          std::max(std::abs(worst.value), 1e-6 * scale));
-    const PoseError base = pose_error(at.base, plan.configuration.base);
-    nearest = std::min(nearest, std::max({(at.phi - plan.configuration.phi).norm(), base.largest(),
-                                          std::abs(at.contact_time -
-                                                   plan.configuration.contact_time)}));
-  }
-  claims.none_wrong("candidates", objections,
-                    fmt::format("{} recomputed", plan.candidates.size()));
-  claims.at_most("candidates_objective", worst_nominal, options.recompute_tolerance, "1",
-                 "largest relative difference over the candidates");
-  claims.at_most("candidates_worst_case", worst_cone, options.cone_tolerance, "1",
-                 "largest relative difference to the sampled worst case over the candidates");
-  claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",
-                 "the chosen configuration from the nearest candidate");
 }
 
 }  // namespace stillbase::verification

@@ -26,10 +26,15 @@ void check_configuration(const Context& context, const ContactEvent& event,
 void check_impact(const Context& context, const ContactEvent& event,
                   const PostureResponse& response, ClaimList& claims);
 
-/// Objective, worst case over the cone, constraint list, certificate, candidates.
+/// Objective and its worst case over the cone.
 void check_objective(const Context& context, const ContactEvent& event,
                      const PostureResponse& response, ClaimList& claims);
-void check_constraints(const Context& context, ClaimList& claims);
+
+/// The list of constraints and what the certificate says of them.
+void check_constraints(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, ClaimList& claims);
+
+/// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 
 void check_approach(const Context& context, ClaimList& claims);

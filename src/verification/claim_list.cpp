@@ -26,8 +26,7 @@ double relative_error(double stated, double recomputed, double scale) {
 PoseError pose_error(const Pose& a, const Pose& b) {
   // Twice the vector part of the relative rotation: exact where the logarithm loses digits.
   const Eigen::Quaterniond turn = a.orientation.conjugate() * b.orientation;
-  return {(a.position - b.position).norm(),
-          2 * std::atan2(turn.vec().norm(), std::abs(turn.w()))};
+  return {(a.position - b.position).norm(), 2 * std::atan2(turn.vec().norm(), std::abs(turn.w()))};
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) {
@@ -62,7 +61,8 @@ void ClaimList::same(const std::string& name, double error, double tolerance,
 void ClaimList::none_wrong(const std::string& name, const std::vector<std::string>& objections,
                            const std::string& detail) {
   std::string text = detail;
-  for (std::size_t i = 0; i < objections.size(); ++i) text += (i == 0 ? ": " : "; ") + objections[i];
+  for (std::size_t i = 0; i < objections.size(); ++i)
+    text += (i == 0 ? ": " : "; ") + objections[i];
   add(name, static_cast<double>(objections.size()), 0, "1", objections.empty(), text);
 }
 

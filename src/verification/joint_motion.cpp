@@ -28,9 +28,8 @@ HermiteSegment::Extremes HermiteSegment::extremes() const {
       e.highest(k) = std::max(e.highest(k), phi);
     };
     // velocity b + 2 c s + 3 d s^2 = 0, in the form that does not cancel.
-    const double q = -(c_(k) + std::copysign(std::sqrt(std::max(
-                                                 0.0, c_(k) * c_(k) - 3 * d_(k) * b_(k))),
-                                             c_(k)));
+    const double q = -(
+        c_(k) + std::copysign(std::sqrt(std::max(0.0, c_(k) * c_(k) - 3 * d_(k) * b_(k))), c_(k)));
     if (d_(k) != 0) look_at(q / (3 * d_(k)));
     if (q != 0) look_at(b_(k) / q);
     if (d_(k) != 0) {

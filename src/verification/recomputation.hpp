@@ -12,9 +12,9 @@ namespace stillbase::verification {
 /// The chosen contact feature of the problem, if it has one.
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
 
-/// Motion of the target from `first_time` (s) on, which may be far before the contact: the predicted
-/// one, or, when the impulse direction is stated, that of a target that comes along it and meets the
-/// hand (the encounter of plan/encounter.hpp, written apart). Empty without a target.
+/// Motion of the target from `first_time` (s) on, which may be far before the contact: the
+/// predicted one, or, when the impulse direction is stated, that of a target that comes along it
+/// and meets the hand (the encounter of plan/encounter.hpp, written apart). Empty without a target.
 /// @throws std::invalid_argument when it cannot be predicted over that time
 std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
                                           const Configuration& configuration,
@@ -22,8 +22,8 @@ std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
 
 /// The contact as the problem and the motion of the target fix it, at one configuration.
 struct ContactEvent {
-  std::string missing;                         ///< why it is not known; empty: it is
-  std::optional<ContactState> feature;         ///< where the predicted target is hit, in N
+  std::string missing;                  ///< why it is not known; empty: it is
+  std::optional<ContactState> feature;  ///< where the predicted target is hit, in N
   Eigen::Quaterniond R_NT = Eigen::Quaterniond::Identity();  ///< with `feature`
   Vector3d n = Vector3d::Zero();               ///< direction of the impulse on the hand, unit, in B
   Vector3d moment = Vector3d::Zero();          ///< given moment impulse in B, N m s
@@ -44,12 +44,12 @@ double closing_speed(const CaptureProblem& problem, const ContactEvent& event, c
 
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
-  reference::Dynamics dynamics;          ///< at rest
-  Eigen::VectorXd added_inertia;         ///< n
-  std::vector<bool> locked;              ///< n or empty
-  Matrix3d W = Matrix3d::Zero();         ///< hand velocity per force impulse, 1/kg
-  Eigen::Matrix<double, 3, 6> B;         ///< Delta omega = B Fbar
-  Vector3d r_gh = Vector3d::Zero();      ///< system centroid to hand, in B, m
+  reference::Dynamics dynamics;      ///< at rest
+  Eigen::VectorXd added_inertia;     ///< n
+  std::vector<bool> locked;          ///< n or empty
+  Matrix3d W = Matrix3d::Zero();     ///< hand velocity per force impulse, 1/kg
+  Eigen::Matrix<double, 3, 6> B;     ///< Delta omega = B Fbar
+  Vector3d r_gh = Vector3d::Zero();  ///< system centroid to hand, in B, m
 
   reference::Impact impact(const Vector6d& Fbar) const {
     return reference::impact(dynamics, added_inertia, locked, Fbar);

@@ -26,19 +26,19 @@ struct Claim {
   double limit = 0;             ///< what the value is held against; the detail says how
   std::string unit;             ///< "1" for ratios and counts
   bool pass = false;
-  std::string detail;           ///< what was compared, or why it could not be evaluated
+  std::string detail;  ///< what was compared, or why it could not be evaluated
 };
 
 /// What the base and the joints do after the impact under one controller. Facts, not verdicts: the
 /// first controller of the problem has claims of its own.
 struct ControllerReport {
   std::string controller;
-  bool finished = false;          ///< the simulation reached the horizon
-  double horizon = 0;             ///< s after the impact
-  double residual_base_rate = 0;  ///< |omega| at the horizon, rad/s
-  double peak_base_rate = 0;      ///< rad/s
-  double attitude_turned = 0;     ///< largest turn away from the attitude at the impact, rad
-  double peak_joint_rate = 0;     ///< max over time of the largest |phidot_k|, rad/s (m/s)
+  bool finished = false;              ///< the simulation reached the horizon
+  double horizon = 0;                 ///< s after the impact
+  double residual_base_rate = 0;      ///< |omega| at the horizon, rad/s
+  double peak_base_rate = 0;          ///< rad/s
+  double attitude_turned = 0;         ///< largest turn away from the attitude at the impact, rad
+  double peak_joint_rate = 0;         ///< max over time of the largest |phidot_k|, rad/s (m/s)
   double residual_joint_rate = 0;     ///< |phidot| at the horizon
   double peak_joint_torque = 0;       ///< N m (N)
   double linear_momentum_drift = 0;   ///< in N, relative, by `reference`
@@ -54,15 +54,16 @@ struct Verification {
 };
 
 struct VerifyOptions {
-  double recompute_tolerance = 1e-10;  ///< relative; two implementations agree to about 1e-13
-  double hand_position_tolerance = 1e-6;  ///< m; a contact point is not known better
-  double hand_angle_tolerance = 1e-6;     ///< rad
+  double recompute_tolerance = 1e-10;     ///< relative; two implementations agree to about 1e-13
+  double hand_position_tolerance = 1e-8;  ///< m; ten times what the search leaves open
+  double hand_angle_tolerance = 1e-8;     ///< rad
+  double constraint_tolerance = 1e-8;     ///< violations of the listed constraints, in their units
   double base_path_tolerance = 1e-6;      ///< m and rad, stored base poses against integrated ones
-  double base_step_tolerance = 1e-8;  ///< m and rad, the same from one stored pose to the next
-  double momentum_tolerance = 1e-9;   ///< relative, approach and post-impact
-  double limit_slack = 1e-6;          ///< relative excess of rate and acceleration limits
-  double cone_tolerance = 1e-6;       ///< relative, stated worst case against the sampled one
-  int cone_samples = 4000;            ///< directions before the local refinement
+  double base_step_tolerance = 1e-8;      ///< m and rad, the same from one stored pose to the next
+  double momentum_tolerance = 1e-9;       ///< relative, approach and post-impact
+  double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
+  double cone_tolerance = 1e-6;           ///< relative, stated worst case against the sampled one
+  int cone_samples = 4000;                ///< directions before the local refinement
   /// Part of the problem's resolution between two postures that are checked for collisions.
   double path_refinement = 0.25;
   double max_target_step = 0.005;  ///< m, how far the target may move between two checks
