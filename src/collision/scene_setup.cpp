@@ -1,5 +1,6 @@
 // Building a scene: shapes, motion bounds and the pair rules of scene.hpp.
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "collision/scene_data.hpp"
@@ -57,16 +58,45 @@ SceneItem make_item(Carrier carrier, int body, const std::string& name, const Po
   return item;
 }
 
-/// Both shapes reach the origin of the joint that connects their bodies.
+/// The shapes of a joint's child and parent overlap wherever the joint stands (looked at in 64
+/// positions of its range): nothing that a path could avoid.
+bool overlap_always(const Joint& joint, const CollisionShape& child, const CollisionShape& parent) {
+  constexpr int kPositions = 64;
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  const double low = std::isfinite(joint.lower) ? joint.lower : -kHalfTurn;
+  const double high = std::isfinite(joint.upper) ? joint.upper : kHalfTurn;
+  const auto child_fcl = make_fcl_shape(child.geometry),
+             parent_fcl = make_fcl_shape(parent.geometry);
+  for (int i = 0; i < kPositions; ++i) {
+    const double phi = low + (high - low) * i / (kPositions - 1);
+    Pose moved;
+    if (joint.is_prismatic()) {
+      moved.position.z() = phi;
+    } else {
+      moved.orientation = rotation_exp(Vector3d(0, 0, phi));
+    }
+    const Pose in_parent = Pose{joint.p, Eigen::Quaterniond(joint.R)} * moved * child.pose;
+    if (fcl_distance(*child_fcl, in_parent.orientation.toRotationMatrix(), in_parent.position,
+                     *parent_fcl, parent.pose.orientation.toRotationMatrix(),
+                     parent.pose.position) > 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The shapes belong to bodies joined by one joint and overlap there by construction.
 bool overlap_at_joint(const RobotModel& robot, const CollisionShape& a, const CollisionShape& b) {
   const CollisionShape& child = a.body > b.body ? a : b;
   const CollisionShape& parent = a.body > b.body ? b : a;
   if (child.body == kBase) return false;
   const Joint& joint = robot.joints[static_cast<std::size_t>(child.body)];
   if (joint.parent != parent.body) return false;
-  return point_distance(child.geometry, child.pose.inverse() * Vector3d(Vector3d::Zero())) <=
-             kReachesJoint &&
-         point_distance(parent.geometry, parent.pose.inverse() * joint.p) <= kReachesJoint;
+  const bool both_reach =
+      point_distance(child.geometry, child.pose.inverse() * Vector3d(Vector3d::Zero())) <=
+          kReachesJoint &&
+      point_distance(parent.geometry, parent.pose.inverse() * joint.p) <= kReachesJoint;
+  return both_reach || overlap_always(joint, child, parent);
 }
 
 bool is_allowed(const SceneParts& parts, const std::string& a, const std::string& b) {
@@ -160,6 +190,18 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
 
 CollisionScene::CollisionScene(const CaptureProblem& problem)
     : CollisionScene(problem.robot, parts_of(problem)) {}
+
+CollisionScene::CollisionScene(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+
+CollisionScene CollisionScene::target_pairs_only() const {
+  auto reduced = std::make_shared<Data>(*data_);
+  const auto without_target = [&](const ScenePair& pair) {
+    return reduced->items[pair.a].carrier != Carrier::Target;
+  };
+  reduced->pairs.erase(std::remove_if(reduced->pairs.begin(), reduced->pairs.end(), without_target),
+                       reduced->pairs.end());
+  return CollisionScene(std::shared_ptr<const Data>(std::move(reduced)));
+}
 
 int CollisionScene::pair_count() const { return static_cast<int>(data_->pairs.size()); }
 

@@ -49,6 +49,17 @@ class Monitor {
   const Eigen::VectorXd& best_x() const { return best_.x; }
   const Evaluation& best() const { return best_.evaluation; }
 
+  /// Calls visit(x, evaluation) for the feasible points of late that have derivatives and an
+  /// objective of at most `limit`, newest first, until it returns true.
+  template <class Visit>
+  void visit_recent(double limit, Visit visit) const {
+    for (std::size_t back = 1; back <= recent_.size(); ++back) {
+      const Point& point = recent_[(next_ + recent_.size() - back) % recent_.size()];
+      const bool fits = point.valid && point.has_derivatives && point.feasible;
+      if (fits && point.evaluation.objective <= limit && visit(point.x, point.evaluation)) return;
+    }
+  }
+
   const Problem& problem() const { return problem_; }
   const Eigen::VectorXd& lower() const { return lower_; }
   const Eigen::VectorXd& upper() const { return upper_; }

@@ -73,6 +73,24 @@ void take_point(OptimizeResult& result, const Problem& problem, const Eigen::Vec
   result.feasible = result.certificate.max_violation <= options.feasibility_tolerance;
 }
 
+// A violation within the tolerance buys a lower objective, so that the lowest f may belong to an
+// iterate from before the last digits were found. Of the points that are as good to first order,
+// |f - f_best| <= 2 |multipliers|_1 feasibility_tolerance, take one that can be certified.
+void prefer_certified(OptimizeResult& result, const Monitor& monitor,
+                      const OptimizeOptions& options) {
+  if (!result.feasible || result.certificate.kkt_residual <= options.optimality_tolerance) return;
+  const double worth =
+      2.0 * result.certificate.multipliers.lpNorm<1>() * options.feasibility_tolerance;
+  const double rounding = 1e-14 * std::abs(result.objective);
+  monitor.visit_recent(result.objective + worth + rounding,
+                       [&](const Eigen::VectorXd& x, const Evaluation& at_x) {
+                         const Certificate found = certify(monitor.problem(), x, at_x);
+                         if (found.kkt_residual > options.optimality_tolerance) return false;
+                         take_point(result, monitor.problem(), x, at_x, options);
+                         return true;
+                       });
+}
+
 // Evaluations kept back from the solver for explain().
 int explain_budget(const OptimizeOptions& options) {
   return options.explain_infeasibility
@@ -91,12 +109,15 @@ void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptio
   result.evaluations += nearest.evaluations + 1;
   result.gradient_evaluations += nearest.evaluations + 1;
   const Certificate found = certify(problem, nearest.x, at_x);
-  if (found.max_violation <= options.feasibility_tolerance) {
-    remark(result, "no feasible point found, although there is one near");
-  } else if (found.violation_slope <= kFlatViolation) {
-    take_point(result, problem, nearest.x, at_x, options);
+  const bool feasible = found.max_violation <= options.feasibility_tolerance;
+  if (!feasible && found.violation_slope > kFlatViolation) return;
+  take_point(result, problem, nearest.x, at_x, options);
+  remark(result,
+         "the solver left a violated point; this one was found by minimising the violation");
+  if (!feasible) {
     result.status = Status::Infeasible;
-    remark(result, "the nearest attempt was found by minimising the violation");
+  } else if (result.status == Status::Failed) {
+    result.status = Status::Feasible;
   }
 }
 
@@ -205,6 +226,7 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
     return result;
   }
   take_point(result, problem, monitor.best_x(), monitor.best(), options);
+  prefer_certified(result, monitor, options);
   judge(result, problem, options);
   return result;
 }

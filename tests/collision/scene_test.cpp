@@ -44,6 +44,17 @@ TEST_CASE("bodies joined where both shapes reach the joint are exempt") {
   CHECK(scene.pair_count() == 1);  // link2 with base alone
 }
 
+TEST_CASE("joined shapes that overlap wherever the joint stands are exempt, others are not") {
+  RobotModel robot = planar_robot(2, 1.2);
+  // A flange in front of the elbow, on its axis: inside the end of link 1 at every angle.
+  robot.shapes.back() = {1, "link2", Pose{Vector3d(0.03, 0, 0), Eigen::Quaterniond::Identity()},
+                         Sphere{0.02}};
+  CHECK(CollisionScene(robot, {}).pair_count() == 1);
+  // Further out it leaves link 1 when the elbow is straight.
+  robot.shapes.back().pose.position.x() = 0.3;
+  CHECK(CollisionScene(robot, {}).pair_count() == 2);
+}
+
 TEST_CASE("allowed contacts are not looked at") {
   const RobotModel robot = planar_robot();
   SceneParts parts;
@@ -110,6 +121,17 @@ TEST_CASE("a round point mass may touch the hand's link at the hand only") {
   CHECK(hit_name(scene, robot, straight, &in_base) == "target with base");
   CHECK(hit_name(scene, robot, straight, &far).empty());
   CHECK(hit_name(scene, robot, straight).empty());
+}
+
+TEST_CASE("a scene reduced to the target's pairs sees the target and nothing else") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = point_target();
+  const CollisionScene scene = CollisionScene(robot, parts).target_pairs_only();
+  CHECK(scene.pair_count() == 3);
+  const Pose in_base;
+  CHECK(hit_name(scene, robot, posture({180, 0})).empty());
+  CHECK(hit_name(scene, robot, posture({0, 0}), &in_base) == "target with base");
 }
 
 TEST_CASE("the hand may touch the target only where the feature is") {

@@ -3,8 +3,9 @@
 // Which pairs of shapes are looked at:
 //  - two shapes of the same body never;
 //  - shapes of two bodies joined by one joint, unless *both* reach that joint's origin (in the
-//    parent at joint position 0): those overlap by construction. A link whose shoulder stands off
-//    the base's box can swing into it and is checked;
+//    parent at joint position 0) or they overlap wherever the joint stands: those overlap by
+//    construction. A link whose shoulder stands off the base's box can swing into it and is
+//    checked;
 //  - pairs named in allowed_contacts (names of links, obstacles, or "target") never;
 //  - obstacles against every body; those fixed to the base not against the base body;
 //  - the target against every body and against obstacles fixed to the base. The hand's body may be
@@ -96,12 +97,16 @@ class CollisionScene {
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
                     const SceneTravel& travel, double margin) const;
 
+  /// The same scene reduced to the pairs that the target is part of.
+  CollisionScene target_pairs_only() const;
+
   /// Number of pairs that are looked at.
   int pair_count() const;
 
   struct Data;  ///< private to src/collision
 
  private:
+  explicit CollisionScene(std::shared_ptr<const Data> data);
   std::shared_ptr<const Data> data_;
 };
 

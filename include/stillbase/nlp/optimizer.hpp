@@ -21,7 +21,7 @@ struct OptimizeOptions {
   /// 300, population methods some 10000; the bound is for those that never stop by themselves.
   int max_evaluations = 20000;
   /// Asked before every evaluation; one evaluation is done even when it is already reached.
-  StopCondition stop;
+  StopCondition stop = {};
   /// Largest violation of a feasible point. 1e-9 of a metre or radian is far below anything
   /// physical and far above the rounding of a few hundred operations on numbers of order one.
   double feasibility_tolerance = 1e-9;
@@ -30,8 +30,10 @@ struct OptimizeOptions {
   double optimality_tolerance = 1e-6;
   std::uint64_t seed = 1;  ///< for the stochastic solvers; any number
   /// When the solver ends or reaches its budget at a violated point that is no local minimum of the
-  /// violation, look for one from there, so that "infeasible" is said with a reason. Takes at most
-  /// 200 evaluations and a tenth of max_evaluations, kept back from the solver.
+  /// violation, minimise the violation from there: the result is a feasible point, from which the
+  /// caller may start once more, or "infeasible" is said with a reason. Takes at most 200
+  /// evaluations and a tenth of max_evaluations, kept back from the solver. The message says when
+  /// it was done.
   bool explain_infeasibility = true;
 };
 

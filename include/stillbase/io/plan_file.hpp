@@ -1,0 +1,45 @@
+// Plan files: JSON that holds everything a plan says and everything it was made from.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include <stillbase/plan/plan.hpp>
+
+namespace stillbase {
+
+/// Program or library name -> version.
+using ToolVersions = std::map<std::string, std::string>;
+
+/// A plan as it was read, with the fingerprints that it states and those of what was read. They
+/// differ when somebody has changed the file: that is for `verify` to say, not an error of reading.
+struct PlanFile {
+  Plan plan;
+  ToolVersions tool;
+  std::string stated_sha256;          ///< `content_sha256`
+  std::string computed_sha256;        ///< of the content that was read
+  std::string stated_robot_sha256;    ///< `robot.sha256`
+  std::string computed_robot_sha256;  ///< of `robot.urdf`
+};
+
+/// Text of a plan file (`format: stillbase.plan`).
+///
+/// Numbers read back exactly. A constraint without lower or upper bound, and a clearance where
+/// nothing is near, say null. `content_sha256` is the SHA-256 of the document without `tool`,
+/// `timing`, `verification` and itself, written with sorted keys and without white space.
+/// @param verification_json an object to be put under `verification`; empty: none
+/// @throws std::invalid_argument for any other number that is not finite
+std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
+                         const std::string& verification_json = {});
+
+/// Reads a plan file: the inverse of plan_to_json(). The robot and the problem come from the text
+/// alone.
+///
+/// Strict: unknown, duplicate or missing keys, wrong types and lengths, and fields that must agree
+/// with each other but do not. `verification` is allowed and not looked at.
+/// @param source name of the text for messages
+/// @throws InputError with every finding
+PlanFile read_plan(std::string_view text, const std::string& source);
+
+}  // namespace stillbase

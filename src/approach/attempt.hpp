@@ -1,0 +1,60 @@
+// One approach in the making: what is asked, in the form that the attempts work on.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/approach/approach.hpp>
+#include <stillbase/collision/scene.hpp>
+
+#include "approach/motion_check.hpp"
+#include "approach/path_planner.hpp"
+
+namespace stillbase {
+
+/// The task after its input was checked.
+struct ApproachTask {
+  const CaptureProblem& problem;
+  const Configuration& goal;
+  const TargetMotion* target;
+  CollisionScene scene;
+  PathPlanner planner;
+  JointVectord start;              ///< continuous joints whole turns away from problem.start
+  JointVectord max_rate;           ///< scaled
+  std::vector<Eigen::Index> free;  ///< joints that may move
+  double earliest_start;           ///< s; -infinity when nothing is predicted
+};
+
+/// By how much a motion of this duration and the wait come too late, if they do.
+struct Lateness {
+  double seconds = 0;
+  std::string text;
+};
+std::optional<Lateness> too_slow(const ApproachTask& task, double duration, double wait);
+
+/// How one attempt differs from the next.
+struct AttemptOptions {
+  std::uint64_t seed = 1;
+  double resolution = 0.02;
+  int max_iterations = 0;     ///< of the planner
+  double wait = 0;            ///< s
+  std::vector<Pose> targets;  ///< T_NT to avoid; those that start or goal touch are left out
+};
+
+struct AttemptResult {
+  ApproachStatus status = ApproachStatus::GoalUnreachable;
+  std::string detail;
+  std::size_t way_points = 0;
+  double motion_start = 0, motion_end = 0;  ///< s, when a path was timed
+  double shortfall = 0;                     ///< TooSlow: s
+  bool hit_by_target = false;
+  bool hopeless = false;  ///< the target hits what no path moves: another attempt is in vain
+  TimedMotion motion;
+};
+
+/// Path, time law, base motion, check in time.
+AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& options,
+                           const StopCondition& stop);
+
+}  // namespace stillbase

@@ -1,0 +1,65 @@
+// Does a motion keep its clearance? Straight lines for the planner, and the timed motion as stored
+// against the target where it is at that time.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/plan/plan.hpp>
+#include <stillbase/target/target.hpp>
+
+#include "approach/joint_path.hpp"
+
+namespace stillbase {
+
+/// The scene as the planner sees it: time stands still. The base is where it is at the end (held),
+/// or keeps the final attitude while the system centroid stays (floating): what the path does to
+/// the attitude is only known afterwards and is checked then.
+class StillScene {
+ public:
+  /// @param targets poses T_NT that must all be avoided
+  StillScene(const CaptureProblem& problem, const CollisionScene& scene, const Configuration& goal,
+             std::vector<Pose> targets, double resolution);
+
+  std::optional<Proximity> first_hit(const JointVectord& phi) const;
+  /// On the straight line between two postures: proven clear, or checked at the resolution.
+  bool is_motion_clear(const JointVectord& a, const JointVectord& b) const;
+
+ private:
+  Pose base_at(const Kinematics<double>& kinematics) const;
+  bool is_clear_between(const JointVectord& a, const JointVectord& b, double begin,
+                        double end) const;
+
+  const CaptureProblem& problem_;
+  CollisionScene scene_, target_scene_;
+  Pose goal_base_;
+  Vector3d centroid_ = Vector3d::Zero();  ///< of the system in N
+  JointVectord centroid_levers_;
+  std::vector<Pose> targets_;
+  double resolution_;
+};
+
+struct TimedHit {
+  Proximity proximity;
+  double time = 0;
+};
+
+/// The motion as stored, base included, followed by the wait.
+struct TimedMotion {
+  JointPath path;                ///< from the start to the arrival
+  std::vector<Pose> base_poses;  ///< T_NB at the samples of path
+  double contact_time = 0;
+};
+
+/// First hit along the motion and the wait: every interval is proven clear or split until nothing
+/// in it moves further than an eighth of the resolution (rad, or m per metre).
+/// @param target null: not there. @throws std::out_of_range beyond the horizon of the prediction
+std::optional<TimedHit> first_hit(const CaptureProblem& problem, const CollisionScene& scene,
+                                  const TimedMotion& motion, const TargetMotion* target);
+
+/// Smallest distance along the motion and the wait, sampled at half the resolution.
+Proximity smallest_clearance(const CaptureProblem& problem, const CollisionScene& scene,
+                             const TimedMotion& motion, const TargetMotion* target);
+
+}  // namespace stillbase

@@ -1,0 +1,219 @@
+#include "io/json_problem.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <stillbase/io/problem_file.hpp>
+
+#include "io/names.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+/// {"joint": value, ...}
+Json joint_values_json(const RobotModel& robot, const JointVectord& values) {
+  Json json = Json::object();
+  for (int k = 0; k < robot.n(); ++k) json[robot.joints[k].name] = number_json(values[k]);
+  return json;
+}
+
+/// Names of the joints whose flag is set.
+Json joint_flags_json(const RobotModel& robot, const std::vector<bool>& flags) {
+  Json json = Json::array();
+  for (int k = 0; k < robot.n(); ++k) {
+    if (flags[k]) json.push_back(robot.joints[k].name);
+  }
+  return json;
+}
+
+Json geometry_json(const Geometry& geometry) {
+  struct Visitor {
+    Json operator()(const Sphere& s) const {
+      return {{"sphere", {{"radius", number_json(s.radius)}}}};
+    }
+    Json operator()(const Capsule& c) const {
+      return {{"capsule", {{"radius", number_json(c.radius)}, {"length", number_json(c.length)}}}};
+    }
+    Json operator()(const Cylinder& c) const {
+      return {{"cylinder", {{"radius", number_json(c.radius)}, {"length", number_json(c.length)}}}};
+    }
+    Json operator()(const Box& b) const { return {{"box", {{"size", array_json(b.size)}}}}; }
+    Json operator()(const ConvexMesh& m) const {
+      Json vertices = Json::array();
+      for (const Vector3d& v : m.vertices) vertices.push_back(array_json(v));
+      return {{"convex_mesh", {{"vertices", vertices}, {"faces", m.faces}}}};
+    }
+  };
+  return std::visit(Visitor{}, geometry);
+}
+
+Json target_body_json(const TargetBody& body) {
+  Json json = {{"name", body.name},
+               {"model", body.is_point_mass ? "point_mass" : "rigid_body"},
+               {"mass", number_json(body.mass)}};
+  if (!body.is_point_mass) {
+    const Matrix3d& inertia = body.inertia;
+    json["inertia"] = {{"ixx", number_json(inertia(0, 0))}, {"iyy", number_json(inertia(1, 1))},
+                       {"izz", number_json(inertia(2, 2))}, {"ixy", number_json(inertia(0, 1))},
+                       {"ixz", number_json(inertia(0, 2))}, {"iyz", number_json(inertia(1, 2))}};
+  }
+  json["shapes"] = Json::array();
+  for (const TargetShape& shape : body.shapes) {
+    Json entry = pose_json(shape.pose);
+    entry["geometry"] = geometry_json(shape.geometry);
+    json["shapes"].push_back(std::move(entry));
+  }
+  json["features"] = Json::array();
+  for (const ContactFeature& feature : body.features) {
+    json["features"].push_back({{"name", feature.name},
+                                {"point", array_json(feature.point)},
+                                {"normal", array_json(feature.normal)}});
+  }
+  return json;
+}
+
+Json target_state_json(const TargetState& state) {
+  return {{"time", number_json(state.time)},
+          {"position", array_json(state.pose.position)},
+          {"orientation", quaternion_json(state.pose.orientation)},
+          {"linear_velocity", array_json(state.linear_velocity)},
+          {"angular_velocity", array_json(state.angular_velocity)}};
+}
+
+Json impact_section_json(const CaptureProblem& problem) {
+  const ImpulseSpec& impulse = problem.impulse;
+  return {{"source", word_of(impulse_source_names(), impulse.source)},
+          {"direction", impulse.direction ? array_json(*impulse.direction) : Json("feature")},
+          {"frame", word_of(frame_names(), impulse.direction_frame)},
+          {"magnitude", number_json(impulse.magnitude)},
+          {"moment", array_json(impulse.moment)},
+          {"closing_speed", number_json(impulse.closing_speed)},
+          {"restitution", number_json(impulse.restitution)},
+          {"joint_resistance", resistance_json(problem.resistance, problem.robot)}};
+}
+
+Json variables_json(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  return {{"joints", joint_flags_json(problem.robot, variables.joints)},
+          {"base_attitude",
+           {{"freedom", word_of(attitude_freedom_names(), variables.base_attitude)},
+            {"axis", array_json(variables.base_attitude_axis)},
+            {"max", number_json(variables.base_attitude_max)}}},
+          {"base_position",
+           {{"freedom", word_of(position_freedom_names(), variables.base_position)},
+            {"lower", array_json(variables.base_position_lower)},
+            {"upper", array_json(variables.base_position_upper)}}},
+          {"contact_time",
+           {{"lower", number_json(variables.contact_time_lower)},
+            {"upper", number_json(variables.contact_time_upper)}}},
+          {"feature", variables.feature.empty() ? "none" : variables.feature}};
+}
+
+Json approach_section_json(const CaptureProblem& problem) {
+  const ApproachSpec& approach = problem.approach;
+  return {{"enabled", approach.enabled},
+          {"base", word_of(base_mode_names(), approach.base)},
+          {"station_free", approach.station_free},
+          {"acceleration_limit", joint_values_json(problem.robot, approach.acceleration_limit)},
+          {"velocity_scale", number_json(approach.velocity_scale)},
+          {"wait", number_json(approach.wait)},
+          {"max_duration", number_json(approach.max_duration)},
+          {"clearance", number_json(approach.clearance)},
+          {"contact_allowance", number_json(approach.contact_allowance)},
+          {"resolution", number_json(approach.resolution)},
+          {"planner", approach.planner},
+          {"max_iterations", approach.max_iterations}};
+}
+
+}  // namespace
+
+Json resistance_json(const JointResistance& resistance, const RobotModel& robot) {
+  Json json = {{"model", word_of(resistance_names(), resistance.model)}};
+  switch (resistance.model) {
+    case ResistanceModel::Free:
+      break;
+    case ResistanceModel::RotorInertia:
+      json["rotor_inertia"] = joint_values_json(robot, resistance.rotor_inertia);
+      break;
+    case ResistanceModel::Servo:
+      json["stiffness"] = joint_values_json(robot, resistance.stiffness);
+      json["damping"] = joint_values_json(robot, resistance.damping);
+      json["contact_duration"] = number_json(resistance.contact_duration);
+      break;
+    case ResistanceModel::Locked:
+      json["locked"] = joint_flags_json(robot, resistance.locked);
+      break;
+  }
+  return json;
+}
+
+Json problem_json(const CaptureProblem& problem) {
+  Json json;
+  json["format"] = "stillbase.problem";
+  json["version"] = 1;
+  json["name"] = problem.name;
+  json["purpose"] = problem.purpose;
+  Json contacts = Json::array();
+  for (const auto& [a, b] : problem.allowed_contacts) contacts.push_back({a, b});
+  json["robot"] = {{"file", problem.urdf_path},
+                   {"hand", problem.robot.hand},
+                   {"start", joint_values_json(problem.robot, problem.start)},
+                   {"base", pose_json(problem.base)},
+                   {"allowed_contacts", contacts}};
+  if (problem.target) {
+    json["target"] = target_body_json(*problem.target);
+    if (!problem.impulse.direction) {
+      json["target"]["state"] = target_state_json(problem.target_state);
+    }
+  }
+  json["impact"] = impact_section_json(problem);
+  json["variables"] = variables_json(problem);
+  json["objective"] = {{"quantity", word_of(objective_names(), problem.objective)}};
+  const HandSpec& hand = problem.hand;
+  json["hand"] = {
+      {"constraint", word_of(hand_constraint_names(), hand.constraint)},
+      {"position", hand.position ? array_json(*hand.position) : Json("feature")},
+      {"orientation", hand.orientation ? quaternion_json(*hand.orientation) : Json("feature")},
+      {"frame", word_of(frame_names(), hand.frame)},
+      {"approach_axis", array_json(hand.approach_axis)},
+      {"roll", number_json(hand.roll)}};
+  json["constraints"] = {
+      {"case", word_of(case_constraint_names(), problem.constraints.impact_case)},
+      {"joint_limit_margin", number_json(problem.constraints.joint_limit_margin)},
+      {"closing_speed_min", number_json(problem.constraints.closing_speed_min)}};
+  const auto& plane = problem.uncertainty.cone_plane_normal;
+  json["uncertainty"] = {{"cone_half_angle", number_json(problem.uncertainty.cone_half_angle)},
+                         {"cone_plane", plane ? array_json(*plane) : Json("none")}};
+  json["search"] = {{"optimizer", problem.search.optimizer},
+                    {"starts", problem.search.starts},
+                    {"seed", problem.search.seed},
+                    {"max_candidates", problem.search.max_candidates}};
+  json["approach"] = approach_section_json(problem);
+  const PostImpactSpec& post = problem.post_impact;
+  json["post_impact"] = {{"controllers", post.controllers},
+                         {"base_rate_gain", number_json(post.K_omega)},
+                         {"joint_rate_gain", number_json(post.K_phi)},
+                         {"control_period", number_json(post.control_period)},
+                         {"horizon", number_json(post.horizon)},
+                         {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
+                         {"attitude_change_max", number_json(post.attitude_change_max)}};
+  json["obstacles"] = Json::array();
+  for (const Obstacle& obstacle : problem.obstacles) {
+    json["obstacles"].push_back({{"name", obstacle.name},
+                                 {"frame", word_of(frame_names(), obstacle.frame)},
+                                 {"position", array_json(obstacle.pose.position)},
+                                 {"orientation", quaternion_json(obstacle.pose.orientation)},
+                                 {"geometry", geometry_json(obstacle.geometry)}});
+  }
+  return json;
+}
+
+}  // namespace stillbase::io
+
+namespace stillbase {
+
+std::string problem_to_json(const CaptureProblem& problem) {
+  return io::pretty(io::problem_json(problem));
+}
+
+}  // namespace stillbase

@@ -1,0 +1,96 @@
+#include "io/names.hpp"
+
+namespace stillbase::io {
+
+const Names<Frame>& frame_names() {
+  static const Names<Frame> names{{"base", Frame::Base}, {"inertial", Frame::Inertial}};
+  return names;
+}
+
+const Names<ImpulseSource>& impulse_source_names() {
+  static const Names<ImpulseSource> names{{"given", ImpulseSource::Given},
+                                          {"point_mass", ImpulseSource::PointMass},
+                                          {"rigid_body", ImpulseSource::RigidBody}};
+  return names;
+}
+
+const Names<ResistanceModel>& resistance_names() {
+  static const Names<ResistanceModel> names{{"free", ResistanceModel::Free},
+                                            {"rotor_inertia", ResistanceModel::RotorInertia},
+                                            {"servo", ResistanceModel::Servo},
+                                            {"locked", ResistanceModel::Locked}};
+  return names;
+}
+
+const Names<AttitudeFreedom>& attitude_freedom_names() {
+  static const Names<AttitudeFreedom> names{{"fixed", AttitudeFreedom::Fixed},
+                                            {"axis", AttitudeFreedom::Axis},
+                                            {"free", AttitudeFreedom::Free}};
+  return names;
+}
+
+const Names<PositionFreedom>& position_freedom_names() {
+  static const Names<PositionFreedom> names{{"fixed", PositionFreedom::Fixed},
+                                            {"box", PositionFreedom::Box},
+                                            {"free", PositionFreedom::Free}};
+  return names;
+}
+
+const Names<ObjectiveQuantity>& objective_names() {
+  static const Names<ObjectiveQuantity> names{
+      {"base_angular_momentum", ObjectiveQuantity::BaseAngularMomentum},
+      {"base_angular_velocity", ObjectiveQuantity::BaseAngularVelocity},
+      {"total_angular_momentum", ObjectiveQuantity::TotalAngularMomentum}};
+  return names;
+}
+
+const Names<HandConstraint>& hand_constraint_names() {
+  static const Names<HandConstraint> names{{"none", HandConstraint::None},
+                                           {"position", HandConstraint::Position},
+                                           {"axis", HandConstraint::Axis},
+                                           {"pose", HandConstraint::Pose}};
+  return names;
+}
+
+const Names<CaseConstraint>& case_constraint_names() {
+  static const Names<CaseConstraint> names{
+      {"none", CaseConstraint::None}, {"C", CaseConstraint::C},   {"C1", CaseConstraint::C1},
+      {"C2", CaseConstraint::C2},     {"G2", CaseConstraint::G2}, {"G3", CaseConstraint::G3}};
+  return names;
+}
+
+const Names<BaseMode>& base_mode_names() {
+  static const Names<BaseMode> names{{"held", BaseMode::Held}, {"floating", BaseMode::Floating}};
+  return names;
+}
+
+const Names<ImpactCase>& impact_case_names() {
+  static const Names<ImpactCase> names{{"G1", ImpactCase::G1},
+                                       {"G2", ImpactCase::G2},
+                                       {"G3", ImpactCase::G3},
+                                       {"C1", ImpactCase::C1},
+                                       {"C2", ImpactCase::C2}};
+  return names;
+}
+
+const Names<PlanStatus>& plan_status_names() {
+  static const Names<PlanStatus> names{{"optimal", PlanStatus::Optimal},
+                                       {"feasible", PlanStatus::Feasible},
+                                       {"infeasible", PlanStatus::Infeasible},
+                                       {"limit", PlanStatus::Limit}};
+  return names;
+}
+
+const Names<ApproachStatus>& approach_status_names() {
+  static const Names<ApproachStatus> names{{"found", ApproachStatus::Found},
+                                           {"not_requested", ApproachStatus::NotRequested},
+                                           {"start_invalid", ApproachStatus::StartInvalid},
+                                           {"goal_invalid", ApproachStatus::GoalInvalid},
+                                           {"goal_unreachable", ApproachStatus::GoalUnreachable},
+                                           {"hit_early", ApproachStatus::HitEarly},
+                                           {"time_out", ApproachStatus::TimeOut},
+                                           {"too_slow", ApproachStatus::TooSlow}};
+  return names;
+}
+
+}  // namespace stillbase::io

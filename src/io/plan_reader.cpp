@@ -1,0 +1,324 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/core/sha256.hpp>
+#include <stillbase/io/plan_file.hpp>
+
+#include "io/json_impact.hpp"
+#include "io/plan_content.hpp"
+#include "io/problem_reader.hpp"
+#include "io/target_reader.hpp"
+
+namespace stillbase {
+
+namespace io {
+
+namespace {
+
+constexpr int kMany = std::numeric_limits<int>::max();
+
+void inconsistent(ReadContext& context, int line, const std::string& message) {
+  context.add(line, "inconsistent", message);
+}
+
+/// A quaternion of a plan was written by a program: it is a unit quaternion to rounding and is kept
+/// bit for bit, or somebody has changed it.
+Pose read_pose_object(ReadContext& context, const Node& node, const std::string& path) {
+  MapReader map(context, node, path);
+  Pose pose;
+  map.vector3("position", pose.position, Dimension::None, Need::Required);
+  if (const Node* orientation = map.child("orientation", Need::Required)) {
+    MapReader fields(context, *orientation, map.path_of("orientation"));
+    Eigen::Quaterniond& q = pose.orientation;
+    bool is_good = fields.number("w", q.w(), Dimension::None, kAny, Need::Required);
+    is_good = fields.number("x", q.x(), Dimension::None, kAny, Need::Required) && is_good;
+    is_good = fields.number("y", q.y(), Dimension::None, kAny, Need::Required) && is_good;
+    is_good = fields.number("z", q.z(), Dimension::None, kAny, Need::Required) && is_good;
+    fields.finish();
+    if (is_good && !(std::abs(q.norm() - 1) <= 1e-12)) {
+      context.add(
+          orientation->line, "not-unit",
+          fmt::format("{}: the quaternion has norm {}; must be 1", fields.path(), q.norm()));
+    }
+  }
+  map.finish();
+  return pose;
+}
+
+/// The elements of a list that must be there.
+template <class Read>
+void read_list(MapReader& map, const std::string& key, const Read& read) {
+  const Node* list = map.child(key, Need::Required);
+  if (list == nullptr) return;
+  if (list->kind != Node::Kind::Sequence) {
+    map.context().add(list->line, "wrong-type",
+                      fmt::format("{}: must be a list", map.path_of(key)));
+    return;
+  }
+  for (std::size_t i = 0; i < list->items.size(); ++i) {
+    read(list->items[i], fmt::format("{}[{}]", map.path_of(key), i));
+  }
+}
+
+/// null: no bound.
+void read_bound(MapReader& map, const std::string& key, double no_bound, double& out) {
+  const Node* node = map.child(key, Need::Required);
+  if (node == nullptr) return;
+  const bool is_null =
+      node->kind == Node::Kind::Null || (node->kind == Node::Kind::Plain && node->text == "null");
+  if (is_null) {
+    out = no_bound;
+  } else {
+    map.number(key, out, Dimension::None);
+  }
+}
+
+ToolVersions read_tool(MapReader& map) {
+  ToolVersions tool;
+  const Node* node = map.child("tool", Need::Required);
+  if (node == nullptr) return tool;
+  MapReader fields(map.context(), *node, "tool");
+  for (const std::string& name : node->keys) fields.text(name, tool[name]);
+  return tool;
+}
+
+void read_configuration(MapReader& map, Plan& plan) {
+  const Node* node = map.child("configuration", Need::Required);
+  if (node == nullptr) return;
+  ReadContext& context = map.context();
+  MapReader fields(context, *node, "configuration");
+  const std::vector<std::string> names = joint_names(plan.problem.robot);
+  std::vector<std::string> stated;
+  read_list(fields, "joint_names", [&](const Node& item, const std::string& path) {
+    stated.push_back(read_text(context, item, path).value_or(""));
+  });
+  if (stated != names) {
+    inconsistent(context, node->line,
+                 fmt::format("configuration.joint_names: the robot's are {}", list_of(names)));
+  }
+  read_joint_list(fields, "joint_positions", plan.problem.robot.n(), plan.configuration.phi);
+  if (const Node* pose = fields.child("base_pose", Need::Required)) {
+    plan.configuration.base = read_pose_object(context, *pose, "configuration.base_pose");
+  }
+  fields.number("contact_time", plan.configuration.contact_time, Dimension::None, kAny,
+                Need::Required);
+  fields.finish();
+}
+
+void read_objective(MapReader& map, ObjectiveValue& objective) {
+  const Node* node = map.child("objective", Need::Required);
+  if (node == nullptr) return;
+  ReadContext& context = map.context();
+  MapReader fields(context, *node, "objective");
+  double value = 0, term = 0;
+  const std::size_t before = context.findings.size();
+  fields.text("name", objective.name, Need::Required);
+  fields.number("value", value, Dimension::None, kAny, Need::Required);
+  fields.text("unit", objective.unit, Need::Required);
+  if (const Node* terms = fields.child("terms", Need::Required)) {
+    MapReader term_fields(context, *terms, "objective.terms");
+    term_fields.number(objective.name, term, Dimension::None, kAny, Need::Required);
+    term_fields.finish();
+  }
+  fields.number("nominal", objective.nominal, Dimension::None, kAny, Need::Required);
+  fields.number("worst_case", objective.worst_case, Dimension::None, kAny, Need::Required);
+  fields.vector3("worst_direction", objective.worst_direction, Dimension::None, Need::Required);
+  fields.finish();
+  if (context.findings.size() == before &&
+      (value != objective.nominal || term != objective.nominal)) {
+    inconsistent(context, node->line,
+                 fmt::format("objective: value {}, its term {} and nominal {} must be equal", value,
+                             term, objective.nominal));
+  }
+}
+
+void read_constraints(MapReader& map, Plan& plan) {
+  ReadContext& context = map.context();
+  read_list(map, "constraints", [&](const Node& node, const std::string& path) {
+    MapReader fields(context, node, path);
+    ConstraintValue constraint;
+    fields.text("name", constraint.name, Need::Required);
+    fields.number("value", constraint.value, Dimension::None, kAny, Need::Required);
+    read_bound(fields, "lower", -kInfinity, constraint.lower);
+    read_bound(fields, "upper", kInfinity, constraint.upper);
+    fields.number("violation", constraint.violation, Dimension::None, kNonNegative, Need::Required);
+    fields.finish();
+    plan.constraints.push_back(std::move(constraint));
+  });
+}
+
+void read_certificate(MapReader& map, Certificate& certificate) {
+  const Node* node = map.child("certificate", Need::Required);
+  if (node == nullptr) return;
+  MapReader fields(map.context(), *node, "certificate");
+  fields.number("kkt_residual", certificate.kkt_residual, Dimension::None, kNonNegative,
+                Need::Required);
+  fields.number("max_violation", certificate.max_violation, Dimension::None, kNonNegative,
+                Need::Required);
+  fields.integer("starts", certificate.starts, 0, kMany, Need::Required);
+  fields.integer("distinct_solutions", certificate.distinct_solutions, 0, kMany, Need::Required);
+  fields.finish();
+}
+
+void read_candidates(MapReader& map, Plan& plan) {
+  ReadContext& context = map.context();
+  read_list(map, "candidates", [&](const Node& node, const std::string& path) {
+    MapReader fields(context, node, path);
+    Candidate candidate;
+    read_joint_list(fields, "joint_positions", plan.problem.robot.n(), candidate.configuration.phi);
+    if (const Node* pose = fields.child("base_pose", Need::Required)) {
+      candidate.configuration.base = read_pose_object(context, *pose, path + ".base_pose");
+    }
+    fields.number("contact_time", candidate.configuration.contact_time, Dimension::None, kAny,
+                  Need::Required);
+    fields.number("objective", candidate.objective, Dimension::None, kAny, Need::Required);
+    fields.number("worst_case", candidate.worst_case, Dimension::None, kAny, Need::Required);
+    fields.number("max_violation", candidate.max_violation, Dimension::None, kNonNegative,
+                  Need::Required);
+    fields.integer("starts_reached", candidate.starts_reached, 0, kMany, Need::Required);
+    fields.flag("collision_free", candidate.collision_free, Need::Required);
+    fields.text("collision", candidate.collision, Need::Required);
+    fields.finish();
+    plan.candidates.push_back(std::move(candidate));
+  });
+}
+
+void read_approach(MapReader& map, Plan& plan) {
+  const Node* node = map.child("approach", Need::Required);
+  if (node == nullptr) return;
+  ReadContext& context = map.context();
+  MapReader fields(context, *node, "approach");
+  Approach& approach = plan.approach;
+  const int n = plan.problem.robot.n();
+  fields.choice("status", approach.status, approach_status_names(), Need::Required);
+  fields.text("detail", approach.detail, Need::Required);
+  read_list(fields, "times", [&](const Node& item, const std::string& path) {
+    approach.times.push_back(read_number(context, item, path, Dimension::None).value_or(0));
+  });
+  const auto vectors = [&](const std::string& key, int size, auto& out) {
+    read_list(fields, key, [&](const Node& item, const std::string& path) {
+      using Vector = typename std::decay_t<decltype(out)>::value_type;
+      const auto values = read_numbers(context, item, path, Dimension::None, size);
+      if (values) out.push_back(Vector(Eigen::Map<const Eigen::VectorXd>(values->data(), size)));
+    });
+  };
+  vectors("joint_positions", n, approach.joint_positions);
+  vectors("joint_velocities", n, approach.joint_velocities);
+  read_list(fields, "base_poses", [&](const Node& item, const std::string& path) {
+    approach.base_poses.push_back(read_pose_object(context, item, path));
+  });
+  vectors("base_velocities", 6, approach.base_velocities);
+  fields.number("duration", approach.duration, Dimension::None, kAny, Need::Required);
+  fields.number("path_length", approach.path_length, Dimension::None, kAny, Need::Required);
+  fields.number("attitude_excursion", approach.attitude_excursion, Dimension::None, kAny,
+                Need::Required);
+  read_bound(fields, "min_clearance", kInfinity, approach.min_clearance);
+  fields.finish();
+  const std::size_t samples = approach.times.size();
+  if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
+      approach.base_poses.size() != samples || approach.base_velocities.size() != samples) {
+    context.add(node->line, "wrong-length",
+                "approach: times, joint_positions, joint_velocities, base_poses and "
+                "base_velocities must have the same number of samples");
+  }
+}
+
+void read_robot(MapReader& map, std::optional<std::string>& urdf, std::string& hand,
+                PlanFile& file) {
+  const Node* node = map.child("robot", Need::Required);
+  if (node == nullptr) return;
+  MapReader fields(map.context(), *node, "robot");
+  std::string text;
+  if (fields.text("urdf", text, Need::Required)) urdf = text;
+  fields.text("sha256", file.stated_robot_sha256, Need::Required);
+  fields.text("hand", hand, Need::Required);
+  fields.finish();
+  file.computed_robot_sha256 = sha256_hex(text);
+}
+
+void read_counts(MapReader& map, Plan& plan) {
+  ReadContext& context = map.context();
+  if (const Node* calls = map.child("solver_calls", Need::Required)) {
+    MapReader fields(context, *calls, "solver_calls");
+    for (const std::string& name : calls->keys) {
+      int count = 0;
+      fields.integer(name, count, 0, kMany);
+      plan.solver_calls[name] = count;
+    }
+  }
+  if (const Node* timing = map.child("timing")) {
+    MapReader fields(context, *timing, "timing");
+    for (const std::string& name : timing->keys) {
+      fields.number(name, plan.timing[name], Dimension::None);
+    }
+  }
+}
+
+/// The text as JSON, for its fingerprint. YAML that is not JSON is refused.
+std::string fingerprint(std::string_view text, ReadContext& context) {
+  try {
+    return content_sha256(Json::parse(text));
+  } catch (const Json::parse_error& error) {
+    const std::size_t end = std::min(error.byte, text.size());
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
+    context.add(static_cast<int>(line), "syntax", "the file is not JSON");
+    throw InputError(context.findings);
+  }
+}
+
+}  // namespace
+
+PlanFile read_plan_document(std::string_view text, ReadContext& context) {
+  PlanFile file;
+  Plan& plan = file.plan;
+  const Node root =
+      parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 4'000'000});
+  MapReader map(context, root, "");
+  read_format(map, "stillbase.plan");
+  file.tool = read_tool(map);
+  std::optional<std::string> urdf;
+  std::string hand;
+  read_robot(map, urdf, hand, file);
+  const Node* problem = map.child("problem", Need::Required);
+  if (problem != nullptr && urdf) {
+    plan.problem = read_problem_map(*problem, context, "problem", {.urdf = urdf});
+    if (context.findings.empty() && plan.problem.robot.hand != hand) {
+      inconsistent(context, map.line_of("robot"),
+                   fmt::format("robot.hand: is '{}', but problem.robot.hand is '{}'", hand,
+                               plan.problem.robot.hand));
+    }
+  }
+  // What follows is about the robot's joints.
+  context.throw_if_any();
+  map.choice("status", plan.status, plan_status_names(), Need::Required);
+  map.text("optimizer", plan.optimizer, Need::Required);
+  read_configuration(map, plan);
+  if (const Node* impact = map.child("impact", Need::Required)) {
+    plan.impact = read_impact_object(context, *impact, "impact", plan.problem.robot);
+  }
+  read_objective(map, plan.objective);
+  read_constraints(map, plan);
+  read_certificate(map, plan.certificate);
+  read_candidates(map, plan);
+  read_approach(map, plan);
+  read_counts(map, plan);
+  map.text("content_sha256", file.stated_sha256, Need::Required);
+  map.child("verification");
+  map.finish();
+  context.throw_if_any();
+  file.computed_sha256 = fingerprint(text, context);
+  return file;
+}
+
+}  // namespace io
+
+PlanFile read_plan(std::string_view text, const std::string& source) {
+  io::ReadContext context{source, {}, {}};
+  return io::read_plan_document(text, context);
+}
+
+}  // namespace stillbase

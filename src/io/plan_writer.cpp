@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include <stillbase/core/sha256.hpp>
+#include <stillbase/io/plan_file.hpp>
+
+#include "io/json_impact.hpp"
+#include "io/json_problem.hpp"
+#include "io/plan_content.hpp"
+
+namespace stillbase {
+
+namespace io {
+
+namespace {
+
+/// null where there is no bound.
+Json bound_json(double x) { return std::isinf(x) ? Json(nullptr) : number_json(x); }
+
+template <class T, class ToJson>
+Json list_json(const std::vector<T>& list, const ToJson& to_json) {
+  Json json = Json::array();
+  for (const T& element : list) json.push_back(to_json(element));
+  return json;
+}
+
+Json objective_json(const ObjectiveValue& objective) {
+  return {{"name", objective.name},
+          {"value", number_json(objective.nominal)},
+          {"unit", objective.unit},
+          {"terms", {{objective.name, number_json(objective.nominal)}}},
+          {"nominal", number_json(objective.nominal)},
+          {"worst_case", number_json(objective.worst_case)},
+          {"worst_direction", array_json(objective.worst_direction)}};
+}
+
+Json constraint_json(const ConstraintValue& constraint) {
+  return {{"name", constraint.name},
+          {"value", number_json(constraint.value)},
+          {"lower", bound_json(constraint.lower)},
+          {"upper", bound_json(constraint.upper)},
+          {"violation", number_json(constraint.violation)}};
+}
+
+Json candidate_json(const Candidate& candidate) {
+  return {{"joint_positions", array_json(candidate.configuration.phi)},
+          {"base_pose", pose_json(candidate.configuration.base)},
+          {"contact_time", number_json(candidate.configuration.contact_time)},
+          {"objective", number_json(candidate.objective)},
+          {"worst_case", number_json(candidate.worst_case)},
+          {"max_violation", number_json(candidate.max_violation)},
+          {"starts_reached", candidate.starts_reached},
+          {"collision_free", candidate.collision_free},
+          {"collision", candidate.collision}};
+}
+
+Json approach_json(const Approach& approach) {
+  const auto vector = [](const auto& v) { return array_json(v); };
+  return {{"status", word_of(approach_status_names(), approach.status)},
+          {"detail", approach.detail},
+          {"times", list_json(approach.times, number_json)},
+          {"joint_positions", list_json(approach.joint_positions, vector)},
+          {"joint_velocities", list_json(approach.joint_velocities, vector)},
+          {"base_poses", list_json(approach.base_poses, pose_json)},
+          {"base_velocities", list_json(approach.base_velocities, vector)},
+          {"duration", number_json(approach.duration)},
+          {"path_length", number_json(approach.path_length)},
+          {"attitude_excursion", number_json(approach.attitude_excursion)},
+          {"min_clearance", bound_json(approach.min_clearance)}};
+}
+
+Json plan_json(const Plan& plan, const ToolVersions& tool) {
+  const CaptureProblem& problem = plan.problem;
+  Json json;
+  json["format"] = "stillbase.plan";
+  json["version"] = 1;
+  json["tool"] = tool;
+  json["problem"] = problem_json(problem);
+  json["robot"] = {
+      {"urdf", problem.urdf}, {"sha256", sha256_hex(problem.urdf)}, {"hand", problem.robot.hand}};
+  json["status"] = word_of(plan_status_names(), plan.status);
+  json["optimizer"] = plan.optimizer;
+  const Configuration& configuration = plan.configuration;
+  json["configuration"] = {
+      {"joint_names",
+       list_json(problem.robot.joints, [](const Joint& joint) { return Json(joint.name); })},
+      {"joint_positions", array_json(configuration.phi)},
+      {"base_pose", pose_json(configuration.base)},
+      {"contact_time", number_json(configuration.contact_time)}};
+  json["impact"] = impact_json(plan.impact, problem.robot);
+  json["objective"] = objective_json(plan.objective);
+  json["constraints"] = list_json(plan.constraints, constraint_json);
+  json["certificate"] = {{"kkt_residual", number_json(plan.certificate.kkt_residual)},
+                         {"max_violation", number_json(plan.certificate.max_violation)},
+                         {"starts", plan.certificate.starts},
+                         {"distinct_solutions", plan.certificate.distinct_solutions}};
+  json["candidates"] = list_json(plan.candidates, candidate_json);
+  json["approach"] = approach_json(plan.approach);
+  json["solver_calls"] = Json::object();
+  for (const auto& [name, calls] : plan.solver_calls) json["solver_calls"][name] = calls;
+  return json;
+}
+
+}  // namespace
+
+std::string content_sha256(Json document) {
+  for (const char* key : {"tool", "timing", "verification", "content_sha256"}) document.erase(key);
+  return sha256_hex(canonical(document));
+}
+
+}  // namespace io
+
+std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
+                         const std::string& verification_json) {
+  io::Json json = io::plan_json(plan, tool);
+  json["content_sha256"] = io::content_sha256(json);
+  if (!verification_json.empty()) json["verification"] = io::Json::parse(verification_json);
+  json["timing"] = io::Json::object();
+  for (const auto& [name, seconds] : plan.timing) json["timing"][name] = io::number_json(seconds);
+  return io::pretty(json);
+}
+
+}  // namespace stillbase

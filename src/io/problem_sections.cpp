@@ -1,0 +1,358 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <stillbase/approach/approach.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/simulation/controllers.hpp>
+
+#include "io/problem_reader.hpp"
+#include "io/target_reader.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kManyTimes = 1'000'000'000;
+
+const Node& empty_map() {
+  static const Node node = [] {
+    Node map;
+    map.kind = Node::Kind::Map;
+    return map;
+  }();
+  return node;
+}
+
+/// A section; absent it is an empty map, so that its keys are known and its defaults stand.
+MapReader section(MapReader& map, const std::string& key) {
+  const Node* node = map.child(key);
+  return {map.context(), node == nullptr ? empty_map() : *node, map.path_of(key)};
+}
+
+bool is_scalar(const Node* node) {
+  return node != nullptr && (node->kind == Node::Kind::Plain || node->kind == Node::Kind::Quoted);
+}
+
+bool is_word(const Node* node, std::string_view word) {
+  return is_scalar(node) && node->text == word;
+}
+
+void read_resistance(MapReader& impact, CaptureProblem& problem) {
+  JointResistance& resistance = problem.resistance;
+  const std::string key = "joint_resistance";
+  const Node* node = impact.child(key);
+  if (node == nullptr) return;
+  if (is_scalar(node)) {
+    impact.choice(key, resistance.model, resistance_names());
+    if (resistance.model != ResistanceModel::Free) {
+      impact.context().add(node->line, "missing-key",
+                           fmt::format("{}: '{}' needs its values: {{model: {}, ...}}",
+                                       impact.path_of(key), node->text, node->text));
+    }
+    return;
+  }
+  MapReader map(impact.context(), *node, impact.path_of(key));
+  map.choice("model", resistance.model, resistance_names(), Need::Required);
+  read_resistance_values(map, problem.robot, resistance);
+  map.finish();
+}
+
+void read_impulse_direction(MapReader& map, ImpulseSpec& impulse) {
+  const Node* node = map.child("direction");
+  if (node == nullptr || is_word(node, "feature")) return;
+  if (node->kind == Node::Kind::Map) {
+    MapReader planar(map.context(), *node, map.path_of("direction"));
+    double angle = 0;
+    if (planar.number("angle", angle, Dimension::Angle, kAny, Need::Required)) {
+      impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0);
+    }
+    planar.finish();
+  } else {
+    impulse.direction = read_direction(map.context(), *node, map.path_of("direction"));
+  }
+}
+
+}  // namespace
+
+void read_resistance_values(MapReader& map, const RobotModel& robot, JointResistance& resistance) {
+  switch (resistance.model) {
+    case ResistanceModel::Free:
+      break;
+    case ResistanceModel::RotorInertia:
+      read_joint_values(map, "rotor_inertia", robot, Dimension::Inertia, Dimension::Mass,
+                        kNonNegative, true, Need::Required, resistance.rotor_inertia);
+      break;
+    case ResistanceModel::Servo:
+      read_joint_values(map, "stiffness", robot, Dimension::Stiffness, Dimension::Stiffness,
+                        kNonNegative, true, Need::Required, resistance.stiffness);
+      read_joint_values(map, "damping", robot, Dimension::Damping, Dimension::Damping, kNonNegative,
+                        true, Need::Required, resistance.damping);
+      map.number("contact_duration", resistance.contact_duration, Dimension::Time, kPositive,
+                 Need::Required);
+      break;
+    case ResistanceModel::Locked:
+      read_joint_flags(map, "locked", robot, Need::Required, resistance.locked);
+      break;
+  }
+}
+
+void read_impact_section(MapReader& map, CaptureProblem& problem) {
+  MapReader impact = section(map, "impact");
+  ImpulseSpec& impulse = problem.impulse;
+  impact.choice("source", impulse.source, impulse_source_names(), Need::Required);
+  read_impulse_direction(impact, impulse);
+  impact.choice("frame", impulse.direction_frame, frame_names());
+  impact.number("magnitude", impulse.magnitude, Dimension::Impulse, kPositive);
+  impact.vector3("moment", impulse.moment, Dimension::AngularImpulse);
+  impact.number("closing_speed", impulse.closing_speed, Dimension::Velocity, kNonNegative);
+  impact.number("restitution", impulse.restitution, Dimension::None, {.lower = 0, .upper = 1});
+  read_resistance(impact, problem);
+  impact.finish();
+}
+
+void read_variables_section(MapReader& map, CaptureProblem& problem) {
+  MapReader section_map = section(map, "variables");
+  ReadContext& context = map.context();
+  VariableSpec& variables = problem.variables;
+  variables.joints.assign(problem.robot.joints.size(), true);
+  read_joint_flags(section_map, "joints", problem.robot, Need::Optional, variables.joints);
+
+  const Node* attitude = section_map.child("base_attitude");
+  if (is_scalar(attitude)) {
+    section_map.choice("base_attitude", variables.base_attitude, attitude_freedom_names());
+    if (variables.base_attitude == AttitudeFreedom::Axis) {
+      context.add(attitude->line, "missing-key",
+                  fmt::format("{}: 'axis' needs its axis: {{freedom: axis, axis: [x, y, z]}}",
+                              section_map.path_of("base_attitude")));
+    }
+  } else if (attitude != nullptr) {
+    MapReader fields(context, *attitude, section_map.path_of("base_attitude"));
+    fields.choice("freedom", variables.base_attitude, attitude_freedom_names(), Need::Required);
+    fields.direction(
+        "axis", variables.base_attitude_axis,
+        variables.base_attitude == AttitudeFreedom::Axis ? Need::Required : Need::Optional);
+    fields.number("max", variables.base_attitude_max, Dimension::Angle,
+                  {.lower = 0, .upper = kPi, .is_lower_open = true});
+    fields.finish();
+  }
+
+  const Node* position = section_map.child("base_position");
+  if (is_scalar(position)) {
+    section_map.choice("base_position", variables.base_position, position_freedom_names());
+    if (variables.base_position == PositionFreedom::Box) {
+      context.add(position->line, "missing-key",
+                  fmt::format("{}: 'box' needs its corners: {{freedom: box, lower: [x, y, z], "
+                              "upper: [x, y, z]}}",
+                              section_map.path_of("base_position")));
+    }
+  } else if (position != nullptr) {
+    MapReader fields(context, *position, section_map.path_of("base_position"));
+    fields.choice("freedom", variables.base_position, position_freedom_names(), Need::Required);
+    const Need need =
+        variables.base_position == PositionFreedom::Box ? Need::Required : Need::Optional;
+    fields.vector3("lower", variables.base_position_lower, Dimension::Length, need);
+    fields.vector3("upper", variables.base_position_upper, Dimension::Length, need);
+    if (!(variables.base_position_lower.array() <= variables.base_position_upper.array()).all()) {
+      context.add(position->line, "out-of-range",
+                  fmt::format("{}: lower must not exceed upper", fields.path()));
+    }
+    fields.finish();
+  }
+
+  const Node* time = section_map.child("contact_time");
+  if (time != nullptr && time->kind == Node::Kind::Map) {
+    MapReader fields(context, *time, section_map.path_of("contact_time"));
+    fields.number("lower", variables.contact_time_lower, Dimension::Time, kAny, Need::Required);
+    fields.number("upper", variables.contact_time_upper, Dimension::Time, kAny, Need::Required);
+    fields.finish();
+    if (variables.contact_time_lower > variables.contact_time_upper) {
+      context.add(time->line, "out-of-range",
+                  fmt::format("{}: lower must not exceed upper", fields.path()));
+    }
+  } else if (time != nullptr) {
+    section_map.number("contact_time", variables.contact_time_lower, Dimension::Time);
+    variables.contact_time_upper = variables.contact_time_lower;
+  }
+
+  const std::vector<ContactFeature> none;
+  const std::vector<ContactFeature>& features = problem.target ? problem.target->features : none;
+  if (features.size() == 1) variables.feature = features[0].name;
+  const Node* feature =
+      section_map.child("feature", features.size() > 1 ? Need::Required : Need::Optional);
+  if (is_word(feature, "none")) {
+    variables.feature.clear();
+  } else if (feature != nullptr && section_map.text("feature", variables.feature)) {
+    std::vector<std::string> names;
+    for (const ContactFeature& known : features) names.push_back(known.name);
+    check_name(context, feature->line, section_map.path_of("feature"), variables.feature, names,
+               "features of the target");
+  }
+  section_map.finish();
+}
+
+void read_objective_section(MapReader& map, CaptureProblem& problem) {
+  if (is_scalar(map.child("objective"))) {
+    map.choice("objective", problem.objective, objective_names());
+    return;
+  }
+  MapReader objective = section(map, "objective");
+  objective.choice("quantity", problem.objective, objective_names(), Need::Required);
+  objective.finish();
+}
+
+void read_hand_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "hand");
+  ReadContext& context = map.context();
+  HandSpec& hand = problem.hand;
+  fields.choice("constraint", hand.constraint, hand_constraint_names());
+  const Node* position = fields.child("position");
+  if (position != nullptr && !is_word(position, "feature")) {
+    hand.position = read_vector3(context, *position, fields.path_of("position"), Dimension::Length);
+  }
+  const Node* orientation = fields.child("orientation");
+  if (orientation != nullptr && !is_word(orientation, "feature")) {
+    hand.orientation = read_orientation(context, *orientation, fields.path_of("orientation"));
+  }
+  fields.choice("frame", hand.frame, frame_names());
+  fields.direction("approach_axis", hand.approach_axis);
+  fields.number("roll", hand.roll, Dimension::Angle);
+  fields.finish();
+}
+
+void read_constraints_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "constraints");
+  fields.choice("case", problem.constraints.impact_case, case_constraint_names());
+  fields.number("joint_limit_margin", problem.constraints.joint_limit_margin,
+                Dimension::JointPosition, kNonNegative);
+  fields.number("closing_speed_min", problem.constraints.closing_speed_min, Dimension::Velocity,
+                kPositive);
+  fields.finish();
+}
+
+void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "uncertainty");
+  fields.number("cone_half_angle", problem.uncertainty.cone_half_angle, Dimension::Angle,
+                {.lower = 0, .upper = kPi / 2});
+  const Node* plane = fields.child("cone_plane");
+  static const Names<std::optional<Vector3d>> kPlanes{{"none", std::nullopt},
+                                                      {"xy", Vector3d::UnitZ()},
+                                                      {"yz", Vector3d::UnitX()},
+                                                      {"xz", Vector3d::UnitY()}};
+  if (is_scalar(plane)) {
+    fields.choice("cone_plane", problem.uncertainty.cone_plane_normal, kPlanes);
+  } else if (plane != nullptr) {
+    problem.uncertainty.cone_plane_normal =
+        read_unit_vector(map.context(), *plane, fields.path_of("cone_plane"));
+  }
+  fields.finish();
+}
+
+void read_search_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "search");
+  SearchSpec& search = problem.search;
+  if (fields.text("optimizer", search.optimizer)) {
+    check_name(map.context(), fields.line_of("optimizer"), fields.path_of("optimizer"),
+               search.optimizer, nlp::optimizer_names(), "optimizers");
+  }
+  fields.integer("starts", search.starts, 1, kManyTimes);
+  fields.unsigned_integer("seed", search.seed);
+  fields.integer("max_candidates", search.max_candidates, 1, kManyTimes);
+  fields.finish();
+}
+
+void read_approach_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "approach");
+  ApproachSpec& approach = problem.approach;
+  fields.flag("enabled", approach.enabled);
+  fields.choice("base", approach.base, base_mode_names());
+  fields.flag("station_free", approach.station_free);
+  // 0.1 rad/s^2 (m/s^2): a second to reach the few degrees per second at which space arms move.
+  approach.acceleration_limit = JointVectord::Constant(problem.robot.n(), 0.1);
+  read_joint_values(fields, "acceleration_limit", problem.robot, Dimension::AngularAcceleration,
+                    Dimension::Acceleration, kPositive, true, Need::Optional,
+                    approach.acceleration_limit);
+  fields.number("velocity_scale", approach.velocity_scale, Dimension::None,
+                {.lower = 0, .upper = 1, .is_lower_open = true});
+  fields.number("wait", approach.wait, Dimension::Time, kNonNegative);
+  fields.number("max_duration", approach.max_duration, Dimension::Time, kPositive);
+  fields.number("clearance", approach.clearance, Dimension::Length, kNonNegative);
+  fields.number("contact_allowance", approach.contact_allowance, Dimension::Length, kNonNegative);
+  fields.number("resolution", approach.resolution, Dimension::Angle, kPositive);
+  if (fields.text("planner", approach.planner)) {
+    check_name(map.context(), fields.line_of("planner"), fields.path_of("planner"),
+               approach.planner, approach_planner_names(), "planners");
+  }
+  fields.integer("max_iterations", approach.max_iterations, 1, kManyTimes);
+  fields.finish();
+}
+
+void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "post_impact");
+  ReadContext& context = map.context();
+  PostImpactSpec& spec = problem.post_impact;
+  const Node* list = fields.child("controllers");
+  if (list != nullptr && list->kind != Node::Kind::Sequence) {
+    context.add(list->line, "wrong-type",
+                fmt::format("{}: must be a list of names", fields.path_of("controllers")));
+  } else if (list != nullptr) {
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+      const std::string path = fmt::format("{}[{}]", fields.path_of("controllers"), i);
+      const auto name = read_text(context, list->items[i], path);
+      if (!name || !check_name(context, list->items[i].line, path, *name, controller_names(),
+                               "controllers")) {
+        continue;
+      }
+      if (std::find(spec.controllers.begin(), spec.controllers.end(), *name) !=
+          spec.controllers.end()) {
+        context.add(list->items[i].line, "duplicate-name",
+                    fmt::format("{}: '{}' is already named", path, *name));
+      }
+      spec.controllers.push_back(*name);
+    }
+  }
+  fields.number("base_rate_gain", spec.K_omega, Dimension::Rate, kNonNegative);
+  fields.number("joint_rate_gain", spec.K_phi, Dimension::Rate, kNonNegative);
+  fields.number("control_period", spec.control_period, Dimension::Time, kPositive);
+  fields.number("horizon", spec.horizon, Dimension::Time, kPositive);
+  const Need need = spec.controllers.empty() ? Need::Optional : Need::Required;
+  fields.number("residual_base_rate_max", spec.residual_base_rate_max, Dimension::AngularVelocity,
+                kNonNegative, need);
+  fields.number("attitude_change_max", spec.attitude_change_max, Dimension::Angle, kNonNegative,
+                need);
+  fields.finish();
+}
+
+void read_obstacles_section(MapReader& map, CaptureProblem& problem) {
+  const Node* list = map.child("obstacles");
+  if (list == nullptr) return;
+  ReadContext& context = map.context();
+  if (list->kind != Node::Kind::Sequence) {
+    context.add(list->line, "wrong-type",
+                fmt::format("{}: must be a list", map.path_of("obstacles")));
+    return;
+  }
+  for (std::size_t i = 0; i < list->items.size(); ++i) {
+    const Node& node = list->items[i];
+    MapReader fields(context, node, fmt::format("{}[{}]", map.path_of("obstacles"), i));
+    Obstacle obstacle{{}, Frame::Inertial, {}, Sphere{0}};
+    fields.text("name", obstacle.name, Need::Required);
+    for (const Obstacle& other : problem.obstacles) {
+      if (other.name != obstacle.name) continue;
+      context.add(node.line, "duplicate-name",
+                  fmt::format("{}: there is already an obstacle '{}'", fields.path(), other.name));
+    }
+    fields.choice("frame", obstacle.frame, frame_names());
+    fields.pose(obstacle.pose);
+    if (const Node* geometry = fields.child("geometry", Need::Required)) {
+      if (auto value = read_geometry(context, *geometry, fields.path_of("geometry"))) {
+        obstacle.geometry = std::move(*value);
+      }
+    }
+    fields.finish();
+    problem.obstacles.push_back(std::move(obstacle));
+  }
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,201 @@
+// The only file that knows yaml-cpp. Its event interface is used instead of its nodes: the nodes
+// keep duplicate keys, resolve aliases and forget quotes without a word.
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/mark.h>
+#include <yaml-cpp/parser.h>
+
+#include "io/document.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+/// Position of the first byte that is not valid UTF-8 or is a control character, or npos.
+std::size_t first_bad_byte(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned char c = byte(i);
+    if (c < 0x80) {
+      if ((c < 0x20 && c != '\n' && c != '\r' && c != '\t') || c == 0x7F) return i;
+      ++i;
+      continue;
+    }
+    const std::size_t length = c >= 0xF0 ? 4 : c >= 0xE0 ? 3 : 2;
+    if (c < 0xC2 || c > 0xF4 || i + length > text.size()) return i;
+    unsigned code = length == 4 ? c & 0x07u : length == 3 ? c & 0x0Fu : c & 0x1Fu;
+    for (std::size_t k = 1; k < length; ++k) {
+      if ((byte(i + k) & 0xC0u) != 0x80u) return i;
+      code = (code << 6) | (byte(i + k) & 0x3Fu);
+    }
+    const bool is_overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    if (is_overlong || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return i;
+    i += length;
+  }
+  return std::string_view::npos;
+}
+
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(ReadContext& context, const DocumentLimits& limits)
+      : context_(context), limits_(limits) {}
+
+  Node root;
+  int documents = 0;
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents == 2) {
+      context_.add(mark.line + 1, "several-documents", "one document per file is allowed");
+    }
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuse_anchor(mark, anchor);
+    add(make(Node::Kind::Null, mark));
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    refuse_anchor(mark, 1);
+    add(make(Node::Kind::Null, mark));
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    refuse_anchor(mark, anchor);
+    // "?" is a plain scalar, "!" one in quotes or a block.
+    if (tag != "?" && tag != "!" && !tag.empty()) refuse_tag(mark, tag);
+    Node node = make(tag == "!" ? Node::Kind::Quoted : Node::Kind::Plain, mark);
+    node.text = value;
+    add(std::move(node));
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open(Node::Kind::Sequence, mark, tag, anchor);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open(Node::Kind::Map, mark, tag, anchor);
+  }
+  void OnMapEnd() override {
+    report_duplicates(stack_.back());
+    close();
+  }
+
+ private:
+  Node make(Node::Kind kind, const YAML::Mark& mark) {
+    if (++count_ > limits_.nodes) {
+      fail(mark, "too-large", fmt::format("more than {} values", limits_.nodes));
+    }
+    Node node;
+    node.kind = kind;
+    node.line = mark.line + 1;
+    return node;
+  }
+
+  void open(Node::Kind kind, const YAML::Mark& mark, const std::string& tag,
+            YAML::anchor_t anchor) {
+    refuse_anchor(mark, anchor);
+    if (tag != "?" && tag != "!" && !tag.empty()) refuse_tag(mark, tag);
+    if (static_cast<int>(stack_.size()) >= limits_.depth) {
+      fail(mark, "too-deep", fmt::format("nested deeper than {} levels", limits_.depth));
+    }
+    stack_.push_back(make(kind, mark));
+  }
+
+  void close() {
+    Node node = std::move(stack_.back());
+    stack_.pop_back();
+    add(std::move(node));
+  }
+
+  void add(Node node) {
+    if (stack_.empty()) {
+      if (documents < 2) root = std::move(node);
+      return;
+    }
+    Node& parent = stack_.back();
+    if (parent.kind == Node::Kind::Map && parent.keys.size() == parent.items.size()) {
+      const bool is_text = node.kind == Node::Kind::Plain || node.kind == Node::Kind::Quoted;
+      if (!is_text) {
+        context_.add(node.line, "wrong-type", "a key must be text");
+      } else if (node.text == "<<" && node.kind == Node::Kind::Plain) {
+        context_.add(node.line, "merge-key", "merge keys ('<<') are not allowed");
+      }
+      parent.keys.push_back(std::move(node.text));
+      parent.key_lines.push_back(node.line);
+    } else {
+      // An absent value is marked where the next token starts.
+      if (parent.kind == Node::Kind::Map && node.kind == Node::Kind::Null) {
+        node.line = parent.key_lines.back();
+      }
+      parent.items.push_back(std::move(node));
+    }
+  }
+
+  void report_duplicates(const Node& map) {
+    std::vector<std::size_t> order(map.keys.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return map.keys[a] < map.keys[b]; });
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      if (map.keys[order[i]] != map.keys[order[i - 1]]) continue;
+      context_.add(map.key_lines[order[i]], "duplicate-key",
+                   fmt::format("'{}' is already stated in line {}", map.keys[order[i]],
+                               map.key_lines[order[i - 1]]));
+    }
+  }
+
+  void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (anchor != 0) {
+      context_.add(mark.line + 1, "anchor", "anchors (&) and aliases (*) are not allowed");
+    }
+  }
+  void refuse_tag(const YAML::Mark& mark, const std::string& tag) {
+    context_.add(mark.line + 1, "tag", fmt::format("tags are not allowed: '{}'", tag));
+  }
+  [[noreturn]] void fail(const YAML::Mark& mark, std::string rule, std::string message) {
+    context_.add(mark.line + 1, std::move(rule), std::move(message));
+    throw InputError(context_.findings);
+  }
+
+  ReadContext& context_;
+  const DocumentLimits& limits_;
+  std::vector<Node> stack_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+Node parse_document(std::string_view text, ReadContext& context, const DocumentLimits& limits) {
+  if (text.size() > limits.bytes) {
+    context.add(0, "too-large", fmt::format("more than {} bytes", limits.bytes));
+    throw InputError(context.findings);
+  }
+  const std::size_t bad = first_bad_byte(text);
+  if (bad != std::string_view::npos) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(bad), '\n');
+    context.add(static_cast<int>(line), "not-utf-8",
+                fmt::format("byte 0x{:02x} is not allowed; the text must be UTF-8",
+                            static_cast<unsigned char>(text[bad])));
+    throw InputError(context.findings);
+  }
+  TreeBuilder builder(context, limits);
+  try {
+    std::istringstream stream{std::string(text)};
+    YAML::Parser parser(stream);
+    // The second call only finds out whether there is a second document.
+    if (parser.HandleNextDocument(builder)) parser.HandleNextDocument(builder);
+  } catch (const YAML::Exception& error) {
+    context.add(error.mark.line + 1, "syntax", error.msg);
+    throw InputError(context.findings);
+  }
+  return std::move(builder.root);
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,229 @@
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/core/random.hpp>
+#include <stillbase/core/sha256.hpp>
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/io/state_file.hpp>
+
+#include "io/io_support.hpp"
+
+using namespace stillbase;
+using namespace stillbase::io_test;
+
+namespace {
+
+Pose random_pose(Random& random) {
+  return {random.unit_vector() * 3,
+          rotation_exp(random.unit_vector() * random.uniform(0, 3)).normalized()};
+}
+
+JointVectord random_joints(Random& random, int n) {
+  JointVectord v(n);
+  for (double& x : v) x = random.normal();
+  return v;
+}
+
+/// A plan with a number of its own in every field.
+Plan random_plan() {
+  Random random(7);
+  Plan plan;
+  plan.problem = read_problem(source_path("problems/planar_two_link_c2_a.yaml"));
+  plan.problem.resistance.model = ResistanceModel::Servo;
+  plan.problem.resistance.stiffness = random_joints(random, 2).cwiseAbs();
+  plan.problem.resistance.damping = random_joints(random, 2).cwiseAbs();
+  plan.problem.resistance.contact_duration = 0.1;
+  const int n = plan.problem.robot.n();
+  plan.status = PlanStatus::Feasible;
+  plan.optimizer = "nlopt-slsqp";
+  plan.configuration = {random_joints(random, n), random_pose(random), 1.0 / 3};
+  ImpactSummary& impact = plan.impact;
+  for (Vector6d* v : {&impact.Fbar, &impact.Delta_Omega}) {
+    for (double& x : *v) x = random.normal() * 1e-9;
+  }
+  impact.Delta_phidot = random_joints(random, n);
+  impact.Delta_phidot_rns = random_joints(random, n);
+  impact.Delta_phidot_orthogonal = random_joints(random, n);
+  impact.total = random.unit_vector();
+  impact.base = random.unit_vector() * 1e-300;
+  impact.coupling = Vector3d(0, -0.0, 1e17);
+  impact.judgement = {ImpactCase::C2, 1e-7, 0.1, 0.2, 0.3};
+  impact.rank = 1;
+  impact.closing_speed = 0.7;
+  impact.resistance = plan.problem.resistance;
+  plan.objective = {"base_angular_momentum", "N m s", 0.1 + 0.2, 0.5, random.unit_vector()};
+  plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
+                      {"case_total_z", 1e-12, 0, 0, 1e-12},
+                      {"hand_facing", -1, -kInfinity, 0, 0}};
+  plan.certificate = {1e-9, 1e-12, 256, 8};
+  plan.candidates = {{plan.configuration, 1, 2, 0, 12, true, ""},
+                     {plan.configuration, 1.5, 2, 0, 3, false, "link_2 with base"}};
+  Approach& approach = plan.approach;
+  approach.status = ApproachStatus::Found;
+  approach.detail = "a \"quoted\" detail\nwith <two> lines";
+  for (int i = 0; i < 3; ++i) {
+    approach.times.push_back(i / 7.0);
+    approach.joint_positions.push_back(random_joints(random, n));
+    approach.joint_velocities.push_back(random_joints(random, n));
+    approach.base_poses.push_back(random_pose(random));
+    approach.base_velocities.push_back(Vector6d::Constant(random.normal()));
+  }
+  approach.duration = 2.0 / 7;
+  approach.path_length = random.uniform();
+  approach.attitude_excursion = random.uniform();
+  approach.min_clearance = kInfinity;
+  plan.solver_calls = {{"nlopt-slsqp", 256}, {"rrt_connect", 1}};
+  plan.timing = {{"search", 0.25}};
+  return plan;
+}
+
+const ToolVersions kTool{{"stillbase", "0.1.0"}, {"eigen", "3.4.0"}};
+
+/// Rule of the only finding.
+std::string refusal(const std::string& text) {
+  const auto findings = findings_of([&] { read_plan(text, "plan.json"); });
+  INFO(text_of(findings));
+  CHECK(findings.size() == 1);
+  if (findings.empty()) return {};
+  CHECK(findings[0].file == "plan.json");
+  CHECK(findings[0].line > 0);
+  return findings[0].rule;
+}
+
+}  // namespace
+
+TEST_CASE("a plan reads back bit for bit") {
+  const Plan plan = random_plan();
+  const std::string text = plan_to_json(plan, kTool);
+  const PlanFile file = read_plan(text, "plan.json");
+  CHECK(plan_to_json(file.plan, file.tool) == text);
+  CHECK(file.stated_sha256 == file.computed_sha256);
+  CHECK(file.stated_robot_sha256 == file.computed_robot_sha256);
+  CHECK(file.plan.configuration.phi == plan.configuration.phi);
+  CHECK(file.plan.impact.coupling == plan.impact.coupling);
+  CHECK(std::signbit(file.plan.impact.coupling.y()));
+  CHECK(file.plan.constraints[0].upper == kInfinity);
+  CHECK(file.plan.constraints[2].lower == -kInfinity);
+  CHECK(file.plan.approach.detail == plan.approach.detail);
+  CHECK(file.plan.approach.base_poses[2].orientation.coeffs() ==
+        plan.approach.base_poses[2].orientation.coeffs());
+  CHECK(file.plan.approach.base_velocities[1] == plan.approach.base_velocities[1]);
+  CHECK(file.plan.solver_calls == plan.solver_calls);
+  CHECK(file.plan.timing == plan.timing);
+  CHECK(file.plan.problem.urdf == plan.problem.urdf);
+  CHECK(file.plan.impact.resistance.stiffness == plan.impact.resistance.stiffness);
+}
+
+TEST_CASE("the keys of a plan file stand in their documented order") {
+  const auto json = nlohmann::ordered_json::parse(plan_to_json(random_plan(), kTool, "{}"));
+  std::vector<std::string> keys;
+  for (const auto& item : json.items()) keys.push_back(item.key());
+  CHECK(keys == std::vector<std::string>{"format", "version", "tool", "problem", "robot", "status",
+                                         "optimizer", "configuration", "impact", "objective",
+                                         "constraints", "certificate", "candidates", "approach",
+                                         "solver_calls", "content_sha256", "verification",
+                                         "timing"});
+}
+
+TEST_CASE("the fingerprint covers the content and nothing else") {
+  const std::string text = plan_to_json(random_plan(), kTool);
+  auto json = nlohmann::json::parse(text);
+  const std::string stated = json["content_sha256"];
+
+  auto content = json;
+  for (const char* key : {"tool", "timing", "verification", "content_sha256"}) content.erase(key);
+  CHECK(sha256_hex(content.dump()) == stated);
+
+  auto unchanged = json;
+  unchanged["tool"]["stillbase"] = "9.9";
+  unchanged["timing"]["search"] = 99;
+  unchanged["verification"] = {{"verdict", "pass"}, {"anything", {1, 2}}};
+  CHECK(read_plan(unchanged.dump(), "plan.json").computed_sha256 == stated);
+
+  const std::vector<std::string> pointers{
+      "/problem/robot/start/joint_1", "/configuration/joint_positions/0", "/impact/momentum/base/0",
+      "/objective/worst_case",        "/candidates/1/objective",          "/approach/times/1",
+      "/certificate/kkt_residual"};
+  for (const std::string& pointer : pointers) {
+    auto changed = json;
+    auto& value = changed[nlohmann::json::json_pointer(pointer)];
+    value = value.get<double>() * (1 + 1e-12) + 1e-305;
+    INFO(pointer);
+    const PlanFile file = read_plan(changed.dump(), "plan.json");
+    CHECK(file.stated_sha256 == stated);
+    CHECK(file.computed_sha256 != stated);
+  }
+}
+
+TEST_CASE("a spoiled plan file is refused with rule and line") {
+  const std::string text = plan_to_json(random_plan(), kTool);
+  CHECK(refusal(replaced(text, "\"optimizer\"", "\"optimiser\": \"x\", \"optimizer\"")) ==
+        "unknown-key");
+  CHECK(refusal(replaced(text, "\"status\": \"feasible\"", "\"status\": \"good\"")) ==
+        "unknown-name");
+  CHECK(refusal(replaced(text, "\"status\": \"feasible\",", "")) == "missing-key");
+  CHECK(refusal(replaced(text, "\"starts\": 256, \"distinct", "\"starts\": 2.5, \"distinct")) ==
+        "wrong-type");
+  CHECK(refusal(replaced(text, "\"closing_speed\": 0.7", "\"closing_speed\": NaN")) ==
+        "not-finite");
+  CHECK(refusal(replaced(text, "\"closing_speed\": 0.7", "\"closing_speed\": null")) ==
+        "wrong-type");
+  CHECK(refusal(replaced(text, "\"closing_speed\": 0.7", "\"closing_speed\": 0.7 m")) ==
+        "wrong-unit");
+  CHECK(refusal(replaced(text, "\"version\": 1", "\"version\": 1, \"version\": 1")) ==
+        "duplicate-key");
+  CHECK(refusal(replaced(text, "\"joint_names\": [\"joint_1\", ", "\"joint_names\": [")) ==
+        "inconsistent");
+  CHECK(refusal(replaced(text, "\"nominal\": 0.3", "\"nominal\": 0.2")) == "inconsistent");
+  CHECK(refusal(replaced(text, "\"times\": [0.0, ", "\"times\": [")) == "wrong-length");
+  CHECK(refusal(text.substr(0, text.size() / 2)) == "syntax");
+  CHECK(refusal(text + "x: 1\n") == "several-documents");
+  CHECK(refusal(text + "# YAML, not JSON\n") == "syntax");
+}
+
+TEST_CASE("a plan with a number that is not finite is not written") {
+  const auto refuses = [](auto change) {
+    Plan plan = random_plan();
+    change(plan);
+    CHECK_THROWS_AS(plan_to_json(plan, kTool), std::invalid_argument);
+  };
+  refuses([](Plan& p) { p.configuration.phi[0] = std::nan(""); });
+  refuses([](Plan& p) { p.objective.worst_case = kInfinity; });
+  refuses([](Plan& p) { p.constraints[0].lower = std::nan(""); });
+  refuses([](Plan& p) { p.approach.base_velocities[1][3] = -kInfinity; });
+  refuses([](Plan& p) { p.impact.Fbar[0] = kInfinity; });
+  refuses([](Plan& p) { p.timing["search"] = std::nan(""); });
+}
+
+TEST_CASE("a state file fills what it leaves out with zeros") {
+  const CaptureProblem problem = read_problem(source_path("problems/planar_two_link_c2_a.yaml"));
+  const RobotState state =
+      read_state(R"({"joint_positions": ["-80 deg", 1], "impulse": {"force": [1, 2, 3]}})",
+                 "s.json", problem.robot);
+  CHECK(state.phi[0] == Approx(-80 * M_PI / 180));
+  CHECK(state.phidot == Eigen::Vector2d::Zero());
+  CHECK(state.Omega.isZero(0));
+  REQUIRE(state.Fbar);
+  CHECK(state.Fbar->head<3>() == Vector3d(1, 2, 3));
+  CHECK(state.Fbar->tail<3>() == Vector3d::Zero());
+  CHECK_FALSE(read_state("{}", "s.json", problem.robot).Fbar);
+}
+
+TEST_CASE("a spoiled state file is refused with everything that is wrong") {
+  const CaptureProblem problem = read_problem(source_path("problems/planar_two_link_c2_a.yaml"));
+  const auto findings = findings_of([&] {
+    read_state(
+        "{\"joint_positions\": [1, 2, 3],\n\"joint_velocity\": [1, 2],\n"
+        "\"base_velocity\": {\"linear\": [1, 2, NaN]}}",
+        "s.json", problem.robot);
+  });
+  INFO(text_of(findings));
+  REQUIRE(findings.size() == 3);
+  CHECK(text_of(findings).find("s.json:2: unknown-key") != std::string::npos);
+  CHECK(text_of(findings).find("did you mean 'joint_velocities'") != std::string::npos);
+  CHECK(text_of(findings).find("s.json:3: not-finite") != std::string::npos);
+  CHECK(text_of(findings).find("s.json:1: wrong-length") != std::string::npos);
+}

@@ -1,0 +1,334 @@
+#include <cmath>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include <stillbase/io/problem_file.hpp>
+
+#include "io/io_support.hpp"
+
+using namespace stillbase;
+using namespace stillbase::io_test;
+
+namespace {
+
+const std::string kProblem = R"(format: stillbase.problem
+version: 1
+purpose: A text that the tests spoil one line at a time.
+robot:
+  file: robots/planar_two_link_a.urdf
+  hand: hand
+  start: {joint_1: -80 deg, joint_2: 160 deg}
+  base: {position: [1, 2, 3], orientation: {rpy: [0, 0, 90 deg]}}
+  allowed_contacts: [[base, link_2]]
+target:
+  name: client
+  model: rigid_body
+  mass: 50 kg
+  inertia: {ixx: 3, iyy: 3, izz: 3}
+  shapes:
+    - {position: [0, 0, 0], geometry: {box: {size: [0.6, 600 mm, 60 cm]}}}
+  features:
+    - {name: plus_x, point: [0.3, 0.12, 0.06], normal: [1, 0, 0]}
+  state:
+    linear_velocity: [-50 mm/s, 0, 0]
+    angular_velocity: {axis: [1, 2, 2], rate: 5 deg/s}
+impact:
+  source: rigid_body
+  restitution: 0.5
+  joint_resistance: {model: rotor_inertia, rotor_inertia: [0.5, 0.25]}
+variables:
+  joints: [joint_2]
+  base_attitude: {freedom: axis, axis: [0, 0, 2], max: 30 deg}
+  contact_time: {lower: 1 min, upper: 70}
+objective: base_angular_momentum
+hand:
+  constraint: axis
+constraints:
+  closing_speed_min: 0.01
+uncertainty:
+  cone_half_angle: 10 deg
+obstacles:
+  - {name: panel, position: [5, 5, 5], geometry: {sphere: {radius: 0.1}}}
+)";
+
+std::string robot_text(const std::string& name = "planar_two_link_a") {
+  return file_text(source_path("problems/robots/" + name + ".urdf"));
+}
+
+CaptureProblem read(const std::string& text) {
+  return read_problem_text(text, "test.yaml", robot_text());
+}
+
+/// One spoiled text is refused with exactly this rule at this line, and the message names these
+/// parts.
+void refuses(const std::string& text, int line, const std::string& rule,
+             const std::vector<std::string>& parts) {
+  const auto findings = findings_of([&] { read(text); });
+  INFO(text_of(findings));
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].file == "test.yaml");
+  CHECK(findings[0].line == line);
+  CHECK(findings[0].rule == rule);
+  for (const std::string& part : parts) {
+    CHECK_THAT(findings[0].message, Catch::Contains(part));
+  }
+}
+
+void refuses_change(const std::string& from, const std::string& to, const std::string& rule,
+                    const std::vector<std::string>& parts) {
+  INFO(from << " -> " << to);
+  refuses(replaced(kProblem, from, to), line_of(kProblem, from), rule, parts);
+}
+
+}  // namespace
+
+TEST_CASE("a problem reads to SI units with every default in place") {
+  const CaptureProblem problem = read(kProblem);
+  CHECK(problem.name == "test");
+  CHECK(problem.start[0] == Approx(-80 * M_PI / 180).epsilon(1e-15));
+  CHECK(problem.base.position == Vector3d(1, 2, 3));
+  CHECK((problem.base.orientation * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-15);
+  REQUIRE(problem.target);
+  CHECK(std::get<Box>(problem.target->shapes[0].geometry)
+            .size.isApprox(Vector3d::Constant(0.6), 1e-15));
+  CHECK(problem.target_state.linear_velocity == Vector3d(-0.05, 0, 0));
+  CHECK(problem.target_state.angular_velocity.isApprox(Vector3d(1, 2, 2) / 3 * 5 * M_PI / 180,
+                                                       1e-15));
+  CHECK(problem.resistance.model == ResistanceModel::RotorInertia);
+  CHECK(problem.resistance.rotor_inertia == Eigen::Vector2d(0.5, 0.25));
+  CHECK(problem.variables.joints == std::vector<bool>{false, true});
+  CHECK(problem.variables.base_attitude == AttitudeFreedom::Axis);
+  CHECK(problem.variables.base_attitude_axis == Vector3d::UnitZ());
+  CHECK(problem.variables.contact_time_lower == 60);
+  CHECK(problem.variables.feature == "plus_x");
+  CHECK_FALSE(problem.impulse.direction);
+  CHECK(problem.search.optimizer == "nlopt-slsqp");
+  CHECK(problem.search.starts == 64);
+  CHECK(problem.approach.acceleration_limit == Eigen::Vector2d(0.1, 0.1));
+  CHECK(problem.obstacles.size() == 1);
+  CHECK(problem.robot.hand == "hand");
+}
+
+TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
+  std::vector<std::string> texts;
+  CaptureProblem own = read(kProblem);
+  own.target_state.pose.orientation = rotation_exp({0.1, 0.2, 0.3});
+  own.uncertainty.cone_plane_normal = Vector3d(1, 2, 2) / 3;
+  own.hand.constraint = HandConstraint::Pose;
+  own.hand.orientation = rotation_exp({-1, 0.5, 0.7});
+  own.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
+  own.search.seed = 18446744073709551615u;
+  std::vector<CaptureProblem> problems{own};
+  for (const std::string& path : shipped_problems()) problems.push_back(read_problem(path));
+  REQUIRE(problems.size() >= 9);
+  for (const CaptureProblem& problem : problems) {
+    INFO(problem.name);
+    const std::string json = problem_to_json(problem);
+    const CaptureProblem again = read_problem_text(json, "copy.json", problem.urdf);
+    CHECK(problem_to_json(again) == json);
+    CHECK(again.name == problem.name);
+    CHECK(again.start == problem.start);
+    CHECK(again.base.orientation.coeffs() == problem.base.orientation.coeffs());
+    CHECK(again.target_state.pose.orientation.coeffs() ==
+          problem.target_state.pose.orientation.coeffs());
+    CHECK(again.impulse.direction == problem.impulse.direction);
+    CHECK(again.hand.position == problem.hand.position);
+    CHECK(again.search.seed == problem.search.seed);
+    CHECK(again.robot.n() == problem.robot.n());
+  }
+}
+
+TEST_CASE("every shipped problem is accepted and says what it is for") {
+  for (const std::string& path : shipped_problems()) {
+    INFO(path);
+    CaptureProblem problem;
+    REQUIRE_NOTHROW(problem = read_problem(path));
+    CHECK(problem.purpose.size() > 20);
+    CHECK(problem.name == std::filesystem::path(path).stem().string());
+  }
+}
+
+TEST_CASE("unknown, duplicate and missing keys are refused with the nearest known key") {
+  refuses_change("restitution: 0.5", "restitutoin: 0.5", "unknown-key",
+                 {"impact.restitutoin", "did you mean 'restitution'?"});
+  refuses_change("  restitution: 0.5\n  joint", "  source: rigid_body\n  joint", "duplicate-key",
+                 {"'source'", "line 23"});
+  refuses(replaced(kProblem, "objective: base_angular_momentum\n", ""), 0, "missing-key",
+          {"objective.quantity"});
+  refuses(replaced(kProblem, "  mass: 50 kg\n", ""), 11, "missing-key", {"target.mass"});
+}
+
+TEST_CASE("wrong types, lengths and units are refused") {
+  refuses_change("restitution: 0.5", "restitution: high", "wrong-type",
+                 {"impact.restitution", "'high'"});
+  refuses_change("restitution: 0.5", "restitution: \"0.5\"", "wrong-type", {"quotes"});
+  refuses_change("restitution: 0.5", "restitution: 0.5 m", "wrong-unit",
+                 {"impact.restitution", "without unit"});
+  refuses_change("mass: 50 kg", "mass: 50 s", "wrong-unit", {"target.mass", "'s'", "kg, g"});
+  refuses_change("mass: 50 kg", "mass: 50 pounds", "unknown-unit", {"target.mass", "'pounds'"});
+  refuses_change("mass: 50 kg", "mass: 1,5", "wrong-type", {"target.mass", "'1,5'"});
+  refuses_change("mass: 50 kg", "mass: 0x10", "wrong-type", {"target.mass"});
+  refuses_change("mass: 50 kg", "mass: 050", "wrong-type", {"target.mass", "leading zeros"});
+  refuses_change("mass: 50 kg", "mass:", "wrong-type", {"target.mass", "nothing"});
+  refuses_change("normal: [1, 0, 0]", "normal: [1, 0]", "wrong-length",
+                 {"target.features[0].normal", "must have 3"});
+  refuses_change("rotor_inertia: [0.5, 0.25]", "rotor_inertia: [0.5]", "wrong-length",
+                 {"joint_1, joint_2"});
+  refuses_change("start: {joint_1: -80 deg, joint_2: 160 deg}", "start: {joint_1: -80 deg}",
+                 "missing-key", {"robot.start", "joint_2"});
+  refuses_change("start: {joint_1: -80 deg", "start: {joint_1: -80 m", "wrong-unit",
+                 {"robot.start.joint_1", "rad, deg"});
+  refuses_change("version: 1", "version: 2", "out-of-range", {"version"});
+  refuses_change("format: stillbase.problem", "format: stillbase.plan", "format",
+                 {"stillbase.problem"});
+}
+
+TEST_CASE("numbers that are not finite are refused") {
+  for (const char* bad : {".nan", "nan", ".inf", "-.inf", "inf", "Infinity", "1e999", "-1e999"}) {
+    refuses_change("mass: 50 kg", std::string("mass: ") + bad, "not-finite", {"target.mass", bad});
+    refuses_change("[0.3, 0.12, 0.06]", std::string("[0.3, ") + bad + ", 0.06]", "not-finite",
+                   {"target.features[0].point[1]"});
+  }
+  refuses_change("mass: 50 kg", "mass: nan kg", "not-finite", {"target.mass"});
+}
+
+TEST_CASE("values that no body, contact or direction can have are refused") {
+  refuses_change("mass: 50 kg", "mass: 0 kg", "out-of-range", {"target.mass", "> 0 kg"});
+  refuses_change("mass: 50 kg", "mass: -5", "out-of-range", {"target.mass"});
+  refuses_change("{ixx: 3, iyy: 3, izz: 3}", "{ixx: 1, iyy: 1, izz: 3}", "impossible-inertia",
+                 {"target.inertia", "triangle"});
+  refuses_change("{ixx: 3, iyy: 3, izz: 3}", "{ixx: 3, iyy: 3, izz: -3}", "impossible-inertia",
+                 {"target.inertia", "positive definite"});
+  refuses_change("restitution: 0.5", "restitution: 1.5", "out-of-range",
+                 {"impact.restitution", "'1.5'", "[0, 1]"});
+  refuses_change("restitution: 0.5", "restitution: -0.1", "out-of-range", {"[0, 1]"});
+  refuses_change("restitution: 0.5", "direction: [0, 0, 0]\n  restitution: 0.5", "zero-direction",
+                 {"impact.direction"});
+  refuses_change("normal: [1, 0, 0]", "normal: [2, 0, 0]", "not-unit",
+                 {"target.features[0].normal", "norm 2"});
+  refuses_change("orientation: {rpy: [0, 0, 90 deg]}", "orientation: {w: 1, x: 1, y: 0, z: 0}",
+                 "not-unit", {"robot.base.orientation", "1.414"});
+  refuses_change("closing_speed_min: 0.01", "closing_speed_min: 0", "out-of-range",
+                 {"constraints.closing_speed_min", "> 0"});
+  refuses_change("cone_half_angle: 10 deg", "cone_half_angle: 100 deg", "out-of-range",
+                 {"uncertainty.cone_half_angle"});
+  refuses_change("lower: 1 min", "lower: 2 min", "out-of-range", {"variables.contact_time"});
+  refuses_change("radius: 0.1", "radius: 0", "out-of-range", {"obstacles[0].geometry.sphere"});
+  refuses_change("geometry: {sphere: {radius: 0.1}}", "geometry: {}", "geometry",
+                 {"obstacles[0].geometry", "exactly one"});
+}
+
+TEST_CASE("names that do not exist are refused with those that do") {
+  refuses_change("hand: hand", "hand: gripper", "hand-unknown", {"robot.hand", "gripper", "hand"});
+  refuses_change("joints: [joint_2]", "joints: [joint_3]", "unknown-name",
+                 {"variables.joints[0]", "'joint_3'", "joint_1, joint_2"});
+  refuses_change("start: {joint_1: -80 deg, joint_2",
+                 "start: {joint_1: -80 deg, joint_2: 0, joint_9", "unknown-name",
+                 {"robot.start.joint_9"});
+  refuses_change("[[base, link_2]]", "[[base, lnik_2]]", "unknown-name",
+                 {"robot.allowed_contacts[0]", "did you mean 'link_2'?"});
+  refuses_change("contact_time: {lower", "feature: minus_x\n  contact_time: {lower", "unknown-name",
+                 {"variables.feature", "plus_x"});
+  refuses_change("source: rigid_body", "source: rigid-body", "unknown-name",
+                 {"impact.source", "did you mean 'rigid_body'?", "given, point_mass"});
+  refuses_change("objective: base_angular_momentum", "objective: base_momentum", "unknown-name",
+                 {"base_angular_velocity"});
+}
+
+TEST_CASE("a start outside the joint limits is refused with the limits") {
+  const auto findings = findings_of([] {
+    const std::string text =
+        replaced(replaced(kProblem, "{joint_1: -80 deg, joint_2: 160 deg}", "[0, 121 deg, 0]"),
+                 "[[base, link_2]]", "[]");
+    const std::string free =
+        replaced(replaced(text, "rotor_inertia: [0.5, 0.25]", "rotor_inertia: 1"), "hand: hand",
+                 "hand: link_3");
+    read_problem_text(free, "test.yaml", robot_text("spart_sc_3dof"));
+  });
+  INFO(text_of(findings));
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].line == 7);
+  CHECK(findings[0].rule == "outside-limits");
+  CHECK_THAT(findings[0].message,
+             Catch::Contains("robot.start.joint_2") && Catch::Contains("[-2, 2]"));
+}
+
+TEST_CASE("sections that contradict each other are refused") {
+  refuses_change("impact:\n", "impact:\n  closing_speed: 1\n", "not-used",
+                 {"impact.closing_speed"});
+  refuses_change("impact:\n", "impact:\n  moment: [0, 0, 1]\n", "not-used", {"impact.moment"});
+}
+
+TEST_CASE("what the sections need of each other is asked for") {
+  const std::string point_mass =
+      replaced(replaced(kProblem, "source: rigid_body", "source: point_mass"), "restitution: 0.5",
+               "direction: {angle: 10 deg}");
+  const auto rules = [](const std::string& text) {
+    std::string list;
+    for (const Finding& finding : findings_of([&] { read(text); })) list += finding.message + "\n";
+    return list;
+  };
+  CHECK_THAT(rules(point_mass), Catch::Contains("impact.closing_speed") &&
+                                    Catch::Contains("closing_speed_min = 0.01") &&
+                                    Catch::Contains("target.state"));
+  const std::string without_feature = replaced(
+      replaced(kProblem, "    - {name: plus_x, point: [0.3, 0.12, 0.06], normal: [1, 0, 0]}", ""),
+      "  features:\n", "");
+  CHECK_THAT(rules(without_feature),
+             Catch::Contains("impact.direction") && Catch::Contains("impact.source"));
+  const std::string two_directions =
+      replaced(kProblem, "impact:\n", "impact:\n  direction: [1, 0, 0]\n");
+  CHECK_THAT(rules(two_directions),
+             Catch::Contains("impact.direction") && Catch::Contains("target.state"));
+  const std::string without_motion = replaced(
+      replaced(replaced(kProblem, "  state:\n", ""), "    linear_velocity: [-50 mm/s, 0, 0]\n", ""),
+      "    angular_velocity: {axis: [1, 2, 2], rate: 5 deg/s}\n", "");
+  CHECK_THAT(rules(without_motion), Catch::Contains("target.state"));
+}
+
+TEST_CASE("several findings are reported together") {
+  std::string text = replaced(kProblem, "restitution: 0.5", "restitution: 2");
+  text = replaced(text, "mass: 50 kg", "mas: 50 kg");
+  text = replaced(text, "rate: 5 deg/s", "rate: 5 deg");
+  const auto findings = findings_of([&] { read(text); });
+  INFO(text_of(findings));
+  CHECK(findings.size() == 4);  // unknown key, missing key, unit, range
+}
+
+TEST_CASE(
+    "files that a problem names and that do not exist are refused at the line that names them") {
+  const std::string folder = source_path("problems/");
+  CHECK(findings_of([&] { read_problem(folder + "no_such_problem.yaml"); })[0].rule ==
+        "missing-file");
+  const auto temporary = std::filesystem::temp_directory_path() / "stillbase_io_test.yaml";
+  std::ofstream(temporary) << kProblem;
+  const auto findings = findings_of([&] { read_problem(temporary.string()); });
+  std::filesystem::remove(temporary);
+  INFO(text_of(findings));
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].file == temporary.string());
+  CHECK(findings[0].line == 5);
+  CHECK(findings[0].rule == "missing-file");
+  CHECK_THAT(findings[0].message, Catch::Contains("robot.file"));
+}
+
+TEST_CASE(
+    "a robot that is refused is reported with its own file and with the rest of the problem") {
+  const std::string text = replaced(kProblem, "restitution: 0.5", "restitution: 2");
+  const std::string robot = replaced(robot_text(), "<mass value=\"100\"/>", "<mass value=\"-1\"/>");
+  const auto findings = findings_of([&] { read_problem_text(text, "test.yaml", robot); });
+  INFO(text_of(findings));
+  REQUIRE(findings.size() == 2);
+  CHECK(findings[0].file == "robots/planar_two_link_a.urdf");
+  CHECK(findings[1].line == 24);
+}
+
+TEST_CASE("a number that is not finite is never written") {
+  CaptureProblem problem = read(kProblem);
+  problem.impulse.restitution = std::nan("");
+  CHECK_THROWS_AS(problem_to_json(problem), std::invalid_argument);
+  problem.impulse.restitution = 0;
+  problem.start[1] = kInfinity;
+  CHECK_THROWS_AS(problem_to_json(problem), std::invalid_argument);
+}

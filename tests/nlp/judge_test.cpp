@@ -1,0 +1,102 @@
+// The judge alone, with solvers that visit a list of points and claim success.
+#include <catch2/catch.hpp>
+
+#include "nlp/known_problems.hpp"
+#include "nlp/monitor.hpp"
+
+namespace stillbase::nlp {
+namespace {
+
+class Scripted final : public Optimizer {
+ public:
+  Scripted(std::vector<Eigen::VectorXd> points, bool uses_gradient = true)
+      : Optimizer({.name = "scripted", .about = "visits points", .uses_gradient = uses_gradient}),
+        points_(std::move(points)) {}
+
+ private:
+  NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd&,
+                      const OptimizeOptions&) const override {
+    for (const Eigen::VectorXd& x : points_) (void)monitor.evaluate(x.data());
+    return {1, "SUCCESS", ""};
+  }
+  std::vector<Eigen::VectorXd> points_;
+};
+
+TEST_CASE("a claim of success at a violated point is not believed") {
+  const KnownProblem p = infeasible_inequality();
+  const OptimizeResult r = Scripted({vec({1.0, 1.0})}).minimize(p, p.start);
+  CHECK(r.native_status == "SUCCESS");
+  CHECK(r.status == Status::Infeasible);
+  OptimizeOptions plain;
+  plain.explain_infeasibility = false;
+  const OptimizeResult s = Scripted({vec({1.0, 1.0})}).minimize(p, p.start, plain);
+  CHECK(s.status == Status::Failed);
+  CHECK(s.x == vec({1.0, 1.0}));
+}
+
+TEST_CASE("a claim of success at a feasible point that is not optimal is feasible only") {
+  const KnownProblem p = hs035();
+  const OptimizeResult r = Scripted({vec({1.0, 0.5, 0.5})}).minimize(p, p.start);
+  CHECK(r.status == Status::Feasible);
+  CHECK(r.x == vec({1.0, 0.5, 0.5}));
+}
+
+TEST_CASE("the best point is kept, not the last one") {
+  const KnownProblem p = hs035();
+  const Eigen::VectorXd minimiser = p.minimisers[0];
+  for (const bool uses_gradient : {true, false}) {
+    const OptimizeResult r =
+        Scripted({minimiser, vec({0.0, 0.0, 0.0}), vec({3.0, 3.0, 3.0})}, uses_gradient)
+            .minimize(p, p.start);
+    CHECK(r.x == minimiser);
+    CHECK(r.status == Status::Optimal);
+  }
+  // A violated point with a lower objective does not count once a feasible one is known.
+  const KnownProblem q = ring();
+  CHECK(Scripted({vec({-3.0, -3.0})}).minimize(q, q.start).x == q.start);
+  // Before one is known the least violated point does.
+  const OptimizeResult r = Scripted({vec({1.0, 1.0, 1.0, 1.0}), vec({1.0, 4.7, 3.8, 1.4})})
+                               .minimize(hs071(), hs071().start, {.explain_infeasibility = false});
+  CHECK(r.x == vec({1.0, 4.7, 3.8, 1.4}));
+}
+
+TEST_CASE(
+    "an objective bought by a violation within the tolerance does not hide a certified point") {
+  const KnownProblem p = ring();
+  // 0.9e-9 outside the circle and 1e-5 beside the minimiser: lower, feasible, not stationary.
+  const double radius = std::sqrt(4.0 + 0.9e-9), angle = -0.75 * std::acos(-1.0) + 1e-5;
+  const Eigen::VectorXd cheat = vec({radius * std::cos(angle), radius * std::sin(angle)});
+  const Eigen::VectorXd minimiser = vec({-std::sqrt(2.0), -std::sqrt(2.0)});
+  REQUIRE(cheat.sum() < minimiser.sum());
+  const OptimizeResult alone = Scripted({cheat}).minimize(p, p.start);
+  CHECK(alone.x == cheat);
+  CHECK(alone.status == Status::Feasible);
+  for (const auto& points : {std::vector<Eigen::VectorXd>{cheat, minimiser}, {minimiser, cheat}}) {
+    const OptimizeResult r = Scripted(points).minimize(p, p.start);
+    CHECK(r.x == minimiser);
+    CHECK(r.status == Status::Optimal);
+  }
+}
+
+TEST_CASE("from a violated point that a solver left the judge goes on to a feasible one, aloud") {
+  const KnownProblem p = hs071();
+  const OptimizeResult r = Scripted({}).minimize(p, p.start);
+  CHECK(r.status == Status::Feasible);
+  CHECK(r.feasible);
+  CHECK(r.message.find("minimising the violation") != std::string::npos);
+  CHECK(r.evaluations > 1);
+  const OptimizeResult again = make_optimizer("nlopt-slsqp")->minimize(p, r.x);
+  CHECK(again.status == Status::Optimal);
+}
+
+TEST_CASE("a solver that asks for one point for ever is stopped") {
+  const KnownProblem p = rosenbrock();
+  const OptimizeResult r =
+      Scripted(std::vector<Eigen::VectorXd>(5000, vec({0.0, 0.0}))).minimize(p, p.start);
+  CHECK(r.stop == StopReason::Stalled);
+  CHECK(r.evaluations == 2);
+  CHECK(r.status == Status::Feasible);
+}
+
+}  // namespace
+}  // namespace stillbase::nlp
