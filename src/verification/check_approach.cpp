@@ -14,9 +14,11 @@ namespace {
 constexpr double kSame = 1e-9;        // rad, m, s: what was copied may differ by rounding only
 constexpr double kLimitSlack = 1e-6;  // rad, m: overshoot of a segment that ends at a limit
 // Joint travel of one integration step, rad: the error of a step is its fifth power.
-constexpr double kTravelPerStep = 0.01;
+constexpr double kTravelPerStep = 0.005;
 // Pairs of flat shapes have distances that are only this exact.
 constexpr double kDistanceError = 1e-3;  // m
+// Accelerations are second differences of the positions: they round to about 1e-15 of them.
+constexpr double kRounding = 1e-13;
 
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
                           bool up_to_turns) {
@@ -27,6 +29,20 @@ double largest_difference(const RobotModel& robot, const JointVectord& a, const 
     largest = std::max(largest, std::abs(turns ? wrap_angle(difference) : difference));
   }
   return largest;
+}
+
+// Euclidean length in joint space, by the eight chords per segment that a plan states it with.
+double path_length(const Approach& approach) {
+  constexpr int kChords = 8;
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment segment(approach, i);
+    for (int j = 0; j < kChords; ++j) {
+      const double s = segment.duration() / kChords;
+      length += (segment.position((j + 1) * s) - segment.position(j * s)).norm();
+    }
+  }
+  return length;
 }
 
 void check_ends(const Context& context, ClaimList& claims) {
@@ -68,10 +84,7 @@ void check_ends(const Context& context, ClaimList& claims) {
                     "s", "not before the time of the target's estimate");
   }
 
-  double length = 0;
-  for (std::size_t i = 0; i < last; ++i) {
-    length += (approach.joint_positions[i + 1] - approach.joint_positions[i]).norm();
-  }
+  const double length = path_length(approach);
   claims.same("approach_path_length", relative_error(approach.path_length, length),
               context.options.recompute_tolerance, fmt::format("{:.6g} rad", length));
 }
@@ -103,6 +116,28 @@ void check_limits(const Context& context, ClaimList& claims) {
                  "largest part of a rate limit " + fastest);
   claims.at_most("approach_joint_accelerations", acceleration, 1 + slack, "1",
                  "largest part of an acceleration limit " + hardest);
+}
+
+// Stated accelerations against those of the segments, in units of what rounding can do to them: the
+// sizes of positions and rates over the square of the time between.
+void check_accelerations(const Context& context, ClaimList& claims) {
+  const Approach& approach = context.plan.approach;
+  double worst = approach.joint_accelerations.back().cwiseAbs().maxCoeff();
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment segment(approach, i);
+    const double h = segment.duration();
+    const Eigen::VectorXd size =
+        segment.position(0).cwiseAbs() + segment.position(h).cwiseAbs() +
+        h * (segment.velocity(0).cwiseAbs() + segment.velocity(h).cwiseAbs());
+    const Eigen::VectorXd difference =
+        h * h * (approach.joint_accelerations[i] - segment.acceleration(0)).cwiseAbs();
+    for (Eigen::Index k = 0; k < size.size(); ++k) {
+      if (difference(k) > 0) worst = std::max(worst, difference(k) / size(k));
+    }
+  }
+  claims.at_most("approach_stated_accelerations", worst, kRounding, "1",
+                 "stated accelerations against those of the segments, relative to positions and "
+                 "rates over the time between samples");
 }
 
 // Integrated poses at all samples, starting from the first stored one.
@@ -228,6 +263,7 @@ void check_approach(const Context& context, ClaimList& claims) {
   claims.none_wrong("approach_found", {}, fmt::format("{} samples", approach.times.size()));
   check_ends(context, claims);
   check_limits(context, claims);
+  check_accelerations(context, claims);
   double worst_step = 0;
   const std::vector<Pose> poses = integrated_poses(context, &worst_step);
   check_base(context, poses, worst_step, claims);

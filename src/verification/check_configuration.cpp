@@ -92,24 +92,14 @@ void check_hand(const Context& context, const ContactEvent& event, const Posture
 
   const Eigen::Quaterniond R_NH =
       base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation));
-  const bool wants_axes =
+  if (const auto wanted = wanted_hand_axes(context.problem, event, context.plan.configuration)) {
+    claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, *wanted}).angle,
+                   options.hand_angle_tolerance, "rad",
+                   "hand axes from their directions, roll about the normal included");
+  }
+  const bool wants_axis =
       hand.constraint == HandConstraint::Axis || hand.constraint == HandConstraint::Pose;
-  if (wants_axes && hand.orientation) {
-    const Eigen::Quaterniond wanted =
-        in_base ? base.orientation * *hand.orientation : *hand.orientation;
-    claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, wanted}).angle,
-                   options.hand_angle_tolerance, "rad", "hand axes from their stated directions");
-  } else if (wants_axes && event.feature) {
-    if (hand.constraint == HandConstraint::Pose) {
-      // Roll zero: the shortest turn that brings the approach axis from T's axes to the normal.
-      const Vector3d normal_T = event.R_NT.conjugate() * event.feature->normal;
-      const Eigen::Quaterniond wanted =
-          event.R_NT * rotation_exp(hand.roll * normal_T) *
-          Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -normal_T);
-      claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, wanted}).angle,
-                     options.hand_angle_tolerance, "rad",
-                     "hand axes from the inward normal and the stated roll about it");
-    }
+  if (wants_axis && event.feature && !hand.orientation) {
     claims.at_most("hand_axis", angle_between(R_NH * hand.approach_axis, -event.feature->normal),
                    options.hand_angle_tolerance, "rad",
                    "approach axis from the inward normal of the contact feature");

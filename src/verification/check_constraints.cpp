@@ -40,6 +40,11 @@ class Recomputation {
     const Pose& base = context.plan.configuration.base;
     R_NB_ = base.orientation.toRotationMatrix();
     hand_N_ = base * Vector3d(response.dynamics.hand_position);
+    if (const auto wanted = wanted_hand_axes(context.problem, event, context.plan.configuration)) {
+      const Pose hand{
+          {}, base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation))};
+      hand_error_ = pose_error(hand, {{}, *wanted}).angle;
+    }
   }
 
   /// The value of a constraint with a meaning of its own; empty for one that is part of a group.
@@ -63,6 +68,14 @@ class Recomputation {
     if (name == "base_attitude_squared") {
       return rotation_log(problem.base.orientation.conjugate() * base.orientation).squaredNorm();
     }
+    if (begins_with(name, "joint_limit_")) {
+      for (int k = 0; k < problem.robot.n(); ++k) {
+        if (problem.robot.joints[k].name == name.substr(12)) {
+          return context_.plan.configuration.phi(k);
+        }
+      }
+    }
+    if (name == "hand_facing" && hand_error_) return 1 + 2 * std::cos(*hand_error_);
     if (name == "hand_facing" && problem.hand.constraint == HandConstraint::Axis) {
       return event_.n.dot(response_.dynamics.hand_rotation * problem.hand.approach_axis);
     }
@@ -87,6 +100,9 @@ class Recomputation {
     if (begins_with(name, "case_coupling_")) {
       return std::pair{"case_coupling", Group{0, impact_.coupling.norm(), scale_}};
     }
+    if (begins_with(name, "hand_rotation_") && hand_error_) {
+      return std::pair{"hand_rotation", Group{0, std::sin(*hand_error_), 1}};
+    }
     if (name == "hand_axis_1" || name == "hand_axis_2") {
       const Vector3d axis = response_.dynamics.hand_rotation * context_.problem.hand.approach_axis;
       return std::pair{"hand_axis", Group{0, (axis - event_.n * event_.n.dot(axis)).norm(), 1}};
@@ -108,6 +124,7 @@ class Recomputation {
   double scale_ = 1;
   Matrix3d R_NB_;
   Vector3d hand_N_;
+  std::optional<double> hand_error_;  // angle from the wanted axes, rad
 };
 
 }  // namespace

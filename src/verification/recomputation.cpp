@@ -106,6 +106,21 @@ double closing_speed(const CaptureProblem& problem, const ContactEvent& event, c
   return event.velocity ? d.dot(*event.velocity) : problem.impulse.closing_speed;
 }
 
+std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem,
+                                                   const ContactEvent& event,
+                                                   const Configuration& configuration) {
+  const HandSpec& hand = problem.hand;
+  if (hand.constraint != HandConstraint::Pose) return std::nullopt;
+  if (hand.orientation) {
+    return hand.frame == Frame::Base ? configuration.base.orientation * *hand.orientation
+                                     : *hand.orientation;
+  }
+  if (!event.feature) return std::nullopt;
+  const Vector3d normal_T = event.R_NT.conjugate() * event.feature->normal;
+  return event.R_NT * rotation_exp(hand.roll * normal_T) *
+         Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -normal_T);
+}
+
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
   PostureResponse response;
   response.dynamics = reference::compute(problem.robot, {phi, {}, {}});

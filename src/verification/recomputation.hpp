@@ -42,6 +42,14 @@ ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* mo
 /// along those about it) it comes with the stated closing speed.
 double closing_speed(const CaptureProblem& problem, const ContactEvent& event, const Vector3d& d);
 
+/// The hand axes in N that the problem wants at a configuration; empty when it leaves some open.
+///
+/// At a contact feature with roll zero: the shortest turn of the target's axes that brings the
+/// approach axis to the inward normal; the roll is about the outward normal.
+std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem,
+                                                   const ContactEvent& event,
+                                                   const Configuration& configuration);
+
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
   reference::Dynamics dynamics;      ///< at rest

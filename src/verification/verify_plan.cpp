@@ -65,6 +65,7 @@ void look_at_approach(const Approach& approach, int n, Objections& objections) {
   const std::size_t count = approach.times.size();
   objections.demand(count >= 1 && approach.joint_positions.size() == count &&
                         approach.joint_velocities.size() == count &&
+                        approach.joint_accelerations.size() == count &&
                         approach.base_poses.size() == count &&
                         approach.base_velocities.size() == count,
                     "approach: lists of different length");
@@ -74,6 +75,8 @@ void look_at_approach(const Approach& approach, int n, Objections& objections) {
     const JointVectord &phi = approach.joint_positions[i], &phidot = approach.joint_velocities[i];
     objections.demand(phi.size() == n && phi.allFinite(), at + ": joint_positions");
     objections.demand(phidot.size() == n && phidot.allFinite(), at + ": joint_velocities");
+    const JointVectord& phiddot = approach.joint_accelerations[i];
+    objections.demand(phiddot.size() == n && phiddot.allFinite(), at + ": joint_accelerations");
     objections.demand(is_finite(approach.base_poses[i]) &&
                           std::abs(approach.base_poses[i].orientation.norm() - 1) <= 1e-9,
                       at + ": base_pose");

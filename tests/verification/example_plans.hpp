@@ -162,6 +162,25 @@ inline RobotModel read_robot(const std::string& name, const std::string& hand = 
   return read_urdf(read_text_file(path, 1 << 20), path, hand);
 }
 
+/// Length of the path by eight chords per segment.
+inline double chord_length(const Approach& a) {
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
+    const double h = a.times[i + 1] - a.times[i];
+    JointVectord last = a.joint_positions[i];
+    for (int j = 1; j <= 8; ++j) {
+      const double u = j / 8.0, w = 1 - u;
+      const JointVectord next =
+          w * w * (1 + 2 * u) * a.joint_positions[i] +
+          u * u * (3 - 2 * u) * a.joint_positions[i + 1] +
+          u * w * h * (w * a.joint_velocities[i] - u * a.joint_velocities[i + 1]);
+      length += (next - last).norm();
+      last = next;
+    }
+  }
+  return length;
+}
+
 /// A straight joint path with a time law of degree five, rest to rest, and the wait.
 inline void plan_approach_motion(Plan& plan, Flip flip) {
   const CaptureProblem& problem = plan.problem;
@@ -179,6 +198,17 @@ inline void plan_approach_motion(Plan& plan, Flip flip) {
     a.joint_velocities.push_back(s_rate * step);
   }
   a.joint_positions.back() = plan.configuration.phi;
+
+  for (int i = 0; i <= samples; ++i) {
+    JointVectord acceleration = JointVectord::Zero(step.size());
+    if (i < samples) {
+      const auto now = static_cast<std::size_t>(i), next = now + 1;
+      const double h = a.times[next] - a.times[now];
+      acceleration = 6 / (h * h) * (a.joint_positions[next] - a.joint_positions[now]) -
+                     (4 * a.joint_velocities[now] + 2 * a.joint_velocities[next]) / h;
+    }
+    a.joint_accelerations.push_back(acceleration);
+  }
 
   auto Omega = [&](const JointVectord& phi, const JointVectord& phidot) -> Vector6d {
     if (problem.approach.base == BaseMode::Held) return Vector6d::Zero();
@@ -226,12 +256,13 @@ inline void plan_approach_motion(Plan& plan, Flip flip) {
                                                       plan.configuration.base.orientation)
                                                          .vec()
                                                          .norm()));
-    if (i > 0) a.path_length += (a.joint_positions[i] - a.joint_positions[i - 1]).norm();
   }
   a.duration = duration;
+  a.path_length = chord_length(a);
   a.times.push_back(plan.configuration.contact_time);
   a.joint_positions.push_back(plan.configuration.phi);
   a.joint_velocities.push_back(JointVectord::Zero(plan.configuration.phi.size()));
+  a.joint_accelerations.push_back(JointVectord::Zero(plan.configuration.phi.size()));
   a.base_poses.push_back(plan.configuration.base);
   a.base_velocities.push_back(Vector6d::Zero());
 }

@@ -59,7 +59,7 @@ struct VerifyOptions {
   double hand_angle_tolerance = 1e-8;     ///< rad
   double constraint_tolerance = 1e-8;     ///< violations of the listed constraints, in their units
   double base_path_tolerance = 1e-6;      ///< m and rad, stored base poses against integrated ones
-  double base_step_tolerance = 1e-8;      ///< m and rad, the same from one stored pose to the next
+  double base_step_tolerance = 1e-9;      ///< m and rad, the same from one stored pose to the next
   double momentum_tolerance = 1e-9;       ///< relative, approach and post-impact
   double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
   double cone_tolerance = 1e-6;           ///< relative, stated worst case against the sampled one
