@@ -1,5 +1,6 @@
 // Cholesky factorisation of small matrices in plain loops: works on any number type, never
-// allocates, and has no dispatch cost at these sizes.
+// allocates, and has no dispatch cost at these sizes. The inner loops run down columns, as the
+// elements lie in memory.
 #pragma once
 
 #include <cmath>
@@ -16,15 +17,13 @@ void factorize_cholesky(Matrix& A) {
   using std::sqrt;
   const Eigen::Index n = A.rows();
   for (Eigen::Index j = 0; j < n; ++j) {
-    S d = A(j, j);
-    for (Eigen::Index k = 0; k < j; ++k) d -= A(j, k) * A(j, k);
-    const S inverse = S(1) / sqrt(d);
-    A(j, j) = inverse;
-    for (Eigen::Index i = j + 1; i < n; ++i) {
-      S s = A(i, j);
-      for (Eigen::Index k = 0; k < j; ++k) s -= A(i, k) * A(j, k);
-      A(i, j) = s * inverse;
+    for (Eigen::Index k = 0; k < j; ++k) {
+      const S a = A(j, k);
+      for (Eigen::Index i = j; i < n; ++i) A(i, j) -= A(i, k) * a;
     }
+    const S inverse = S(1) / sqrt(A(j, j));
+    A(j, j) = inverse;
+    for (Eigen::Index i = j + 1; i < n; ++i) A(i, j) *= inverse;
   }
 }
 
@@ -33,10 +32,10 @@ template <class Matrix, class Vector>
 void solve_cholesky(const Matrix& L, Vector&& b) {
   using S = typename Matrix::Scalar;
   const Eigen::Index n = L.rows();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    S s = b(i);
-    for (Eigen::Index k = 0; k < i; ++k) s -= L(i, k) * b(k);
-    b(i) = s * L(i, i);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const S s = b(k) * L(k, k);
+    b(k) = s;
+    for (Eigen::Index i = k + 1; i < n; ++i) b(i) -= L(i, k) * s;
   }
   for (Eigen::Index i = n - 1; i >= 0; --i) {
     S s = b(i);

@@ -44,6 +44,8 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   const int n = kin.n;
   InertiaMatrices<S> out;
   std::array<Composite<S>, kMaxJoints> composite;
+  // Twist of unit rate of joint k about the base centroid: linear and angular part.
+  std::array<Vector3<S>, kMaxJoints> axis_v, axis_w;
   Composite<S> total{S(robot.base.mass), Vector3<S>::Zero(), robot.base.inertia.template cast<S>()};
   for (int k = 0; k < n; ++k) {
     const Body& body = robot.bodies[k];
@@ -51,6 +53,14 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
     out.I[k].noalias() = RI * kin.R[k].transpose();
     const S m(body.mass);
     composite[k] = {m, kin.c[k] * m, out.I[k] + parallel_axis(m, kin.c[k])};
+    const Vector3<S> z = kin.z(k);
+    if (robot.joints[k].is_prismatic()) {
+      axis_v[k] = z;
+      axis_w[k].setZero();
+    } else {
+      axis_v[k] = kin.o[k].cross(z);
+      axis_w[k] = z;
+    }
   }
 
   out.H_bphi.resize(6, n);
@@ -59,28 +69,14 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   for (int k = n - 1; k >= 0; --k) {
     const Composite<S>& subtree = composite[k];
     const Joint& joint = robot.joints[k];
-    const Vector3<S> z = kin.z(k);
     // Momentum of the subtree under unit rate of joint k: Ic_k S_k.
-    Vector3<S> p, L;
-    if (joint.is_prismatic()) {
-      p = z * subtree.m;
-      L = subtree.h.cross(z);
-    } else {
-      const Vector3<S> v = kin.o[k].cross(z);
-      p = v * subtree.m + z.cross(subtree.h);
-      L = subtree.h.cross(v) + subtree.I * z;
-    }
+    const Vector3<S> p = axis_v[k] * subtree.m + axis_w[k].cross(subtree.h);
+    Vector3<S> L = subtree.h.cross(axis_v[k]);
+    L.noalias() += subtree.I * axis_w[k];
     out.H_bphi.template block<3, 1>(0, k) = p;
     out.H_bphi.template block<3, 1>(3, k) = L;
     for (int j = k; j != kBase; j = robot.joints[j].parent) {
-      const Vector3<S> zj = kin.z(j);
-      // S_j . (p; L): for a revolute joint z . (L - o x p).
-      S value;
-      if (robot.joints[j].is_prismatic()) {
-        value = zj.dot(p);
-      } else {
-        value = zj.dot(L - kin.o[j].cross(p));
-      }
+      const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
       out.H_phi(j, k) = value;
       out.H_phi(k, j) = value;
     }

@@ -25,22 +25,34 @@ Spatial<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) 
   return {kin.o[k].cross(z), z};
 }
 
+template <class S>
+using JointAxes = std::array<Spatial<S>, kMaxJoints>;
+
+template <class S>
+JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
+  JointAxes<S> axes;
+  for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
+  return axes;
+}
+
 /// Twists of all bodies and momenta of the subtrees that they carry.
 template <class S>
 struct Sweep {
   std::array<Spatial<S>, kMaxJoints> V;
   std::array<Spatial<S>, kMaxJoints> P;
 
-  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const Motion<S>& x) {
+  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
+        const Motion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
+    const Spatial<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {
       const int parent = robot.joints[k].parent;
-      const Spatial<S> axis = joint_axis(robot, kin, k);
-      const Vector3<S> v_p = parent == kBase ? Vector3<S>(x.Omega.template head<3>()) : V[parent].v;
-      const Vector3<S> w_p = parent == kBase ? Vector3<S>(x.Omega.template tail<3>()) : V[parent].w;
-      V[k] = {v_p + axis.v * x.phidot[k], w_p + axis.w * x.phidot[k]};
+      const Spatial<S>& inherited = parent == kBase ? base : V[parent];
+      V[k].v = inherited.v + axes[k].v * x.phidot[k];
+      V[k].w = inherited.w + axes[k].w * x.phidot[k];
       P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
-      P[k].w = kin.c[k].cross(P[k].v) + posture.inertia.I[k] * V[k].w;
+      P[k].w = kin.c[k].cross(P[k].v);
+      P[k].w.noalias() += posture.inertia.I[k] * V[k].w;
     }
     for (int k = kin.n - 1; k >= 0; --k) {
       const int parent = robot.joints[k].parent;
@@ -55,26 +67,24 @@ struct Sweep {
 /// under its joint, so only the twist that it inherits counts.
 template <class S>
 void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                          const Motion<S>& lambda, const Motion<S>& x, const S& sign,
-                          JointVector<S>& gradient) {
-  const Sweep<S> a(robot, posture, lambda);
-  const Sweep<S> b(robot, posture, x);
+                          const JointAxes<S>& axes, const Motion<S>& lambda, const Motion<S>& x,
+                          const S& sign, JointVector<S>& gradient) {
+  const Sweep<S> a(robot, posture, axes, lambda);
+  const Sweep<S> b(robot, posture, axes, x);
   for (int k = 0; k < posture.kinematics.n; ++k) {
-    const Spatial<S> axis = joint_axis(robot, posture.kinematics, k);
-    // (S_k x V) . P with the twist cross product.
-    const auto term = [&axis](const Spatial<S>& V, const Spatial<S>& P) -> S {
-      const Vector3<S> v = axis.w.cross(V.v) + axis.v.cross(V.w);
-      const Vector3<S> w = axis.w.cross(V.w);
-      return v.dot(P.v) + w.dot(P.w);
-    };
-    gradient[k] -= sign * (term(a.V[k], b.P[k]) + term(b.V[k], a.P[k]));
+    // (S_k x V_a) . P_b + (S_k x V_b) . P_a, x the cross product of twists, with S_k taken out.
+    const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
+    const Vector3<S> angular = a.V[k].v.cross(b.P[k].v) + b.V[k].v.cross(a.P[k].v) +
+                               a.V[k].w.cross(b.P[k].w) + b.V[k].w.cross(a.P[k].w);
+    gradient[k] -= sign * (axes[k].v.dot(linear) + axes[k].w.dot(angular));
   }
 }
 
 /// gradient += d/dphi (lambda' J' F), lambda and F fixed.
 template <class S>
 void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                       const Motion<S>& lambda, const Vector6<S>& F, JointVector<S>& gradient) {
+                       const JointAxes<S>& axes, const Motion<S>& lambda, const Vector6<S>& F,
+                       JointVector<S>& gradient) {
   const Kinematics<S>& kin = posture.kinematics;
   const Vector3<S> f = F.template head<3>();
   const Vector3<S> moment = F.template tail<3>() + kin.r_bh.cross(f);
@@ -86,7 +96,7 @@ void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
     if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
   }
   for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
-    const Spatial<S> axis = joint_axis(robot, kin, k);
+    const Spatial<S>& axis = axes[k];
     const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
     const Vector3<S> dw = axis.w.cross(w);
     const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
@@ -124,13 +134,16 @@ ImpactResistance prepare_resistance(const JointResistance& resistance, int n) {
 template <class S>
 PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
                                   const JointVector<S>& phi) {
-  PostureImpact<S> out;
-  out.kinematics = compute_kinematics(robot, phi);
-  out.inertia = compute_inertia(robot, out.kinematics);
-  out.tilde = compute_tilde_inertia(out.inertia);
-  out.jacobian = compute_hand_jacobian(robot, out.kinematics);
-  out.factor =
-      factorize_impact(out.inertia, out.tilde, resistance.added_inertia, resistance.locked);
+  // Each member is built in place from those before it: copying them would cost as much as the
+  // sums.
+  PostureImpact<S> out{
+      .kinematics = compute_kinematics(robot, phi),
+      .inertia = compute_inertia(robot, out.kinematics),
+      .tilde = compute_tilde_inertia(out.inertia),
+      .jacobian = compute_hand_jacobian(robot, out.kinematics),
+      .factor =
+          factorize_impact(out.inertia, out.tilde, resistance.added_inertia, resistance.locked),
+  };
   return out;
 }
 
@@ -167,13 +180,14 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   const S s = weights.hand_inverse_mass;
   const Motion<S> lambda{adjoint.Delta_Omega + d.Omega * s, adjoint.Delta_phidot + d.phidot * s};
   const Motion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
-  add_hand_gradient(robot, posture, lambda_hand, response.F, out.phi);
-  add_inertia_gradient(robot, posture, lambda, d, S(-1), out.phi);
+  const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
+  add_hand_gradient(robot, posture, axes, lambda_hand, response.F, out.phi);
+  add_inertia_gradient(robot, posture, axes, lambda, d, S(-1), out.phi);
   out.F = hand_twist(posture.jacobian, lambda_hand);
 
   // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
   if (weights.base != Vector3<S>::Zero()) {
-    add_inertia_gradient(robot, posture, locked_rotation(posture, weights.base),
+    add_inertia_gradient(robot, posture, axes, locked_rotation(posture, weights.base),
                          locked_rotation(posture, response.omega()), S(1), out.phi);
   }
 
@@ -202,7 +216,8 @@ JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureIm
   x.phidot[i] = S(1);
   JointVector<S> gradient;
   gradient.setZero(posture.kinematics.n);
-  add_inertia_gradient(robot, posture, locked_rotation(posture, y), x, S(1), gradient);
+  add_inertia_gradient(robot, posture, joint_axes(robot, posture.kinematics),
+                       locked_rotation(posture, y), x, S(1), gradient);
   return gradient;
 }
 

@@ -1,0 +1,24 @@
+# What `cmake --install` gives: headers, library and its CMake package, the tool, the problem files.
+include(CMakePackageConfigHelpers)
+
+set(STILLBASE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/stillbase)
+set(STILLBASE_PROBLEMS_DIR ${CMAKE_INSTALL_DATADIR}/stillbase/problems)
+
+install(TARGETS stillbase EXPORT stillbaseTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET stillbase_tool)
+  install(TARGETS stillbase_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR})
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillbaseConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake
+  INSTALL_DESTINATION ${STILLBASE_CMAKE_DIR} PATH_VARS STILLBASE_PROBLEMS_DIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/stillbaseConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake
+  ${PROJECT_BINARY_DIR}/stillbaseConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindIpoptAndOmpl.cmake
+  DESTINATION ${STILLBASE_CMAKE_DIR})
+install(EXPORT stillbaseTargets NAMESPACE stillbase:: DESTINATION ${STILLBASE_CMAKE_DIR})

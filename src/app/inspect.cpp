@@ -1,0 +1,171 @@
+// stillbase inspect: every matrix of a robot at one state, in the base frame.
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/core/file.hpp>
+#include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/momentum.hpp>
+#include <stillbase/dynamics/reaction_null_space.hpp>
+#include <stillbase/impact/gradient.hpp>
+#include <stillbase/io/state_file.hpp>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/load.hpp"
+#include "app/output.hpp"
+#include "app/words.hpp"
+#include "io/json.hpp"
+#include "io/json_impact.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+using io::array_json;
+using io::Json;
+
+struct Options {
+  std::string robot, hand, state;
+  OutputFile output;
+  bool json = false;
+};
+
+/// As an array of rows.
+Json matrix_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    rows.push_back(array_json(matrix.row(i).transpose()));
+  }
+  return rows;
+}
+
+Json joint_names_json(const RobotModel& robot) {
+  Json names = Json::array();
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+Json inspection_json(const RobotModel& robot, const RobotState& state) {
+  const auto kinematics = compute_kinematics<double>(robot, state.phi);
+  const auto inertia = compute_inertia<double>(robot, kinematics);
+  const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
+  const auto tilde = compute_tilde_inertia<double>(inertia);
+  const auto hat = compute_hat_inertia<double>(inertia, jacobian);
+  const auto bias = compute_bias<double>(robot, kinematics, inertia, state.Omega, state.phidot);
+  const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
+  const ReactionNullSpace space = angular_reaction_null_space(tilde);
+  const auto factor = factorize_impact<double>(inertia, tilde, JointVectord::Zero(robot.n()), {});
+  Json json = {{"joint_names", joint_names_json(robot)},
+               {"total_mass", io::number_json(robot.total_mass())},
+               {"centroid", array_json(inertia.r_bg)},
+               {"hand_position", array_json(kinematics.r_bh)},
+               {"H_b", matrix_json(inertia.H_b)},
+               {"H_bphi", matrix_json(inertia.H_bphi)},
+               {"H_phi", matrix_json(inertia.H_phi)},
+               {"J_phi", matrix_json(jacobian.J_phi)},
+               {"R_bh", matrix_json(jacobian.R_bh)},
+               {"c_b", array_json(bias.c_b)},
+               {"c_phi", array_json(bias.c_phi)},
+               {"P", array_json(momentum.P)},
+               {"L_g", array_json(momentum.L_g)},
+               {"Htilde_omega", matrix_json(tilde.Htilde_omega)},
+               {"Htilde_omegaphi", matrix_json(tilde.Htilde_omegaphi)},
+               {"Htilde_phi", matrix_json(tilde.Htilde_phi)},
+               {"Hhat_phi", matrix_json(hat.Hhat_phi)},
+               {"Jhat_phi", matrix_json(hat.Jhat_phi)},
+               {"rns_rank", space.rank},
+               {"singular_values", array_json(space.singular_values)},
+               {"hand_inverse_inertia", matrix_json(extended_inverse_inertia(factor, jacobian))}};
+  if (state.Fbar) {
+    // The state names no target, so nothing closes in.
+    json["impact"] = io::impact_json(summarize_impact(robot, state.phi, {}, *state.Fbar, 0), robot);
+  }
+  return json;
+}
+
+std::string table(const Json& matrix) {
+  std::string text;
+  for (const Json& row : matrix) {
+    text += "   ";
+    if (row.is_array()) {
+      for (const Json& x : row) text += fmt::format(" {:>11.5g}", x.get<double>());
+    } else {
+      text += fmt::format(" {:>11.5g}", row.get<double>());
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string row(const Json& vector) { return table(Json::array({vector})); }
+
+std::string inspection_words(const RobotModel& robot, const RobotState& state, const Json& json) {
+  struct Entry {
+    const char *key, *meaning;
+  };
+  constexpr Entry kVectors[] = {{"centroid", "system centroid, m"},
+                                {"hand_position", "hand, m"},
+                                {"P", "linear momentum, N s"},
+                                {"L_g", "angular momentum about the system centroid, N m s"},
+                                {"c_b", "velocity-dependent force and moment at the base, N, N m"},
+                                {"c_phi", "velocity-dependent joint torques, N m"},
+                                {"singular_values", "of Htilde_omegaphi"}};
+  constexpr Entry kMatrices[] = {{"H_b", "base inertia"},
+                                 {"H_bphi", "inertia coupling"},
+                                 {"H_phi", "arm inertia on a fixed base"},
+                                 {"J_phi", "hand Jacobian on a fixed base"},
+                                 {"R_bh", "shift of velocity from base to hand"},
+                                 {"Htilde_omega", "central inertia of the locked robot"},
+                                 {"Htilde_omegaphi", "angular coupling"},
+                                 {"Htilde_phi", "arm inertia, base free to translate"},
+                                 {"Hhat_phi", "generalized inertia, base free"},
+                                 {"Jhat_phi", "generalized Jacobian, base free"},
+                                 {"hand_inverse_inertia", "hand velocity change per impulse"}};
+  std::string text = fmt::format(
+      "robot {}, hand {}, {:.6g} kg; everything in the base frame (origin at the base "
+      "body's centroid), SI units\nposture: {}\n",
+      robot.name, robot.hand, robot.total_mass(), posture_words(robot, state.phi));
+  for (const Entry& entry : kVectors) {
+    text += fmt::format("{} ({})\n{}", entry.key, entry.meaning, row(json.at(entry.key)));
+  }
+  for (const Entry& entry : kMatrices) {
+    text += fmt::format("{} ({})\n{}", entry.key, entry.meaning, table(json.at(entry.key)));
+  }
+  text += fmt::format("rank of the angular coupling: {}\n", json.at("rns_rank").get<int>());
+  if (json.contains("impact")) text += "impact\n" + io::pretty(json.at("impact"));
+  return text;
+}
+
+int run(const Options& options) {
+  options.output.check();
+  const RobotModel robot = load_robot(options.robot, options.hand);
+  const RobotState state = options.state.empty()
+                               ? zero_state(robot)
+                               : read_state(read_text_file(options.state), options.state, robot);
+  const Json json = inspection_json(robot, state);
+  const bool as_json = options.json || extension_of(options.output.path) == ".json";
+  options.output.write(as_json ? io::pretty(json) : inspection_words(robot, state, json));
+  return kDone;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "print the dynamics and impact matrices of a robot");
+  command->add_option("robot", options->robot, "robot file (URDF)")
+      ->type_name("ROBOT.urdf")
+      ->required();
+  command->add_option("--hand", options->hand, "hand link; needed when there are several ends")
+      ->type_name("LINK");
+  command->add_option("--state", options->state, "joint positions, velocities, impulse (JSON)")
+      ->type_name("STATE.json");
+  add_output(*command, options->output, "-o,--output", "JSON with .json, else text; else stdout");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace stillbase::app

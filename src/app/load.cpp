@@ -1,0 +1,35 @@
+#include "app/load.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
+#include <stillbase/robot/urdf_reader.hpp>
+
+#include "app/exit_code.hpp"
+
+namespace stillbase::app {
+
+std::string extension_of(const std::string& path) {
+  std::string text = std::filesystem::path(path).extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+RobotModel load_robot(const std::string& path, const std::string& hand) {
+  const std::string text = read_text_file(path, kMaxUrdfBytes);
+  try {
+    return read_urdf(text, path, hand);
+  } catch (const InputError& error) {
+    // The file is good; the command line has to say which link is the hand.
+    if (error.findings().size() == 1 && error.findings().front().rule == "hand-missing") {
+      throw CommandLineError(to_string(error.findings().front()) + " (--hand LINK)");
+    }
+    throw;
+  }
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,75 @@
+// The command line of stillbase: parsing, and every error's way to its exit code.
+#include <exception>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/error.hpp>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/interruption.hpp"
+#include "app/output.hpp"
+
+namespace {
+
+using namespace stillbase;
+using namespace stillbase::app;
+
+constexpr const char* kAbout =
+    "stillbase plans how a free-floating space robot captures an object so that the impact leaves "
+    "its base\nas still as possible, finds the way to that posture, and proves that it works.";
+
+constexpr const char* kFooter = R"(
+A first plan:
+  stillbase check problems/iiwa_client_50.yaml
+  stillbase plan problems/iiwa_client_50.yaml -o plan.json
+  stillbase verify plan.json -o verification.json
+
+Data goes to stdout or to the file of -o, messages go to stderr. An existing file is replaced only with --force.
+Exit codes: 0 done; 1 internal error; 2 command line wrong; 3 input file refused (file:line: rule: message);
+4 no configuration satisfies the constraints (the nearest attempt is written); 5 verification failed;
+6 a limit was reached (the best so far is written); 7 reading or writing failed;
+9 a configuration, but no approach path to it; 130, 143 stopped by a signal (what was finished is saved).
+Problem files are described in problems/README.md.)";
+
+int run(const Action& action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    say(error.what());
+    return kInputRefused;
+  } catch (const FileError& error) {
+    say(fmt::format("stillbase: {}", error.what()));
+    return kFileFailed;
+  } catch (const CommandLineError& error) {
+    say(fmt::format("stillbase: {}", error.what()));
+    return kCommandLine;
+  } catch (const std::exception& error) {
+    say(fmt::format("stillbase: internal error: {}", error.what()));
+    return kInternalError;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(kAbout, "stillbase");
+  app.set_version_flag("--version", "stillbase " STILLBASE_VERSION);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  Action action;
+  add_check(app, action);
+  add_inspect(app, action);
+  add_analyze(app, action);
+  add_plan(app, action);
+  add_simulate(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool is_request = error.get_exit_code() == 0;  // --help, --version
+    app.exit(error);
+    return is_request ? kDone : kCommandLine;
+  }
+  catch_signals();
+  return run(action);
+}

@@ -1,0 +1,132 @@
+#include "app/plan_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/words.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+constexpr const char* kLine = "{:<13} {}\n";
+
+std::string line(const char* topic, const std::string& text) {
+  return fmt::format(kLine, topic, text);
+}
+
+std::string found_words(const Plan& plan) {
+  const SearchSpec& search = plan.problem.search;
+  const long free = std::count_if(plan.candidates.begin(), plan.candidates.end(),
+                                  [](const Candidate& c) { return c.collision_free; });
+  if (plan.status == PlanStatus::Infeasible) {
+    return fmt::format("no configuration satisfies the constraints ({} starts with {})",
+                       search.starts, plan.optimizer);
+  }
+  return fmt::format(
+      "{}, {}; {} kept, {} of them free of collision ({} starts with {})",
+      plan.status == PlanStatus::Limit ? "stopped early, best so far"
+                                       : to_string(plan.status) + " configuration",
+      count_words(plan.certificate.distinct_solutions, "distinct solution", "distinct solutions"),
+      plan.candidates.size(), free, search.starts, plan.optimizer);
+}
+
+std::string violations(const Plan& plan) {
+  std::string text;
+  for (const ConstraintValue& constraint : plan.constraints) {
+    if (constraint.violation <= 1e-9) continue;
+    text += line("", fmt::format("{} = {:.6g} misses its bounds by {:.3g}", constraint.name,
+                                 constraint.value, constraint.violation));
+  }
+  return text;
+}
+
+std::string objective_words(const Plan& plan) {
+  const ObjectiveValue& objective = plan.objective;
+  std::string text =
+      fmt::format("{} {:.3g} {} as predicted", objective.name, objective.nominal, objective.unit);
+  const double cone = plan.problem.uncertainty.cone_half_angle;
+  if (cone > 0) {
+    text += fmt::format(", {:.3g} {} at worst within {:.3g} deg of the predicted direction",
+                        objective.worst_case, objective.unit, cone * kDegrees);
+  }
+  return text;
+}
+
+std::string impact_words(const Plan& plan) {
+  const ImpactSummary& impact = plan.impact;
+  const Vector3d f = impact.Fbar.head<3>();
+  const double size = f.norm();
+  return fmt::format("{:.4g} N s along {} in the base frame, closing at {:.4g} m/s", size,
+                     vector_words(size > 0 ? Vector3d(f / size) : f), impact.closing_speed);
+}
+
+std::string momentum_words(const ImpactSummary& impact) {
+  return fmt::format(
+      "base {:.3g}, arm {:.3g}, total {:.3g} N m s; the base starts to turn at {:.3g} deg/s",
+      impact.base.norm(), impact.coupling.norm(), impact.total.norm(),
+      impact.Delta_Omega.tail<3>().norm() * kDegrees);
+}
+
+std::string case_words(const ImpactSummary& impact) {
+  const CaseJudgement& judgement = impact.judgement;
+  return fmt::format("{} (residuals: total {:.2g}, base {:.2g}, coupling {:.2g}; joints {})",
+                     to_string(judgement.impact_case), judgement.total, judgement.base,
+                     judgement.coupling, to_string(impact.resistance.model));
+}
+
+std::string approach_words(const Approach& approach) {
+  if (approach.status == ApproachStatus::NotRequested) return "not asked for";
+  if (approach.status != ApproachStatus::Found) {
+    return fmt::format("none: {}{}{}", to_string(approach.status),
+                       approach.detail.empty() ? "" : ", ", approach.detail);
+  }
+  std::string text =
+      fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);
+  if (std::isfinite(approach.min_clearance)) {
+    text += fmt::format(", clearance {:.3g} m", approach.min_clearance);
+  }
+  return text +
+         fmt::format(", base turns by at most {:.3g} deg", approach.attitude_excursion * kDegrees);
+}
+
+std::string effort_words(const Plan& plan) {
+  std::string text;
+  for (const auto& [name, count] : plan.solver_calls) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} {}", name, count_words(count, "call", "calls"));
+  }
+  const auto total = plan.timing.find("total");
+  if (total != plan.timing.end()) text += fmt::format("; {:.2f} s", total->second);
+  return text;
+}
+
+}  // namespace
+
+std::string plan_summary(const Plan& plan) {
+  std::string text = line("problem", plan.problem.name + ": " + plan.problem.purpose);
+  text += line("found", found_words(plan));
+  if (!plan.candidates.empty()) {
+    text += violations(plan);
+    text += line("posture", posture_words(plan.problem.robot, plan.configuration.phi));
+    text += line("base", pose_words(plan.configuration.base));
+    text += line("contact", fmt::format("at {:.3f} s", plan.configuration.contact_time));
+    text += line("impulse", impact_words(plan));
+    text += line("momentum", momentum_words(plan.impact));
+    text += line("case", case_words(plan.impact));
+    text += line("objective", objective_words(plan));
+    text += line("certificate",
+                 fmt::format("largest violation {:.2g}, KKT residual {:.2g}",
+                             plan.certificate.max_violation, plan.certificate.kkt_residual));
+    if (plan.status != PlanStatus::Infeasible) {
+      text += line("approach", approach_words(plan.approach));
+    }
+  }
+  text += line("effort", effort_words(plan));
+  text.pop_back();
+  return text;
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,19 @@
+#include "app/start_impact.hpp"
+
+#include <stillbase/planner/planner.hpp>
+
+namespace stillbase::app {
+
+Configuration start_configuration(const CaptureProblem& problem) {
+  Configuration configuration;
+  configuration.phi = problem.start;
+  configuration.base = problem.base;
+  configuration.contact_time = problem.variables.contact_time_lower;
+  return configuration;
+}
+
+ImpactSummary start_impact(const CaptureProblem& problem) {
+  return predict_impact(problem, Formulation(problem), start_configuration(problem));
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,42 @@
+#include "app/words.hpp"
+
+#include <fmt/format.h>
+
+namespace stillbase::app {
+
+namespace {
+
+double tidy(double x) { return x == 0 ? 0 : x; }  // no "-0"
+
+}  // namespace
+
+std::string vector_words(const Vector3d& v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", tidy(v.x()), tidy(v.y()), tidy(v.z()));
+}
+
+std::string posture_words(const RobotModel& robot, const JointVectord& phi) {
+  std::string text;
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    if (k > 0) text += ", ";
+    text += joint.is_prismatic() ? fmt::format("{} {:.4f} m", joint.name, phi[k])
+                                 : fmt::format("{} {:.2f} deg", joint.name, phi[k] * kDegrees);
+  }
+  return text.empty() ? "no joints" : text;
+}
+
+std::string pose_words(const Pose& pose) {
+  const Vector3d turn = rotation_log(pose.orientation);
+  std::string text = "position " + vector_words(pose.position) + " m";
+  if (turn.norm() > 1e-9) {
+    text += fmt::format(", turned by {:.2f} deg about {}", turn.norm() * kDegrees,
+                        vector_words(turn.normalized()));
+  }
+  return text;
+}
+
+std::string count_words(long count, const std::string& one, const std::string& many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,21 @@
+// Numbers in words and units for people.
+#pragma once
+
+#include <string>
+
+#include <stillbase/robot/robot_model.hpp>
+
+namespace stillbase::app {
+
+inline constexpr double kDegrees = 57.29577951308232;  ///< per radian
+
+/// "(1, 2, 3)" with 4 significant digits.
+std::string vector_words(const Vector3d& v);
+/// "joint_1 -80 deg, slide 0.2 m"
+std::string posture_words(const RobotModel& robot, const JointVectord& phi);
+/// "position (0, 0, 0) m, turned by 55 deg about (0, 1, 0)"
+std::string pose_words(const Pose& pose);
+/// "1 body", "3 bodies"
+std::string count_words(long count, const std::string& one, const std::string& many);
+
+}  // namespace stillbase::app

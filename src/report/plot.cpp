@@ -1,0 +1,170 @@
+#include <stillbase/report/plot.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace stillbase {
+
+namespace {
+
+constexpr int kWidth = 760;
+constexpr int kPanelHeight = 300;
+constexpr int kLeft = 78, kRight = 176, kTop = 34, kBottom = 52;
+/// Distinguishable for colour-blind readers (Okabe and Ito, 2008), in this order.
+const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+
+std::string escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+/// Step of 1, 2 or 5 times a power of ten that cuts the range into at most `most` parts.
+double tick_step(double range, int most) {
+  const double power = std::pow(10, std::floor(std::log10(range / most)));
+  for (const double factor : {1.0, 2.0, 5.0, 10.0}) {
+    if (range / (factor * power) <= most) return factor * power;
+  }
+  return 10 * power;
+}
+
+struct Axis {
+  double low, high;  // of the data
+  double from, to;   // in pixels
+  double pixel(double value) const { return from + (value - low) / (high - low) * (to - from); }
+};
+
+std::vector<double> ticks(const Axis& axis, double step) {
+  std::vector<double> out;
+  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step; ++k) {
+    out.push_back(k == 0 ? 0.0 : k * step);
+  }
+  return out;
+}
+
+/// 90 deg steps suit a full turn better than 50 or 100.
+double angle_or_round_step(const PlotPanel& panel, double range) {
+  if (panel.x_label.find("deg") != std::string::npos && range > 170) return range > 300 ? 45 : 30;
+  return tick_step(range, 8);
+}
+
+void check(const PlotPanel& panel) {
+  const auto finite = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  if (panel.x.size() < 2 || panel.series.empty() || panel.series.size() > std::size(kColours)) {
+    throw std::invalid_argument("a panel needs two points and one to six series");
+  }
+  bool good = finite(panel.x);
+  for (const PlotSeries& series : panel.series) {
+    good = good && series.y.size() == panel.x.size() && finite(series.y);
+  }
+  if (!good) throw std::invalid_argument("panel '" + panel.title + "': lengths or numbers are off");
+}
+
+std::string panel_svg(const PlotPanel& panel, int top) {
+  check(panel);
+  double low = 0, high = 0;
+  for (const PlotSeries& series : panel.series) {
+    low = std::min(low, *std::min_element(series.y.begin(), series.y.end()));
+    high = std::max(high, *std::max_element(series.y.begin(), series.y.end()));
+  }
+  if (high == low) high = low + 1;
+  const double margin = 0.05 * (high - low);
+  const Axis x{panel.x.front(), panel.x.back(), kLeft, kWidth - kRight};
+  const Axis y{low < 0 ? low - margin : 0, high + margin,
+               static_cast<double>(top + kPanelHeight - kBottom), static_cast<double>(top + kTop)};
+
+  std::string out;
+  out += fmt::format("<text class=\"title\" x=\"{}\" y=\"{}\">{}</text>\n", kLeft, top + 20,
+                     escape(panel.title));
+  for (const double tick : ticks(y, tick_step(y.high - y.low, 6))) {
+    const double py = y.pixel(tick);
+    out += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\"/>\n",
+                       tick == 0 ? "zero" : "grid", kLeft, py, kWidth - kRight, py);
+    out +=
+        fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:g}</text>\n",
+                    kLeft - 8, py + 4, tick);
+  }
+  for (const double tick : ticks(x, angle_or_round_step(panel, x.high - x.low))) {
+    const double px = x.pixel(tick);
+    out += fmt::format(
+        "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>\n", px,
+        y.from, y.to);
+    out += fmt::format(
+        "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:g}</text>\n", px,
+        y.from + 18, tick);
+  }
+  for (const PlotMark& mark : panel.marks) {
+    const double px = x.pixel(mark.x);
+    out += fmt::format(
+        "<line class=\"mark\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>\n", px,
+        y.from, y.to);
+    out += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", px + 3,
+                       y.to + 12, escape(mark.label));
+  }
+  out +=
+      fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                  (x.from + x.to) / 2, top + kPanelHeight - 14, escape(panel.x_label));
+  out += fmt::format(
+      "<text class=\"label\" transform=\"translate(18,{:.1f}) rotate(-90)\" "
+      "text-anchor=\"middle\">{}</text>\n",
+      (y.from + y.to) / 2, escape(panel.y_label));
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const PlotSeries& series = panel.series[i];
+    out += fmt::format("<polyline stroke=\"{}\" points=\"", kColours[i]);
+    for (std::size_t k = 0; k < series.y.size(); ++k) {
+      out += fmt::format("{}{:.1f},{:.1f}", k == 0 ? "" : " ", x.pixel(panel.x[k]),
+                         y.pixel(series.y[k]));
+    }
+    out += "\"/>\n";
+    const int row = top + kTop + 14 + 22 * static_cast<int>(i);
+    out +=
+        fmt::format("<line stroke=\"{}\" class=\"key\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
+                    kColours[i], kWidth - kRight + 16, row, kWidth - kRight + 40, row);
+    out += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", kWidth - kRight + 46,
+                       row + 4, escape(series.name));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string plot_svg(const std::vector<PlotPanel>& panels) {
+  const int height = kPanelHeight * static_cast<int>(panels.size());
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
+      "{1}\">\n"
+      "<style>text{{font-family:sans-serif;fill:#333}}.title{{font-size:14px;font-weight:bold}}"
+      ".label{{font-size:13px}}.tick{{font-size:11px}}.grid{{stroke:#ddd}}.zero{{stroke:#333}}"
+      ".mark{{stroke:#888;stroke-dasharray:4 3}}polyline{{fill:none;stroke-width:2}}"
+      ".key{{stroke-width:2}}</style>\n"
+      "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
+      kWidth, height);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    out += panel_svg(panels[i], kPanelHeight * static_cast<int>(i));
+  }
+  return out + "</svg>\n";
+}
+
+}  // namespace stillbase

@@ -1,0 +1,30 @@
+# Installs, then configures, builds and runs the consumer; the first failure ends it.
+file(REMOVE_RECURSE ${WORK_DIR})
+
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --config ${CONFIG} --prefix ${WORK_DIR}/prefix
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+
+# A package that still points into the build or source tree works only on this machine.
+file(GLOB_RECURSE package_files ${WORK_DIR}/prefix/*.cmake)
+foreach(package_file IN LISTS package_files)
+  file(READ ${package_file} text)
+  string(FIND "${text}" "${BUILD_DIR}" position)
+  if(NOT position EQUAL -1)
+    message(FATAL_ERROR "${package_file} names the build folder")
+  endif()
+endforeach()
+
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -S ${CONSUMER_SOURCE_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
+    -D CMAKE_BUILD_TYPE=${CONFIG} -D CMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+    -D CMAKE_CXX_COMPILER=${CXX_COMPILER} -D "CMAKE_CXX_FLAGS=${CXX_FLAGS}"
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build --config ${CONFIG}
+  COMMAND_ERROR_IS_FATAL ANY)
+find_program(consumer consumer PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
+execute_process(COMMAND ${consumer} COMMAND_ERROR_IS_FATAL ANY)
+
+# The tool is part of the package where it is part of the build.
+if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)
+  execute_process(COMMAND ${WORK_DIR}/prefix/bin/stillbase --version COMMAND_ERROR_IS_FATAL ANY)
+endif()

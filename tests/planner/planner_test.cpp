@@ -1,0 +1,138 @@
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
+
+namespace stillbase {
+namespace {
+
+CaptureProblem shipped(const std::string& name) {
+  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
+}
+
+/// Everything of a plan that must not change from run to run.
+std::string fingerprint(Plan plan) {
+  plan.timing.clear();
+  return plan_to_json(plan, {});
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the C2 problem of reading A lists its eight postures and chooses one free of collision") {
+  const Plan plan = make_plan(shipped("planar_two_link_c2_a"));
+  REQUIRE(plan.candidates.size() == 8);
+  CHECK(plan.certificate.distinct_solutions == 8);
+  int colliding = 0;
+  for (const Candidate& candidate : plan.candidates) {
+    CHECK(candidate.max_violation < 1e-9);
+    colliding += !candidate.collision_free;
+    const bool chosen = (candidate.configuration.phi - plan.configuration.phi).norm() == 0;
+    if (chosen) CHECK(candidate.collision_free);
+  }
+  CHECK(colliding == 5);
+  CHECK(plan.status == PlanStatus::Optimal);
+  CHECK(plan.impact.judgement.impact_case == ImpactCase::C2);
+  CHECK(plan.approach.status == ApproachStatus::Found);
+}
+
+TEST_CASE("a capture with a seven-joint arm is planned with its approach on a floating base") {
+  const CaptureProblem problem = shipped("iiwa_client_50");
+  const Plan plan = make_plan(problem);
+  CHECK(plan.status == PlanStatus::Optimal);
+  REQUIRE(plan.approach.status == ApproachStatus::Found);
+  CHECK(plan.approach.min_clearance >= problem.approach.clearance);
+  CHECK(plan.approach.attitude_excursion > 0.01);
+  CHECK(plan.approach.times.back() == Approx(plan.configuration.contact_time).epsilon(1e-12));
+  CHECK(plan.impact.closing_speed >= problem.constraints.closing_speed_min);
+  CHECK(plan.objective.worst_case >= plan.objective.nominal);
+  SECTION("every solver that was used is counted") {
+    CHECK(plan.solver_calls.at("nlopt-slsqp") >= problem.search.starts);
+    CHECK(plan.solver_calls.at("rrt_connect") >= 1);
+  }
+  SECTION("the straight joint-space line collides, so the path has a way point between") {
+    // A straight path changes all joints in proportion; ours does not.
+    const auto& path = plan.approach.joint_positions;
+    const JointVectord whole = path.back() - path.front();
+    double off_line = 0;
+    for (const JointVectord& phi : path) {
+      const JointVectord part = phi - path.front();
+      const double along = part.dot(whole) / whole.squaredNorm();
+      off_line = std::max(off_line, (part - along * whole).norm());
+    }
+    CHECK(off_line > 0.05);
+  }
+}
+
+TEST_CASE("Ipopt plans the same capture") {
+  CaptureProblem problem = shipped("iiwa_client_50");
+  problem.search.optimizer = "ipopt";
+  problem.search.starts = 8;
+  const Plan plan = make_plan(problem);
+  CHECK(plan.status == PlanStatus::Optimal);
+  CHECK(plan.solver_calls.at("ipopt") >= 8);
+  CHECK(plan.approach.status == ApproachStatus::Found);
+}
+
+TEST_CASE("the same seed gives the same plan to the last byte, another seed another path") {
+  CaptureProblem problem = shipped("iiwa_client_50");
+  problem.search.starts = 16;
+  const std::string first = fingerprint(make_plan(problem));
+  CHECK(fingerprint(make_plan(problem)) == first);
+  problem.search.seed = 2;
+  CHECK(fingerprint(make_plan(problem)) != first);
+}
+
+TEST_CASE("an obstacle on the path changes the path") {
+  CaptureProblem problem = shipped("iiwa_client_50");
+  problem.search.starts = 16;
+  const Plan free = make_plan(problem);
+  REQUIRE(free.approach.status == ApproachStatus::Found);
+  // A ball where the hand passes half-way, fixed to the base.
+  const std::size_t middle = free.approach.times.size() / 3;
+  const auto kinematics =
+      compute_kinematics<double>(problem.robot, free.approach.joint_positions[middle]);
+  Obstacle ball;
+  ball.name = "ball";
+  ball.frame = Frame::Base;
+  ball.pose.position = kinematics.r_bh;
+  ball.geometry = Sphere{0.04};
+  problem.obstacles.push_back(ball);
+  const Plan around = make_plan(problem);
+  REQUIRE(around.approach.status == ApproachStatus::Found);
+  double nearest = 1e9;
+  for (const JointVectord& phi : around.approach.joint_positions) {
+    nearest = std::min(
+        nearest, (compute_kinematics<double>(problem.robot, phi).r_bh - ball.pose.position).norm());
+  }
+  CHECK(nearest > 0.04);
+}
+
+TEST_CASE("every shipped problem with something to plan is planned, with an approach where asked") {
+  for (const char* name : {"iiwa_cone", "planar_three_link_null", "planar_three_link_client",
+                           "planar_two_link_c2_b", "spart_3dof_point"}) {
+    const CaptureProblem problem = shipped(name);
+    const Plan plan = make_plan(problem);
+    INFO(name << ": " << to_string(plan.approach.status) << " " << plan.approach.detail);
+    CHECK((plan.status == PlanStatus::Optimal || plan.status == PlanStatus::Feasible));
+    CHECK(plan.certificate.max_violation <= 1e-9);
+    CHECK(plan.approach.status ==
+          (problem.approach.enabled ? ApproachStatus::Found : ApproachStatus::NotRequested));
+  }
+}
+
+TEST_CASE("stopping at once still gives the best point so far, marked") {
+  CaptureProblem problem = shipped("iiwa_client_50");
+  std::atomic<bool> stop{true};
+  PlannerOptions options;
+  options.stop.interrupted = &stop;
+  const Plan plan = make_plan(problem, options);
+  CHECK(plan.status == PlanStatus::Limit);
+  CHECK(plan.candidates.size() == 1);
+}
+
+}  // namespace stillbase
