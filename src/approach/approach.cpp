@@ -20,7 +20,7 @@ constexpr double kTurn = 6.283185307179586;
 constexpr double kLimitSlack = 1e-6;  ///< rad or m: what optimizers leave outside a limit
 constexpr int kAttempts = 8;
 constexpr int kSweptEffort = 5;  ///< part of the planner's iterations spent around those
-constexpr int kSweptPoses = 8;    ///< target poses during a motion that was hit, taken as obstacles
+constexpr int kSweptPoses = 8;   ///< target poses during a motion that was hit, taken as obstacles
 
 bool is_finite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
@@ -169,6 +169,10 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
   approach.joint_positions = path.phi;
   approach.joint_velocities = path.phidot;
   approach.base_poses = motion.base_poses;
+  for (std::size_t i = 0; i < path.segments(); ++i) {
+    approach.joint_accelerations.push_back(motion_on_segment(path, i, path.times[i]).phiddot);
+  }
+  approach.joint_accelerations.push_back(JointVectord::Zero(robot.n()));
   for (std::size_t i = 0; i < path.times.size(); ++i) {
     approach.base_velocities.push_back(
         task.problem.approach.base == BaseMode::Held
@@ -187,6 +191,7 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
     approach.times.push_back(motion.contact_time);
     approach.joint_positions.push_back(path.phi.back());
     approach.joint_velocities.push_back(JointVectord::Zero(robot.n()));
+    approach.joint_accelerations.push_back(JointVectord::Zero(robot.n()));
     approach.base_poses.push_back(motion.base_poses.back());
     approach.base_velocities.push_back(Vector6d::Zero());
   }

@@ -208,6 +208,7 @@ void read_approach(MapReader& map, Plan& plan) {
   };
   vectors("joint_positions", n, approach.joint_positions);
   vectors("joint_velocities", n, approach.joint_velocities);
+  vectors("joint_accelerations", n, approach.joint_accelerations);
   read_list(fields, "base_poses", [&](const Node& item, const std::string& path) {
     approach.base_poses.push_back(read_pose_object(context, item, path));
   });
@@ -220,10 +221,11 @@ void read_approach(MapReader& map, Plan& plan) {
   fields.finish();
   const std::size_t samples = approach.times.size();
   if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
-      approach.base_poses.size() != samples || approach.base_velocities.size() != samples) {
+      approach.joint_accelerations.size() != samples || approach.base_poses.size() != samples ||
+      approach.base_velocities.size() != samples) {
     context.add(node->line, "wrong-length",
-                "approach: times, joint_positions, joint_velocities, base_poses and "
-                "base_velocities must have the same number of samples");
+                "approach: times, joint_positions, joint_velocities, joint_accelerations, "
+                "base_poses and base_velocities must have the same number of samples");
   }
 }
 

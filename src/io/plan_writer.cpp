@@ -62,6 +62,7 @@ Json approach_json(const Approach& approach) {
           {"times", list_json(approach.times, number_json)},
           {"joint_positions", list_json(approach.joint_positions, vector)},
           {"joint_velocities", list_json(approach.joint_velocities, vector)},
+          {"joint_accelerations", list_json(approach.joint_accelerations, vector)},
           {"base_poses", list_json(approach.base_poses, pose_json)},
           {"base_velocities", list_json(approach.base_velocities, vector)},
           {"duration", number_json(approach.duration)},

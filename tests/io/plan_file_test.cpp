@@ -68,6 +68,7 @@ Plan random_plan() {
     approach.times.push_back(i / 7.0);
     approach.joint_positions.push_back(random_joints(random, n));
     approach.joint_velocities.push_back(random_joints(random, n));
+    approach.joint_accelerations.push_back(random_joints(random, n));
     approach.base_poses.push_back(random_pose(random));
     approach.base_velocities.push_back(Vector6d::Constant(random.normal()));
   }

@@ -70,10 +70,13 @@ struct Approach {
   std::vector<double> times;  ///< s; the last one is the contact time
   std::vector<JointVectord> joint_positions;
   std::vector<JointVectord> joint_velocities;
+  /// At the begin of the segment that starts at each sample; zero at the last one. They follow from
+  /// the rest: a number changed afterwards no longer fits its neighbours.
+  std::vector<JointVectord> joint_accelerations;
   std::vector<Pose> base_poses;           ///< T_NB
   std::vector<Vector6d> base_velocities;  ///< Omega in B
   double duration = 0;                    ///< s of motion
-  double path_length = 0;                 ///< rad
+  double path_length = 0;                 ///< rad, by eight chords per segment
   double attitude_excursion = 0;  ///< rad, largest turn of the base away from its final attitude
   double min_clearance = 0;       ///< m, among pairs that may not touch
 };
