@@ -19,7 +19,8 @@ namespace {
 constexpr double kTurn = 6.283185307179586;
 constexpr double kLimitSlack = 1e-6;  ///< rad or m: what optimizers leave outside a limit
 constexpr int kAttempts = 8;
-constexpr int kSweptPoses = 8;  ///< target poses during a motion that was hit, taken as obstacles
+constexpr int kSweptEffort = 5;  ///< part of the planner's iterations spent around those
+constexpr int kSweptPoses = 8;    ///< target poses during a motion that was hit, taken as obstacles
 
 bool is_finite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
@@ -229,11 +230,14 @@ std::vector<Pose> arrival_pose(const ApproachTask& task, double wait) {
 /// What the next attempt does differently, beside its random stream.
 void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
            AttemptOptions& options) {
+  options.max_iterations = task.problem.approach.max_iterations;
   if (attempt + 1 == kAttempts) {  // last resort: nothing still to avoid, judged in time alone
     options.wait = task.problem.approach.wait;
     options.targets.clear();
   } else if (result.hit_by_target) {
     options.targets = swept_poses(task, result);
+    // More cautious than need be, and often without a solution: not worth the full effort.
+    options.max_iterations = std::max(1, options.max_iterations / kSweptEffort);
     if (attempt % 3 == 0) options.wait += (result.motion_end - result.motion_start) / 2;
   } else if (result.way_points == 0) {
     options.targets = arrival_pose(task, options.wait);
@@ -250,6 +254,7 @@ Approach plan(const ApproachTask& task, std::uint64_t seed, const StopCondition&
   Random seeds(seed);
   AttemptOptions options;
   options.resolution = task.problem.approach.resolution;
+  options.max_iterations = task.problem.approach.max_iterations;
   options.wait = task.problem.approach.wait;
   options.targets = arrival_pose(task, options.wait);
   AttemptResult news;
@@ -261,7 +266,8 @@ Approach plan(const ApproachTask& task, std::uint64_t seed, const StopCondition&
     if (result.status == ApproachStatus::Found) {
       return finished(task, result, attempt, options.wait);
     }
-    if (result.status == ApproachStatus::TimeOut || (attempt == 1 && result.way_points == 0)) {
+    if (result.status == ApproachStatus::TimeOut || result.hopeless ||
+        (attempt == 1 && result.way_points == 0)) {
       return failed(result.status, result.detail);
     }
     if (is_better_news(result, news)) news = result;

@@ -76,6 +76,16 @@ std::vector<Pose> avoidable(const ApproachTask& task, const std::vector<Pose>& t
   return kept;
 }
 
+/// Whether a thing of the scene is the base or fixed to it.
+bool is_on_base(const CaptureProblem& problem, const std::string& name) {
+  const LinkFrame* link = find_link(problem.robot, name);
+  if (link != nullptr) return link->body == kBase;
+  return std::any_of(problem.obstacles.begin(), problem.obstacles.end(),
+                     [&](const Obstacle& obstacle) {
+                       return obstacle.name == name && obstacle.frame == Frame::Base;
+                     });
+}
+
 }  // namespace
 
 std::optional<Lateness> too_slow(const ApproachTask& task, double duration, double wait) {
@@ -110,7 +120,7 @@ AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& optio
     set_bounds(task, query);
     query.resolution = options.resolution;
     query.seed = options.seed;
-    query.max_iterations = spec.max_iterations;
+    query.max_iterations = options.max_iterations;
     query.stop = stop;
     query.is_valid = [&](const JointVectord& part) {
       return !still.first_hit(full_posture(task, part));
@@ -159,6 +169,8 @@ AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& optio
   result.motion.base_poses = base_poses(task.problem.robot, path, spec.base, task.goal.base);
   if (const auto hit = first_hit(task.problem, task.scene, result.motion, task.target)) {
     result.hit_by_target = hit->proximity.first == kTargetName;
+    result.hopeless = result.hit_by_target && spec.base == BaseMode::Held &&
+                      is_on_base(task.problem, hit->proximity.second);
     result.status =
         result.hit_by_target ? ApproachStatus::HitEarly : ApproachStatus::GoalUnreachable;
     result.detail = fmt::format("{} at {:.3f} s, {:.3f} s before the contact (distance {:.4f} m)",

@@ -37,6 +37,7 @@ std::optional<Lateness> too_slow(const ApproachTask& task, double duration, doub
 struct AttemptOptions {
   std::uint64_t seed = 1;
   double resolution = 0.02;
+  int max_iterations = 0;     ///< of the planner
   double wait = 0;            ///< s
   std::vector<Pose> targets;  ///< T_NT to avoid; those that start or goal touch are left out
 };
@@ -48,6 +49,7 @@ struct AttemptResult {
   double motion_start = 0, motion_end = 0;  ///< s, when a path was timed
   double shortfall = 0;                     ///< TooSlow: s
   bool hit_by_target = false;
+  bool hopeless = false;  ///< the target hits what no path moves: another attempt is in vain
   TimedMotion motion;
 };
 

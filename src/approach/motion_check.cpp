@@ -13,6 +13,7 @@ StillScene::StillScene(const CaptureProblem& problem, const CollisionScene& scen
                        const Configuration& goal, std::vector<Pose> targets, double resolution)
     : problem_(problem),
       scene_(scene),
+      target_scene_(scene.target_pairs_only()),
       goal_base_(goal.base),
       centroid_levers_(centroid_levers(problem.robot)),
       targets_(std::move(targets)),
@@ -31,9 +32,9 @@ std::optional<Proximity> StillScene::first_hit(const JointVectord& phi) const {
   const auto kinematics = compute_kinematics<double>(problem_.robot, phi);
   const Pose base = base_at(kinematics);
   const double margin = problem_.approach.clearance;
-  if (targets_.empty()) return scene_.first_hit(kinematics, base, nullptr, margin);
+  if (auto hit = scene_.first_hit(kinematics, base, nullptr, margin)) return hit;
   for (const Pose& target : targets_) {
-    if (auto hit = scene_.first_hit(kinematics, base, &target, margin)) return hit;
+    if (auto hit = target_scene_.first_hit(kinematics, base, &target, margin)) return hit;
   }
   return std::nullopt;
 }
@@ -53,17 +54,15 @@ bool StillScene::is_clear_between(const JointVectord& a, const JointVectord& b, 
     travel.base_translation = centroid_levers_.dot(travel.joints);
   }
   bool clear = true;
-  const auto look = [&](const Pose* target) {
+  const auto look = [&](const CollisionScene& scene, const Pose* target) {
     const SweepVerdict verdict =
-        scene_.sweep(kinematics, base, target, travel, problem_.approach.clearance).verdict;
+        scene.sweep(kinematics, base, target, travel, problem_.approach.clearance).verdict;
     clear = clear && verdict == SweepVerdict::Clear;
     return verdict != SweepVerdict::Hit;
   };
-  if (targets_.empty()) {
-    if (!look(nullptr)) return false;
-  }
+  if (!look(scene_, nullptr)) return false;
   for (const Pose& target : targets_) {
-    if (!look(&target)) return false;
+    if (!look(target_scene_, &target)) return false;
   }
   if (clear || (end - begin) * (b - a).norm() <= resolution_) return true;
   const double middle = (begin + end) / 2;

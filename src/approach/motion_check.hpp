@@ -32,7 +32,7 @@ class StillScene {
                         double end) const;
 
   const CaptureProblem& problem_;
-  CollisionScene scene_;
+  CollisionScene scene_, target_scene_;
   Pose goal_base_;
   Vector3d centroid_ = Vector3d::Zero();  ///< of the system in N
   JointVectord centroid_levers_;

@@ -11,12 +11,15 @@ namespace {
 
 using Clear = std::function<bool(const JointVectord&, const JointVectord&)>;
 
-constexpr double kLargestCut = 0.5;     ///< rad of a straight line given up to round a corner
-constexpr double kSmallestCut = 1e-3;   ///< below this the robot stops at the corner
-constexpr int kParabolaChecks = 8;      ///< chords along a rounded corner
-constexpr double kWindow = 0.15;        ///< of the duration, over which the speed is averaged
+constexpr double kLargestCut = 0.5;    ///< rad of a straight line given up to round a corner
+constexpr double kSmallestCut = 1e-3;  ///< below this the robot stops at the corner
+constexpr int kParabolaChecks = 8;     ///< chords along a rounded corner
+/// Parts of the duration over which the speed is averaged: a wide window is smooth, a narrow one
+/// keeps the slow speed of a tight corner to the corner. The fastest result is taken.
+constexpr double kWindows[] = {0.15, 0.06, 0.025};
+constexpr double kSamplesPerWindow = 4;
 constexpr double kSampleTravel = 0.04;  ///< rad between stored samples
-constexpr int kMinSamples = 48, kMaxSamples = 400;
+constexpr int kMinSamples = 48, kMaxSamples = 600;
 
 /// A straight line (middle unused) or a parabola with the control points begin, middle, end. The
 /// parameter sigma grows so that |d gamma / d sigma| is 1 on lines and at the ends of a parabola.
@@ -212,14 +215,14 @@ PathPoint point_on(const Section& section, double sigma) {
   return {last.end, last.slope(last.length)};
 }
 
-/// Motion along a section from time 0, at rest at both ends.
-JointPath time_section(const Section& section, const JointVectord& max_rate,
-                       const JointVectord& max_acceleration) {
-  const SpeedProfile profile(section, max_rate, max_acceleration);
-  const double window = kWindow * profile.duration();
+/// Motion along a section from time 0, at rest at both ends, with the speed averaged over `window`.
+JointPath time_section(const Section& section, const SpeedProfile& profile, double window,
+                       const JointVectord& max_rate, const JointVectord& max_acceleration) {
   const double duration = profile.duration() + window;
-  const int samples = std::clamp(static_cast<int>(std::ceil(profile.length() / kSampleTravel)),
-                                 kMinSamples, kMaxSamples);
+  const int samples =
+      std::clamp(static_cast<int>(std::ceil(std::max(profile.length() / kSampleTravel,
+                                                     kSamplesPerWindow * duration / window))),
+                 kMinSamples, kMaxSamples);
   JointPath path;
   for (int i = 0; i <= samples; ++i) {
     const double t = duration * i / samples;
@@ -260,7 +263,13 @@ JointPath time_path(const std::vector<JointVectord>& points, const JointVectord&
   path.phi.front() = points.front();
   distinct.back() = points.back();
   for (const Section& section : round_corners(distinct, is_clear)) {
-    const JointPath part = time_section(section, max_rate, max_acceleration);
+    const SpeedProfile profile(section, max_rate, max_acceleration);
+    JointPath part;
+    for (const double window : kWindows) {
+      JointPath timed =
+          time_section(section, profile, window * profile.duration(), max_rate, max_acceleration);
+      if (part.times.empty() || timed.times.back() < part.times.back()) part = std::move(timed);
+    }
     const double begin = path.times.back();
     for (std::size_t i = 1; i < part.times.size(); ++i) {
       path.times.push_back(begin + part.times[i]);

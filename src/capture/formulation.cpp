@@ -158,14 +158,20 @@ double Formulation::objective_unit() const { return parts_->objective_unit; }
 void Formulation::lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                                      const Eigen::VectorXd& multipliers,
                                      Eigen::MatrixXd& out) const {
-  Vector3d y;
-  Eigen::MatrixXd J;
-  objective_vector(x, y, J);
-  out.noalias() = sigma * J.transpose() * J;
-  for (int i = 0; i < num_constraints(); ++i) {
-    if (parts_->rows[static_cast<std::size_t>(i)].kind != RowKind::AttitudeAngle) continue;
-    out.diagonal().segment<3>(parts_->layout.attitude).array() += 2 * multipliers[i];
+  // Central differences lose about h^2 and rounding / h: both near 1e-10 at this step.
+  constexpr double kStep = 1e-5;
+  const Eigen::Index size = x.size();
+  nlp::Evaluation here;
+  const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+    evaluate(at, here);
+    return sigma * here.gradient + here.jacobian.transpose() * multipliers;
+  };
+  out.resize(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(size, i);
+    out.col(i) = (gradient(x + step) - gradient(x - step)) / (2 * kStep);
   }
+  out = ((out + out.transpose()) / 2).eval();
 }
 
 Configuration Formulation::configuration(const Eigen::VectorXd& x) const {

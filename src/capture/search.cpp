@@ -79,6 +79,7 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
   const auto optimizer = nlp::make_optimizer(options.optimizer);
   if (!optimizer) throw std::invalid_argument("no optimizer named " + options.optimizer);
   nlp::OptimizeOptions optimize;
+  optimize.max_evaluations = 1000;  // a local solve needs about 40; creeping is cut off
   optimize.stop = options.stop;
   optimize.feasibility_tolerance = kFeasible;
   optimize.optimality_tolerance = kOptimal;

@@ -191,6 +191,18 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
 CollisionScene::CollisionScene(const CaptureProblem& problem)
     : CollisionScene(problem.robot, parts_of(problem)) {}
 
+CollisionScene::CollisionScene(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+
+CollisionScene CollisionScene::target_pairs_only() const {
+  auto reduced = std::make_shared<Data>(*data_);
+  const auto without_target = [&](const ScenePair& pair) {
+    return reduced->items[pair.a].carrier != Carrier::Target;
+  };
+  reduced->pairs.erase(std::remove_if(reduced->pairs.begin(), reduced->pairs.end(), without_target),
+                       reduced->pairs.end());
+  return CollisionScene(std::shared_ptr<const Data>(std::move(reduced)));
+}
+
 int CollisionScene::pair_count() const { return static_cast<int>(data_->pairs.size()); }
 
 }  // namespace stillbase

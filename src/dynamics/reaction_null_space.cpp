@@ -11,6 +11,11 @@ ReactionNullSpace from_dense(const Eigen::MatrixXd& A, double rank_tolerance) {
   const Eigen::Index m = A.rows(), n = A.cols();
   ReactionNullSpace out;
   out.rank_tolerance = rank_tolerance;
+  if (n == 0) {  // a robot without joints; the decomposition does not take an empty matrix
+    out.A_pinv.resize(0, m);
+    out.range.resize(m, 0);
+    return out;
+  }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& sigma = svd.singularValues();
   const double threshold = rank_tolerance * (sigma.size() > 0 ? sigma[0] : 0.0);

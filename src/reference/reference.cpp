@@ -105,6 +105,15 @@ VectorXd or_zero(const VectorXd& x, int n) {
 
 }  // namespace
 
+std::vector<Pose> body_poses(const RobotModel& robot, const Eigen::VectorXd& phi) {
+  assert(phi.size() == robot.n());
+  std::vector<Pose> poses;
+  for (const MovingFrame& frame : body_frames(robot, phi, VectorXd::Zero(phi.size()))) {
+    poses.push_back({frame.o, Eigen::Quaterniond(frame.R)});
+  }
+  return poses;
+}
+
 Dynamics compute(const RobotModel& robot, const State& state) {
   const int n = robot.n();
   assert(state.phi.size() == n);

@@ -45,9 +45,8 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
-Recorder::Recorder(const RobotModel& robot, const Controller& controller,
-                   const SimulationOptions& options)
-    : robot_(robot), controller_(controller), options_(options) {
+Recorder::Recorder(const RobotModel& robot, const Controller& controller)
+    : robot_(robot), controller_(controller) {
   result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
   result_.summary.peak_torques = JointVectord::Zero(robot.n());
 }

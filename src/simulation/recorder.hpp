@@ -7,7 +7,7 @@ namespace stillbase {
 
 class Recorder final : public StepObserver {
  public:
-  Recorder(const RobotModel& robot, const Controller& controller, const SimulationOptions& options);
+  Recorder(const RobotModel& robot, const Controller& controller);
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
@@ -26,7 +26,6 @@ class Recorder final : public StepObserver {
 
   const RobotModel& robot_;
   const Controller& controller_;
-  const SimulationOptions& options_;
   SimulationResult result_;
   bool started_ = false;
   bool record_now_ = true;

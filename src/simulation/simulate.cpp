@@ -105,7 +105,7 @@ SimulationResult simulate_post_impact(const RobotModel& robot, const JointResist
   check(robot, resistance, initial, controller, options);
   const JointVectord rotor_inertia = added_plant_inertia(resistance, robot.n());
   ClosedLoop loop(robot, rotor_inertia, controller, options);
-  Recorder recorder(robot, controller, options);
+  Recorder recorder(robot, controller);
   const std::unique_ptr<Integrator> integrator = options.integrator == IntegratorKind::Rk4
                                                      ? make_rk4_integrator(options)
                                                      : make_adaptive_integrator(options);

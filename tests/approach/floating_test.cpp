@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <stillbase/collision/scene.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
@@ -150,8 +151,24 @@ TEST_CASE("a floating seven-joint arm keeps zero momentum around an obstacle") {
                         Pose{Vector3d(0.45, 0.35, 1.0), Eigen::Quaterniond::Identity()},
                         Box{Vector3d(0.1, 0.3, 0.5)}}};
   const Configuration goal = goal_at(posture({80, 70, 0, 40, 0, 30, 0}), 100);
+  const CollisionScene scene(problem);
+  bool straight_hits = false;
+  for (int i = 0; i <= 200; ++i) {
+    const JointVectord phi = problem.start + i / 200.0 * (goal.phi - problem.start);
+    straight_hits =
+        straight_hits || scene.first_hit(compute_kinematics<double>(robot, phi), Pose{}, nullptr);
+  }
+  REQUIRE(straight_hits);
   const Approach a = plan(problem, goal);
   check_floating(problem, goal, a);
+  CHECK(a.path_length > (goal.phi - problem.start).norm() + 0.01);
+  for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
+    for (int part = 0; part < 4; ++part) {
+      const JointVectord phi = hermite(a, i, part / 4.0).phi;
+      CHECK_FALSE(scene.first_hit(compute_kinematics<double>(robot, phi), Pose{}, nullptr,
+                                  problem.approach.clearance));
+    }
+  }
 }
 
 TEST_CASE("obstacles in the inertial frame are met where the floating base really is") {

@@ -130,3 +130,17 @@ TEST_CASE("a goal whose other links touch the target at the contact is invalid")
   CHECK(a.status == ApproachStatus::GoalInvalid);
   CHECK(a.detail.find("target with link") != std::string::npos);
 }
+
+TEST_CASE("a target that hits what is fixed to the held base is reported after one attempt") {
+  CaptureProblem problem = point_mass_problem(posture({-60, 30}));
+  problem.obstacles = {{"antenna", Frame::Base,
+                        Pose{Vector3d(12, 0.2, 0), Eigen::Quaterniond::Identity()}, Sphere{0.15}}};
+  const Configuration goal = goal_at(posture({0, 0}));
+  const TargetMotion target = flying(Vector3d(5.5, 0, 0), Vector3d(-1, 0, 0), goal.contact_time);
+  std::map<std::string, long> calls;
+  const Approach a = plan_approach(problem, goal, &target, 1, {}, calls);
+  CHECK(a.status == ApproachStatus::HitEarly);
+  // It passes x = 12 m about 6.5 s before the contact.
+  CHECK(a.detail.find("target with antenna at 93.") == 0);
+  CHECK(calls["rrt_connect"] == 1);
+}

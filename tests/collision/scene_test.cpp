@@ -123,6 +123,17 @@ TEST_CASE("a round point mass may touch the hand's link at the hand only") {
   CHECK(hit_name(scene, robot, straight).empty());
 }
 
+TEST_CASE("a scene reduced to the target's pairs sees the target and nothing else") {
+  const RobotModel robot = planar_robot();
+  SceneParts parts;
+  parts.target = point_target();
+  const CollisionScene scene = CollisionScene(robot, parts).target_pairs_only();
+  CHECK(scene.pair_count() == 3);
+  const Pose in_base;
+  CHECK(hit_name(scene, robot, posture({180, 0})).empty());
+  CHECK(hit_name(scene, robot, posture({0, 0}), &in_base) == "target with base");
+}
+
 TEST_CASE("the hand may touch the target only where the feature is") {
   const RobotModel robot = planar_robot();
   SceneParts parts;

@@ -147,9 +147,10 @@ TEST_CASE("with rank loss the reachable directions still get what is wanted", "[
 TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torques",
           "[simulation]") {
   const RobotModel robot = spart_3dof();
+  double worst_torque = 0, worst_without_edge = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Random random(seed, 29);
-    const PlantState state = struck(robot, random, 2);
+    const PlantState state = struck(robot, random, 10);
     Controller c;
     c.kind = ControllerKind::RnsDamped;
     SimulationOptions options;
@@ -162,8 +163,8 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
     REQUIRE(result.status == SimulationStatus::Finished);
     const SimulationSummary& summary = result.summary;
     CHECK(summary.lowest_rank <= 2);
-    CHECK(summary.peak_torque < 1000);
-    CHECK(summary.peak_joint_rate < 1.5 * c.joint_rate_edge);
+    worst_torque = std::max(worst_torque, summary.peak_torque);
+    CHECK(summary.peak_joint_rate < 2 * std::max(state.phidot.norm(), c.joint_rate_edge));
     CHECK(summary.relative_momentum_drift < 1e-9);
     for (const TraceSample& sample : result.trace) {
       const PlantTerms terms(robot, JointVectord::Zero(3), sample.state);
@@ -172,6 +173,9 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
       const Vector3d u = U.col(0).cross(U.col(1));
       CHECK(std::abs(u.dot(sample.base) - u.dot(sample.total)) < 1e-9);
     }
+    c.joint_rate_edge = 1e6;
+    worst_without_edge = std::max(
+        worst_without_edge, simulate_post_impact(robot, {}, state, c, options).summary.peak_torque);
     // What is reported as lost is what the base has at the end (the rest has decayed).
     const TraceSample& last = result.trace.back();
     CHECK(summary.lost_momentum.norm() <= summary.peak_lost_momentum);
@@ -180,6 +184,8 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
       CHECK((last.base - summary.lost_momentum).norm() < 0.5 * last.base.norm());
     }
   }
+  CHECK(worst_torque < 250);
+  CHECK(worst_without_edge > 10 * worst_torque);
 }
 
 TEST_CASE("without any grip the controller asks for nothing infinite", "[simulation]") {

@@ -17,7 +17,8 @@ RobotModel planar_three_link();
 /// The example arm of SPART: rank 2 of the angular coupling matrix in every posture.
 RobotModel spart_3dof();
 
-/// A tree of n joints, some of them prismatic when asked for; bodies of 1 to 10 kg.
+/// A tree of n joints without limits; bodies of 1 to 10 kg. Every third joint is prismatic when
+/// asked for: they fly off in free motion, so the tests choose.
 RobotModel random_robot(Random& random, int n, bool prismatic);
 
 /// Random attitude and posture, rates up to `rate`.

@@ -52,7 +52,8 @@ class Formulation final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
-  /// Gauss-Newton: J_y' J_y; the curvature of the constraints is left out.
+  /// Central differences of the exact first derivatives, to about 1e-9: the curvature of the hand
+  /// equations matters as much as that of the objective, so Gauss-Newton alone creeps.
   bool has_hessian() const override { return true; }
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;

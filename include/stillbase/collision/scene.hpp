@@ -97,12 +97,16 @@ class CollisionScene {
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
                     const SceneTravel& travel, double margin) const;
 
+  /// The same scene reduced to the pairs that the target is part of.
+  CollisionScene target_pairs_only() const;
+
   /// Number of pairs that are looked at.
   int pair_count() const;
 
   struct Data;  ///< private to src/collision
 
  private:
+  explicit CollisionScene(std::shared_ptr<const Data> data);
   std::shared_ptr<const Data> data_;
 };
 

@@ -4,6 +4,8 @@
 // contradict the other. Slow and simple on purpose.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Dense>
 
 #include <stillbase/robot/robot_model.hpp>
@@ -16,6 +18,10 @@ struct State {
   Eigen::VectorXd phidot;                                                   ///< n
   Eigen::Matrix<double, 6, 1> Omega = Eigen::Matrix<double, 6, 1>::Zero();  ///< [v; omega] in B
 };
+
+/// Frames of the bodies in B at joint positions phi (n): axes and origin of body k, as RobotModel
+/// defines them.
+std::vector<Pose> body_poses(const RobotModel& robot, const Eigen::VectorXd& phi);
 
 /// All dynamics quantities at a state, in B, dense.
 struct Dynamics {

@@ -39,14 +39,15 @@ struct Controller {
   double K_phi = 5;    ///< 1/s, the paper's; joint_damping_literal reads it as N m s/rad (N s/m)
   /// Where the arm loses its grip on a direction of base momentum (singular value sigma of the
   /// angular coupling matrix), the direction is given up gradually, see momentum_edge().
-  double rank_edge = 1e-2;      ///< sigma relative to the largest one
-  double joint_rate_edge = 10;  ///< joint rate that carrying L_g would take, |L_g| / sigma, rad/s
+  double rank_edge = 1e-4;     ///< sigma relative to the largest one
+  double joint_rate_edge = 3;  ///< joint rate that carrying L_g would take, |L_g| / sigma, rad/s
 };
 
 /// The singular value below which a direction is given up:
-/// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first bounds the joint accelerations near
-/// rank loss; the second does so where the whole arm has little grip (folded in), and leaves in the
-/// base what the arm could only carry by spinning.
+/// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first only keeps numbers finite (real
+/// arms on light satellites have sigma_min / sigma_max of 0.01 in ordinary postures, so it must be
+/// small). The second bounds the joint rates and accelerations, folded-in postures included: it
+/// leaves in the base what the arm could only carry by spinning.
 double momentum_edge(const Controller& controller, double sigma_max, double L_g);
 
 /// What the arm can do for the base: the angular coupling matrix A = Htilde_omegaphi in its
@@ -54,7 +55,7 @@ double momentum_edge(const Controller& controller, double sigma_max, double L_g)
 struct MomentumTransfer {
   Matrix3d U;        ///< columns: directions of base angular momentum
   Vector3d sigma;    ///< singular values of A
-  Vector3d share;    ///< min(1, (sigma / edge)^2), edge = rank_edge * sigma_max
+  Vector3d share;    ///< min(1, (sigma / edge)^2), edge as momentum_edge() says
   Vector3d inverse;  ///< 1 / max(sigma, edge)^2; 0 when A = 0
   int rank = 0;      ///< directions with full share
 

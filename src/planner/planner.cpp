@@ -1,0 +1,153 @@
+#include <stillbase/planner/planner.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <stillbase/approach/approach.hpp>
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/capture/search.hpp>
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/plan/encounter.hpp>
+
+namespace stillbase {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::optional<TargetMotion> target_at(const CaptureProblem& problem,
+                                      const Configuration& configuration) {
+  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
+  return encounter_motion(problem, configuration.base * kinematics.r_bh,
+                          configuration.base.orientation, configuration.contact_time);
+}
+
+/// What touches what while the robot waits at a configuration and the target comes in; empty:
+/// nothing.
+std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
+                              const Configuration& configuration) {
+  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
+  const std::optional<TargetMotion> motion = target_at(problem, configuration);
+  // The approach keeps its clearance up to the contact, so a candidate must offer it.
+  const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
+  if (!motion) {
+    const auto hit = scene.first_hit(kinematics, configuration.base, nullptr, margin);
+    return hit ? to_string(*hit) : "";
+  }
+  // From the contact backwards, so that what is reported is what matters most.
+  const double wait = problem.approach.wait;
+  const double speed =
+      std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
+  const int steps = std::clamp(static_cast<int>(std::ceil(wait * speed / 0.01)), 1, 2000);
+  for (int i = 0; i <= steps; ++i) {
+    const double time = configuration.contact_time - wait * i / steps;
+    const Pose pose = motion->state(time).pose;
+    const auto hit = scene.first_hit(kinematics, configuration.base, &pose, margin);
+    if (hit) return to_string(*hit);
+  }
+  return "";
+}
+
+/// Those free of collision, best first; when there is none, the best alone.
+std::vector<std::size_t> candidates_to_try(const std::vector<Candidate>& candidates) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].collision_free) order.push_back(i);
+  }
+  if (order.empty()) order.push_back(0);
+  return order;
+}
+
+}  // namespace
+
+ImpactSummary predict_impact(const CaptureProblem& problem, const Formulation& formulation,
+                             const Configuration& configuration) {
+  const Encounter encounter = formulation.encounter(configuration);
+  const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
+  const auto posture = evaluate_posture<double>(problem.robot, resistance, configuration.phi);
+  const auto response = respond<double>(posture, encounter.F);
+  const double p = impulse_magnitude(problem, encounter, response.hand_inverse_mass);
+  return summarize_impact(problem.robot, configuration.phi, problem.resistance, p * encounter.F,
+                          encounter.closing_speed);
+}
+
+Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
+  const auto begin = Clock::now();
+  const Formulation formulation(problem);
+  const CollisionScene scene(problem);
+  const auto progress = [&](const std::string& what, int done, int total) {
+    if (options.on_progress) options.on_progress(what, done, total);
+  };
+
+  SearchOptions search_options;
+  search_options.optimizer = problem.search.optimizer;
+  search_options.starts = problem.search.starts;
+  search_options.seed = problem.search.seed;
+  search_options.max_candidates = problem.search.max_candidates;
+  search_options.stop = options.stop;
+  search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
+  SearchResult found = search(problem, formulation, search_options);
+
+  Plan plan;
+  plan.problem = problem;
+  plan.optimizer = problem.search.optimizer;
+  plan.solver_calls = found.solver_calls;
+  plan.timing["search"] = seconds_since(begin);
+
+  const bool solved =
+      !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
+  for (Candidate& candidate : found.candidates) {
+    candidate.collision = waiting_collision(problem, scene, candidate.configuration);
+    candidate.collision_free = candidate.collision.empty();
+  }
+
+  const auto approach_begin = Clock::now();
+  std::size_t chosen = 0;
+  if (solved) {
+    const std::vector<std::size_t> order = candidates_to_try(found.candidates);
+    chosen = order.front();
+    for (std::size_t i = 0; i < order.size() && static_cast<int>(i) < options.max_approaches; ++i) {
+      if (i > 0 && options.stop.reached()) break;
+      progress("approach", static_cast<int>(i), options.max_approaches);
+      const Configuration& goal = found.candidates[order[i]].configuration;
+      const std::optional<TargetMotion> motion = target_at(problem, goal);
+      const Approach approach =
+          plan_approach(problem, goal, motion ? &*motion : nullptr, problem.search.seed + i,
+                        options.stop, plan.solver_calls);
+      const bool arrives = approach.status == ApproachStatus::Found ||
+                           approach.status == ApproachStatus::NotRequested;
+      if (i == 0 || arrives) {
+        plan.approach = approach;
+        chosen = order[i];
+      }
+      if (arrives) break;
+    }
+  }
+  plan.timing["approach"] = seconds_since(approach_begin);
+
+  if (!found.candidates.empty()) {
+    const Candidate& best = found.candidates[chosen];
+    plan.configuration = best.configuration;
+    plan.certificate = found.certificates[chosen];
+    plan.constraints = formulation.report(found.points[chosen]);
+    plan.impact = predict_impact(problem, formulation, best.configuration);
+    plan.objective.name = to_string(problem.objective);
+    plan.objective.unit = unit_of(problem.objective);
+    plan.objective.nominal = best.objective;
+    const WorstCase worst = worst_case(problem, formulation, best.configuration);
+    plan.objective.worst_case = worst.value;
+    plan.objective.worst_direction = worst.direction;
+    plan.status = status_of(plan.certificate);
+    if (found.stopped) plan.status = PlanStatus::Limit;
+  }
+  plan.candidates = std::move(found.candidates);
+  plan.timing["total"] = seconds_since(begin);
+  return plan;
+}
+
+}  // namespace stillbase

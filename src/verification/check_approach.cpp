@@ -1,0 +1,237 @@
+// Can the approach be flown as stored? Ends, limits, base motion, clearances.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "verification/base_motion.hpp"
+#include "verification/checks.hpp"
+#include "verification/clearance.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kSame = 1e-9;        // rad, m, s: what was copied may differ by rounding only
+constexpr double kLimitSlack = 1e-6;  // rad, m: overshoot of a segment that ends at a limit
+// Joint travel of one integration step, rad: the error of a step is its fifth power.
+constexpr double kTravelPerStep = 0.01;
+// Pairs of flat shapes have distances that are only this exact.
+constexpr double kDistanceError = 1e-3;  // m
+
+double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
+                          bool up_to_turns) {
+  double largest = 0;
+  for (int k = 0; k < robot.n(); ++k) {
+    const double difference = a(k) - b(k);
+    const bool turns = up_to_turns && robot.joints[k].type == JointType::Continuous;
+    largest = std::max(largest, std::abs(turns ? wrap_angle(difference) : difference));
+  }
+  return largest;
+}
+
+void check_ends(const Context& context, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Approach& approach = context.plan.approach;
+  const Configuration& goal = context.plan.configuration;
+  const std::size_t last = approach.times.size() - 1;
+
+  claims.at_most(
+      "approach_start",
+      largest_difference(problem.robot, approach.joint_positions.front(), problem.start, true),
+      kSame, "rad", "first posture from the problem's start posture");
+  claims.at_most(
+      "approach_arrival",
+      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false), kSame,
+      "rad", "last posture from the configuration");
+  claims.at_most("approach_contact_time", std::abs(approach.times.back() - goal.contact_time),
+                 kSame, "s", "last time from the contact time");
+  claims.at_most("approach_rest",
+                 std::max(approach.joint_velocities.front().cwiseAbs().maxCoeff(),
+                          approach.joint_velocities.back().cwiseAbs().maxCoeff()),
+                 kSame, "rad/s", "joint rates at both ends");
+
+  // The wait: how long nothing has moved when the contact comes.
+  std::size_t arrival = last;
+  while (arrival > 0 && approach.joint_positions[arrival - 1] == approach.joint_positions[last] &&
+         approach.joint_velocities[arrival - 1].isZero(0)) {
+    --arrival;
+  }
+  claims.at_least("approach_wait", approach.times[last] - approach.times[arrival],
+                  problem.approach.wait, kSame, "s", "time at rest before the contact");
+  claims.at_most("approach_duration", approach.times[last] - approach.times.front(),
+                 problem.approach.max_duration * (1 + kSame), "s", "from the start to the contact");
+  claims.at_most("approach_stated_duration",
+                 std::abs(approach.times[arrival] - approach.times.front() - approach.duration),
+                 kSame, "s", "stated time of motion");
+  if (!problem.impulse.direction && problem.target) {
+    claims.at_least("approach_begins", approach.times.front(), problem.target_state.time, kSame,
+                    "s", "not before the time of the target's estimate");
+  }
+
+  double length = 0;
+  for (std::size_t i = 0; i < last; ++i) {
+    length += (approach.joint_positions[i + 1] - approach.joint_positions[i]).norm();
+  }
+  claims.same("approach_path_length", relative_error(approach.path_length, length),
+              context.options.recompute_tolerance, fmt::format("{:.6g} rad", length));
+}
+
+void check_limits(const Context& context, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Approach& approach = context.plan.approach;
+  double beyond = 0, rate = 0, acceleration = 0;
+  std::string where, fastest, hardest;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment::Extremes e = HermiteSegment(approach, i).extremes();
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const Joint& joint = problem.robot.joints[k];
+      const std::string place = fmt::format("{} at {:.3f} s", joint.name, approach.times[i]);
+      auto worse = [&](double value, double& worst, std::string& at) {
+        if (!(value > worst)) return;
+        worst = value;
+        at = place;
+      };
+      worse(std::max(joint.lower - e.lowest(k), e.highest(k) - joint.upper), beyond, where);
+      worse(e.rate(k) / (joint.max_velocity * problem.approach.velocity_scale), rate, fastest);
+      worse(e.acceleration(k) / problem.approach.acceleration_limit(k), acceleration, hardest);
+    }
+  }
+  const double slack = context.options.limit_slack;
+  claims.at_most("approach_joint_limits", beyond, kLimitSlack, "rad",
+                 "furthest beyond a joint limit between the samples " + where);
+  claims.at_most("approach_joint_rates", rate, 1 + slack, "1",
+                 "largest part of a rate limit " + fastest);
+  claims.at_most("approach_joint_accelerations", acceleration, 1 + slack, "1",
+                 "largest part of an acceleration limit " + hardest);
+}
+
+// Integrated poses at all samples, starting from the first stored one.
+std::vector<Pose> integrated_poses(const Context& context, double* worst_step) {
+  const Approach& approach = context.plan.approach;
+  std::vector<Pose> poses{approach.base_poses.front()};
+  *worst_step = 0;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    if (context.problem.approach.base == BaseMode::Held) {
+      poses.push_back(poses.back());
+    } else {
+      const HermiteSegment segment(approach, i);
+      const Pose stored = drifted_base(context.problem.robot, segment, 0, segment.duration(),
+                                       approach.base_poses[i], kTravelPerStep);
+      // The motion of the base does not depend on where it starts: one integration serves both.
+      poses.push_back(poses.back() * (approach.base_poses[i].inverse() * stored));
+      *worst_step = std::max(*worst_step, pose_error(stored, approach.base_poses[i + 1]).largest());
+    }
+  }
+  return poses;
+}
+
+// |H_b Omega + H_bphi phidot| relative to what the parts carry, linear and angular part apart.
+double momentum_left(const RobotModel& robot, const JointVectord& phi, const Vector6d& Omega,
+                     const JointVectord& phidot) {
+  const auto d = reference::compute(robot, {phi, {}, {}});
+  const Vector6d base = d.H.topLeftCorner<6, 6>() * Omega;
+  const Vector6d joints = d.H.topRightCorner(6, phi.size()) * phidot;
+  double worst = 0;
+  for (const int row : {0, 3}) {
+    const double left = (base + joints).segment<3>(row).norm();
+    const double size = base.segment<3>(row).norm() + joints.segment<3>(row).norm();
+    if (left > 0) worst = std::max(worst, left / size);
+  }
+  return worst;
+}
+
+void check_base(const Context& context, const std::vector<Pose>& poses, double worst_step,
+                ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Approach& approach = context.plan.approach;
+  const VerifyOptions& options = context.options;
+  const bool held = problem.approach.base == BaseMode::Held;
+  const char* how = held ? "the base is held" : "the base floats without momentum";
+
+  double worst_pose = 0, momentum = 0, rate = 0, excursion = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    worst_pose = std::max(worst_pose, pose_error(poses[i], approach.base_poses[i]).largest());
+    const Vector6d& Omega = approach.base_velocities[i];
+    rate = std::max(rate, Omega.cwiseAbs().maxCoeff());
+    if (!held) {
+      momentum = std::max(momentum, momentum_left(problem.robot, approach.joint_positions[i], Omega,
+                                                  approach.joint_velocities[i]));
+    }
+    excursion = std::max(excursion,
+                         pose_error(approach.base_poses[i], context.plan.configuration.base).angle);
+  }
+  claims.at_most("approach_base_poses", worst_pose, options.base_path_tolerance, "m or rad",
+                 fmt::format("{}: stored poses from those integrated from the first one", how));
+  if (held) {
+    claims.at_most("approach_base_rates", rate, kSame, "m/s or rad/s", "stored base velocities");
+  } else {
+    claims.at_most("approach_base_steps", worst_step, options.base_step_tolerance, "m or rad",
+                   "stored poses from those integrated from the sample before");
+    claims.at_most("approach_momentum", momentum, options.momentum_tolerance, "1",
+                   "momentum at the samples relative to that of the joints' motion");
+  }
+  claims.at_most("approach_base_arrival",
+                 pose_error(approach.base_poses.back(), context.plan.configuration.base).largest(),
+                 kSame, "m or rad", "last base pose from the configuration");
+  if (!problem.approach.station_free) {
+    claims.at_most("approach_base_start",
+                   pose_error(approach.base_poses.front(), problem.base).largest(), kSame,
+                   "m or rad", "first base pose from the stated one");
+  }
+  claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
+                 kSame, "rad",
+                 fmt::format("largest turn away from the final attitude, {:.6g} rad", excursion));
+
+  // Where the hand really ends, by the integrated motion alone.
+  const auto at_rest = reference::compute(problem.robot, {approach.joint_positions.back(), {}, {}});
+  const auto wanted = reference::compute(problem.robot, {context.plan.configuration.phi, {}, {}});
+  const Pose& base = context.plan.configuration.base;
+  claims.at_most(
+      "approach_hand_arrival",
+      (poses.back() * Vector3d(at_rest.hand_position) - base * Vector3d(wanted.hand_position))
+          .norm(),
+      options.base_path_tolerance * (1 + wanted.hand_position.norm()), "m",
+      "hand at the end of the integrated motion from its place at the contact");
+}
+
+void check_clearance(const Context& context, const std::vector<Pose>& poses, ClaimList& claims) {
+  const ApproachSpec& spec = context.problem.approach;
+  const PathClearance found = path_clearance(context, poses);
+  if (!found.complete) {
+    claims.not_evaluated("approach_clearance", spec.clearance, "m", found.detail);
+    return;
+  }
+  if (!found.distance) {
+    claims.at_most("approach_clearance", 0, 0, "m", "no pair of bodies could collide");
+    return;
+  }
+  claims.at_least("approach_clearance", *found.distance, spec.clearance, kDistanceError, "m",
+                  fmt::format("{} at {:.3f} s is the closest of {} instants", found.detail,
+                              found.time, found.instants));
+  // Sampled more finely than by the planner, so it may be smaller than stated, hardly larger.
+  const double stated = context.plan.approach.min_clearance;
+  claims.at_most("approach_stated_clearance", std::abs(stated - *found.distance),
+                 std::max(2 * kDistanceError, spec.resolution / 4), "m",
+                 fmt::format("stated smallest clearance, {:.6g} m", stated));
+}
+
+}  // namespace
+
+void check_approach(const Context& context, ClaimList& claims) {
+  const Approach& approach = context.plan.approach;
+  if (!context.problem.approach.enabled) return;
+  if (approach.status != ApproachStatus::Found) {
+    claims.none_wrong("approach_found", {approach.detail.empty() ? "no path" : approach.detail},
+                      "the problem asks for an approach");
+    return;
+  }
+  claims.none_wrong("approach_found", {}, fmt::format("{} samples", approach.times.size()));
+  check_ends(context, claims);
+  check_limits(context, claims);
+  double worst_step = 0;
+  const std::vector<Pose> poses = integrated_poses(context, &worst_step);
+  check_base(context, poses, worst_step, claims);
+  check_clearance(context, poses, claims);
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,87 @@
+// The other solutions, and that the chosen one is among them.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+#include "verification/clearance.hpp"
+#include "verification/worst_direction.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+// Differences of what a candidate says to what is found.
+struct Differences {
+  double objective = 0, worst_case = 0;
+};
+
+Differences judge(const Context& context, const Candidate& candidate) {
+  const CaptureProblem& problem = context.problem;
+  const Configuration& at = candidate.configuration;
+  const PostureResponse response = posture_response(problem, at.phi);
+  const auto motion = target_motion(
+      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+  const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
+  auto value = [&](const Vector3d& d) {
+    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+  };
+  const double scale = objective_scale(problem.objective, response,
+                                       impulse_along(problem, event, response, event.n));
+  const WorstDirection worst =
+      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
+                      problem.uncertainty.cone_plane_normal, context.options.cone_samples);
+  return {
+      relative_error(candidate.objective, value(event.n), scale),
+      std::abs(candidate.worst_case - worst.value) / std::max(std::abs(worst.value), 1e-6 * scale)};
+}
+
+}  // namespace
+
+void check_candidates(const Context& context, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Plan& plan = context.plan;
+  const VerifyOptions& options = context.options;
+  const CollisionScene scene(problem);
+
+  Differences worst;
+  double nearest = kInfinity;
+  std::vector<std::string> hits;
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    if (options.stop.reached()) {
+      claims.not_evaluated("candidates_objective", options.recompute_tolerance, "1",
+                           fmt::format("stopped before candidate {}", i));
+      return;
+    }
+    const Candidate& candidate = plan.candidates[i];
+    const Configuration& at = candidate.configuration;
+    const Differences found = judge(context, candidate);
+    worst.objective = std::max(worst.objective, found.objective);
+    worst.worst_case = std::max(worst.worst_case, found.worst_case);
+    nearest =
+        std::min(nearest, std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
+                                    pose_error(at.base, plan.configuration.base).largest(),
+                                    std::abs(at.contact_time - plan.configuration.contact_time)}));
+    if (const auto hit = contact_hit(problem, scene, at); hit && candidate.collision_free) {
+      hits.push_back(fmt::format("candidate {}: {}", i, to_string(*hit)));
+    }
+  }
+  claims.at_most(
+      "candidates_objective", worst.objective, options.recompute_tolerance, "1",
+      fmt::format("largest relative difference over {} candidates", plan.candidates.size()));
+  claims.at_most("candidates_worst_case", worst.worst_case, options.cone_tolerance, "1",
+                 "largest relative difference to the sampled worst case over the candidates");
+  claims.none_wrong("candidates_collision_free", hits,
+                    "candidates said to be free of collision that touch something");
+  claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",
+                 "the chosen configuration from the nearest candidate");
+
+  std::vector<std::string> touching;
+  if (const auto hit = contact_hit(problem, scene, plan.configuration)) {
+    touching.push_back(to_string(*hit));
+  }
+  claims.none_wrong("contact_collision", touching,
+                    "bodies that touch at the contact, hand and target at the feature excepted");
+}
+
+}  // namespace stillbase::verification

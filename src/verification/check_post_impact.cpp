@@ -1,0 +1,166 @@
+// What happens after the impact under each controller, momenta judged by `reference`.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/simulation/simulate.hpp>
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+struct Drift {
+  double linear = 0, angular = 0;
+};
+
+// Largest change of the momenta in N, relative to the most that the kinetic energy right after the
+// impact could hold: sqrt(2 w T) and sqrt(2 T trace(Htilde_omega)).
+Drift momentum_drift(const Context& context, const std::vector<TraceSample>& trace) {
+  Drift drift;
+  Vector3d P0 = Vector3d::Zero(), L0 = Vector3d::Zero();
+  double scale_P = 0, scale_L = 0;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    const PlantState& state = trace[i].state;
+    const auto d =
+        reference::compute(context.problem.robot, {state.phi, state.phidot, state.Omega});
+    const Vector3d P = state.base.orientation * d.P, L = state.base.orientation * d.L_g;
+    if (i == 0) {
+      Eigen::VectorXd x(6 + state.phi.size());
+      x << state.Omega, state.phidot;
+      double energy = x.dot(d.H * x) / 2;
+      if (context.problem.resistance.model == ResistanceModel::RotorInertia) {
+        const JointVectord& rotors = context.problem.resistance.rotor_inertia;
+        energy += state.phidot.dot(rotors.cwiseProduct(state.phidot)) / 2;
+      }
+      P0 = P;
+      L0 = L;
+      scale_P = std::sqrt(2 * d.mass * energy);
+      scale_L = std::sqrt(2 * energy * d.Htilde_omega.trace());
+    }
+    if ((P - P0).norm() > 0) drift.linear = std::max(drift.linear, (P - P0).norm() / scale_P);
+    if ((L - L0).norm() > 0) drift.angular = std::max(drift.angular, (L - L0).norm() / scale_L);
+  }
+  return drift;
+}
+
+std::string describe(const LimitEvent& event, const RobotModel& robot) {
+  return fmt::format("{} {} at {:.3f} s", robot.joints[event.joint].name, to_string(event.kind),
+                     event.time);
+}
+
+// Largest part of a limit that is used; joints without one use nothing.
+double largest_part(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
+  double part = 0;
+  for (int k = 0; k < robot.n(); ++k) {
+    const double most = robot.joints[k].*limit;
+    if (std::isfinite(most) && peaks(k) > 0) part = std::max(part, peaks(k) / most);
+  }
+  return part;
+}
+
+// The first controller is the plan's choice: what it leaves is judged.
+void judge(const Context& context, const ControllerReport& report, const SimulationSummary& summary,
+           ClaimList& claims) {
+  const PostImpactSpec& spec = context.problem.post_impact;
+  const RobotModel& robot = context.problem.robot;
+  const std::string under = fmt::format(" under {} over {} s", report.controller, report.horizon);
+  claims.at_most("post_impact_base_rate", report.residual_base_rate, spec.residual_base_rate_max,
+                 "rad/s",
+                 fmt::format("at the horizon{}; peak {:.3g}", under, report.peak_base_rate));
+  claims.at_most("post_impact_attitude", report.attitude_turned, spec.attitude_change_max, "rad",
+                 "largest turn of the base" + under);
+  const double slack = context.options.limit_slack;
+  claims.at_most("post_impact_joint_rates",
+                 largest_part(robot, summary.peak_joint_rates, &Joint::max_velocity), 1 + slack,
+                 "1",
+                 fmt::format("largest part of a rate limit{}; peak {:.3g} rad/s", under,
+                             report.peak_joint_rate));
+  claims.at_most("post_impact_joint_torques",
+                 largest_part(robot, summary.peak_torques, &Joint::max_effort), 1 + slack, "1",
+                 fmt::format("largest part of a torque limit{}; peak {:.3g} N m", under,
+                             report.peak_joint_torque));
+  std::vector<std::string> stops;
+  for (const LimitEvent& event : summary.limits) {
+    if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
+      stops.push_back(describe(event, robot));
+    }
+  }
+  claims.none_wrong("post_impact_joint_stops", stops, "joint stops reached" + under);
+  claims.at_most("post_impact_linear_momentum", report.linear_momentum_drift,
+                 context.options.momentum_tolerance, "1", "relative change in N" + under);
+  claims.at_most("post_impact_angular_momentum", report.angular_momentum_drift,
+                 context.options.momentum_tolerance, "1", "relative change in N" + under);
+}
+
+}  // namespace
+
+void check_post_impact(const Context& context, const PostureResponse& response,
+                       const Vector6d& Fbar, ClaimList& claims,
+                       std::vector<ControllerReport>& reports) {
+  const CaptureProblem& problem = context.problem;
+  const PostImpactSpec& spec = problem.post_impact;
+  const reference::Impact impact = response.impact(Fbar);
+  PlantState state;
+  state.base = context.plan.configuration.base;
+  state.phi = context.plan.configuration.phi;
+  state.Omega = impact.Delta_Omega;
+  state.phidot = impact.Delta_phidot;
+
+  for (std::size_t i = 0; i < spec.controllers.size(); ++i) {
+    ControllerReport report;
+    report.controller = spec.controllers[i];
+    report.horizon = spec.horizon;
+    SimulationSummary summary;
+    const auto kind = controller_from_name(report.controller);
+    if (!kind) {
+      report.detail = "no controller of this name";
+    } else {
+      SimulationOptions options;
+      options.integrator = IntegratorKind::Fehlberg78;
+      options.relative_tolerance = 1e-11;
+      options.absolute_tolerance = 1e-13;
+      options.control_period = spec.control_period;
+      options.horizon = spec.horizon;
+      options.output_period = spec.horizon / 20;
+      options.stop = context.options.stop;
+      try {
+        const SimulationResult result =
+            simulate_post_impact(problem.robot, problem.resistance, state,
+                                 Controller{*kind, spec.K_omega, spec.K_phi}, options);
+        summary = result.summary;
+        report.finished = result.status == SimulationStatus::Finished;
+        if (!report.finished) report.detail = "simulation: " + to_string(result.status);
+        const Drift drift = momentum_drift(context, result.trace);
+        report.linear_momentum_drift = drift.linear;
+        report.angular_momentum_drift = drift.angular;
+      } catch (const std::exception& error) {
+        report.finished = false;
+        report.detail = error.what();
+      }
+    }
+    if (report.finished) {
+      report.residual_base_rate = summary.residual_base_rate;
+      report.peak_base_rate = summary.peak_base_rate;
+      report.attitude_turned = summary.attitude_turned;
+      report.peak_joint_rate = summary.peak_joint_rates.cwiseAbs().maxCoeff();
+      report.residual_joint_rate = summary.residual_joint_rate;
+      report.peak_joint_torque = summary.peak_torque;
+      for (const LimitEvent& event : summary.limits) {
+        report.limits_met.push_back(describe(event, problem.robot));
+      }
+    }
+    if (i == 0) {
+      if (report.finished) {
+        judge(context, report, summary, claims);
+      } else {
+        claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",
+                             report.detail);
+      }
+    }
+    reports.push_back(report);
+  }
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,46 @@
+// The groups of claims. Each adds its claims to the list; verify_plan() calls them in order.
+#pragma once
+
+#include <optional>
+
+#include "verification/claim_list.hpp"
+#include "verification/recomputation.hpp"
+
+namespace stillbase::verification {
+
+/// What all checks share: the plan, and what the problem alone decides.
+struct Context {
+  const Plan& plan;
+  const CaptureProblem& problem;
+  const VerifyOptions& options;
+  const TargetMotion* motion = nullptr;  ///< null without a target
+};
+
+/// Objections to the shape of the plan: sizes, numbers that are not finite. Other checks need none.
+std::vector<std::string> structural_objections(const Plan& plan);
+
+void check_configuration(const Context& context, const ContactEvent& event,
+                         const PostureResponse& response, ClaimList& claims);
+
+/// Impulse, jump, momenta, case.
+void check_impact(const Context& context, const ContactEvent& event,
+                  const PostureResponse& response, ClaimList& claims);
+
+/// Objective and its worst case over the cone.
+void check_objective(const Context& context, const ContactEvent& event,
+                     const PostureResponse& response, ClaimList& claims);
+
+/// The list of constraints and what the certificate says of them.
+void check_constraints(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, ClaimList& claims);
+
+/// All candidates, and that the configuration is one of them and touches nothing.
+void check_candidates(const Context& context, ClaimList& claims);
+
+void check_approach(const Context& context, ClaimList& claims);
+
+void check_post_impact(const Context& context, const PostureResponse& response,
+                       const Vector6d& Fbar, ClaimList& claims,
+                       std::vector<ControllerReport>& reports);
+
+}  // namespace stillbase::verification

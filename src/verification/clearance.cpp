@@ -1,0 +1,119 @@
+#include "verification/clearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "verification/base_motion.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+// The scene's view of a posture, filled from the reference kinematics.
+Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd& phi) {
+  Kinematics<double> kinematics;
+  kinematics.n = robot.n();
+  const std::vector<Pose> poses = reference::body_poses(robot, phi);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    kinematics.R[k] = poses[k].orientation.toRotationMatrix();
+    kinematics.o[k] = poses[k].position;
+    kinematics.c[k] = poses[k] * robot.bodies[k].centroid;
+  }
+  const Pose hand_body =
+      robot.hand_body == kBase ? Pose{} : poses[static_cast<std::size_t>(robot.hand_body)];
+  kinematics.R_hand = hand_body.orientation.toRotationMatrix() * robot.R_hand;
+  kinematics.r_bh = hand_body * robot.p_hand;
+  return kinematics;
+}
+
+struct Extent {
+  double operator()(const Sphere& s) const { return s.radius; }
+  double operator()(const Capsule& c) const { return c.radius + c.length / 2; }
+  double operator()(const Cylinder& c) const { return std::hypot(c.radius, c.length / 2); }
+  double operator()(const Box& b) const { return b.size.norm() / 2; }
+  double operator()(const ConvexMesh& m) const {
+    double extent = 0;
+    for (const Vector3d& v : m.vertices) extent = std::max(extent, v.norm());
+    return extent;
+  }
+};
+
+// How far any point of the target may move per second, m/s.
+double target_speed(const TargetBody& body, const TargetState& state) {
+  double reach = 0;
+  for (const TargetShape& shape : body.shapes) {
+    reach = std::max(reach, shape.pose.position.norm() + std::visit(Extent{}, shape.geometry));
+  }
+  return state.linear_velocity.norm() + reach * state.angular_velocity.norm();
+}
+
+}  // namespace
+
+PathClearance path_clearance(const Context& context, const std::vector<Pose>& poses) {
+  const CaptureProblem& problem = context.problem;
+  const VerifyOptions& options = context.options;
+  const Approach& approach = context.plan.approach;
+  PathClearance result;
+  std::optional<CollisionScene> scene;
+  try {
+    scene.emplace(problem);
+  } catch (const std::exception& error) {
+    result.detail = error.what();
+    return result;
+  }
+
+  auto look = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
+    ++result.instants;
+    std::optional<Pose> target;
+    if (context.motion != nullptr) target = context.motion->state(time).pose;
+    const auto nearest =
+        scene->nearest(kinematics_at(problem.robot, phi), base, target ? &*target : nullptr);
+    if (!nearest || (result.distance && nearest->distance >= *result.distance)) return;
+    result.distance = nearest->distance;
+    result.time = time;
+    result.detail = to_string(*nearest);
+  };
+
+  const double travel = problem.approach.resolution * options.path_refinement;
+  const bool floats = problem.approach.base == BaseMode::Floating;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    if (options.stop.reached()) {
+      result.detail = fmt::format("stopped at {:.3f} s", approach.times[i]);
+      return result;
+    }
+    const HermiteSegment segment(approach, i);
+    const double h = segment.duration();
+    double steps = std::ceil(h * segment.extremes().rate.maxCoeff() / travel);
+    if (context.motion != nullptr) {
+      const TargetState state = context.motion->state(segment.begin());
+      steps = std::max(steps, std::ceil(h * target_speed(context.motion->body(), state) /
+                                        options.max_target_step));
+    }
+    const int count = std::max(1, static_cast<int>(std::min(steps, 1e6)));
+    Pose base = poses[i];
+    for (int j = 0; j < count; ++j) {
+      const double s = h * j / count;
+      look(segment.position(s), base, segment.begin() + s);
+      if (floats && j + 1 < count) {
+        base = drifted_base(problem.robot, segment, s, h * (j + 1) / count, base, travel);
+      }
+    }
+  }
+  look(approach.joint_positions.back(), poses.back(), approach.times.back());
+  result.complete = true;
+  return result;
+}
+
+std::optional<Proximity> contact_hit(const CaptureProblem& problem, const CollisionScene& scene,
+                                     const Configuration& configuration) {
+  const Kinematics<double> kinematics = kinematics_at(problem.robot, configuration.phi);
+  const auto motion = target_motion(problem, configuration, configuration.base * kinematics.r_bh,
+                                    configuration.contact_time);
+  std::optional<Pose> target;
+  if (motion) target = motion->state(configuration.contact_time).pose;
+  return scene.first_hit(kinematics, configuration.base, target ? &*target : nullptr);
+}
+
+}  // namespace stillbase::verification

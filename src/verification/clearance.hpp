@@ -1,0 +1,32 @@
+// Distances between bodies along the approach and at the contact, postures by `reference`.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/collision/scene.hpp>
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+
+/// The smallest distance among pairs that may not touch.
+struct PathClearance {
+  bool complete = false;           ///< false: `detail` says why
+  std::optional<double> distance;  ///< m; empty: there is no pair that could touch
+  double time = 0;                 ///< s
+  std::string detail;              ///< the pair
+  long instants = 0;               ///< looked at
+};
+
+/// Along the approach and the wait, at steps of a part of the problem's resolution.
+/// @param poses integrated base poses at the samples
+PathClearance path_clearance(const Context& context, const std::vector<Pose>& poses);
+
+/// What touches what at the contact, the hand's body and the target near the feature excepted.
+/// @throws std::invalid_argument for a scene that cannot be built
+std::optional<Proximity> contact_hit(const CaptureProblem& problem, const CollisionScene& scene,
+                                     const Configuration& configuration);
+
+}  // namespace stillbase::verification

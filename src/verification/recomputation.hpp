@@ -1,0 +1,83 @@
+// What the plan should say about the impact, from the problem and a configuration, by `reference`.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <stillbase/plan/plan.hpp>
+#include <stillbase/reference/reference.hpp>
+
+namespace stillbase::verification {
+
+/// The chosen contact feature of the problem, if it has one.
+std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
+
+/// Motion of the target from `first_time` (s) on, which may be far before the contact: the
+/// predicted one, or, when the impulse direction is stated, that of a target that comes along it
+/// and meets the hand (the encounter of plan/encounter.hpp, written apart). Empty without a target.
+/// @throws std::invalid_argument when it cannot be predicted over that time
+std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
+                                          const Configuration& configuration,
+                                          const Vector3d& hand_N, double first_time);
+
+/// The contact as the problem and the motion of the target fix it, at one configuration.
+struct ContactEvent {
+  std::string missing;                  ///< why it is not known; empty: it is
+  std::optional<ContactState> feature;  ///< where the predicted target is hit, in N
+  Eigen::Quaterniond R_NT = Eigen::Quaterniond::Identity();  ///< with `feature`
+  Vector3d n = Vector3d::Zero();               ///< direction of the impulse on the hand, unit, in B
+  Vector3d moment = Vector3d::Zero();          ///< given moment impulse in B, N m s
+  std::optional<Vector3d> velocity;            ///< with `feature`: of its point in B, m/s
+  Vector3d r = Vector3d::Zero();               ///< contact point from the target's centroid, B, m
+  Matrix3d target_inertia = Matrix3d::Zero();  ///< in B, kg m^2
+};
+
+/// @param motion null: the problem has no target
+ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
+                           const Configuration& configuration);
+
+/// How fast target and hand close along d (robot at rest), m/s.
+///
+/// With a predicted target the velocity of its contact point decides; along a stated direction (and
+/// along those about it) it comes with the stated closing speed.
+double closing_speed(const CaptureProblem& problem, const ContactEvent& event, const Vector3d& d);
+
+/// Everything linear in the impulse at one posture.
+struct PostureResponse {
+  reference::Dynamics dynamics;      ///< at rest
+  Eigen::VectorXd added_inertia;     ///< n
+  std::vector<bool> locked;          ///< n or empty
+  Matrix3d W = Matrix3d::Zero();     ///< hand velocity per force impulse, 1/kg
+  Eigen::Matrix<double, 3, 6> B;     ///< Delta omega = B Fbar
+  Vector3d r_gh = Vector3d::Zero();  ///< system centroid to hand, in B, m
+
+  reference::Impact impact(const Vector6d& Fbar) const {
+    return reference::impact(dynamics, added_inertia, locked, Fbar);
+  }
+  /// |f| |r_gh| + |t|: what angular momenta are measured against.
+  double momentum_scale(const Vector6d& Fbar) const {
+    return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
+  }
+};
+PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi);
+
+/// The impulse [f; t] at the hand along d, by the problem's contact law, in B. Zero when hand and
+/// target separate.
+/// @pre event.missing is empty
+Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
+                       const PostureResponse& response, const Vector3d& d);
+
+/// The problem's objective for an impulse, and the size that it is measured against.
+double objective_value(ObjectiveQuantity quantity, const PostureResponse& response,
+                       const Vector6d& Fbar);
+double objective_scale(ObjectiveQuantity quantity, const PostureResponse& response,
+                       const Vector6d& Fbar);
+
+/// Orthonormal projector onto the null space of A (3 x n) and its rank.
+struct NullSpace {
+  Eigen::MatrixXd projector;
+  int rank = 0;
+};
+NullSpace null_space(const Eigen::MatrixXd& A, double relative_tolerance);
+
+}  // namespace stillbase::verification

@@ -1,0 +1,169 @@
+#include <stillbase/verification/verification.hpp>
+
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+
+namespace stillbase {
+namespace verification {
+namespace {
+
+bool is_finite(const Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+}
+
+class Objections {
+ public:
+  void demand(bool holds, const std::string& what) {
+    if (!holds) list_.push_back(what);
+  }
+  bool none() const { return list_.empty(); }
+  std::vector<std::string> take() { return std::move(list_); }
+
+ private:
+  std::vector<std::string> list_;
+};
+
+void look_at_problem(const CaptureProblem& problem, Objections& objections) {
+  const int n = problem.robot.n();
+  auto fits = [n](const JointVectord& x) { return x.size() == n && x.allFinite(); };
+  objections.demand(n > 0, "the robot has no joints");
+  objections.demand(fits(problem.start), "problem.start");
+  objections.demand(static_cast<int>(problem.variables.joints.size()) == n, "problem.variables");
+  objections.demand(is_finite(problem.base), "problem.base");
+  objections.demand(!problem.approach.enabled || fits(problem.approach.acceleration_limit),
+                    "problem.approach.acceleration_limit");
+  const JointResistance& resistance = problem.resistance;
+  switch (resistance.model) {
+    case ResistanceModel::RotorInertia:
+      objections.demand(fits(resistance.rotor_inertia), "problem.resistance");
+      break;
+    case ResistanceModel::Servo:
+      objections.demand(fits(resistance.stiffness) && fits(resistance.damping),
+                        "problem.resistance");
+      break;
+    case ResistanceModel::Locked:
+      objections.demand(static_cast<int>(resistance.locked.size()) == n, "problem.resistance");
+      break;
+    case ResistanceModel::Free:
+      break;
+  }
+}
+
+void look_at_configuration(const Configuration& at, int n, const std::string& name,
+                           Objections& objections) {
+  objections.demand(at.phi.size() == n && at.phi.allFinite(), name + ".joint_positions");
+  objections.demand(is_finite(at.base) && std::abs(at.base.orientation.norm() - 1) <= 1e-9,
+                    name + ".base_pose");
+  objections.demand(std::isfinite(at.contact_time), name + ".contact_time");
+}
+
+void look_at_approach(const Approach& approach, int n, Objections& objections) {
+  const std::size_t count = approach.times.size();
+  objections.demand(count >= 1 && approach.joint_positions.size() == count &&
+                        approach.joint_velocities.size() == count &&
+                        approach.base_poses.size() == count &&
+                        approach.base_velocities.size() == count,
+                    "approach: lists of different length");
+  if (!objections.none()) return;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string at = fmt::format("approach sample {}", i);
+    const JointVectord &phi = approach.joint_positions[i], &phidot = approach.joint_velocities[i];
+    objections.demand(phi.size() == n && phi.allFinite(), at + ": joint_positions");
+    objections.demand(phidot.size() == n && phidot.allFinite(), at + ": joint_velocities");
+    objections.demand(is_finite(approach.base_poses[i]) &&
+                          std::abs(approach.base_poses[i].orientation.norm() - 1) <= 1e-9,
+                      at + ": base_pose");
+    objections.demand(approach.base_velocities[i].allFinite(), at + ": base_velocity");
+    objections.demand(
+        std::isfinite(approach.times[i]) && (i == 0 || approach.times[i] > approach.times[i - 1]),
+        at + ": times must increase");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> structural_objections(const Plan& plan) {
+  Objections objections;
+  look_at_problem(plan.problem, objections);
+  const int n = plan.problem.robot.n();
+  look_at_configuration(plan.configuration, n, "configuration", objections);
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    look_at_configuration(plan.candidates[i].configuration, n, fmt::format("candidates[{}]", i),
+                          objections);
+  }
+  if (plan.problem.approach.enabled && plan.approach.status == ApproachStatus::Found) {
+    look_at_approach(plan.approach, n, objections);
+  }
+  return objections.take();
+}
+
+}  // namespace verification
+
+Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
+  using namespace verification;
+  ClaimList claims;
+  Verification result;
+  const CaptureProblem& problem = plan.problem;
+
+  // A group of claims that breaks off counts as failed, and the others are still judged.
+  auto group = [&](const std::string& name, auto&& check) {
+    if (options.stop.reached()) {
+      claims.not_evaluated(name, 0, "1", "stopped before it");
+      return;
+    }
+    try {
+      check();
+    } catch (const std::exception& error) {
+      claims.not_evaluated(name, 0, "1", error.what());
+    }
+  };
+
+  const std::vector<std::string> objections = structural_objections(plan);
+  claims.none_wrong("plan_is_complete", objections, "sizes fit and numbers are finite");
+  const bool solved = plan.status != PlanStatus::Infeasible;
+  claims.none_wrong("plan_has_solution",
+                    solved ? std::vector<std::string>{} : std::vector<std::string>{"infeasible"},
+                    "the planner found a configuration");
+  if (objections.empty()) {
+    const PostureResponse response = posture_response(problem, plan.configuration.phi);
+    std::optional<TargetMotion> motion;
+    group("target_motion", [&] {
+      const bool moves = plan.approach.status == ApproachStatus::Found && problem.approach.enabled;
+      motion = target_motion(problem, plan.configuration,
+                             plan.configuration.base * Vector3d(response.dynamics.hand_position),
+                             moves ? plan.approach.times.front() : plan.configuration.contact_time);
+    });
+    const Context context{plan, problem, options, motion ? &*motion : nullptr};
+    ContactEvent event;
+    group("contact", [&] {
+      event = contact_event(problem, context.motion, plan.configuration);
+      claims.none_wrong("contact",
+                        event.missing.empty() ? std::vector<std::string>{}
+                                              : std::vector<std::string>{event.missing},
+                        "the problem says how the target is met");
+    });
+    if (claims.all_pass()) {
+      group("configuration", [&] { check_configuration(context, event, response, claims); });
+      group("impact", [&] { check_impact(context, event, response, claims); });
+      group("objective", [&] { check_objective(context, event, response, claims); });
+      group("constraints", [&] { check_constraints(context, event, response, claims); });
+      group("candidates", [&] { check_candidates(context, claims); });
+      group("approach", [&] { check_approach(context, claims); });
+      if (options.post_impact && !problem.post_impact.controllers.empty()) {
+        group("post_impact", [&] {
+          const Vector6d Fbar = impulse_along(problem, event, response, event.n);
+          check_post_impact(context, response, Fbar, claims, result.reports);
+        });
+      }
+    }
+  }
+  result.claims = claims.claims();
+  result.pass = claims.all_pass();
+  return result;
+}
+
+}  // namespace stillbase

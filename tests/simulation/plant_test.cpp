@@ -1,0 +1,81 @@
+// The plant against the second implementation of the dynamics.
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <stillbase/reference/reference.hpp>
+#include <stillbase/simulation/simulate.hpp>
+
+#include "simulation/robots.hpp"
+
+namespace stillbase::test {
+
+TEST_CASE("accelerations are those of the dense equation of motion", "[simulation]") {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Random random(seed, 37);
+    const int n = 1 + static_cast<int>(seed % 8);
+    const RobotModel robot = random_robot(random, n, seed % 2 == 0);
+    const PlantState state = random_state(random, n, 1);
+    const JointVectord rotors = JointVectord::Constant(n, random.uniform(0, 0.5));
+    Vector6d F_b;
+    F_b << random.unit_vector(), random.unit_vector();
+    JointVectord tau(n);
+    for (int k = 0; k < n; ++k) tau[k] = random.uniform(-1, 1);
+    const PlantTerms terms(robot, rotors, state);
+    const PlantAcceleration fast = compute_acceleration(terms, F_b, tau);
+
+    const reference::Dynamics dynamics =
+        reference::compute(robot, {state.phi, state.phidot, state.Omega});
+    Eigen::MatrixXd H = dynamics.H;
+    H.diagonal().tail(n) += rotors;
+    Eigen::VectorXd forces(6 + n);
+    forces << F_b, tau;
+    const Eigen::VectorXd dense = H.ldlt().solve(forces - dynamics.c);
+    INFO("seed " << seed);
+    CHECK((fast.dot_Omega - dense.head(6)).norm() < 1e-10 * (1 + dense.norm()));
+    CHECK((fast.phiddot - dense.tail(n)).norm() < 1e-10 * (1 + dense.norm()));
+
+    Eigen::VectorXd velocity(6 + n);
+    velocity << state.Omega, state.phidot;
+    CHECK(kinetic_energy(terms.inertia, state) == Approx(0.5 * velocity.dot(H * velocity)));
+  }
+}
+
+TEST_CASE("the trace's momenta are those of the second implementation", "[simulation]") {
+  Random random(1, 41);
+  const RobotModel robot = random_robot(random, 5, true);
+  Controller controller;
+  controller.kind = ControllerKind::RnsDamped;
+  SimulationOptions options;
+  options.horizon = 0.2;
+  const SimulationResult result =
+      simulate_post_impact(robot, {}, random_state(random, 5, 0.2), controller, options);
+  REQUIRE(result.trace.size() == 21);
+  for (const TraceSample& sample : result.trace) {
+    const PlantState& s = sample.state;
+    const reference::Dynamics dynamics = reference::compute(robot, {s.phi, s.phidot, s.Omega});
+    CHECK((sample.total - dynamics.L_g).norm() < 1e-11);
+    CHECK((sample.base - dynamics.Htilde_omega * s.Omega.tail<3>()).norm() < 1e-11);
+    CHECK((sample.P_N - s.base.orientation * dynamics.P).norm() < 1e-11);
+  }
+}
+
+TEST_CASE("a robot without joints is a free rigid body under every controller", "[simulation]") {
+  RobotModel robot;
+  robot.base = {"base", {}, 10, Vector3d::Zero(), Vector3d(1, 2, 2.5).asDiagonal()};
+  PlantState state = state_at_rest(Pose(), JointVectord(0));
+  state.Omega << 0.1, 0, 0.2, 0.3, 0.9, -0.2;
+  for (const std::string& name : controller_names()) {
+    Controller controller;
+    controller.kind = *controller_from_name(name);
+    SimulationOptions options;
+    options.integrator = IntegratorKind::Fehlberg78;
+    options.horizon = 2;
+    options.output_period = 0;
+    const SimulationResult result = simulate_post_impact(robot, {}, state, controller, options);
+    INFO(name);
+    REQUIRE(result.status == SimulationStatus::Finished);
+    CHECK(result.summary.relative_momentum_drift < 1e-10);
+    CHECK(result.trace.back().base.norm() == Approx(result.trace.front().base.norm()));
+  }
+}
+
+}  // namespace stillbase::test

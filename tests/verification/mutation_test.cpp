@@ -1,0 +1,151 @@
+// With its hash recomputed, a plan with one number off by a millionth is still refused: by
+// recomputation.
+#include <catch2/catch.hpp>
+
+#include <functional>
+
+#include <stillbase/verification/verification.hpp>
+
+#include "verification/example_plans.hpp"
+
+using namespace stillbase;
+using namespace stillbase::verification_test;
+
+namespace {
+
+constexpr double kFactor = 1 + 1e-6;
+
+struct Mutation {
+  std::string name;
+  std::function<void(Plan&)> apply;
+};
+
+// The same posture, pose or time wherever the plan states it, so that no copy betrays the change.
+void configure(Plan& plan, const std::function<void(Configuration&)>& change) {
+  change(plan.configuration);
+  for (Candidate& candidate : plan.candidates) change(candidate.configuration);
+  Approach& a = plan.approach;
+  for (const std::size_t i : {a.times.size() - 2, a.times.size() - 1}) {
+    a.joint_positions[i] = plan.configuration.phi;
+    a.base_poses[i] = plan.configuration.base;
+  }
+  a.times.back() = plan.configuration.contact_time;
+  a.path_length = 0;
+  for (std::size_t i = 1; i < a.times.size(); ++i) {
+    a.path_length += (a.joint_positions[i] - a.joint_positions[i - 1]).norm();
+  }
+}
+
+template <class V>
+void add_components(std::vector<Mutation>& mutations, const std::string& name, int size,
+                    V&& component) {
+  for (int i = 0; i < size; ++i) {
+    mutations.push_back({name + "[" + std::to_string(i) + "]",
+                         [component, i](Plan& plan) { component(plan, i) *= kFactor; }});
+  }
+}
+
+std::vector<Mutation> all_mutations(const Plan& plan) {
+  std::vector<Mutation> m;
+  for (int k = 0; k < 7; ++k) {
+    m.push_back({"configuration.phi[" + std::to_string(k) + "]",
+                 [k](Plan& p) { configure(p, [k](Configuration& c) { c.phi(k) *= kFactor; }); }});
+  }
+  for (int i = 0; i < 3; ++i) {
+    m.push_back({"configuration.base.position[" + std::to_string(i) + "]", [i](Plan& p) {
+                   configure(p, [i](Configuration& c) { c.base.position(i) *= kFactor; });
+                 }});
+  }
+  for (int i = 0; i < 4; ++i) {
+    m.push_back({"configuration.base.orientation[" + std::to_string(i) + "]", [i](Plan& p) {
+                   configure(p, [i](Configuration& c) {
+                     c.base.orientation.coeffs()(i) *= kFactor;
+                     c.base.orientation.normalize();
+                   });
+                   p.problem.base = p.configuration.base;  // so that only the hand betrays it
+                 }});
+  }
+  m.push_back({"configuration.contact_time", [](Plan& p) {
+                 configure(p, [](Configuration& c) { c.contact_time *= kFactor; });
+                 p.problem.variables.contact_time_upper = p.configuration.contact_time;
+               }});
+
+  add_components(m, "Fbar", 3, [](Plan& p, int i) -> double& { return p.impact.Fbar(i); });
+  add_components(m, "Delta_Omega", 6,
+                 [](Plan& p, int i) -> double& { return p.impact.Delta_Omega(i); });
+  add_components(m, "Delta_phidot", 7,
+                 [](Plan& p, int i) -> double& { return p.impact.Delta_phidot(i); });
+  add_components(m, "Delta_phidot_rns", 7,
+                 [](Plan& p, int i) -> double& { return p.impact.Delta_phidot_rns(i); });
+  add_components(m, "Delta_phidot_orthogonal", 7,
+                 [](Plan& p, int i) -> double& { return p.impact.Delta_phidot_orthogonal(i); });
+  add_components(m, "total", 3, [](Plan& p, int i) -> double& { return p.impact.total(i); });
+  add_components(m, "base", 3, [](Plan& p, int i) -> double& { return p.impact.base(i); });
+  add_components(m, "coupling", 3, [](Plan& p, int i) -> double& { return p.impact.coupling(i); });
+  add_components(m, "judgement", 3, [](Plan& p, int i) -> double& {
+    CaseJudgement& j = p.impact.judgement;
+    return i == 0 ? j.total : i == 1 ? j.base : j.coupling;
+  });
+  add_components(m, "closing_speed", 1,
+                 [](Plan& p, int) -> double& { return p.impact.closing_speed; });
+  add_components(m, "objective", 2, [](Plan& p, int i) -> double& {
+    return i == 0 ? p.objective.nominal : p.objective.worst_case;
+  });
+  add_components(m, "worst_direction", 3,
+                 [](Plan& p, int i) -> double& { return p.objective.worst_direction(i); });
+  add_components(m, "candidate.objective", 1,
+                 [](Plan& p, int) -> double& { return p.candidates[0].objective; });
+
+  // The path, at three of its samples.
+  for (const std::size_t s : {std::size_t{15}, std::size_t{40}, plan.approach.times.size() - 12}) {
+    const std::string at = "sample " + std::to_string(s) + " ";
+    add_components(m, at + "joint_positions", 7,
+                   [s](Plan& p, int i) -> double& { return p.approach.joint_positions[s](i); });
+    add_components(m, at + "joint_velocities", 7,
+                   [s](Plan& p, int i) -> double& { return p.approach.joint_velocities[s](i); });
+    add_components(m, at + "base_position", 3,
+                   [s](Plan& p, int i) -> double& { return p.approach.base_poses[s].position(i); });
+    for (int i = 0; i < 4; ++i) {
+      m.push_back({at + "base_orientation[" + std::to_string(i) + "]", [s, i](Plan& p) {
+                     p.approach.base_poses[s].orientation.coeffs()(i) *= kFactor;
+                     p.approach.base_poses[s].orientation.normalize();
+                   }});
+    }
+    add_components(m, at + "base_velocity", 6,
+                   [s](Plan& p, int i) -> double& { return p.approach.base_velocities[s](i); });
+  }
+  add_components(m, "approach summary", 3, [](Plan& p, int i) -> double& {
+    Approach& a = p.approach;
+    return i == 0 ? a.duration : i == 1 ? a.path_length : a.attitude_excursion;
+  });
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("a millionth off in any physical number of a plan is found") {
+  VerifyOptions options;
+  options.post_impact = false;
+  options.cone_samples = 200;
+  options.path_refinement = 4;  // clearances have nothing to do with it
+  options.max_target_step = 1;
+  Plan plan = arm_plan();
+  plan.problem.approach.clearance = 0;
+  const Verification before = verify_plan(plan, options);
+  for (const Claim& claim : before.claims) {
+    if (claim.name == "approach_clearance") plan.approach.min_clearance = claim.value.value();
+  }
+  const Verification right = verify_plan(plan, options);
+  for (const Claim& claim : right.claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
+  }
+  const std::vector<Mutation> mutations = all_mutations(plan);
+  CHECK(mutations.size() > 140);
+  for (const Mutation& mutation : mutations) {
+    Plan changed = plan;
+    mutation.apply(changed);
+    INFO(mutation.name);
+    CHECK_FALSE(verify_plan(changed, options).pass);
+  }
+}
