@@ -1,6 +1,8 @@
-#include <stillbase/io/verification_file.hpp>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
+
+#include <stillbase/io/verification_file.hpp>
 
 #include "io/json.hpp"
 
@@ -9,12 +11,14 @@ namespace stillbase {
 namespace {
 
 using io::Json;
-using io::number_json;
+
+/// What an unfinished simulation leaves open is null.
+Json open_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json claim_json(const Claim& claim) {
   return {{"name", claim.name},
-          {"value", claim.value ? number_json(*claim.value) : Json(nullptr)},
-          {"limit", number_json(claim.limit)},
+          {"value", claim.value ? io::number_json(*claim.value) : Json(nullptr)},
+          {"limit", io::number_json(claim.limit)},
           {"unit", claim.unit},
           {"pass", claim.pass},
           {"detail", claim.detail}};
@@ -23,15 +27,15 @@ Json claim_json(const Claim& claim) {
 Json report_json(const ControllerReport& report) {
   return {{"controller", report.controller},
           {"finished", report.finished},
-          {"horizon", number_json(report.horizon)},
-          {"residual_base_rate", number_json(report.residual_base_rate)},
-          {"peak_base_rate", number_json(report.peak_base_rate)},
-          {"attitude_turned", number_json(report.attitude_turned)},
-          {"peak_joint_rate", number_json(report.peak_joint_rate)},
-          {"residual_joint_rate", number_json(report.residual_joint_rate)},
-          {"peak_joint_torque", number_json(report.peak_joint_torque)},
-          {"linear_momentum_drift", number_json(report.linear_momentum_drift)},
-          {"angular_momentum_drift", number_json(report.angular_momentum_drift)},
+          {"horizon", open_json(report.horizon)},
+          {"residual_base_rate", open_json(report.residual_base_rate)},
+          {"peak_base_rate", open_json(report.peak_base_rate)},
+          {"attitude_turned", open_json(report.attitude_turned)},
+          {"peak_joint_rate", open_json(report.peak_joint_rate)},
+          {"residual_joint_rate", open_json(report.residual_joint_rate)},
+          {"peak_joint_torque", open_json(report.peak_joint_torque)},
+          {"linear_momentum_drift", open_json(report.linear_momentum_drift)},
+          {"angular_momentum_drift", open_json(report.angular_momentum_drift)},
           {"limits_met", report.limits_met},
           {"detail", report.detail}};
 }
@@ -40,17 +44,18 @@ Json report_json(const ControllerReport& report) {
 
 std::string verification_to_json(const Verification& verification,
                                  const std::string& content_sha256) {
-  Json claims = Json::array(), controllers = Json::array();
-  for (const Claim& claim : verification.claims) claims.push_back(claim_json(claim));
+  Json json;
+  json["format"] = "stillbase.verification";
+  json["version"] = 1;
+  json["content_sha256"] = content_sha256;
+  json["verdict"] = verification.pass ? "pass" : "fail";
+  json["claims"] = Json::array();
+  for (const Claim& claim : verification.claims) json["claims"].push_back(claim_json(claim));
+  json["post_impact"] = Json::array();
   for (const ControllerReport& report : verification.reports) {
-    controllers.push_back(report_json(report));
+    json["post_impact"].push_back(report_json(report));
   }
-  return io::pretty({{"format", "stillbase.verification"},
-                     {"version", 1},
-                     {"content_sha256", content_sha256},
-                     {"verdict", verification.pass ? "pass" : "fail"},
-                     {"claims", claims},
-                     {"controllers", controllers}});
+  return io::pretty(json);
 }
 
 }  // namespace stillbase

@@ -1,4 +1,4 @@
-// Verification files: the verdict on a plan as JSON.
+// Verdicts as JSON: what `verify` writes, and what stands under `verification` in a plan.
 #pragma once
 
 #include <string>
@@ -7,10 +7,9 @@
 
 namespace stillbase {
 
-/// Text of a verification (`format: stillbase.verification`). A claim that could not be evaluated
-/// has the value null.
-/// @param content_sha256 fingerprint of the plan's content as it was read
-/// @throws std::invalid_argument for any other number that is not finite
+/// Text of a verdict (`format: stillbase.verification`): claims as they were judged, and per
+/// controller what happened after the impact. A number that could not be evaluated is null.
+/// @param content_sha256 fingerprint of the plan that was judged
 std::string verification_to_json(const Verification& verification,
                                  const std::string& content_sha256);
 
