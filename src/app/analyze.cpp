@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/report/plot.hpp>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -116,15 +117,64 @@ std::string table_text(const std::vector<Row>& rows) {
   return text;
 }
 
+/// Where a curve over the rows crosses zero, by linear interpolation.
+void add_zero_marks(const std::vector<double>& x, const std::vector<double>& y,
+                    const std::string& label, std::vector<PlotMark>& marks) {
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    if ((y[i] < 0) == (y[i + 1] < 0)) continue;
+    marks.push_back({x[i] + (x[i + 1] - x[i]) * y[i] / (y[i] - y[i + 1]), label});
+  }
+}
+
+/// The paper's Figs. 4 and 5: momenta about z, and joint rates, over the direction of the impulse.
+std::string svg_text(const CaptureProblem& problem, std::vector<Row> rows) {
+  // Close the circle, so that the curves end where they begin.
+  rows.push_back(rows.front());
+  rows.back().direction_deg = 360;
+  PlotPanel momenta{"Change of angular momentum about z: " + problem.name,
+                    "direction of the impulse [deg]",
+                    "N m s",
+                    {},
+                    {{"total", {}}, {"base part", {}}, {"coupling part", {}}},
+                    {}};
+  PlotPanel rates{"Joint rates after the impact",
+                  "direction of the impulse [deg]",
+                  "rad/s",
+                  {},
+                  {{"norm", {}}, {"null-space part", {}}, {"orthogonal part", {}}},
+                  {}};
+  for (const Row& row : rows) {
+    const ImpactSummary& impact = row.impact;
+    momenta.x.push_back(row.direction_deg);
+    momenta.series[0].y.push_back(impact.total.z());
+    momenta.series[1].y.push_back(impact.base.z());
+    momenta.series[2].y.push_back(impact.coupling.z());
+    rates.series[0].y.push_back(impact.Delta_phidot.norm());
+    rates.series[1].y.push_back(impact.Delta_phidot_rns.norm());
+    rates.series[2].y.push_back(impact.Delta_phidot_orthogonal.norm());
+  }
+  rates.x = momenta.x;
+  const char* labels[] = {"C", "G2", "G3"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    add_zero_marks(momenta.x, momenta.series[i].y, labels[i], momenta.marks);
+  }
+  return plot_svg({momenta, rates});
+}
+
 int run(const Options& options) {
   options.output.check();
   const std::string extension = extension_of(options.output.path);
-  if (options.output.is_given() && extension != ".json" && extension != ".csv") {
-    throw CommandLineError(options.output.path + ": the result is written as .json or .csv");
+  if (options.output.is_given() && extension != ".json" && extension != ".csv" &&
+      extension != ".svg") {
+    throw CommandLineError(options.output.path + ": the result is written as .json, .csv or .svg");
+  }
+  if (extension == ".svg" && options.directions < 2) {
+    throw CommandLineError("a plot needs --sweep-direction with at least 2 directions");
   }
   const CaptureProblem problem = read_problem(options.problem);
   const std::vector<Row> rows = analyse(problem, options.directions);
   if (extension == ".csv") options.output.write(csv_text(problem, rows));
+  if (extension == ".svg") options.output.write(svg_text(problem, rows));
   if (extension == ".json") options.output.write(json_text(problem, rows));
   if (options.json) {
     write_stdout(json_text(problem, rows));
@@ -148,7 +198,8 @@ void add_analyze(CLI::App& app, Action& action) {
                    "N directions of the impulse, evenly around the base's z axis from x")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000));
-  add_output(*command, options->output, "-o,--output", "result as .json or .csv; else a table");
+  add_output(*command, options->output, "-o,--output",
+             "result as .json, .csv or a plot as .svg; else a table");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
