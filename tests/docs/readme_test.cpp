@@ -1,0 +1,145 @@
+// What the READMEs show is run: every `$ stillbase ...` line of a console block in its own copy of
+// the problems, and every line of output below it must come out again.
+#include <catch2/catch.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <stillbase/core/file.hpp>
+
+namespace stillbase {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = STILLBASE_SOURCE_DIR;
+
+std::vector<fs::path> readmes() {
+  std::vector<fs::path> out{kRoot / "README.md"};
+  for (const char* folder : {"problems", "src", "bench", "tests"}) {
+    if (fs::exists(kRoot / folder / "README.md")) out.push_back(kRoot / folder / "README.md");
+  }
+  return out;
+}
+
+struct Snippet {
+  std::string command;
+  std::vector<std::string> output;
+};
+
+/// Commands of the console blocks, in order, with the lines shown below each.
+std::vector<Snippet> console_snippets(const fs::path& file) {
+  std::istringstream text(read_text_file(file.string()));
+  std::vector<Snippet> out;
+  bool inside = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.rfind("```", 0) == 0) {
+      inside = !inside && line == "```console";
+    } else if (inside && line.rfind("$ ", 0) == 0) {
+      out.push_back({line.substr(2), {}});
+    } else if (inside && !line.empty()) {
+      REQUIRE_FALSE(out.empty());
+      out.back().output.push_back(line);
+    }
+  }
+  return out;
+}
+
+/// Runs a command in a folder; gives everything that it printed.
+std::string run(const std::string& command, const fs::path& folder, int& code) {
+  const std::string whole = "cd '" + folder.string() + "' && ( " + command + " ) 2>&1";
+  std::string printed;
+  FILE* pipe = popen(whole.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  char buffer[4096];
+  while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe))
+    printed.append(buffer, size);
+  code = pclose(pipe);
+  return printed;
+}
+
+fs::path scratch_folder() {
+  std::string name = (fs::temp_directory_path() / "stillbase-readme-XXXXXX").string();
+  REQUIRE(mkdtemp(name.data()) != nullptr);
+  return name;
+}
+
+}  // namespace
+
+TEST_CASE("every command in the READMEs runs and prints what is shown") {
+  int commands = 0;
+  for (const fs::path& readme : readmes()) {
+    const fs::path folder = scratch_folder();
+    fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
+    for (const Snippet& snippet : console_snippets(readme)) {
+      INFO(readme.string() << ": " << snippet.command);
+      REQUIRE(snippet.command.rfind("stillbase ", 0) == 0);
+      int code = 0;
+      const std::string printed =
+          run(std::string(STILLBASE_TOOL) + snippet.command.substr(9), folder, code);
+      CHECK(code == 0);
+      for (const std::string& line : snippet.output) {
+        INFO("printed:\n" << printed);
+        CHECK(printed.find(line + "\n") != std::string::npos);
+      }
+      ++commands;
+    }
+    fs::remove_all(folder);
+  }
+  CHECK(commands >= 3);
+}
+
+TEST_CASE("every function that the README gives for an equation exists and is tested") {
+  const std::string readme = read_text_file((kRoot / "README.md").string());
+  std::string headers, tests;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "include")) {
+    if (entry.path().extension() == ".hpp") headers += read_text_file(entry.path().string());
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "tests")) {
+    if (entry.path().extension() == ".cpp") tests += read_text_file(entry.path().string());
+  }
+  std::vector<bool> numbers(26, false);
+  const std::size_t begin = readme.find("| equation | function |");
+  REQUIRE(begin != std::string::npos);
+  std::istringstream table(readme.substr(begin));
+  std::string line;
+  std::getline(table, line);
+  std::getline(table, line);
+  const std::regex number("\\(([0-9]+)\\)"), name("`([a-z_]+)`");
+  while (std::getline(table, line) && line.rfind("|", 0) == 0) {
+    for (std::sregex_iterator it(line.begin(), line.end(), number), end; it != end; ++it) {
+      numbers.at(static_cast<std::size_t>(std::stoi((*it)[1]))) = true;
+    }
+    for (std::sregex_iterator it(line.begin(), line.end(), name), end; it != end; ++it) {
+      const std::string function = (*it)[1];
+      INFO(function);
+      CHECK(headers.find(" " + function + "(") != std::string::npos);
+      const bool tested = tests.find(function + "(") != std::string::npos ||
+                          tests.find(function + "<") != std::string::npos;
+      CHECK(tested);
+    }
+  }
+  for (std::size_t i = 1; i <= 25; ++i) {
+    INFO("equation (" << i << ")");
+    CHECK(numbers[i]);
+  }
+}
+
+TEST_CASE("every file that the README links to exists") {
+  const std::string readme = read_text_file((kRoot / "README.md").string());
+  const std::regex link("\\]\\(([^)]+)\\)");
+  int links = 0;
+  for (std::sregex_iterator it(readme.begin(), readme.end(), link), end; it != end; ++it, ++links) {
+    INFO((*it)[1]);
+    CHECK(fs::exists(kRoot / (*it)[1].str()));
+  }
+  CHECK(links >= 4);
+}
+
+}  // namespace stillbase

@@ -1,0 +1,38 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/io/verification_file.hpp>
+
+using namespace stillbase;
+
+TEST_CASE("a verdict states every claim, and null for what could not be evaluated") {
+  Verification verification;
+  verification.claims = {{"impact", 1e-13, 1e-10, "1", true, "against the second dynamics"},
+                         {"approach", std::nullopt, 0, "m", false, "no path"}};
+  ControllerReport report;
+  report.controller = "rns_damped";
+  report.peak_base_rate = std::nan("");
+  report.limits_met = {"joint 3 torque at 0.12 s"};
+  verification.reports = {report};
+  const std::string text = verification_to_json(verification, "abc");
+  const auto json = nlohmann::ordered_json::parse(text);
+  CHECK(json["format"] == "stillbase.verification");
+  CHECK(json["version"] == 1);
+  CHECK(json["content_sha256"] == "abc");
+  CHECK(json["verdict"] == "fail");
+  CHECK(json["claims"][0]["value"] == 1e-13);
+  CHECK(json["claims"][0]["pass"] == true);
+  CHECK(json["claims"][1]["value"].is_null());
+  CHECK(json["claims"][1]["detail"] == "no path");
+  CHECK(json["post_impact"][0]["peak_base_rate"].is_null());
+  CHECK(json["post_impact"][0]["limits_met"].size() == 1);
+  verification.pass = true;
+  CHECK(nlohmann::json::parse(verification_to_json(verification, "abc"))["verdict"] == "pass");
+}
+
+TEST_CASE("a claim whose value is not finite is not written") {
+  Verification verification;
+  verification.claims = {{"impact", std::nan(""), 0, "1", false, ""}};
+  CHECK_THROWS_AS(verification_to_json(verification, "abc"), std::invalid_argument);
+}
