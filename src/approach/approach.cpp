@@ -186,7 +186,7 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
   approach.duration = path.times.back() - path.times.front();
   approach.path_length = length(path);
   const Proximity closest = smallest_clearance(task.problem, task.scene, motion, task.target);
-  approach.min_clearance = std::isfinite(closest.distance) ? closest.distance : 0;
+  approach.min_clearance = closest.distance;
   if (motion.contact_time > path.times.back()) {
     approach.times.push_back(motion.contact_time);
     approach.joint_positions.push_back(path.phi.back());

@@ -114,7 +114,7 @@ class Follower {
     const auto look = [&](const JointVectord& phi, const Pose& base, double time) {
       const Pose pose = target_pose(time);
       const auto nearest = scene_.nearest(compute_kinematics<double>(problem_.robot, phi), base,
-                                          target_ != nullptr ? &pose : nullptr);
+                                          target_ != nullptr ? &pose : nullptr, false);
       if (nearest && nearest->distance < least.distance) least = *nearest;
     };
     const double step = problem_.approach.resolution / 2;

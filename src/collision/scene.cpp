@@ -173,12 +173,13 @@ std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kin
 }
 
 std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinematics,
-                                                 const Pose& base, const Pose* target) const {
+                                                 const Pose& base, const Pose* target,
+                                                 bool meeting) const {
   const Instant instant = place_all(*data_, kinematics, base, target);
   const ScenePair* closest = nullptr;
   double least = kInfinity;
   for (const ScenePair& pair : data_->pairs) {
-    if (is_exempt(*data_, instant, pair)) continue;
+    if (is_exempt(*data_, instant, pair) || (!meeting && pair.hand_and_target)) continue;
     const double distance = pair_distance(*data_, instant, pair, least);
     if (closest == nullptr || distance < least) {
       least = distance;

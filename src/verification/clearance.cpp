@@ -68,8 +68,13 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     ++result.instants;
     std::optional<Pose> target;
     if (context.motion != nullptr) target = context.motion->state(time).pose;
-    const auto nearest =
-        scene->nearest(kinematics_at(problem.robot, phi), base, target ? &*target : nullptr);
+    const Pose* at = target ? &*target : nullptr;
+    const Kinematics<double> kinematics = kinematics_at(problem.robot, phi);
+    const auto of_path = scene->nearest(kinematics, base, at, false);
+    if (of_path && !(result.distance_of_path && of_path->distance >= *result.distance_of_path)) {
+      result.distance_of_path = of_path->distance;
+    }
+    const auto nearest = scene->nearest(kinematics, base, at);
     if (!nearest || (result.distance && nearest->distance >= *result.distance)) return;
     result.distance = nearest->distance;
     result.time = time;

@@ -15,9 +15,11 @@ namespace stillbase::verification {
 struct PathClearance {
   bool complete = false;           ///< false: `detail` says why
   std::optional<double> distance;  ///< m; empty: there is no pair that could touch
-  double time = 0;                 ///< s
-  std::string detail;              ///< the pair
-  long instants = 0;               ///< looked at
+  /// The same without the hand's body against the target: what a plan states.
+  std::optional<double> distance_of_path;
+  double time = 0;     ///< s
+  std::string detail;  ///< the pair
+  long instants = 0;   ///< looked at
 };
 
 /// Along the approach and the wait, at steps of a part of the problem's resolution.

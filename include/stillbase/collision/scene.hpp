@@ -89,8 +89,10 @@ class CollisionScene {
                                      const Pose* target, double margin = 0) const;
 
   /// The closest pair among those that may not touch. Empty when there is no such pair.
+  /// @param meeting false: leave out the hand's body against the target, which are meant to come
+  ///   together (their distance just outside contact_allowance says nothing about the path)
   std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
-                                   const Pose* target) const;
+                                   const Pose* target, bool meeting = true) const;
 
   /// Looks at one instant and concludes for an interval around it: no point of a body moves further
   /// than the travel bounds allow, pair by pair.

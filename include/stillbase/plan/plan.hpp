@@ -78,7 +78,7 @@ struct Approach {
   double duration = 0;                    ///< s of motion
   double path_length = 0;                 ///< rad, by eight chords per segment
   double attitude_excursion = 0;  ///< rad, largest turn of the base away from its final attitude
-  double min_clearance = 0;       ///< m, among pairs that may not touch
+  double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
 };
 
 struct Plan {
