@@ -107,7 +107,8 @@ std::string robot_report(const RobotModel& robot) {
   return text;
 }
 
-std::string variable_words(const CaptureProblem& problem) {
+/// In words; empty for problems that are there to be analysed and simulated only.
+std::vector<std::string> free_variables(const CaptureProblem& problem) {
   std::vector<std::string> free;
   for (int k = 0; k < problem.robot.n(); ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -120,11 +121,10 @@ std::string variable_words(const CaptureProblem& problem) {
     free.push_back(fmt::format("contact time from {:.6g} to {:.6g} s", spec.contact_time_lower,
                                spec.contact_time_upper));
   }
-  return free.empty() ? "nothing" : fmt::format("{}", fmt::join(free, ", "));
+  return free;
 }
 
 std::string problem_report(const CaptureProblem& problem) {
-  const Formulation formulation(problem);
   std::string text = fmt::format("problem {}: {}\n", problem.name, problem.purpose);
   text += fmt::format("start: {}\nbase: {}\n", posture_words(problem.robot, problem.start),
                       pose_words(problem.base));
@@ -134,11 +134,17 @@ std::string problem_report(const CaptureProblem& problem) {
   }
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
   text += fmt::format("objective: {}\n", to_string(problem.objective));
-  text += fmt::format("free: {}\n", variable_words(problem));
-  text += fmt::format(
-      "{}, {}: {} left free\n", count_words(formulation.num_variables(), "variable", "variables"),
-      count_words(formulation.num_equations(), "independent equation", "independent equations"),
-      formulation.freedom());
+  const std::vector<std::string> free = free_variables(problem);
+  if (free.empty()) {
+    text += "free: nothing, so there is nothing to plan\n";
+  } else {
+    const Formulation formulation(problem);
+    text += fmt::format("free: {}\n", fmt::join(free, ", "));
+    text += fmt::format(
+        "{}, {}: {} left free\n", count_words(formulation.num_variables(), "variable", "variables"),
+        count_words(formulation.num_equations(), "independent equation", "independent equations"),
+        formulation.freedom());
+  }
   return text + robot_report(problem.robot);
 }
 

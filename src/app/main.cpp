@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
   add_analyze(app, action);
   add_plan(app, action);
   add_simulate(app, action);
+  add_verify(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

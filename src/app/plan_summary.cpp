@@ -18,19 +18,19 @@ std::string line(const char* topic, const std::string& text) {
 }
 
 std::string found_words(const Plan& plan) {
-  const SearchSpec& search = plan.problem.search;
+  const int starts = plan.certificate.starts;
   const long free = std::count_if(plan.candidates.begin(), plan.candidates.end(),
                                   [](const Candidate& c) { return c.collision_free; });
   if (plan.status == PlanStatus::Infeasible) {
-    return fmt::format("no configuration satisfies the constraints ({} starts with {})",
-                       search.starts, plan.optimizer);
+    return fmt::format("no configuration satisfies the constraints ({} starts with {})", starts,
+                       plan.optimizer);
   }
   return fmt::format(
       "{}, {}; {} kept, {} of them free of collision ({} starts with {})",
       plan.status == PlanStatus::Limit ? "stopped early, best so far"
                                        : to_string(plan.status) + " configuration",
       count_words(plan.certificate.distinct_solutions, "distinct solution", "distinct solutions"),
-      plan.candidates.size(), free, search.starts, plan.optimizer);
+      plan.candidates.size(), free, starts, plan.optimizer);
 }
 
 std::string violations(const Plan& plan) {

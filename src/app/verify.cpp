@@ -1,0 +1,109 @@
+// stillbase verify: the verdict on a plan file, claim by claim.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/file.hpp>
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/verification_file.hpp>
+#include <stillbase/verification/verification.hpp>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/interruption.hpp"
+#include "app/output.hpp"
+#include "app/words.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+struct Options {
+  std::string plan;
+  OutputFile output;
+  bool json = false;
+};
+
+/// The file says what it was when it was written; a changed one is told from that.
+Claim fingerprint_claim(const std::string& name, const std::string& stated,
+                        const std::string& computed) {
+  const bool is_same = stated == computed;
+  Claim claim;
+  claim.name = name;
+  claim.value = is_same ? 0 : 1;
+  claim.limit = 0;
+  claim.unit = "1";
+  claim.pass = is_same;
+  claim.detail = is_same ? "SHA-256 of what was read, as stated: " + stated
+                         : "stated " + stated + ", of what was read " + computed;
+  return claim;
+}
+
+std::string claim_line(const Claim& claim) {
+  const std::string unit = claim.unit == "1" ? "" : " " + claim.unit;
+  const std::string value = claim.value ? fmt::format("{:.4g}{}", *claim.value, unit) : "none";
+  return fmt::format("{:<6} {:<34} {:>14}  limit {:.4g}{}  {}", claim.pass ? "ok" : "FAILED",
+                     claim.name, value, claim.limit, unit, claim.detail);
+}
+
+std::string report_line(const ControllerReport& report) {
+  if (!report.finished) {
+    return fmt::format("{:<22} did not finish: {}", report.controller, report.detail);
+  }
+  return fmt::format(
+      "{:<22} after {:g} s the base turns at {:.3g} deg/s (peak {:.3g}), it turned by {:.3g} deg; "
+      "joint rates {:.3g} rad/s (peak {:.3g})",
+      report.controller, report.horizon, report.residual_base_rate * kDegrees,
+      report.peak_base_rate * kDegrees, report.attitude_turned * kDegrees,
+      report.residual_joint_rate, report.peak_joint_rate);
+}
+
+void print_summary(const Plan& plan, const Verification& verification) {
+  say(fmt::format("{:<13} {}: {}", "problem", plan.problem.name, plan.problem.purpose));
+  for (const Claim& claim : verification.claims) say(claim_line(claim));
+  for (const ControllerReport& report : verification.reports) say(report_line(report));
+  const auto failed = std::count_if(verification.claims.begin(), verification.claims.end(),
+                                    [](const Claim& claim) { return !claim.pass; });
+  say(verification.pass
+          ? fmt::format("verdict: pass, all {} claims hold", verification.claims.size())
+          : fmt::format("verdict: FAIL, {} of {} claims do not hold", failed,
+                        verification.claims.size()));
+}
+
+int run(const Options& options) {
+  options.output.check();
+  const PlanFile file = read_plan(read_text_file(options.plan), options.plan);
+  VerifyOptions verify;
+  verify.stop = stop_condition();
+  Verification verification = verify_plan(file.plan, verify);
+  const Claim fingerprints[] = {
+      fingerprint_claim("content_fingerprint", file.stated_sha256, file.computed_sha256),
+      fingerprint_claim("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256)};
+  verification.claims.insert(verification.claims.begin(), std::begin(fingerprints),
+                             std::end(fingerprints));
+  for (const Claim& claim : fingerprints) verification.pass = verification.pass && claim.pass;
+
+  const std::string text = verification_to_json(verification, file.computed_sha256);
+  options.output.write(text);
+  if (options.json && options.output.is_given()) write_stdout(text);
+  print_summary(file.plan, verification);
+  if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
+  if (signal_exit_code() != 0) return signal_exit_code();
+  return verification.pass ? kDone : kVerificationFailed;
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "verify", "recompute everything that a plan says, by other code than the planner's");
+  command->add_option("plan", options->plan, "plan file (JSON)")
+      ->type_name("PLAN.json")
+      ->required();
+  add_output(*command, options->output, "-o,--output", "verification file (JSON); else stdout");
+  command->add_flag("--json", options->json, "print the verification on stdout also with -o");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace stillbase::app

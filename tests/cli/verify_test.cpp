@@ -1,0 +1,77 @@
+#include <catch2/catch.hpp>
+
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/tool.hpp"
+
+using namespace stillbase::cli_test;
+using nlohmann::ordered_json;
+
+namespace {
+
+const ordered_json& claim_of(const ordered_json& verification, const std::string& name) {
+  for (const ordered_json& claim : verification.at("claims")) {
+    if (claim.at("name") == name) return claim;
+  }
+  throw std::logic_error("no claim " + name);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a plan as it was written passes, a changed one fails by its fingerprint and its claims") {
+  const Workshop shop;
+  const std::string problem = source_path("problems/planar_two_link_c2_a.yaml");
+  REQUIRE(shop.run("plan '" + problem + "' -o plan.json").code == 0);
+
+  const Outcome good = shop.run("verify plan.json -o verification.json");
+  INFO(good.err);
+  CHECK(good.code == 0);
+  CHECK(good.out.empty());
+  CHECK(good.says("verdict: pass"));
+  const ordered_json passed = ordered_json::parse(shop.text("verification.json"));
+  ordered_json plan = ordered_json::parse(shop.text("plan.json"));
+  CHECK(passed.at("format") == "stillbase.verification");
+  CHECK(passed.at("verdict") == "pass");
+  CHECK(passed.at("content_sha256") == plan.at("content_sha256"));
+  std::set<std::string> names;
+  for (const ordered_json& claim : passed.at("claims")) {
+    INFO(claim.dump());
+    CHECK(claim.at("pass").get<bool>());
+    CHECK(names.insert(claim.at("name").get<std::string>()).second);
+  }
+
+  // Without -o the same goes to stdout; an existing file is not replaced.
+  CHECK(ordered_json::parse(shop.run("verify plan.json").out) == passed);
+  CHECK(shop.run("verify plan.json -o verification.json").code == 7);
+
+  double& phi = plan.at("configuration").at("joint_positions").at(0).get_ref<double&>();
+  phi += 1e-3;
+  shop.write("changed.json", plan.dump());
+  const Outcome bad = shop.run("verify changed.json");
+  CHECK(bad.code == 5);
+  CHECK(bad.says("FAILED"));
+  CHECK(bad.says("verdict: FAIL"));
+  const ordered_json failed = ordered_json::parse(bad.out);
+  CHECK(failed.at("verdict") == "fail");
+  CHECK_FALSE(claim_of(failed, "content_fingerprint").at("pass").get<bool>());
+  CHECK(claim_of(failed, "robot_fingerprint").at("pass").get<bool>());
+  int others = 0;
+  for (const ordered_json& claim : failed.at("claims")) {
+    if (!claim.at("pass").get<bool>()) ++others;
+  }
+  CHECK(others > 1);
+}
+
+TEST_CASE("verify refuses what is no plan") {
+  const Workshop shop;
+  shop.write("not.json", "{\"format\": \"stillbase.plan\"");
+  CHECK(shop.run("verify not.json -o out.json").code == 3);
+  shop.write("other.json", "{\"format\": \"stillbase.state\", \"version\": 1}");
+  const Outcome outcome = shop.run("verify other.json -o out.json");
+  CHECK(outcome.code == 3);
+  CHECK(outcome.says("other.json:1: "));
+  CHECK_FALSE(shop.has("out.json"));
+}

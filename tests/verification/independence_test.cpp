@@ -1,0 +1,60 @@
+// The verifier against a planner that computes with a wrong sign.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <stillbase/core/file.hpp>
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/verification/verification.hpp>
+
+namespace stillbase {
+namespace {
+
+std::string problem_path(const std::string& name) {
+  return std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml";
+}
+
+std::string failures(const Verification& verification) {
+  std::string out;
+  for (const Claim& claim : verification.claims) {
+    if (!claim.pass) out += claim.name + ": " + claim.detail + "\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused") {
+  for (const char* name : {"planar_two_link_c2_a", "iiwa_client_50"}) {
+    const std::string path =
+        (std::filesystem::temp_directory_path() / (std::string("flipped_") + name + ".json"))
+            .string();
+    const std::string command =
+        std::string(STILLBASE_FLIPPED_PLANNER) + " '" + problem_path(name) + "' '" + path + "'";
+    REQUIRE(std::system(command.c_str()) == 0);
+    const PlanFile file = read_plan(read_text_file(path), path);
+    // The file itself is in order, and the planner believes in it.
+    CHECK(file.stated_sha256 == file.computed_sha256);
+    CHECK(file.plan.certificate.max_violation <= 1e-9);
+    const Verification verification = verify_plan(file.plan);
+    INFO(name);
+    CHECK_FALSE(verification.pass);
+    std::filesystem::remove(path);
+  }
+}
+
+TEST_CASE("plans of the planner itself pass every claim") {
+  for (const char* name : {"planar_two_link_c2_a", "iiwa_client_50"}) {
+    const Plan plan = make_plan(read_problem(problem_path(name)));
+    const Verification verification = verify_plan(plan);
+    INFO(name << "\n" << failures(verification));
+    CHECK(verification.pass);
+  }
+}
+
+}  // namespace stillbase
