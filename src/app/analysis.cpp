@@ -64,7 +64,8 @@ PostureIndices posture_indices(const CaptureProblem& problem) {
 }  // namespace
 
 Analysis analyse(const CaptureProblem& problem, int directions) {
-  return {problem.robot, sweep(problem, directions), compare(problem), posture_indices(problem)};
+  return {problem.name, problem.robot, sweep(problem, directions), compare(problem),
+          posture_indices(problem)};
 }
 
 }  // namespace stillbase::app

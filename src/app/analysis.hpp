@@ -33,6 +33,7 @@ struct PostureIndices {
 };
 
 struct Analysis {
+  std::string problem;  ///< its name
   RobotModel robot;
   std::vector<AnalysisRow> rows;
   std::vector<AnalysisComparison> resistances;  ///< in the problem's own direction

@@ -124,14 +124,15 @@ std::string analysis_svg(const Analysis& analysis) {
   }
   const bool is_planar = across <= 1e-9 * along_z;
   PlotPanel momenta, rates;
-  momenta.title = is_planar ? "Change of angular momentum about z, base frame"
-                            : "Change of angular momentum, norms";
+  momenta.title =
+      (is_planar ? "Change of angular momentum about z: " : "Change of angular momentum, norms: ") +
+      analysis.problem;
   momenta.y_label = "N m s";
-  rates.title = "Change of joint rates and their parts, norms";
+  rates.title = "Joint rates after the impact";
   rates.y_label = "rad/s";
-  momenta.x_label = rates.x_label = "direction of the impulse, deg";
+  momenta.x_label = rates.x_label = "direction of the impulse [deg]";
   momenta.series = {{"total", {}}, {"base part", {}}, {"coupling part", {}}};
-  rates.series = {{"joint rates", {}}, {"reaction null space", {}}, {"orthogonal", {}}};
+  rates.series = {{"norm", {}}, {"null-space part", {}}, {"orthogonal part", {}}};
   const auto value = [&](const Vector3d& v) { return is_planar ? v.z() : v.norm(); };
   std::vector<AnalysisRow> rows = analysis.rows;
   rows.push_back({360, rows.front().impact});  // the first direction again: the curves close

@@ -45,12 +45,12 @@ std::string violations(const Plan& plan) {
 
 std::string objective_words(const Plan& plan) {
   const ObjectiveValue& objective = plan.objective;
-  std::string text =
-      fmt::format("{} {:.3g} {} as predicted", objective.name, objective.nominal, objective.unit);
+  std::string text = fmt::format("{} {} {} as predicted", objective.name,
+                                 size_words(objective.nominal), objective.unit);
   const double cone = plan.problem.uncertainty.cone_half_angle;
   if (cone > 0) {
-    text += fmt::format(", {:.3g} {} at worst within {:.3g} deg of the predicted direction",
-                        objective.worst_case, objective.unit, cone * kDegrees);
+    text += fmt::format(", {} {} at worst within {:.3g} deg of the predicted direction",
+                        size_words(objective.worst_case), objective.unit, cone * kDegrees);
   }
   return text;
 }
@@ -64,17 +64,18 @@ std::string impact_words(const Plan& plan) {
 }
 
 std::string momentum_words(const ImpactSummary& impact) {
-  return fmt::format(
-      "base {:.3g}, arm {:.3g}, total {:.3g} N m s; the base starts to turn at {:.3g} deg/s",
-      impact.base.norm(), impact.coupling.norm(), impact.total.norm(),
-      impact.Delta_Omega.tail<3>().norm() * kDegrees);
+  return fmt::format("base {}, arm {}, total {} N m s; the base starts to turn at {} deg/s",
+                     size_words(impact.base.norm()), size_words(impact.coupling.norm()),
+                     size_words(impact.total.norm()),
+                     size_words(impact.Delta_Omega.tail<3>().norm() * kDegrees));
 }
 
 std::string case_words(const ImpactSummary& impact) {
   const CaseJudgement& judgement = impact.judgement;
-  return fmt::format("{} (residuals: total {:.2g}, base {:.2g}, coupling {:.2g}; joints {})",
-                     to_string(judgement.impact_case), judgement.total, judgement.base,
-                     judgement.coupling, to_string(impact.resistance.model));
+  return fmt::format("{} (residuals: total {}, base {}, coupling {}; joints {})",
+                     to_string(judgement.impact_case), size_words(judgement.total),
+                     size_words(judgement.base), size_words(judgement.coupling),
+                     to_string(impact.resistance.model));
 }
 
 std::string approach_words(const Approach& approach) {
@@ -117,9 +118,9 @@ std::string plan_summary(const Plan& plan) {
     text += line("momentum", momentum_words(plan.impact));
     text += line("case", case_words(plan.impact));
     text += line("objective", objective_words(plan));
-    text += line("certificate",
-                 fmt::format("largest violation {:.2g}, KKT residual {:.2g}",
-                             plan.certificate.max_violation, plan.certificate.kkt_residual));
+    text += line("certificate", fmt::format("largest violation {}, KKT residual {}",
+                                            size_words(plan.certificate.max_violation),
+                                            size_words(plan.certificate.kkt_residual)));
     if (plan.status != PlanStatus::Infeasible) {
       text += line("approach", approach_words(plan.approach));
     }

@@ -35,6 +35,11 @@ std::string pose_words(const Pose& pose) {
   return text;
 }
 
+std::string size_words(double x) {
+  if (x == 0) return "0";
+  return x < 1e-9 ? "below 1e-9" : fmt::format("{:.3g}", x);
+}
+
 std::string count_words(long count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }

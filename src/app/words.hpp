@@ -15,6 +15,8 @@ std::string vector_words(const Vector3d& v);
 std::string posture_words(const RobotModel& robot, const JointVectord& phi);
 /// "position (0, 0, 0) m, turned by 55 deg about (0, 1, 0)"
 std::string pose_words(const Pose& pose);
+/// Three significant digits; "below 1e-9" for what is zero but for rounding in any unit used here.
+std::string size_words(double x);
 /// "1 body", "3 bodies"
 std::string count_words(long count, const std::string& one, const std::string& many);
 

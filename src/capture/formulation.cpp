@@ -119,10 +119,6 @@ void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const
     const Row& row = parts.rows[static_cast<std::size_t>(i)];
     out.constraints[i] = parts.value_of(row, local, posture, response);
     out.jacobian.row(i) = parts.compress(x, parts.gradient_of(row, local, posture, response));
-    if (row.kind == RowKind::AttitudeAngle) {
-      out.jacobian.block<1, 3>(i, parts.layout.attitude) =
-          2 * x.segment<3>(parts.layout.attitude).transpose();
-    }
   }
 }
 

@@ -293,7 +293,8 @@ ScalarGradient Formulation::Parts::gradient_of(const Row& row, const Local& loca
       out.t = local.closing_speed_rate;
       return out;
     case RowKind::AttitudeAngle:
-      // Written on the variables themselves: see compress().
+      // The rotation vector a is its own image under its right Jacobian: J_r(a)' 2 a = 2 a.
+      out.theta = 2 * local.x.segment<3>(layout.attitude);
       return out;
   }
   return out;

@@ -38,7 +38,9 @@ Pose moved(Pose pose, const PoseRate& rate, double h) {
 Pose drifted_base(const RobotModel& robot, const HermiteSegment& segment, double s0, double s1,
                   const Pose& from, double max_travel) {
   const double rate = segment.extremes().rate.maxCoeff();
-  const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) * rate / max_travel)));
+  // Near rest the rate grows from nothing: few steps by travel, but the rate is not a constant.
+  const double most = std::max((s1 - s0) * rate / max_travel, 4 * (s1 - s0) / segment.duration());
+  const int steps = std::max(1, static_cast<int>(std::ceil(most)));
   const double h = (s1 - s0) / steps;
   auto Omega = [&](double s) {
     return drifting_base_velocity(robot, segment.position(s), segment.velocity(s));

@@ -148,6 +148,24 @@ TEST_CASE("objective and gradient come from the objective vector and its Jacobia
   CHECK((J.transpose() * y - at_x.gradient).norm() < 1e-10 * (1 + at_x.gradient.norm()));
 }
 
+TEST_CASE("a limit on the turn of the base bounds its angle, not each component") {
+  Random random(16);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));
+  problem.variables.base_attitude_max = 0.5;
+  const Formulation formulation(problem);
+  Eigen::VectorXd x = some_point(formulation, 3);
+  const auto worst = [&] {
+    double violation = 0;
+    for (const ConstraintValue& value : formulation.report(x)) {
+      if (value.name == "base_attitude_squared") violation = value.violation;
+    }
+    return violation;
+  };
+  CHECK(worst() == 0);
+  x.segment<3>(6).setConstant(0.49);
+  CHECK(worst() > 0.1);
+}
+
 TEST_CASE("a free station puts the hand on the contact feature") {
   Random random(15);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));

@@ -168,6 +168,33 @@ TEST_CASE("the hand Jacobian is the derivative of the hand pose") {
   }
 }
 
+TEST_CASE("body frames are the product of mounts and joint motions") {
+  Random random(16);
+  for (int trial = 0; trial < 20; ++trial) {
+    const int n = 1 + random.index(9);
+    const RobotModel robot = random_robot(random, n, trial % 2 == 0);
+    const reference::State state = random_state(random, n);
+    const std::vector<Pose> poses = reference::body_poses(robot, state.phi);
+    REQUIRE(static_cast<int>(poses.size()) == n);
+    for (int k = 0; k < n; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const Joint& joint = robot.joints[i];
+      const Pose parent =
+          joint.parent == kBase ? Pose{} : poses[static_cast<std::size_t>(joint.parent)];
+      const Pose mount{joint.p, Eigen::Quaterniond(joint.R)};
+      const Vector3d axis(0, 0, state.phi(k));
+      const Pose move = joint.is_prismatic() ? Pose{axis, Eigen::Quaterniond::Identity()}
+                                             : Pose{{0, 0, 0}, rotation_exp(axis)};
+      const Pose expected = parent * mount * move;
+      CHECK((poses[i].position - expected.position).norm() <= 1e-13);
+      CHECK(poses[i].orientation.angularDistance(expected.orientation) <= 1e-13);
+    }
+    const auto d = reference::compute(robot, {state.phi, {}, {}});
+    const Pose& hand_body = poses[static_cast<std::size_t>(robot.hand_body)];
+    CHECK((d.hand_position - hand_body * robot.p_hand).norm() <= 1e-13);
+  }
+}
+
 TEST_CASE("the bias is that of Lagrange in quasi-velocities") {
   // T = 1/2 x' H(phi) x. With p = H x: c_v = (H_dot x)_v + omega x p_v,
   // c_omega = (H_dot x)_omega + omega x p_omega + v x p_v, c_phi = (H_dot x)_phi - dT/dphi.
