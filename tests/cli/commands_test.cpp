@@ -214,10 +214,58 @@ TEST_CASE("analyze sweeps the direction of the impulse as table, JSON and CSV") 
   CHECK(shop.text("sweep.json") == outcome.out);
   CHECK(shop.run(command + " -o sweep.txt").code == 2);
   const std::string table = shop.run(command).out;
-  CHECK(std::count(table.begin(), table.end(), '\n') == 38);
+  CHECK(std::count(table.begin(), table.end(), '\n') > 38);
+  for (const char* part : {"locked", "rotor_inertia *", "145.48 deg", "63.99 deg", "5.20 deg"}) {
+    INFO(part);
+    CHECK(table.find(part) != std::string::npos);
+  }
   CHECK(shop.run("analyze " + quoted(source_path("problems/iiwa_client_50.yaml")) +
                  " --sweep-direction 4")
             .code == 2);
+}
+
+TEST_CASE("analyze shows the impact under every joint resistance and the directions of its cases") {
+  const Workshop shop;
+  const std::string problem = quoted(source_path("problems/planar_two_link_sweep_a.yaml"));
+  const Outcome outcome = shop.run("analyze " + problem + " --json");
+  REQUIRE(outcome.code == 0);
+  const json analysis = json::parse(outcome.out);
+  const json& resistances = analysis.at("joint_resistances");
+  REQUIRE(resistances.size() == 4);
+  const auto size = [&](std::size_t i) {
+    return std::abs(resistances[i].at("impulse").at("force").at(0).get<double>());
+  };
+  CHECK(resistances[0].at("joint_resistance") == "free");
+  CHECK(resistances[3].at("joint_resistance") == "locked");
+  CHECK_FALSE(resistances[0].at("illustrative").get<bool>());
+  CHECK(resistances[1].at("illustrative").get<bool>());
+  CHECK(size(0) == Approx(47.4735).epsilon(1e-5));
+  for (const std::size_t i : {1U, 2U}) {
+    CHECK(size(i) > size(0));
+    CHECK(size(i) < size(3));
+  }
+  // The problem states free joints: its own row is the first of the comparison.
+  CHECK(analysis.at("rows").at(0).at("momentum") == resistances[0].at("momentum"));
+  // A push along the zero direction of the base part is a G2 impact.
+  const json& zero = analysis.at("posture").at("zero_directions").at("in_xy_plane");
+  CHECK(zero.at("base").at("directions").size() == 1);
+  CHECK(zero.at("all").at("directions").empty());
+  CHECK(analysis.at("posture").at("zero_directions").at("in_space").at("total").at("rank") == 2);
+}
+
+TEST_CASE("analyze draws a sweep and says so when there is none") {
+  const Workshop shop;
+  const std::string command =
+      "analyze " + quoted(source_path("problems/planar_two_link_sweep_a.yaml"));
+  CHECK(shop.run(command + " -o one.svg").code == 2);
+  CHECK_FALSE(shop.has("one.svg"));
+  CHECK(shop.run(command + " --sweep-direction 72 -o sweep.svg").code == 0);
+  const std::string svg = shop.text("sweep.svg");
+  CHECK(svg.find("<svg") != std::string::npos);
+  for (const char* part : {"base part", "coupling part", "orthogonal", "G2", "G3", "C1"}) {
+    INFO(part);
+    CHECK(svg.find(part) != std::string::npos);
+  }
 }
 
 TEST_CASE("simulate shows what the controllers of the paper do, and writes the motion") {
