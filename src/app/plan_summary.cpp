@@ -22,11 +22,11 @@ std::string found_words(const Plan& plan) {
   const long free = std::count_if(plan.candidates.begin(), plan.candidates.end(),
                                   [](const Candidate& c) { return c.collision_free; });
   if (plan.status == PlanStatus::Infeasible) {
-    return fmt::format("no configuration satisfies the constraints ({} starts with {})", starts,
+    return fmt::format("no configuration satisfies the constraints ({} starts, {})", starts,
                        plan.optimizer);
   }
   return fmt::format(
-      "{}, {}; {} kept, {} of them free of collision ({} starts with {})",
+      "{}, {}; {} kept, {} of them free of collision ({} starts, {})",
       plan.status == PlanStatus::Limit ? "stopped early, best so far"
                                        : to_string(plan.status) + " configuration",
       count_words(plan.certificate.distinct_solutions, "distinct solution", "distinct solutions"),

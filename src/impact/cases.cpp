@@ -22,11 +22,10 @@ CaseJudgement judge_case(const Vector3d& total, const Vector3d& base, const Vect
                          double scale, double tolerance) {
   CaseJudgement out;
   out.tolerance = tolerance;
-  if (scale > 0) {
-    out.total = total.norm() / scale;
-    out.base = base.norm() / scale;
-    out.coupling = coupling.norm() / scale;
-  }
+  const double unit = scale > 0 ? scale : 1;
+  out.total = total.norm() / unit;
+  out.base = base.norm() / unit;
+  out.coupling = coupling.norm() / unit;
   const bool zero_total = out.total <= tolerance;
   const bool zero_base = out.base <= tolerance;
   const bool zero_coupling = out.coupling <= tolerance;

@@ -279,12 +279,17 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
   fields.number("max_duration", approach.max_duration, Dimension::Time, kPositive);
   fields.number("clearance", approach.clearance, Dimension::Length, kNonNegative);
   fields.number("contact_allowance", approach.contact_allowance, Dimension::Length, kNonNegative);
-  fields.number("resolution", approach.resolution, Dimension::Angle, kPositive);
+  fields.number("resolution", approach.resolution, Dimension::Angle, {.lower = 1e-4, .upper = 1});
   if (fields.text("planner", approach.planner)) {
     check_name(map.context(), fields.line_of("planner"), fields.path_of("planner"),
                approach.planner, approach_planner_names(), "planners");
   }
   fields.integer("max_iterations", approach.max_iterations, 1, kManyTimes);
+  if (approach.base == BaseMode::Floating && !approach.station_free) {
+    map.context().add(fields.line_of("station_free"), "not-supported",
+                      "approach.station_free: false needs base: held; a floating base must be free "
+                      "to start where the path's net motion asks");
+  }
   fields.finish();
 }
 
@@ -314,8 +319,10 @@ void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
   }
   fields.number("base_rate_gain", spec.K_omega, Dimension::Rate, kNonNegative);
   fields.number("joint_rate_gain", spec.K_phi, Dimension::Rate, kNonNegative);
-  fields.number("control_period", spec.control_period, Dimension::Time, kPositive);
-  fields.number("horizon", spec.horizon, Dimension::Time, kPositive);
+  // Bounds that keep a simulation within minutes.
+  fields.number("control_period", spec.control_period, Dimension::Time,
+                {.lower = 1e-4, .upper = 10});
+  fields.number("horizon", spec.horizon, Dimension::Time, {.lower = 1e-3, .upper = 3600});
   const Need need = spec.controllers.empty() ? Need::Optional : Need::Required;
   fields.number("residual_base_rate_max", spec.residual_base_rate_max, Dimension::AngularVelocity,
                 kNonNegative, need);

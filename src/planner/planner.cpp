@@ -10,6 +10,8 @@
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/plan/encounter.hpp>
 
+#include "planner/post_impact.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -53,14 +55,27 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
   return "";
 }
 
-/// Those free of collision, best first; when there is none, the best alone.
-std::vector<std::size_t> candidates_to_try(const std::vector<Candidate>& candidates) {
-  std::vector<std::size_t> order;
+/// Order in which approaches are tried: candidates free of collision whose time after the impact
+/// keeps the problem's limits, best first; then the other ones free of collision; when nothing is
+/// free, the best alone.
+std::vector<std::size_t> candidates_to_try(const CaptureProblem& problem,
+                                           const Formulation& formulation,
+                                           const std::vector<Candidate>& candidates,
+                                           const StopCondition& stop) {
+  std::vector<std::size_t> holding, others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].collision_free) order.push_back(i);
+    if (!candidates[i].collision_free) continue;
+    const Configuration& configuration = candidates[i].configuration;
+    const bool holds =
+        !stop.reached() &&
+        post_impact_failure(problem, configuration,
+                            predict_impact(problem, formulation, configuration), stop)
+            .empty();
+    (holds ? holding : others).push_back(i);
   }
-  if (order.empty()) order.push_back(0);
-  return order;
+  holding.insert(holding.end(), others.begin(), others.end());
+  if (holding.empty()) holding.push_back(0);
+  return holding;
 }
 
 }  // namespace
@@ -109,7 +124,9 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   const auto approach_begin = Clock::now();
   std::size_t chosen = 0;
   if (solved) {
-    const std::vector<std::size_t> order = candidates_to_try(found.candidates);
+    progress("after the impact", 0, 1);
+    const std::vector<std::size_t> order =
+        candidates_to_try(problem, formulation, found.candidates, options.stop);
     chosen = order.front();
     for (std::size_t i = 0; i < order.size() && static_cast<int>(i) < options.max_approaches; ++i) {
       if (i > 0 && options.stop.reached()) break;

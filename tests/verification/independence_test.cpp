@@ -57,4 +57,14 @@ TEST_CASE("plans of the planner itself pass every claim") {
   }
 }
 
+TEST_CASE("plans of other seeds keep the problem's limits after the impact too") {
+  for (const unsigned seed : {2u, 3u, 8u}) {
+    CaptureProblem problem = read_problem(problem_path("iiwa_client_50"));
+    problem.search.seed = seed;
+    const Verification verification = verify_plan(make_plan(problem));
+    INFO("seed " << seed << "\n" << failures(verification));
+    CHECK(verification.pass);
+  }
+}
+
 }  // namespace stillbase

@@ -23,7 +23,9 @@ struct PlannerOptions {
 /// Candidates are ranked by their worst case over the direction cone. A candidate is free of
 /// collision when at the contact, and while the target comes in during the wait, nothing touches
 /// but the hand and the contact feature. The chosen configuration is the first candidate that is
-/// free of collision and has an approach; without any, the best one with the reason of its failure.
+/// free of collision, keeps the problem's post-impact limits under its first controller and has an
+/// approach; without any, the same without the post-impact limits (`verify` then says which one
+/// fails); without any, the best one with the reason of its failure.
 /// @return a plan in every case: `status` and `approach.status` say what holds
 /// @throws InputError for a problem whose parts do not fit together
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options = {});
