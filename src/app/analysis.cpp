@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "app/exit_code.hpp"
+#include "app/interruption.hpp"
 #include "app/start_impact.hpp"
 
 namespace stillbase::app {
@@ -26,7 +27,7 @@ std::vector<AnalysisRow> sweep(CaptureProblem problem, int directions) {
   }
   std::vector<AnalysisRow> rows;
   problem.impulse.direction_frame = Frame::Base;
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < directions && signal_exit_code() == 0; ++i) {
     const double degrees = 360.0 * i / directions;
     const double angle = degrees * M_PI / 180;
     problem.impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0);

@@ -5,6 +5,7 @@
 #include "app/analysis.hpp"
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
+#include "app/interruption.hpp"
 #include "app/load.hpp"
 #include "app/output.hpp"
 
@@ -27,6 +28,8 @@ int run(const Options& options) {
     throw CommandLineError(options.output.path + ": the result is written as .json, .csv or .svg");
   }
   const Analysis analysis = analyse(read_problem(options.problem), options.directions);
+  // A stopped sweep is saved as far as it came, but a plot of a part of the circle misleads.
+  if (signal_exit_code() != 0 && extension == ".svg") return signal_exit_code();
   if (extension == ".csv") options.output.write(analysis_csv(analysis));
   if (extension == ".json") options.output.write(analysis_json(analysis));
   if (extension == ".svg") options.output.write(analysis_svg(analysis));
@@ -35,7 +38,7 @@ int run(const Options& options) {
   } else if (!options.output.is_given()) {
     write_stdout(analysis_words(analysis));
   }
-  return kDone;
+  return signal_exit_code() != 0 ? signal_exit_code() : kDone;
 }
 
 }  // namespace

@@ -123,6 +123,17 @@ TEST_CASE("a signal ends the search, and what was finished is saved") {
   CHECK(json::parse(shop.text("plan.json")).at("status") == "limit");
 }
 
+TEST_CASE("a signal ends a long sweep, and the rows so far are saved") {
+  const Workshop shop;
+  const Outcome outcome = shop.run_script(
+      "'" STILLBASE_TOOL "' analyze " +
+      quoted(source_path("problems/planar_two_link_sweep_a.yaml")) +
+      " --sweep-direction 1000000 -o sweep.csv & p=$!; sleep 2; kill -TERM $p; wait $p");
+  INFO(outcome.err);
+  CHECK(outcome.code == 143);
+  CHECK(shop.has("sweep.csv"));
+}
+
 TEST_CASE("inspect prints every promised key with the promised shape") {
   const Workshop shop;
   shop.write("state.json",

@@ -166,6 +166,15 @@ TEST_CASE("every function that the README gives for an equation exists and is te
   }
 }
 
+TEST_CASE("the README's program is the one that the package test builds and runs") {
+  const std::string readme = read_text_file((kRoot / "README.md").string());
+  const std::size_t begin = readme.find("```cpp\n");
+  REQUIRE(begin != std::string::npos);
+  const std::size_t end = readme.find("```", begin + 7);
+  CHECK(readme.substr(begin + 7, end - begin - 7) ==
+        read_text_file((kRoot / "tests/package/consumer/readme.cpp").string()));
+}
+
 TEST_CASE("every file that the README links to exists") {
   const std::string readme = read_text_file((kRoot / "README.md").string());
   const std::regex link("\\]\\(([^)]+)\\)");

@@ -24,6 +24,10 @@ execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build --config ${CO
 find_program(consumer consumer PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
 execute_process(COMMAND ${consumer} COMMAND_ERROR_IS_FATAL ANY)
 
+find_program(readme readme PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
+execute_process(COMMAND ${readme} WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase
+  COMMAND_ERROR_IS_FATAL ANY)
+
 # The tool is part of the package where it is part of the build.
 if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)
   execute_process(COMMAND ${WORK_DIR}/prefix/bin/stillbase --version COMMAND_ERROR_IS_FATAL ANY)
