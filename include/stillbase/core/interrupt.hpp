@@ -13,9 +13,7 @@ struct StopCondition {
   Clock::time_point deadline = Clock::time_point::max();
 
   bool is_interrupted() const { return interrupted != nullptr && interrupted->load(); }
-  bool is_late() const {
-    return deadline != Clock::time_point::max() && Clock::now() >= deadline;
-  }
+  bool is_late() const { return deadline != Clock::time_point::max() && Clock::now() >= deadline; }
   bool reached() const { return is_interrupted() || is_late(); }
 };
 

@@ -16,11 +16,11 @@ class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0);
   std::uint64_t next();
-  double uniform();                         ///< [0, 1)
+  double uniform();  ///< [0, 1)
   double uniform(double lower, double upper);
-  double normal();                          ///< mean 0, standard deviation 1 (Box-Muller)
-  Vector3d unit_vector();                   ///< uniform on the sphere
-  int index(int count);                     ///< 0 .. count-1
+  double normal();         ///< mean 0, standard deviation 1 (Box-Muller)
+  Vector3d unit_vector();  ///< uniform on the sphere
+  int index(int count);    ///< 0 .. count-1
 
  private:
   std::uint64_t state_[4];

@@ -18,12 +18,13 @@ Matrix3<S> skew(const Vector3<S>& r) {
 
 /// A frame B as seen from a frame A: x_A = orientation * x_B + position.
 struct Pose {
-  Vector3d position = Vector3d::Zero();                              ///< origin of B in A, m
+  Vector3d position = Vector3d::Zero();                             ///< origin of B in A, m
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< R_AB, unit norm
 
   /// T_AC = T_AB * T_BC.
   Pose operator*(const Pose& other) const {
-    return {orientation * other.position + position, (orientation * other.orientation).normalized()};
+    return {orientation * other.position + position,
+            (orientation * other.orientation).normalized()};
   }
   /// A point of B in the components of A.
   Vector3d operator*(const Vector3d& point) const { return orientation * point + position; }
