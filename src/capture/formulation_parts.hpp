@@ -46,6 +46,9 @@ struct ScalarGradient {
   explicit ScalarGradient(int n) : phi(JointVectord::Zero(n)) {}
 };
 
+/// The vector y whose size an objective measures, per unit of impulse.
+Vector3d objective_quantity(ObjectiveQuantity quantity, const ImpactResponse<double>& response);
+
 /// Two unit vectors that complete n to a right-handed basis.
 std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n);
 
@@ -91,7 +94,9 @@ struct Formulation::Parts {
                              const PostureImpact<double>& posture,
                              const ImpactResponse<double>& response) const;
 
-  Vector3d quantity(const ImpactResponse<double>& response) const;
+  Vector3d quantity(const ImpactResponse<double>& response) const {
+    return objective_quantity(problem.objective, response);
+  }
   ResponseWeights<double> quantity_weights(const Vector3d& u) const;
   /// d value / d(turn of B seen from the contact frame) goes to the base attitude, or to time.
   void add_contact_turn(const Local& local, const Vector3d& g, ScalarGradient& gradient) const;

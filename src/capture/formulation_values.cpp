@@ -114,8 +114,8 @@ Local Formulation::Parts::localise(const Eigen::VectorXd& x) const {
   return out;
 }
 
-Vector3d Formulation::Parts::quantity(const ImpactResponse<double>& response) const {
-  switch (problem.objective) {
+Vector3d objective_quantity(ObjectiveQuantity quantity, const ImpactResponse<double>& response) {
+  switch (quantity) {
     case ObjectiveQuantity::BaseAngularMomentum:
       return response.base;
     case ObjectiveQuantity::BaseAngularVelocity:

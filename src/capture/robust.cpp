@@ -29,23 +29,12 @@ struct DirectionModel {
       : problem(&p), encounter(formulation.encounter(configuration)) {
     const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
     const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
-    const auto pick = [&p](const ImpactResponse<double>& response) -> Vector3d {
-      switch (p.objective) {
-        case ObjectiveQuantity::BaseAngularMomentum:
-          return response.base;
-        case ObjectiveQuantity::BaseAngularVelocity:
-          return response.omega();
-        case ObjectiveQuantity::TotalAngularMomentum:
-          return response.total;
-      }
-      return Vector3d::Zero();
-    };
     for (int i = 0; i < 3; ++i) {
-      Y.col(i) = pick(respond<double>(posture, Vector6d::Unit(i)));
+      Y.col(i) = objective_quantity(p.objective, respond<double>(posture, Vector6d::Unit(i)));
     }
     Vector6d moment = Vector6d::Zero();
     moment.tail<3>() = encounter.F.tail<3>();
-    y_moment = pick(respond<double>(posture, moment));
+    y_moment = objective_quantity(p.objective, respond<double>(posture, moment));
     W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
     n = encounter.F.head<3>();
     half_angle = p.uncertainty.cone_half_angle;
