@@ -1,20 +1,26 @@
 // Time and heap allocations per call of the functions that a search calls a million times, on the
-// seven-joint arm of problems/robots/iiwa_on_cube.urdf.
+// seven-joint arm of problems/robots/iiwa_on_cube.urdf, beside other libraries where installed.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/file.hpp>
-#include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/bias.hpp>
-#include <stillbase/impact/gradient.hpp>
+#include <stillbase/impact/batch.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
+#include <stillbase/simulation/plant.hpp>
 
+#include "bench_support.hpp"
 #include "support/count_allocations.hpp"
+#include "support/random_robot.hpp"
 
 namespace stillbase {
-namespace {
 
 const RobotModel& robot() {
   static const RobotModel model = [] {
@@ -24,45 +30,12 @@ const RobotModel& robot() {
   return model;
 }
 
-/// Postures in turn, so that no branch and no value can be learnt by heart.
-class Postures {
- public:
-  Postures() {
-    Random random(1);
-    for (int i = 0; i < 64; ++i) {
-      JointVectord phi(robot().n());
-      for (double& angle : phi) angle = random.uniform(-2, 2);
-      postures_.push_back(phi);
-    }
-  }
-  const JointVectord& next() { return postures_[++i_ % postures_.size()]; }
+long allocations_so_far() { return kCountsAllocations ? allocation_count : -1; }
 
- private:
-  std::vector<JointVectord> postures_;
-  std::size_t i_ = 0;
-};
+void register_mujoco();
+void register_dart();
 
-/// Runs f over and over; reports the allocations of a call beside its time.
-template <class F>
-void measure(benchmark::State& state, const F& f) {
-  f();  // whatever is set up once
-  const long before = allocation_count;
-  long calls = 0;
-  for (auto _ : state) {
-    f();
-    ++calls;
-  }
-  if (kCountsAllocations && calls > 0) {
-    state.counters["allocations"] =
-        static_cast<double>(allocation_count - before) / static_cast<double>(calls);
-  }
-}
-
-Vector6d wrench() {
-  Vector6d F;
-  F << 0.48, 0.6, 0.64, 0, 0, 0;
-  return F;
-}
+namespace {
 
 ImpactResistance free_joints() { return {JointVectord::Zero(robot().n()), {}}; }
 
@@ -82,7 +55,7 @@ BENCHMARK(mass_matrix_and_hand_jacobian);
 void bias_forces(benchmark::State& state) {
   const auto kinematics = compute_kinematics<double>(robot(), Postures().next());
   const auto inertia = compute_inertia(robot(), kinematics);
-  const JointVectord phidot = JointVectord::LinSpaced(robot().n(), -0.5, 0.5);
+  const JointVectord phidot = joint_rates();
   measure(state, [&] {
     const auto bias = compute_bias<double>(robot(), kinematics, inertia, wrench(), phidot);
     benchmark::DoNotOptimize(bias.c_phi.data());
@@ -91,8 +64,21 @@ void bias_forces(benchmark::State& state) {
 }
 BENCHMARK(bias_forces);
 
-/// The velocity jump of a new posture, from joint positions on.
+/// The velocity jump of a new posture, from joint positions on: what the peers do, too.
 void jump(benchmark::State& state) {
+  Postures postures;
+  const JointVectord nothing_added = JointVectord::Zero(robot().n());
+  const Vector6d F = wrench();
+  measure(state, [&] {
+    const auto d = compute_jump<double>(robot(), postures.next(), nothing_added, {}, F);
+    benchmark::DoNotOptimize(d.Delta_phidot.data());
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK(jump);
+
+/// The same with the momenta and the hand's inverse mass, ready for other directions and gradients.
+void posture_and_response(benchmark::State& state) {
   Postures postures;
   const ImpactResistance resistance = free_joints();
   const Vector6d F = wrench();
@@ -103,7 +89,7 @@ void jump(benchmark::State& state) {
     benchmark::ClobberMemory();
   });
 }
-BENCHMARK(jump);
+BENCHMARK(posture_and_response);
 
 /// The same and the exact gradient of 1/2 |y|^2, y the vector that the weights take.
 void jump_with_gradient(benchmark::State& state, bool of_base_momentum) {
@@ -123,6 +109,62 @@ void jump_with_gradient(benchmark::State& state, bool of_base_momentum) {
 }
 BENCHMARK_CAPTURE(jump_with_gradient, base_angular_velocity, false);
 BENCHMARK_CAPTURE(jump_with_gradient, base_angular_momentum, true);
+
+/// The same per posture, many postures at a time.
+void jump_with_gradient_in_packs(benchmark::State& state, BatchObjective objective) {
+  constexpr int kCount = 64;
+  Postures postures;
+  ImpactBatch batch;
+  batch.phi.resize(kCount, robot().n());
+  batch.F.resize(kCount, 6);
+  for (int i = 0; i < kCount; ++i) {
+    batch.phi.row(i) = postures.next();
+    batch.F.row(i) = wrench();
+  }
+  const ImpactResistance resistance = free_joints();
+  BatchObjectiveValues values;
+  int used = kCount;
+  measure(state, [&] {  // one call per posture: the batch runs when its postures are used up
+    if (++used < kCount) return;
+    used = 0;
+    evaluate_objective(robot(), resistance, batch, objective, values);
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK_CAPTURE(jump_with_gradient_in_packs, base_angular_velocity, BatchObjective{1, 0, 0});
+BENCHMARK_CAPTURE(jump_with_gradient_in_packs, base_angular_momentum, BatchObjective{0, 1, 0});
+
+/// Accelerations from joint positions and rates on, joints without torque.
+void forward_dynamics(benchmark::State& state) {
+  Postures postures;
+  const JointVectord no_rotors = JointVectord::Zero(robot().n());
+  PlantState plant = state_at_rest({}, no_rotors);
+  plant.phidot = joint_rates();
+  measure(state, [&] {
+    plant.phi = postures.next();
+    const PlantTerms terms(robot(), no_rotors, plant);
+    const auto acceleration = compute_acceleration(terms, Vector6d::Zero(), no_rotors);
+    benchmark::DoNotOptimize(acceleration.phiddot.data());
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK(forward_dynamics);
+
+/// The jump of a random chain with that many joints, by the route that its size chooses.
+void jump_of_chain(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  Random random(1);
+  const RobotModel chain = random_robot(random, n, false);
+  Postures postures(n);
+  const JointVectord nothing_added = JointVectord::Zero(n);
+  const Vector6d F = wrench();
+  measure(state, [&] {
+    const auto d = compute_jump<double>(chain, postures.next(), nothing_added, {}, F);
+    benchmark::DoNotOptimize(d.Delta_phidot.data());
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK(jump_of_chain)->Arg(7)->Arg(13)->Arg(14)->Arg(30)->Arg(60);
 
 /// One evaluation as an optimizer sees it: objective, gradient, constraints, Jacobian.
 void formulation_evaluate(benchmark::State& state) {
@@ -146,7 +188,69 @@ void formulation_evaluate(benchmark::State& state) {
 }
 BENCHMARK(formulation_evaluate);
 
+/// Prints what the console reporter prints, and keeps the times for the table of ratios.
+class Reporter : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.error_occurred) continue;
+      const bool is_median = run.aggregate_name == "median";
+      if (run.run_type == Run::RT_Aggregate && !is_median) continue;
+      std::vector<double>& times = times_[run.run_name.function_name];
+      if (is_median) times.clear();  // it stands for the repetitions
+      times.push_back(run.GetAdjustedCPUTime());
+    }
+    ConsoleReporter::ReportRuns(runs);
+  }
+
+  /// Ours over theirs, medians of the repetitions.
+  void print_ratios() const {
+    const auto row = [this](const std::string& ours, const std::string& theirs) {
+      const auto a = times_.find(ours), b = times_.find(theirs);
+      if (a == times_.end() || b == times_.end()) return;
+      std::printf("%-68s %8.0f ns %8.0f ns %6.3f\n", (ours + " / " + theirs).c_str(),
+                  median(a->second), median(b->second), median(a->second) / median(b->second));
+    };
+    std::printf("\n%-68s %11s %11s %6s\n", "ratio of medians", "first", "second", "ratio");
+    for (const char* what : {"mass_matrix_and_hand_jacobian", "jump", "forward_dynamics"}) {
+      for (const char* peer : {"/mujoco", "/dart"}) row(what, std::string(what) + peer);
+    }
+    for (const char* what : {"base_angular_velocity", "base_angular_momentum"}) {
+      row(std::string("jump_with_gradient_in_packs/") + what,
+          std::string("jump_with_gradient/") + what);
+    }
+  }
+
+ private:
+  static double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  std::map<std::string, std::vector<double>> times_;
+};
+
 }  // namespace
 }  // namespace stillbase
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  try {
+#ifdef STILLBASE_BENCH_MUJOCO
+    stillbase::register_mujoco();
+#endif
+#ifdef STILLBASE_BENCH_DART
+    stillbase::register_dart();
+#endif
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "impact_bench: %s\n", error.what());
+    return 1;
+  }
+  stillbase::Reporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  reporter.print_ratios();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -4,7 +4,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/dynamics/momentum.hpp>
-#include <stillbase/impact/gradient.hpp>
+#include <stillbase/impact/batch.hpp>
 
 #include "support/count_allocations.hpp"
 #include "support/random_robot.hpp"
@@ -84,6 +84,26 @@ TEST_CASE("inertia, Jacobian, bias and momentum do not allocate") {
   });
   CHECK(count == 0);
   CHECK(std::isfinite(sum));
+}
+
+TEST_CASE("a batch does not allocate when its results have their size") {
+  Random random(5);
+  for (const int n : {7, 20}) {
+    const RobotModel robot = random_robot(random, n, true);
+    const ImpactResistance free_joints{JointVectord::Zero(n), {}};
+    ImpactBatch batch;
+    batch.phi.setConstant(11, n, 0.3);
+    batch.F.setConstant(11, 6, 0.5);
+    ImpactBatchValues values;
+    BatchObjectiveValues objective;
+    const auto evaluate = [&] {
+      evaluate_postures(robot, free_joints, batch, values);
+      evaluate_objective(robot, free_joints, batch, {.base = 1}, objective);
+    };
+    evaluate();
+    CHECK(allocations_in(evaluate) == 0);
+    CHECK(std::isfinite(objective.gradient.sum()));
+  }
 }
 
 }  // namespace stillbase

@@ -6,12 +6,12 @@
 
 #include <stillbase/core/types.hpp>
 
-#include "dynamics/bias.cpp"
-#include "dynamics/inertia.cpp"
-#include "dynamics/kinematics.cpp"
-#include "dynamics/momentum.cpp"
-#include "impact/gradient.cpp"
-#include "impact/jump.cpp"
+#include "dynamics/bias_kernel.hpp"
+#include "dynamics/inertia_kernel.hpp"
+#include "dynamics/kinematics_kernel.hpp"
+#include "dynamics/momentum_kernel.hpp"
+#include "impact/gradient_kernel.hpp"
+#include "impact/jump_kernel.hpp"
 
 namespace stillbase {
 

@@ -1,6 +1,9 @@
 // Number and matrix types that every other room uses.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include <Eigen/Core>
 
 namespace stillbase {
@@ -8,6 +11,11 @@ namespace stillbase {
 /// Largest number of movable joints. Joint-space matrices keep their elements in place up to this
 /// size, so that nothing below the search allocates; a robot with more joints is refused.
 inline constexpr int kMaxJoints = 64;
+
+/// The same for each number type of the kernel: wide numbers take a smaller bound, or their
+/// matrices would not fit on the stack.
+template <class S>
+inline constexpr int kMaxJointsOf = kMaxJoints;
 
 template <class S>
 using Vector3 = Eigen::Matrix<S, 3, 1>;
@@ -20,17 +28,21 @@ using Matrix6 = Eigen::Matrix<S, 6, 6>;
 
 /// One number per joint (n).
 template <class S>
-using JointVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
+using JointVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJointsOf<S>, 1>;
 /// n x n.
 template <class S>
-using JointMatrix =
-    Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+using JointMatrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                                  kMaxJointsOf<S>, kMaxJointsOf<S>>;
 /// 3 x n.
 template <class S>
-using Matrix3X = Eigen::Matrix<S, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJoints>;
+using Matrix3X = Eigen::Matrix<S, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJointsOf<S>>;
 /// 6 x n.
 template <class S>
-using Matrix6X = Eigen::Matrix<S, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
+using Matrix6X = Eigen::Matrix<S, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJointsOf<S>>;
+
+/// One T per body that a joint moves, as many as robots of number type S may have.
+template <class T, class S>
+using PerBody = std::array<T, static_cast<std::size_t>(kMaxJointsOf<S>)>;
 
 using Vector3d = Vector3<double>;
 using Vector6d = Vector6<double>;

@@ -22,6 +22,13 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kinemat
                            const InertiaMatrices<S>& inertia, const Vector6<S>& Omega,
                            const JointVector<S>& phidot);
 
+/// The same with the inertias of the bodies alone.
+/// @param I of body k about its own centroid, in B axes, kg m^2
+template <class S>
+BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kinematics,
+                           const PerBody<Matrix3<S>, S>& I, const Vector6<S>& Omega,
+                           const JointVector<S>& phidot);
+
 /// Bias with base translation eliminated, (8).
 template <class S>
 struct TildeBias {

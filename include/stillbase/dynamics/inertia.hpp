@@ -8,15 +8,30 @@
 
 namespace stillbase {
 
+/// Inertia of rigidly connected bodies about the base centroid, in B.
+template <class S>
+struct RigidInertia {
+  S m;           ///< mass, kg
+  Vector3<S> h;  ///< first moment, mass times centroid, kg m
+  Matrix3<S> I;  ///< inertia tensor, kg m^2
+
+  void add(const RigidInertia& other) {
+    m += other.m;
+    h += other.h;
+    I += other.I;
+  }
+};
+
 /// Blocks of the inertia matrix of (3), and what they say about the whole.
 template <class S>
 struct InertiaMatrices {
-  S mass;                ///< total mass w, kg
-  Vector3<S> r_bg;       ///< system centroid from the base centroid, in B, m (r_gb = -r_bg)
-  Matrix6<S> H_b;        ///< base inertia [w E, w skew(r_gb); ., H_omega], (1)
-  Matrix6X<S> H_bphi;    ///< inertia coupling matrix [H_vphi; H_omegaphi], (1)
-  JointMatrix<S> H_phi;  ///< inertia of the arm on a fixed base, (3)
-  std::array<Matrix3<S>, kMaxJoints> I;  ///< inertia of body k about its own centroid, in B axes
+  S mass;                    ///< total mass w, kg
+  Vector3<S> r_bg;           ///< system centroid from the base centroid, in B, m (r_gb = -r_bg)
+  Matrix6<S> H_b;            ///< base inertia [w E, w skew(r_gb); ., H_omega], (1)
+  Matrix6X<S> H_bphi;        ///< inertia coupling matrix [H_vphi; H_omegaphi], (1)
+  JointMatrix<S> H_phi;      ///< inertia of the arm on a fixed base, (3)
+  PerBody<Matrix3<S>, S> I;  ///< inertia of body k about its own centroid, in B axes
+  PerBody<RigidInertia<S>, S> subtree;  ///< all that joint k moves, as one body
 };
 
 /// Composite rigid bodies: the inertia of the subtree moved by each joint, summed from the leaves.

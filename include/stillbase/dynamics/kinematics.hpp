@@ -1,8 +1,6 @@
 // Poses of all bodies in the base frame B, at one posture.
 #pragma once
 
-#include <array>
-
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
@@ -10,13 +8,12 @@ namespace stillbase {
 /// Where everything is at joint positions phi, in B.
 template <class S>
 struct Kinematics {
-  int n = 0;  ///< joints
-  std::array<Matrix3<S>, kMaxJoints>
-      R;  ///< axes of body k in B; column 2 is the axis z_k of joint k
-  std::array<Vector3<S>, kMaxJoints> o;  ///< origin of body k (on the axis of joint k) in B, m
-  std::array<Vector3<S>, kMaxJoints> c;  ///< centroid of body k in B, m
-  Matrix3<S> R_hand;                     ///< axes of the hand frame in B
-  Vector3<S> r_bh;                       ///< hand, from the base centroid, in B, m
+  int n = 0;                 ///< joints
+  PerBody<Matrix3<S>, S> R;  ///< axes of body k in B; column 2 is the axis z_k of joint k
+  PerBody<Vector3<S>, S> o;  ///< origin of body k (on the axis of joint k) in B, m
+  PerBody<Vector3<S>, S> c;  ///< centroid of body k in B, m
+  Matrix3<S> R_hand;         ///< axes of the hand frame in B
+  Vector3<S> r_bh;           ///< hand, from the base centroid, in B, m
 
   auto z(int k) const { return R[static_cast<std::size_t>(k)].col(2); }
 };

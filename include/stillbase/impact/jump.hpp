@@ -25,8 +25,8 @@ struct ImpactJump {
 /// factor serves every impulse at a posture.
 template <class S>
 struct ImpactFactor {
-  static constexpr int kMax = kMaxJoints + 3;
-  /// Lower triangle of the Cholesky factor, with the reciprocals of its diagonal.
+  static constexpr int kMax = kMaxJointsOf<S> + 3;
+  /// Unit lower triangle L of A = L D L'; the diagonal holds 1/D.
   Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMax, kMax> L;
   S mass;
   Vector3<S> r_bg;                 ///< system centroid in B, m
@@ -50,6 +50,15 @@ ImpactJump<S> solve_impact(const ImpactFactor<S>& factor, const Vector6<S>& F_b,
 /// (6) for an impulse at the hand.
 template <class S>
 ImpactJump<S> compute_jump(const ImpactFactor<S>& factor, const HandJacobian<S>& jacobian,
+                           const Vector6<S>& Fbar);
+
+/// (6) from joint positions on: by the inertia matrix, or for robots with kArticulatedBodyJoints
+/// joints or more by articulated bodies, in O(n).
+/// @param phi n; finite
+/// @param added_inertia, locked as for factorize_impact()
+template <class S>
+ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
+                           const JointVectord& added_inertia, const std::vector<bool>& locked,
                            const Vector6<S>& Fbar);
 
 /// Extended-inverse inertia tensor (Yoshida): W_h = J H^-1 J', J = [R_bh, J_phi], 6x6: hand

@@ -1,0 +1,138 @@
+// The lines of <stillbase/dynamics/inertia.hpp>, for any number type.
+#pragma once
+
+#include <stillbase/dynamics/inertia.hpp>
+
+#include <algorithm>
+
+#include "dynamics/cholesky.hpp"
+#include "dynamics/rigid_inertia.hpp"
+
+namespace stillbase {
+
+template <class S>
+InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kin) {
+  const int n = kin.n;
+  InertiaMatrices<S> out;
+  // Twist of unit rate of joint k about the base centroid: linear and angular part.
+  PerBody<Vector3<S>, S> axis_v, axis_w;
+  RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),
+                        robot.base.inertia.template cast<S>()};
+  for (int k = 0; k < n; ++k) {
+    out.I[k] = inertia_in_base_axes(robot, kin, k);
+    out.subtree[k] = inertia_about_base(robot, kin, k, out.I[k]);
+    const Vector3<S> z = kin.z(k);
+    if (robot.joints[k].is_prismatic()) {
+      axis_v[k] = z;
+      axis_w[k].setZero();
+    } else {
+      axis_v[k] = kin.o[k].cross(z);
+      axis_w[k] = z;
+    }
+  }
+
+  out.H_bphi.resize(6, n);
+  out.H_phi.resize(n, n);
+  out.H_phi.setZero();
+  for (int k = n - 1; k >= 0; --k) {
+    const RigidInertia<S>& subtree = out.subtree[k];
+    const Joint& joint = robot.joints[k];
+    // Momentum of the subtree under unit rate of joint k: Ic_k S_k.
+    const Vector3<S> p = axis_v[k] * subtree.m + axis_w[k].cross(subtree.h);
+    Vector3<S> L = subtree.h.cross(axis_v[k]);
+    L.noalias() += subtree.I * axis_w[k];
+    out.H_bphi.template block<3, 1>(0, k) = p;
+    out.H_bphi.template block<3, 1>(3, k) = L;
+    for (int j = k; j != kBase; j = robot.joints[j].parent) {
+      const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
+      out.H_phi(j, k) = value;
+      out.H_phi(k, j) = value;
+    }
+    (joint.parent == kBase ? total : out.subtree[joint.parent]).add(subtree);
+  }
+
+  out.mass = total.m;
+  out.r_bg = total.h / total.m;
+  out.H_b = spatial_inertia(total);
+  return out;
+}
+
+template <class S>
+HandJacobian<S> compute_hand_jacobian(const RobotModel& robot, const Kinematics<S>& kin) {
+  HandJacobian<S> out;
+  out.R_bh.setIdentity();
+  out.R_bh.template topRightCorner<3, 3>() = -skew(kin.r_bh);
+  out.J_phi.resize(6, kin.n);
+  for (int k = 0; k < kin.n; ++k) {
+    const Vector3<S> z = kin.z(k);
+    if (!robot.moves_hand[k]) {
+      out.J_phi.col(k).setZero();
+    } else if (robot.joints[k].is_prismatic()) {
+      out.J_phi.template block<3, 1>(0, k) = z;
+      out.J_phi.template block<3, 1>(3, k).setZero();
+    } else {
+      out.J_phi.template block<3, 1>(0, k) = z.cross(kin.r_bh - kin.o[k]);
+      out.J_phi.template block<3, 1>(3, k) = z;
+    }
+  }
+  return out;
+}
+
+template <class S>
+TildeInertia<S> compute_tilde_inertia(const InertiaMatrices<S>& inertia) {
+  const Eigen::Index n = inertia.H_phi.rows();
+  TildeInertia<S> out;
+  out.Htilde_omega = inertia.H_b.template bottomRightCorner<3, 3>();
+  out.Htilde_omega -= parallel_axis(inertia.mass, inertia.r_bg);
+  out.Htilde_omegaphi.resize(3, n);
+  out.Htilde_phi.resize(n, n);
+  const S inverse_mass = S(1) / inertia.mass;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
+    out.Htilde_omegaphi.col(k) = inertia.H_bphi.template block<3, 1>(3, k) - inertia.r_bg.cross(p);
+    const Vector3<S> v = p * inverse_mass;
+    for (Eigen::Index j = k; j < n; ++j) {
+      out.Htilde_phi(j, k) = inertia.H_phi(j, k) - inertia.H_bphi.template block<3, 1>(0, j).dot(v);
+      out.Htilde_phi(k, j) = out.Htilde_phi(j, k);
+    }
+  }
+  return out;
+}
+
+template <class S>
+HatInertia<S> compute_hat_inertia(const InertiaMatrices<S>& inertia,
+                                  const HandJacobian<S>& jacobian) {
+  const TildeInertia<S> tilde = compute_tilde_inertia(inertia);
+  const Eigen::Index n = inertia.H_phi.rows();
+  Matrix3<S> L = tilde.Htilde_omega;
+  factorize_cholesky(L);
+  // H_b^-1 H_bphi: base motion per joint rate at zero momentum, with the sign turned.
+  Matrix6X<S> X(6, n);
+  HatInertia<S> out;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Vector3<S> omega = tilde.Htilde_omegaphi.col(k);
+    solve_cholesky(L, omega);
+    X.template block<3, 1>(3, k) = omega;
+    X.template block<3, 1>(0, k) =
+        inertia.H_bphi.template block<3, 1>(0, k) / inertia.mass - omega.cross(inertia.r_bg);
+  }
+  out.Hhat_phi = tilde.Htilde_phi;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    for (Eigen::Index j = k; j < n; ++j) {
+      const S value =
+          tilde.Htilde_phi(j, k) - tilde.Htilde_omegaphi.col(j).dot(X.template block<3, 1>(3, k));
+      out.Hhat_phi(j, k) = value;
+      out.Hhat_phi(k, j) = value;
+    }
+  }
+  out.Jhat_phi = jacobian.J_phi;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector3<S> omega = X.template block<3, 1>(3, k);
+    const Vector3<S> r_bh(jacobian.R_bh(1, 5), jacobian.R_bh(2, 3), jacobian.R_bh(0, 4));
+    out.Jhat_phi.template block<3, 1>(0, k) -= X.template block<3, 1>(0, k) + omega.cross(r_bh);
+    out.Jhat_phi.template block<3, 1>(3, k) -= omega;
+  }
+  return out;
+}
+
+}  // namespace stillbase

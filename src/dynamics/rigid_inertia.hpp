@@ -1,0 +1,51 @@
+// Inertia of single bodies, about their own centroid and about the base centroid, in B axes.
+#pragma once
+
+#include <stillbase/dynamics/inertia.hpp>
+
+namespace stillbase {
+
+/// -m skew(c)^2, the parallel-axis term.
+template <class S>
+inline Matrix3<S> parallel_axis(const S& m, const Vector3<S>& c) {
+  const Vector3<S> h = c * m;
+  const S xx = h.x() * c.x(), yy = h.y() * c.y(), zz = h.z() * c.z();
+  Matrix3<S> I;
+  I(0, 0) = yy + zz;
+  I(1, 1) = xx + zz;
+  I(2, 2) = xx + yy;
+  I(0, 1) = I(1, 0) = -h.x() * c.y();
+  I(0, 2) = I(2, 0) = -h.x() * c.z();
+  I(1, 2) = I(2, 1) = -h.y() * c.z();
+  return I;
+}
+
+/// Inertia of body k about its own centroid, in B axes: R I R'.
+template <class S>
+inline Matrix3<S> inertia_in_base_axes(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+  const Matrix3<S> RI = kin.R[k] * robot.bodies[k].inertia.template cast<S>();
+  return RI * kin.R[k].transpose();
+}
+
+/// Body k about the base centroid.
+/// @param I from inertia_in_base_axes()
+template <class S>
+inline RigidInertia<S> inertia_about_base(const RobotModel& robot, const Kinematics<S>& kin, int k,
+                                          const Matrix3<S>& I) {
+  const S m(robot.bodies[k].mass);
+  return {m, kin.c[k] * m, I + parallel_axis(m, kin.c[k])};
+}
+
+/// Momentum [p; L] per twist [v; omega]: 6x6 [m E, -skew(h); skew(h), I].
+template <class S>
+inline Matrix6<S> spatial_inertia(const RigidInertia<S>& body) {
+  const Matrix3<S> h = skew(body.h);
+  Matrix6<S> out;
+  out.template topLeftCorner<3, 3>() = Matrix3<S>::Identity() * body.m;
+  out.template topRightCorner<3, 3>() = -h;
+  out.template bottomLeftCorner<3, 3>() = h;
+  out.template bottomRightCorner<3, 3>() = body.I;
+  return out;
+}
+
+}  // namespace stillbase

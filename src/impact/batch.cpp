@@ -1,0 +1,89 @@
+#include <stillbase/impact/batch.hpp>
+
+#include <cassert>
+#include <cmath>
+
+#include "impact/batch_run.hpp"
+
+namespace stillbase {
+
+const BatchKernel* batch_kernel_plain() {
+  static constinit const BatchKernel kernel = {
+      1, kMaxJoints, [] { return true; },
+      [](const RobotModel& robot, const ImpactResistance& resistance, const BatchColumns& columns) {
+        run_batch<double>(robot, resistance, columns, 1);
+      },
+      [](const double* x, double* sine, double* cosine) {
+        *sine = std::sin(*x);
+        *cosine = std::cos(*x);
+      }};
+  return &kernel;
+}
+
+const std::vector<const BatchKernel*>& batch_kernels() {
+  static const std::vector<const BatchKernel*> kernels = [] {
+    std::vector<const BatchKernel*> out;
+    for (const BatchKernel* kernel : {batch_kernel_avx512(), batch_kernel_avx2(),
+                                      batch_kernel_two_lanes(), batch_kernel_plain()}) {
+      if (kernel != nullptr && kernel->runs_here()) out.push_back(kernel);
+    }
+    return out;
+  }();
+  return kernels;
+}
+
+namespace {
+
+BatchColumns columns_of(const ImpactBatch& batch) {
+  assert(batch.F.cols() == 6);
+  assert(batch.F.rows() == batch.phi.rows());
+  assert(batch.approach.size() == batch.target_inverse_mass.size());
+  BatchColumns columns;
+  columns.count = batch.phi.rows();
+  columns.phi = batch.phi.data();
+  columns.F = batch.F.data();
+  if (batch.approach.size() > 0) {
+    assert(batch.approach.size() == columns.count);
+    columns.approach = batch.approach.data();
+    columns.target_inverse_mass = batch.target_inverse_mass.data();
+  }
+  return columns;
+}
+
+void run(const RobotModel& robot, const ImpactResistance& resistance, const BatchColumns& columns) {
+  for (const BatchKernel* kernel : batch_kernels()) {
+    if (robot.n() <= kernel->max_joints) return kernel->run(robot, resistance, columns);
+  }
+}
+
+}  // namespace
+
+void evaluate_postures(const RobotModel& robot, const ImpactResistance& resistance,
+                       const ImpactBatch& batch, ImpactBatchValues& out) {
+  BatchColumns columns = columns_of(batch);
+  out.Delta_Omega.resize(columns.count, 6);
+  out.base.resize(columns.count, 3);
+  out.total.resize(columns.count, 3);
+  out.hand_inverse_mass.resize(columns.count);
+  out.p.resize(columns.count);
+  columns.Delta_Omega = out.Delta_Omega.data();
+  columns.base = out.base.data();
+  columns.total = out.total.data();
+  columns.hand_inverse_mass = out.hand_inverse_mass.data();
+  columns.p = out.p.data();
+  run(robot, resistance, columns);
+}
+
+void evaluate_objective(const RobotModel& robot, const ImpactResistance& resistance,
+                        const ImpactBatch& batch, const BatchObjective& objective,
+                        BatchObjectiveValues& out) {
+  BatchColumns columns = columns_of(batch);
+  out.psi.resize(columns.count);
+  out.gradient.resize(columns.count, robot.n());
+  columns.objective = objective;
+  columns.psi = out.psi.data();
+  columns.gradient = out.gradient.data();
+  run(robot, resistance, columns);
+}
+
+}  // namespace stillbase

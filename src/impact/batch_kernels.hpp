@@ -1,0 +1,47 @@
+// The batch loop, once for each width of register, chosen at run time.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <stillbase/impact/batch.hpp>
+
+namespace stillbase {
+
+/// The columns of a batch: entry (i, j) of a matrix is at [i + j * count]. Null: not wanted.
+struct BatchColumns {
+  std::ptrdiff_t count = 0;
+  const double* phi = nullptr;
+  const double* F = nullptr;
+  const double* approach = nullptr;
+  const double* target_inverse_mass = nullptr;
+  double* Delta_Omega = nullptr;
+  double* base = nullptr;
+  double* total = nullptr;
+  double* hand_inverse_mass = nullptr;
+  double* p = nullptr;
+  BatchObjective objective;
+  double* psi = nullptr;
+  double* gradient = nullptr;
+};
+
+struct BatchKernel {
+  int lanes;
+  int max_joints;
+  bool (*runs_here)();  ///< on this processor
+  void (*run)(const RobotModel& robot, const ImpactResistance& resistance,
+              const BatchColumns& columns);
+  /// Sine and cosine of `lanes` angles: for the tests.
+  void (*sin_cos)(const double* x, double* sine, double* cosine);
+};
+
+/// Null where the compiler has no such registers.
+const BatchKernel* batch_kernel_avx512();
+const BatchKernel* batch_kernel_avx2();
+const BatchKernel* batch_kernel_two_lanes();  ///< any machine
+const BatchKernel* batch_kernel_plain();      ///< any machine, any robot
+
+/// All that run on this processor, the widest first, the plain one last.
+const std::vector<const BatchKernel*>& batch_kernels();
+
+}  // namespace stillbase

@@ -1,0 +1,35 @@
+// A batch kernel of N lanes, with the registers that this source file is compiled for.
+#pragma once
+
+#include "core/pack.hpp"
+#include "dynamics/inertia_kernel.hpp"
+#include "dynamics/kinematics_kernel.hpp"
+#include "impact/batch_run.hpp"
+#include "impact/gradient_kernel.hpp"
+#include "impact/jump_kernel.hpp"
+
+namespace stillbase {
+
+// Matrices of doubles are handed over from files compiled for narrower registers: see
+// CMakeLists.txt.
+static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16);
+
+namespace {
+
+template <int N>
+constexpr BatchKernel pack_kernel(bool (*runs_here)()) {
+  const auto run = [](const RobotModel& robot, const ImpactResistance& resistance,
+                      const BatchColumns& columns) {
+    run_batch<Pack<N>>(robot, resistance, columns, N);
+  };
+  const auto sin_cos = [](const double* x, double* sine, double* cosine) {
+    const Pack<N> angle = Pack<N>::load(x);
+    sin(angle).store(sine);
+    cos(angle).store(cosine);
+  };
+  return {N, kMaxJointsOf<Pack<N>>, runs_here, run, sin_cos};
+}
+
+}  // namespace
+
+}  // namespace stillbase

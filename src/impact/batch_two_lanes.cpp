@@ -1,0 +1,10 @@
+#include "impact/batch_packs.hpp"
+
+namespace stillbase {
+
+const BatchKernel* batch_kernel_two_lanes() {
+  static constinit const BatchKernel kernel = pack_kernel<2>([] { return true; });
+  return &kernel;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,255 @@
+// The lines of <stillbase/impact/gradient.hpp>, for any number type.
+#pragma once
+
+#include <stillbase/impact/gradient.hpp>
+
+namespace stillbase {
+
+namespace {
+
+/// Linear and angular part of a twist or a momentum, about the base centroid.
+template <class S>
+struct Spatial {
+  Vector3<S> v;
+  Vector3<S> w;
+};
+
+/// Generalised velocity: base twist and joint rates.
+template <class S>
+struct Motion {
+  Vector6<S> Omega;
+  JointVector<S> phidot;
+};
+
+template <class S>
+inline Spatial<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+  const Vector3<S> z = kin.z(k);
+  if (robot.joints[k].is_prismatic()) return {z, Vector3<S>::Zero()};
+  return {kin.o[k].cross(z), z};
+}
+
+template <class S>
+using JointAxes = PerBody<Spatial<S>, S>;
+
+template <class S>
+inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
+  JointAxes<S> axes;
+  for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
+  return axes;
+}
+
+/// Twists of all bodies and momenta of the subtrees that they carry.
+template <class S>
+struct Sweep {
+  PerBody<Spatial<S>, S> V;
+  PerBody<Spatial<S>, S> P;
+
+  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
+        const Motion<S>& x) {
+    const Kinematics<S>& kin = posture.kinematics;
+    const Spatial<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
+    for (int k = 0; k < kin.n; ++k) {
+      const int parent = robot.joints[k].parent;
+      const Spatial<S>& inherited = parent == kBase ? base : V[parent];
+      V[k].v = inherited.v + axes[k].v * x.phidot[k];
+      V[k].w = inherited.w + axes[k].w * x.phidot[k];
+      P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
+      P[k].w = kin.c[k].cross(P[k].v);
+      P[k].w.noalias() += posture.inertia.I[k] * V[k].w;
+    }
+    for (int k = kin.n - 1; k >= 0; --k) {
+      const int parent = robot.joints[k].parent;
+      if (parent == kBase) continue;
+      P[parent].v += P[k].v;
+      P[parent].w += P[k].w;
+    }
+  }
+};
+
+/// gradient += sign * d/dphi (lambda' H x), lambda and x fixed: each subtree moves as a rigid body
+/// under its joint, so only the twist that it inherits counts.
+template <class S>
+inline void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                 const JointAxes<S>& axes, const Motion<S>& lambda,
+                                 const Motion<S>& x, const S& sign, JointVector<S>& gradient) {
+  const Sweep<S> a(robot, posture, axes, lambda);
+  const Sweep<S> b(robot, posture, axes, x);
+  for (int k = 0; k < posture.kinematics.n; ++k) {
+    // (S_k x V_a) . P_b + (S_k x V_b) . P_a, x the cross product of twists, with S_k taken out.
+    const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
+    const Vector3<S> angular = a.V[k].v.cross(b.P[k].v) + b.V[k].v.cross(a.P[k].v) +
+                               a.V[k].w.cross(b.P[k].w) + b.V[k].w.cross(a.P[k].w);
+    gradient[k] -= sign * (axes[k].v.dot(linear) + axes[k].w.dot(angular));
+  }
+}
+
+/// gradient += d/dphi (u' Htilde_omega w), u and w fixed: the robot turns as one body about its
+/// centroid g, so every body has the same twist and the momenta are those of the composite bodies.
+template <class S>
+inline void add_locked_rotation_gradient(const PostureImpact<S>& posture, const JointAxes<S>& axes,
+                                         const Vector3<S>& u, const Vector3<S>& w,
+                                         JointVector<S>& gradient) {
+  const Vector3<S>& r = posture.inertia.r_bg;
+  const S uw = u.dot(w), ur = u.dot(r), wr = w.dot(r);
+  for (int k = 0; k < posture.kinematics.n; ++k) {
+    const RigidInertia<S>& body = posture.inertia.subtree[k];
+    // Twist of the joint and first moment of the subtree, both about g. Its second moment about g
+    // is I + r h' + h_B r' and a multiple of E, which does not count.
+    const Vector3<S>& z = axes[k].w;
+    const Vector3<S> v = axes[k].v + z.cross(r);
+    const Vector3<S> h = body.h - r * body.m;
+    const S uh = u.dot(h), wh = w.dot(h);
+    const Vector3<S> zu = z.cross(u), zw = z.cross(w);
+    Vector3<S> Lw = r * wh + body.h * wr;
+    Lw.noalias() += body.I * w;
+    Vector3<S> Lu = r * uh + body.h * ur;
+    Lu.noalias() += body.I * u;
+    gradient[k] += S(2) * uw * v.dot(h) - v.dot(w) * uh - v.dot(u) * wh - zu.dot(Lw) - zw.dot(Lu);
+  }
+}
+
+/// gradient += d/dphi (lambda' J' F), lambda and F fixed.
+template <class S>
+inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                              const JointAxes<S>& axes, const Motion<S>& lambda,
+                              const Vector6<S>& F, JointVector<S>& gradient) {
+  const Kinematics<S>& kin = posture.kinematics;
+  const Vector3<S> f = F.template head<3>();
+  const Vector3<S> moment = F.template tail<3>() + kin.r_bh.cross(f);
+  // From the hand to the base: the twist that the joints beyond k add, V_N - V_k.
+  Vector3<S> v = Vector3<S>::Zero();
+  Vector3<S> w = Vector3<S>::Zero();
+  Vector3<S> omega_N = lambda.Omega.template tail<3>();
+  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
+    if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
+  }
+  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
+    const Spatial<S>& axis = axes[k];
+    const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
+    const Vector3<S> dw = axis.w.cross(w);
+    const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
+    gradient[k] += dv.dot(f) + dw.dot(moment) + omega_N.dot(dh.cross(f));
+    v += axis.v * lambda.phidot[k];
+    w += axis.w * lambda.phidot[k];
+  }
+}
+
+template <class S>
+inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const Motion<S>& x) {
+  Vector6<S> twist = jacobian.R_bh * x.Omega;
+  for (Eigen::Index k = 0; k < x.phidot.size(); ++k) twist += jacobian.J_phi.col(k) * x.phidot[k];
+  return twist;
+}
+
+/// The whole robot turning as one body about its centroid: u' Htilde_omega w = x(u)' H x(w).
+template <class S>
+inline Motion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
+  Motion<S> x;
+  x.Omega.template head<3>() = -u.cross(posture.inertia.r_bg);
+  x.Omega.template tail<3>() = u;
+  x.phidot.setZero(posture.kinematics.n);
+  return x;
+}
+
+}  // namespace
+
+template <class S>
+PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
+                                  const JointVector<S>& phi) {
+  // Each member is built in place from those before it: copying them would cost as much as the
+  // sums.
+  PostureImpact<S> out{
+      .kinematics = compute_kinematics(robot, phi),
+      .inertia = compute_inertia(robot, out.kinematics),
+      .tilde = compute_tilde_inertia(out.inertia),
+      .jacobian = compute_hand_jacobian(robot, out.kinematics),
+      .factor =
+          factorize_impact(out.inertia, out.tilde, resistance.added_inertia, resistance.locked),
+  };
+  return out;
+}
+
+template <class S>
+ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) {
+  const int n = posture.kinematics.n;
+  const Vector3<S> f = F.template head<3>();
+  // J' F
+  Vector6<S> F_b = F;
+  F_b.template tail<3>() += posture.kinematics.r_bh.cross(f);
+  JointVector<S> tau(n);
+  for (int k = 0; k < n; ++k) tau[k] = posture.jacobian.J_phi.col(k).dot(F);
+
+  ImpactResponse<S> out{.F = F,
+                        .d = solve_impact(posture.factor, F_b, tau),
+                        .total = {},
+                        .base = {},
+                        .hand_inverse_mass = {}};
+  out.total = F_b.template tail<3>() - posture.inertia.r_bg.cross(f);
+  out.base = posture.tilde.Htilde_omega * out.omega();
+  out.hand_inverse_mass = F_b.dot(out.d.Delta_Omega);  // (J' F)' d
+  for (int k = 0; k < n; ++k) out.hand_inverse_mass += tau[k] * out.d.Delta_phidot[k];
+  return out;
+}
+
+template <class S>
+ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                      const ImpactResponse<S>& response,
+                                      const ResponseWeights<S>& weights) {
+  const int n = posture.kinematics.n;
+  const Vector3<S> f = response.F.template head<3>();
+  const Motion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
+  ResponseGradient<S> out;
+  out.phi.setZero(n);
+
+  // Adjoint of the parts that are linear in d: H lambda = [0; u_omega + Htilde_omega u_base; 0].
+  Vector6<S> rhs;
+  rhs.template head<3>().setZero();
+  rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
+  const JointVector<S> no_torque = JointVector<S>::Zero(n);
+  const ImpactJump<S> adjoint = solve_impact(posture.factor, rhs, no_torque);
+
+  // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
+  const S s = weights.hand_inverse_mass;
+  const Motion<S> lambda{adjoint.Delta_Omega + d.Omega * s, adjoint.Delta_phidot + d.phidot * s};
+  const Motion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
+  const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
+  add_hand_gradient(robot, posture, axes, lambda_hand, response.F, out.phi);
+  add_inertia_gradient(robot, posture, axes, lambda, d, S(-1), out.phi);
+  out.F = hand_twist(posture.jacobian, lambda_hand);
+
+  // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
+  if (weights.base != Vector3<S>::Zero()) {
+    add_locked_rotation_gradient<S>(posture, axes, weights.base, response.omega(), out.phi);
+  }
+
+  // total = r_gh x f + t, r_gh = r_bh - r_bg.
+  const Vector3<S> lever = f.cross(weights.total);
+  for (int k = 0; k < n; ++k) {
+    const Vector3<S> dr = posture.jacobian.J_phi.template block<3, 1>(0, k) -
+                          posture.inertia.H_bphi.template block<3, 1>(0, k) / posture.inertia.mass;
+    out.phi[k] += dr.dot(lever);
+  }
+  const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
+  out.F.template head<3>() += weights.total.cross(r_gh);
+  out.F.template tail<3>() += weights.total;
+  return out;
+}
+
+template <class S>
+JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                        int i, const Vector3<S>& y) {
+  // Both motions carry no linear momentum, so the translation drops out of the derivative.
+  Motion<S> x;
+  x.Omega.setZero();
+  x.Omega.template head<3>() =
+      -posture.inertia.H_bphi.template block<3, 1>(0, i) / posture.inertia.mass;
+  x.phidot.setZero(posture.kinematics.n);
+  x.phidot[i] = S(1);
+  JointVector<S> gradient;
+  gradient.setZero(posture.kinematics.n);
+  add_inertia_gradient(robot, posture, joint_axes(robot, posture.kinematics),
+                       locked_rotation(posture, y), x, S(1), gradient);
+  return gradient;
+}
+
+}  // namespace stillbase

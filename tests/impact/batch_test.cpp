@@ -1,0 +1,283 @@
+// Many postures at once against one after the other.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include <Eigen/SVD>
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/random.hpp>
+#include <stillbase/impact/contact.hpp>
+
+#include "impact/batch_kernels.hpp"
+#include "support/random_robot.hpp"
+
+namespace stillbase {
+namespace {
+
+constexpr double kTolerance = 1e-13;
+
+ImpactBatch random_batch(Random& random, int n, int count, bool with_law) {
+  ImpactBatch batch;
+  batch.phi.resize(count, n);
+  batch.F.resize(count, 6);
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < n; ++k) batch.phi(i, k) = random.uniform(-3, 3);
+    batch.F.row(i) << random.unit_vector().transpose(), 0.3 * random.unit_vector().transpose();
+  }
+  if (with_law) {
+    batch.approach.setConstant(count, 1.7);
+    batch.target_inverse_mass = Eigen::VectorXd::LinSpaced(count, 0.01, 0.5);
+  }
+  return batch;
+}
+
+ImpactResistance random_resistance(Random& random, int n) {
+  ImpactResistance resistance{JointVectord::Zero(n), {}};
+  const int kind = random.index(3);
+  for (int k = 0; k < n; ++k) {
+    if (kind == 1) resistance.added_inertia[k] = random.uniform(0, 1);
+    if (kind == 2) resistance.locked.push_back(random.index(2) == 1);
+  }
+  return resistance;
+}
+
+/// What rounding in another order may change, relative: 1e-13, or what the condition number of the
+/// impact's inertia matrix makes of half a unit in the last place.
+double rounding_limit(const PostureImpact<double>& posture) {
+  const auto& factor = posture.factor.L;
+  Eigen::MatrixXd L = factor.triangularView<Eigen::UnitLower>();
+  L *= factor.diagonal().cwiseSqrt().cwiseInverse().asDiagonal();  // see factorize_cholesky()
+  const Eigen::VectorXd sigma = L.jacobiSvd().singularValues();
+  const double condition = std::pow(sigma[0] / sigma[sigma.size() - 1], 2);
+  return std::max(kTolerance, 1.1e-16 * condition);
+}
+
+/// Greatest error as a part of what is allowed.
+struct Worst {
+  double ratio = 0;
+  void add(const Eigen::VectorXd& error, double scale, double limit) {
+    const double r = error.cwiseAbs().maxCoeff() / (scale * limit);
+    ratio = std::isnan(r) ? std::numeric_limits<double>::infinity() : std::max(ratio, r);
+  }
+};
+
+Eigen::VectorXd number(double x) { return Eigen::VectorXd::Constant(1, x); }
+
+/// Greatest difference of two rows, relative to the greatest entry of the second.
+double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  const double scale = b.cwiseAbs().maxCoeff();
+  return (a - b).cwiseAbs().maxCoeff() / (scale > 0 ? scale : 1);
+}
+
+/// Distance of two neighbouring doubles at x.
+double ulp(double x) {
+  return std::nextafter(std::abs(x), std::numeric_limits<double>::infinity()) - std::abs(x);
+}
+
+struct Columns {
+  ImpactBatchValues values;
+  BatchObjectiveValues objective;
+  BatchColumns columns;
+
+  Columns(const ImpactBatch& batch, const BatchObjective& wanted) {
+    const Eigen::Index count = batch.phi.rows();
+    values.Delta_Omega.resize(count, 6);
+    values.base.resize(count, 3);
+    values.total.resize(count, 3);
+    values.hand_inverse_mass.resize(count);
+    values.p.resize(count);
+    objective.psi.resize(count);
+    objective.gradient.resize(count, batch.phi.cols());
+    columns.count = count;
+    columns.phi = batch.phi.data();
+    columns.F = batch.F.data();
+    if (batch.approach.size() > 0) {
+      columns.approach = batch.approach.data();
+      columns.target_inverse_mass = batch.target_inverse_mass.data();
+    }
+    columns.Delta_Omega = values.Delta_Omega.data();
+    columns.base = values.base.data();
+    columns.total = values.total.data();
+    columns.hand_inverse_mass = values.hand_inverse_mass.data();
+    columns.p = values.p.data();
+    columns.objective = wanted;
+    columns.psi = objective.psi.data();
+    columns.gradient = objective.gradient.data();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("sine and cosine of packs are within 2 ulp of the library's") {
+  Random random(21);
+  for (const BatchKernel* kernel : batch_kernels()) {
+    INFO(kernel->lanes << " lanes");
+    double worst = 0;
+    double x[8], s[8], c[8];
+    const auto judge = [&] {
+      kernel->sin_cos(x, s, c);
+      for (int i = 0; i < kernel->lanes; ++i) {
+        const long double wide = x[i];
+        const auto error = [](double got, long double exact) {
+          return static_cast<double>(std::abs(got - exact)) / ulp(static_cast<double>(exact));
+        };
+        worst = std::max({worst, error(s[i], std::sin(wide)), error(c[i], std::cos(wide))});
+      }
+    };
+    for (int trial = 0; trial < 100000; ++trial) {
+      for (double& angle : x) angle = random.uniform(-100, 100);
+      judge();
+    }
+    // Where the result is small and the reduction must be sharp: next to multiples of pi/2.
+    for (int k = -63; k <= 63; ++k) {
+      for (double& angle : x) angle = k * M_PI / 2 + random.uniform(-1, 1) * 1e-12;
+      x[0] = k * M_PI / 2;
+      judge();
+    }
+    for (double& angle : x) angle = random.uniform(-1e-8, 1e-8);
+    judge();
+    CHECK(worst < 2);
+  }
+}
+
+TEST_CASE("sine and cosine of packs take angles beyond their reduction, infinity and NaN") {
+  for (const BatchKernel* kernel : batch_kernels()) {
+    double s[8], c[8];
+    double x[8] = {1e7, 0, -1e300, 1, 2, 3, 4, 5};
+    kernel->sin_cos(x, s, c);
+    for (int i = 0; i < kernel->lanes; ++i) {
+      CHECK(s[i] == Approx(std::sin(x[i])).margin(1e-15));
+      CHECK(c[i] == Approx(std::cos(x[i])).margin(1e-15));
+    }
+    x[0] = std::numeric_limits<double>::infinity();
+    kernel->sin_cos(x, s, c);
+    CHECK(std::isnan(s[0]));
+    x[0] = std::numeric_limits<double>::quiet_NaN();
+    kernel->sin_cos(x, s, c);
+    CHECK(std::isnan(c[0]));
+  }
+}
+
+TEST_CASE("every width of register gives the values and gradients of one posture at a time") {
+  Random random(22);
+  REQUIRE(batch_kernels().back() == batch_kernel_plain());
+  Worst value, gradient;
+  for (int trial = 0; trial < 60; ++trial) {
+    const int n = 1 + random.index(16);
+    const RobotModel robot = random_robot(random, n, trial % 2 == 0);
+    const ImpactResistance resistance = random_resistance(random, n);
+    const ImpactBatch batch = random_batch(random, n, 1 + random.index(19), trial % 3 > 0);
+    const BatchObjective objective{trial % 4 == 0 ? 1.0 : 0.0, trial % 4 == 1 ? 1.0 : 0.3,
+                                   trial % 4 == 2 ? 1.0 : 0.2};
+    for (const BatchKernel* kernel : batch_kernels()) {
+      Columns got(batch, objective);
+      kernel->run(robot, resistance, got.columns);
+      for (Eigen::Index i = 0; i < batch.phi.rows(); ++i) {
+        const auto posture =
+            evaluate_posture<double>(robot, resistance, JointVectord(batch.phi.row(i)));
+        const auto response = respond<double>(posture, Vector6d(batch.F.row(i)));
+        double p = 1;
+        if (trial % 3 > 0) {
+          p = normal_impulse(0, batch.approach[i], response.hand_inverse_mass,
+                             batch.target_inverse_mass[i]);
+        }
+        ResponseWeights<double> weights;
+        weights.omega = objective.omega * p * p * response.omega();
+        weights.base = objective.base * p * p * response.base;
+        weights.total = objective.total * p * p * response.total;
+        const double psi = p * p *
+                           (objective.omega * response.omega().squaredNorm() +
+                            objective.base * response.base.squaredNorm() +
+                            objective.total * response.total.squaredNorm()) /
+                           2;
+        if (trial % 3 > 0) {
+          weights.hand_inverse_mass =
+              -2 * psi / (response.hand_inverse_mass + batch.target_inverse_mass[i]);
+        }
+        const auto slope = response_gradient<double>(robot, posture, response, weights);
+
+        // Momenta and speeds beside the sizes that they are sums and differences of.
+        const double limit = rounding_limit(posture);
+        const Vector3d lever = posture.kinematics.r_bh - posture.inertia.r_bg;
+        const double momentum =
+            response.F.head<3>().norm() * lever.norm() + response.F.tail<3>().norm();
+        const double speed =
+            std::max(response.d.Delta_Omega.norm(), response.d.Delta_phidot.norm());
+        value.add(Vector6d(got.values.Delta_Omega.row(i)) - response.d.Delta_Omega, speed, limit);
+        value.add(Vector3d(got.values.base.row(i)) - response.base, momentum, limit);
+        value.add(Vector3d(got.values.total.row(i)) - response.total, momentum, limit);
+        value.add(number(got.values.hand_inverse_mass[i] - response.hand_inverse_mass),
+                  response.hand_inverse_mass, limit);
+        value.add(number(got.values.p[i] - p), p, limit);
+        const double size = p * p *
+                            (objective.omega * speed * speed +
+                             (objective.base + objective.total) * momentum * momentum);
+        value.add(number(got.objective.psi[i] - psi), size, limit);
+        gradient.add(JointVectord(got.objective.gradient.row(i)) - slope.phi,
+                     std::max(size, slope.phi.cwiseAbs().maxCoeff()), limit);
+      }
+    }
+  }
+  CHECK(value.ratio < 1);
+  CHECK(gradient.ratio < 1);
+}
+
+TEST_CASE("a batch of any size takes robots of any size") {
+  Random random(23);
+  for (const int n : {3, 16, 17, 40}) {
+    const RobotModel robot = random_robot(random, n, true);
+    const ImpactResistance free_joints{JointVectord::Zero(n), {}};
+    const ImpactBatch batch = random_batch(random, n, 11, true);
+    ImpactBatchValues values;
+    BatchObjectiveValues objective;
+    evaluate_postures(robot, free_joints, batch, values);
+    evaluate_objective(robot, free_joints, batch, {0, 1, 0}, objective);
+    for (int i = 0; i < 11; ++i) {
+      const auto response = respond<double>(
+          evaluate_posture<double>(robot, free_joints, JointVectord(batch.phi.row(i))),
+          Vector6d(batch.F.row(i)));
+      CHECK(difference(values.Delta_Omega.row(i), response.d.Delta_Omega) < 1e-11);
+      const double p = values.p[i];
+      CHECK(objective.psi[i] == Approx(p * p * response.base.squaredNorm() / 2).epsilon(1e-11));
+    }
+  }
+  ImpactBatchValues nothing;
+  const RobotModel robot = random_robot(random, 3, false);
+  evaluate_postures(robot, {JointVectord::Zero(3), {}}, random_batch(random, 3, 0, false), nothing);
+  CHECK(nothing.base.rows() == 0);
+}
+
+#ifdef STILLBASE_TOOL
+TEST_CASE("code for wide registers is shared with no other file") {
+  // What the linker merges (weak symbols) must be about the pack types of that file: a function on
+  // doubles would be executed by everybody, on processors without such registers too.
+  const auto library =
+      std::filesystem::path(STILLBASE_TOOL).parent_path().append("libstillbase.a").string();
+  FILE* listing = nullptr;
+  if (std::filesystem::exists(library)) {
+    listing = popen(("nm -A -C '" + library + "' 2>/dev/null").c_str(), "r");
+  }
+  int symbols = 0;
+  if (listing != nullptr) {
+    char line[1 << 16];
+    while (std::fgets(line, sizeof(line), listing) != nullptr) {
+      const std::string text = line;
+      if (text.find("batch_avx") == std::string::npos) continue;
+      ++symbols;
+      const bool weak = text.find(" W ") != std::string::npos ||
+                        text.find(" V ") != std::string::npos ||
+                        text.find(" u ") != std::string::npos;
+      INFO(text);
+      CHECK((!weak || text.find("stillbase::avx2::Pack") != std::string::npos ||
+             text.find("stillbase::avx512::Pack") != std::string::npos));
+    }
+    pclose(listing);
+  }
+  if (symbols == 0) WARN("no nm, no static library, or no x86: nothing to look at");
+}
+#endif
+
+}  // namespace stillbase
