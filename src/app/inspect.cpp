@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/dynamics/momentum.hpp>
@@ -144,7 +145,14 @@ int run(const Options& options) {
   const RobotState state = options.state.empty()
                                ? zero_state(robot)
                                : read_state(read_text_file(options.state), options.state, robot);
-  const Json json = inspection_json(robot, state);
+  Json json;
+  try {
+    json = inspection_json(robot, state);
+  } catch (const io::NotFiniteError&) {
+    // Numbers of a file that are finite alone but not in products with each other.
+    throw InputError({{options.state.empty() ? options.robot : options.state, 0, "not-finite",
+                       "the matrices at this state do not fit a double"}});
+  }
   const bool as_json = options.json || extension_of(options.output.path) == ".json";
   options.output.write(as_json ? io::pretty(json) : inspection_words(robot, state, json));
   return kDone;

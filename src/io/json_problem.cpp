@@ -72,12 +72,22 @@ Json target_body_json(const TargetBody& body) {
   return json;
 }
 
-Json target_state_json(const TargetState& state) {
-  return {{"time", number_json(state.time)},
-          {"position", array_json(state.pose.position)},
-          {"orientation", quaternion_json(state.pose.orientation)},
-          {"linear_velocity", array_json(state.linear_velocity)},
-          {"angular_velocity", array_json(state.angular_velocity)}};
+Json target_state_json(const TargetState& state,
+                       const std::optional<EstimateDeviations>& deviations) {
+  Json json = {{"time", number_json(state.time)},
+               {"position", array_json(state.pose.position)},
+               {"orientation", quaternion_json(state.pose.orientation)},
+               {"linear_velocity", array_json(state.linear_velocity)},
+               {"angular_velocity", array_json(state.angular_velocity)}};
+  if (deviations) {
+    json["covariance"] = {{"position", array_json(deviations->position)},
+                          {"orientation", array_json(deviations->orientation)},
+                          {"linear_velocity", array_json(deviations->linear_velocity)},
+                          {"angular_velocity", array_json(deviations->angular_velocity)},
+                          {"mass", number_json(deviations->mass)},
+                          {"moments", array_json(deviations->moments)}};
+  }
+  return json;
 }
 
 Json impact_section_json(const CaptureProblem& problem) {
@@ -163,7 +173,7 @@ Json problem_json(const CaptureProblem& problem) {
   if (problem.target) {
     json["target"] = target_body_json(*problem.target);
     if (!problem.impulse.direction) {
-      json["target"]["state"] = target_state_json(problem.target_state);
+      json["target"]["state"] = target_state_json(problem.target_state, problem.target_deviations);
     }
   }
   json["impact"] = impact_section_json(problem);
@@ -181,9 +191,15 @@ Json problem_json(const CaptureProblem& problem) {
       {"case", word_of(case_constraint_names(), problem.constraints.impact_case)},
       {"joint_limit_margin", number_json(problem.constraints.joint_limit_margin)},
       {"closing_speed_min", number_json(problem.constraints.closing_speed_min)}};
-  const auto& plane = problem.uncertainty.cone_plane_normal;
-  json["uncertainty"] = {{"cone_half_angle", number_json(problem.uncertainty.cone_half_angle)},
-                         {"cone_plane", plane ? array_json(*plane) : Json("none")}};
+  const UncertaintySpec& uncertainty = problem.uncertainty;
+  const auto& plane = uncertainty.cone_plane_normal;
+  json["uncertainty"] = {
+      {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
+                                                      : number_json(uncertainty.cone_half_angle)},
+      {"cone_plane", plane ? array_json(*plane) : Json("none")}};
+  if (uncertainty.cone_confidence) {
+    json["uncertainty"]["confidence"] = number_json(*uncertainty.cone_confidence);
+  }
   json["search"] = {{"optimizer", problem.search.optimizer},
                     {"starts", problem.search.starts},
                     {"seed", problem.search.seed},
