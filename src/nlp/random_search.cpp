@@ -31,7 +31,8 @@ class RandomSearch final : public Optimizer {
       const Evaluation* e = monitor.evaluate(x.data());
       if (e == nullptr) continue;
       Evaluation at_x = *e;
-      restore(monitor, 0.1 * options.feasibility_tolerance, kRestorationSteps, x, at_x);
+      restore(monitor, monitor.constraint_lower(), monitor.constraint_upper(),
+              0.1 * options.feasibility_tolerance, kRestorationSteps, x, at_x);
     }
     return {0, "ran until it was stopped", ""};
   }

@@ -5,10 +5,6 @@
 namespace stillbase::nlp {
 namespace {
 
-Eigen::VectorXd violation_of(const Monitor& monitor, const Evaluation& at_x) {
-  return signed_violation(at_x.constraints, monitor.constraint_lower(), monitor.constraint_upper());
-}
-
 // min |step| with J step = -violation over the violated rows, inside the box to first order.
 Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
                             const Evaluation& at_x, const Eigen::VectorXd& violation) {
@@ -37,10 +33,10 @@ Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
 
 }  // namespace
 
-double restore(Monitor& monitor, double tolerance, int max_steps, Eigen::VectorXd& x,
-               Evaluation& at_x) {
+double restore(Monitor& monitor, const Eigen::VectorXd& g_lower, const Eigen::VectorXd& g_upper,
+               double tolerance, int max_steps, Eigen::VectorXd& x, Evaluation& at_x) {
   if (at_x.constraints.size() == 0) return 0.0;
-  Eigen::VectorXd violation = violation_of(monitor, at_x);
+  Eigen::VectorXd violation = signed_violation(at_x.constraints, g_lower, g_upper);
   for (int step = 0; step < max_steps && violation.lpNorm<Eigen::Infinity>() > tolerance; ++step) {
     const Eigen::VectorXd move = newton_step(monitor, x, at_x, violation);
     if (!(move.norm() > 0.0) || !move.allFinite()) break;
@@ -51,7 +47,7 @@ double restore(Monitor& monitor, double tolerance, int max_steps, Eigen::VectorX
           (x + alpha * move).cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
       const Evaluation* e = monitor.evaluate(trial.data());
       if (e == nullptr) continue;
-      const Eigen::VectorXd left = violation_of(monitor, *e);
+      const Eigen::VectorXd left = signed_violation(e->constraints, g_lower, g_upper);
       fell = left.squaredNorm() < violation.squaredNorm();
       if (!fell) continue;
       x = trial;
