@@ -39,7 +39,8 @@ class RoundUpward {
   int before_;
 };
 
-inline bool contains_zero(const Interval& x) { return x.lower() <= 0 && x.upper() >= 0; }
+/// Yes as well where an end is not a number.
+inline bool contains_zero(const Interval& x) { return !(x.lower() > 0 || x.upper() < 0); }
 inline bool is_disjoint(const Interval& a, const Interval& b) {
   return a.upper() < b.lower() || b.upper() < a.lower();
 }
