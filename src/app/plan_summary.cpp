@@ -43,6 +43,39 @@ std::string violations(const Plan& plan) {
   return text;
 }
 
+/// A case problem without a solution: how far the nearest attempt is from the case.
+std::string nearest_words(const Plan& plan) {
+  const CaseConstraint wanted = plan.problem.constraints.impact_case;
+  if (plan.status != PlanStatus::Infeasible || wanted == CaseConstraint::None) return "";
+  const char* names[] = {"", "C", "C1", "C2", "G2", "G3"};
+  const CaseJudgement& judgement = plan.impact.judgement;
+  return fmt::format(
+      "no {} here; nearest residual: total {}, base part {}, coupling part {} of |f| |r_gh| + |t|",
+      names[static_cast<int>(wanted)], size_words(judgement.total), size_words(judgement.base),
+      size_words(judgement.coupling));
+}
+
+std::string certificate_words(const Certificate& certificate) {
+  return fmt::format("largest violation {}, KKT residual {}", size_words(certificate.max_violation),
+                     size_words(certificate.kkt_residual));
+}
+
+/// Noise of the Hessian, which is made of differences, is below this.
+constexpr double kFlat = 1e-6;
+
+std::string curvature_words(double smallest) {
+  if (smallest > kFlat) return fmt::format("at least {:.3g}: a strict local minimum", smallest);
+  if (smallest >= -kFlat) return "none in some direction: neighbours that are as good";
+  return fmt::format("{:.3g} in some direction: not a minimum", smallest);
+}
+
+std::string proof_words(const Proof& proof) {
+  std::string text = proof.statement;
+  if (proof.gap) text += fmt::format("; gap to the global minimum {:.3g}", *proof.gap);
+  if (proof.boxes > 0) text += fmt::format(" ({} boxes)", proof.boxes);
+  return text;
+}
+
 std::string objective_words(const Plan& plan) {
   const ObjectiveValue& objective = plan.objective;
   std::string text = fmt::format("{} {} {} as predicted", objective.name,
@@ -110,6 +143,9 @@ std::string plan_summary(const Plan& plan) {
   std::string text = line("problem", plan.problem.name + ": " + plan.problem.purpose);
   text += line("found", found_words(plan));
   if (!plan.candidates.empty()) {
+    if (const std::string nearest = nearest_words(plan); !nearest.empty()) {
+      text += line("nearest", nearest);
+    }
     text += violations(plan);
     text += line("posture", posture_words(plan.problem.robot, plan.configuration.phi));
     text += line("base", pose_words(plan.configuration.base));
@@ -118,13 +154,16 @@ std::string plan_summary(const Plan& plan) {
     text += line("momentum", momentum_words(plan.impact));
     text += line("case", case_words(plan.impact));
     text += line("objective", objective_words(plan));
-    text += line("certificate", fmt::format("largest violation {}, KKT residual {}",
-                                            size_words(plan.certificate.max_violation),
-                                            size_words(plan.certificate.kkt_residual)));
+    text += line("certificate", certificate_words(plan.certificate));
+    const auto& curvature = plan.certificate.reduced_hessian_min_eigenvalue;
+    if (plan.status != PlanStatus::Infeasible && curvature) {
+      text += line("curvature", curvature_words(*curvature));
+    }
     if (plan.status != PlanStatus::Infeasible) {
       text += line("approach", approach_words(plan.approach));
     }
   }
+  if (!plan.candidates.empty()) text += line("proof", proof_words(plan.certificate.proof));
   text += line("effort", effort_words(plan));
   text.pop_back();
   return text;

@@ -90,14 +90,17 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
   // With as many equations as variables the solutions are isolated points and there is nothing to
   // minimise: Newton steps from many more starts find them, and cost less than one local solve.
   const bool isolated = formulation.freedom() == 0;
-  const int starts = isolated ? 16 * options.starts : options.starts;
+  const int own_starts = isolated ? 16 * options.starts : options.starts;
+  const int starts = own_starts + static_cast<int>(options.more_starts.size());
   for (int start = 0; start < starts; ++start) {
     if (options.stop.reached() && start > 0) {
       out.stopped = true;
       break;
     }
-    const Eigen::VectorXd x0 = formulation.start_point(
-        low_discrepancy_point(start, formulation.start_dimension(), options.seed));
+    const Eigen::VectorXd x0 =
+        start < own_starts ? formulation.start_point(low_discrepancy_point(
+                                 start, formulation.start_dimension(), options.seed))
+                           : options.more_starts[static_cast<std::size_t>(start - own_starts)];
     const ProjectionResult projected =
         project_onto_constraints(formulation, x0, false, isolated ? 60 : 15);
     Solution found;
@@ -135,9 +138,10 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
     ranked.resize(static_cast<std::size_t>(options.max_candidates));
   }
   for (const auto& [candidate, x] : ranked) {
-    const nlp::Certificate kkt = nlp::certify(formulation, x);
+    const nlp::Certificate kkt = nlp::certify(formulation, x, {.second_order = true});
     Certificate certificate;
     certificate.kkt_residual = kkt.kkt_residual;
+    certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
     certificate.max_violation = candidate.max_violation;
     certificate.starts = out.starts;
     certificate.distinct_solutions = out.distinct_solutions;

@@ -81,6 +81,13 @@ const Names<PlanStatus>& plan_status_names() {
   return names;
 }
 
+const Names<ProofStatus>& proof_status_names() {
+  static const Names<ProofStatus> names{{"not_applicable", ProofStatus::NotApplicable},
+                                        {"complete", ProofStatus::Complete},
+                                        {"undecided", ProofStatus::Undecided}};
+  return names;
+}
+
 const Names<ApproachStatus>& approach_status_names() {
   static const Names<ApproachStatus> names{{"found", ApproachStatus::Found},
                                            {"not_requested", ApproachStatus::NotRequested},

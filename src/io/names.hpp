@@ -49,5 +49,6 @@ const Names<BaseMode>& base_mode_names();
 const Names<ImpactCase>& impact_case_names();
 const Names<PlanStatus>& plan_status_names();
 const Names<ApproachStatus>& approach_status_names();
+const Names<ProofStatus>& proof_status_names();
 
 }  // namespace stillbase::io

@@ -64,17 +64,27 @@ void read_list(MapReader& map, const std::string& key, const Read& read) {
   }
 }
 
+bool is_null(const Node& node) {
+  return node.kind == Node::Kind::Null || (node.kind == Node::Kind::Plain && node.text == "null");
+}
+
 /// null: no bound.
 void read_bound(MapReader& map, const std::string& key, double no_bound, double& out) {
   const Node* node = map.child(key, Need::Required);
   if (node == nullptr) return;
-  const bool is_null =
-      node->kind == Node::Kind::Null || (node->kind == Node::Kind::Plain && node->text == "null");
-  if (is_null) {
+  if (is_null(*node)) {
     out = no_bound;
   } else {
     map.number(key, out, Dimension::None);
   }
+}
+
+/// null: there is none.
+void read_optional(MapReader& map, const std::string& key, std::optional<double>& out) {
+  const Node* node = map.child(key, Need::Required);
+  double value = 0;
+  if (node == nullptr || is_null(*node)) return;
+  if (map.number(key, value, Dimension::None)) out = value;
 }
 
 ToolVersions read_tool(MapReader& map) {
@@ -151,7 +161,47 @@ void read_constraints(MapReader& map, Plan& plan) {
   });
 }
 
-void read_certificate(MapReader& map, Certificate& certificate) {
+void read_proof(MapReader& map, const Plan& plan, Proof& proof) {
+  const Node* node = map.child("proof", Need::Required);
+  if (node == nullptr) return;
+  ReadContext& context = map.context();
+  MapReader fields(context, *node, "certificate.proof");
+  const auto read_boxes = [&](const std::string& key, std::vector<JointBox>& out) {
+    read_list(fields, key, [&](const Node& item, const std::string& path) {
+      MapReader box(context, item, path);
+      JointBox ends;
+      read_joint_list(box, "lower", plan.problem.robot.n(), ends.lower);
+      read_joint_list(box, "upper", plan.problem.robot.n(), ends.upper);
+      box.finish();
+      out.push_back(std::move(ends));
+    });
+  };
+  int boxes = 0;
+  fields.choice("status", proof.status, proof_status_names(), Need::Required);
+  fields.text("statement", proof.statement, Need::Required);
+  read_boxes("solutions", proof.solutions);
+  read_list(fields, "candidates", [&](const Node& item, const std::string& path) {
+    const double index = read_number(context, item, path, Dimension::None).value_or(-1);
+    if (index != std::floor(index) || index < -1 || index > kMany) {
+      context.add(item.line, "out-of-range", path + ": must be the number of a candidate, or -1");
+    } else {
+      proof.candidates.push_back(static_cast<int>(index));
+    }
+  });
+  read_boxes("undecided", proof.undecided);
+  fields.integer("found_by_search", proof.found_by_search, 0, kMany, Need::Required);
+  fields.integer("boxes", boxes, 0, kMany, Need::Required);
+  proof.boxes = boxes;
+  read_optional(fields, "lower_bound", proof.lower_bound);
+  read_optional(fields, "gap", proof.gap);
+  fields.finish();
+  if (context.findings.empty() && proof.candidates.size() != proof.solutions.size()) {
+    context.add(node->line, "wrong-length",
+                "certificate.proof: solutions and candidates must have the same length");
+  }
+}
+
+void read_certificate(MapReader& map, const Plan& plan, Certificate& certificate) {
   const Node* node = map.child("certificate", Need::Required);
   if (node == nullptr) return;
   MapReader fields(map.context(), *node, "certificate");
@@ -159,8 +209,11 @@ void read_certificate(MapReader& map, Certificate& certificate) {
                 Need::Required);
   fields.number("max_violation", certificate.max_violation, Dimension::None, kNonNegative,
                 Need::Required);
+  read_optional(fields, "reduced_hessian_min_eigenvalue",
+                certificate.reduced_hessian_min_eigenvalue);
   fields.integer("starts", certificate.starts, 0, kMany, Need::Required);
   fields.integer("distinct_solutions", certificate.distinct_solutions, 0, kMany, Need::Required);
+  read_proof(fields, plan, certificate.proof);
   fields.finish();
 }
 
@@ -304,7 +357,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   }
   read_objective(map, plan.objective);
   read_constraints(map, plan);
-  read_certificate(map, plan.certificate);
+  read_certificate(map, plan, plan.certificate);
   read_candidates(map, plan);
   read_approach(map, plan);
   read_counts(map, plan);

@@ -71,6 +71,34 @@ Json approach_json(const Approach& approach) {
           {"min_clearance", bound_json(approach.min_clearance)}};
 }
 
+/// null where there is none.
+Json optional_json(const std::optional<double>& x) { return x ? number_json(*x) : Json(nullptr); }
+
+Json proof_json(const Proof& proof) {
+  const auto box = [](const JointBox& b) {
+    return Json{{"lower", array_json(b.lower)}, {"upper", array_json(b.upper)}};
+  };
+  return {{"status", word_of(proof_status_names(), proof.status)},
+          {"statement", proof.statement},
+          {"solutions", list_json(proof.solutions, box)},
+          {"candidates", proof.candidates},
+          {"undecided", list_json(proof.undecided, box)},
+          {"found_by_search", proof.found_by_search},
+          {"boxes", proof.boxes},
+          {"lower_bound", optional_json(proof.lower_bound)},
+          {"gap", optional_json(proof.gap)}};
+}
+
+Json certificate_json(const Certificate& certificate) {
+  return {
+      {"kkt_residual", number_json(certificate.kkt_residual)},
+      {"max_violation", number_json(certificate.max_violation)},
+      {"reduced_hessian_min_eigenvalue", optional_json(certificate.reduced_hessian_min_eigenvalue)},
+      {"starts", certificate.starts},
+      {"distinct_solutions", certificate.distinct_solutions},
+      {"proof", proof_json(certificate.proof)}};
+}
+
 Json plan_json(const Plan& plan, const ToolVersions& tool) {
   const CaptureProblem& problem = plan.problem;
   Json json;
@@ -92,10 +120,7 @@ Json plan_json(const Plan& plan, const ToolVersions& tool) {
   json["impact"] = impact_json(plan.impact, problem.robot);
   json["objective"] = objective_json(plan.objective);
   json["constraints"] = list_json(plan.constraints, constraint_json);
-  json["certificate"] = {{"kkt_residual", number_json(plan.certificate.kkt_residual)},
-                         {"max_violation", number_json(plan.certificate.max_violation)},
-                         {"starts", plan.certificate.starts},
-                         {"distinct_solutions", plan.certificate.distinct_solutions}};
+  json["certificate"] = certificate_json(plan.certificate);
   json["candidates"] = list_json(plan.candidates, candidate_json);
   json["approach"] = approach_json(plan.approach);
   json["solver_calls"] = Json::object();

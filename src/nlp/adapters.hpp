@@ -15,4 +15,10 @@ std::unique_ptr<Optimizer> make_nlopt_optimizer(std::string_view name);  // null
 std::vector<std::string> ipopt_optimizer_names();
 std::unique_ptr<Optimizer> make_ipopt_optimizer(std::string_view name);
 
+std::vector<std::string> gradient_projection_names();
+std::unique_ptr<Optimizer> make_gradient_projection(std::string_view name);
+
+std::vector<std::string> random_search_names();
+std::unique_ptr<Optimizer> make_random_search(std::string_view name);
+
 }  // namespace stillbase::nlp

@@ -1,5 +1,6 @@
 #include <stillbase/nlp/certificate.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -114,6 +115,27 @@ double relative_violation_slope(const Eigen::VectorXd& x, const Eigen::VectorXd&
                                 : 0.0;
 }
 
+// `normals` (N x k): gradients of everything active.
+std::optional<double> reduced_hessian_min_eigenvalue(const Problem& problem,
+                                                     const Eigen::VectorXd& x,
+                                                     const Eigen::VectorXd& multipliers,
+                                                     const Eigen::MatrixXd& normals) {
+  const Eigen::Index n = x.size();
+  if (!problem.has_hessian()) return std::nullopt;
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(n, n);
+  if (normals.cols() > 0) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(normals);
+    Z = (qr.householderQ() * Z).rightCols(n - qr.rank()).eval();
+  }
+  if (Z.cols() == 0) return std::nullopt;
+  Eigen::MatrixXd H;
+  problem.lagrangian_hessian(x, 1.0, multipliers, H);
+  if (!H.allFinite()) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Z.transpose() * H * Z,
+                                                              Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0];
+}
+
 }  // namespace
 
 Certificate certify(const Problem& problem, const Eigen::VectorXd& x, const Evaluation& at_x,
@@ -197,6 +219,12 @@ Certificate certify(const Problem& problem, const Eigen::VectorXd& x, const Eval
         bound.sign * signed_multipliers[c];
     result.complementarity =
         std::max(result.complementarity, signed_multipliers[c] * bound.distance);
+  }
+  if (options.second_order) {
+    Eigen::MatrixXd normals(n, num_free + num_signed);
+    normals << E, A;
+    result.reduced_hessian_min_eigenvalue =
+        reduced_hessian_min_eigenvalue(problem, x, result.multipliers, normals);
   }
   return result;
 }

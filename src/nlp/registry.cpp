@@ -11,6 +11,8 @@ struct Family {
 constexpr Family kFamilies[] = {
     {nlopt_optimizer_names, make_nlopt_optimizer},
     {ipopt_optimizer_names, make_ipopt_optimizer},
+    {gradient_projection_names, make_gradient_projection},
+    {random_search_names, make_random_search},
 };
 
 }  // namespace

@@ -16,6 +16,18 @@ std::string to_string(PlanStatus status) {
   return "";
 }
 
+std::string to_string(ProofStatus status) {
+  switch (status) {
+    case ProofStatus::NotApplicable:
+      return "not_applicable";
+    case ProofStatus::Complete:
+      return "complete";
+    case ProofStatus::Undecided:
+      return "undecided";
+  }
+  return "";
+}
+
 std::string to_string(ApproachStatus status) {
   switch (status) {
     case ApproachStatus::Found:

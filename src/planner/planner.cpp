@@ -10,6 +10,7 @@
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/plan/encounter.hpp>
 
+#include "planner/completeness.hpp"
 #include "planner/post_impact.hpp"
 
 namespace stillbase {
@@ -108,11 +109,25 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
   SearchResult found = search(problem, formulation, search_options);
 
+  const auto proof_begin = Clock::now();
+  progress("proof", 0, 1);
+  Proof proof = prove_solutions(problem, formulation, options.stop);
+  match_candidates(problem, found, proof);
+  const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
+  proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
+  if (!missing.empty() && !options.stop.reached()) {
+    search_options.more_starts = missing;
+    found = search(problem, formulation, search_options);
+    match_candidates(problem, found, proof);
+  }
+  state_what_was_missed(proof);
+
   Plan plan;
   plan.problem = problem;
   plan.optimizer = problem.search.optimizer;
   plan.solver_calls = found.solver_calls;
-  plan.timing["search"] = seconds_since(begin);
+  plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
+  plan.timing["proof"] = seconds_since(proof_begin);
 
   const bool solved =
       !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
@@ -154,6 +169,7 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
     const Candidate& best = found.candidates[chosen];
     plan.configuration = best.configuration;
     plan.certificate = found.certificates[chosen];
+    plan.certificate.proof = std::move(proof);
     plan.constraints = formulation.report(found.points[chosen]);
     plan.impact = predict_impact(problem, formulation, best.configuration);
     plan.objective.name = to_string(problem.objective);

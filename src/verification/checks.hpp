@@ -40,6 +40,9 @@ void check_constraints(const Context& context, const ContactEvent& event,
 /// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 
+/// The enclosed solutions and the candidates are the same; nothing where there is no proof.
+void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims);
+
 void check_approach(const Context& context, ClaimList& claims);
 
 void check_post_impact(const Context& context, const PostureResponse& response,

@@ -98,6 +98,13 @@ std::vector<std::string> structural_objections(const Plan& plan) {
     look_at_configuration(plan.candidates[i].configuration, n, fmt::format("candidates[{}]", i),
                           objections);
   }
+  for (const auto* boxes : {&plan.certificate.proof.solutions, &plan.certificate.proof.undecided}) {
+    for (const JointBox& box : *boxes) {
+      objections.demand(box.lower.size() == n && box.upper.size() == n && box.lower.allFinite() &&
+                            box.upper.allFinite(),
+                        "certificate.proof: boxes");
+    }
+  }
   if (plan.problem.approach.enabled && plan.approach.status == ApproachStatus::Found) {
     look_at_approach(plan.approach, n, objections);
   }
@@ -156,6 +163,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
+      group("proof", [&] { check_proof(context, event, claims); });
       group("approach", [&] { check_approach(context, claims); });
       if (options.post_impact && !problem.post_impact.controllers.empty()) {
         group("post_impact", [&] {

@@ -102,6 +102,25 @@ TEST_CASE("an unreachable hand position is exit code 4 and writes the nearest at
   CHECK(plan.at("configuration").at("joint_positions").size() == 2);
 }
 
+TEST_CASE("a case that does not exist is said not to, with the nearest residual") {
+  const Workshop shop;
+  // A moment about the hand that no lever of this arm (5.4 m) takes up.
+  shop.write_changed("problem.yaml", kProblem, "  source: point_mass\n",
+                     "  source: given\n  magnitude: 1 N s\n  moment: [0, 0, 50]\n");
+  std::string text = shop.text("problem.yaml");
+  for (const std::string line : {"  closing_speed: 1 m/s\n", "  restitution: 1\n"}) {
+    const auto at = text.find(line);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, line.size(), "");
+  }
+  shop.write("problem.yaml", text);
+  const Outcome outcome = shop.run("plan problem.yaml -o plan.json --starts 8");
+  INFO(outcome.err);
+  CHECK(outcome.code == 4);
+  CHECK(outcome.says("no C2 here; nearest residual: total "));
+  CHECK(outcome.says("proven: there is no solution"));
+}
+
 TEST_CASE("a time limit ends the search with exit code 6 and the best so far is written") {
   const Workshop shop;
   const Outcome outcome = shop.run("plan " + quoted(source_path(kProblem)) +

@@ -58,7 +58,18 @@ Plan random_plan() {
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},
                       {"hand_facing", -1, -kInfinity, 0, 0}};
-  plan.certificate = {1e-9, 1e-12, 256, 8};
+  plan.certificate = {1e-9, 1e-12, 256, 8, -0.1 / 3, {}};
+  Proof& proof = plan.certificate.proof;
+  proof.status = ProofStatus::Undecided;
+  proof.statement = "not decided: 2 solutions enclosed";
+  proof.solutions = {{random_joints(random, n), random_joints(random, n)},
+                     {random_joints(random, n), random_joints(random, n)}};
+  proof.candidates = {1, -1};
+  proof.undecided = {{random_joints(random, n), random_joints(random, n)}};
+  proof.found_by_search = 1;
+  proof.boxes = 1234;
+  proof.lower_bound = 0;
+  proof.gap = 1e-17 / 3;
   plan.candidates = {{plan.configuration, 1, 2, 0, 12, true, ""},
                      {plan.configuration, 1.5, 2, 0, 3, false, "link_2 with base"}};
   Approach& approach = plan.approach;
@@ -118,6 +129,28 @@ TEST_CASE("a plan reads back bit for bit") {
   CHECK(file.plan.impact.resistance.stiffness == plan.impact.resistance.stiffness);
 }
 
+TEST_CASE("a certificate without a direction left says null and reads back") {
+  Plan plan = random_plan();
+  plan.certificate.reduced_hessian_min_eigenvalue.reset();
+  const std::string text = plan_to_json(plan, kTool);
+  const auto json = nlohmann::json::parse(text);
+  CHECK(json["certificate"]["reduced_hessian_min_eigenvalue"].is_null());
+  CHECK(plan_to_json(read_plan(text, "plan.json").plan, kTool) == text);
+}
+
+TEST_CASE("a proof that contradicts itself is refused") {
+  auto json = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
+  auto spoiled = json;
+  spoiled["certificate"]["proof"]["candidates"] = {1};
+  CHECK(refusal(spoiled.dump()) == "wrong-length");
+  spoiled = json;
+  spoiled["certificate"]["proof"]["candidates"] = {1.5, -1};
+  CHECK(refusal(spoiled.dump()) == "out-of-range");
+  spoiled = json;
+  spoiled["certificate"]["proof"]["status"] = "certain";
+  CHECK_FALSE(refusal(spoiled.dump()).empty());
+}
+
 TEST_CASE("the keys of a plan file stand in their documented order") {
   const auto json = nlohmann::ordered_json::parse(plan_to_json(random_plan(), kTool, "{}"));
   std::vector<std::string> keys;
@@ -145,9 +178,10 @@ TEST_CASE("the fingerprint covers the content and nothing else") {
   CHECK(read_plan(unchanged.dump(), "plan.json").computed_sha256 == stated);
 
   const std::vector<std::string> pointers{
-      "/problem/robot/start/joint_1", "/configuration/joint_positions/0", "/impact/momentum/base/0",
-      "/objective/worst_case",        "/candidates/1/objective",          "/approach/times/1",
-      "/certificate/kkt_residual"};
+      "/problem/robot/start/joint_1", "/configuration/joint_positions/0",
+      "/impact/momentum/base/0",      "/objective/worst_case",
+      "/candidates/1/objective",      "/approach/times/1",
+      "/certificate/kkt_residual",    "/certificate/reduced_hessian_min_eigenvalue"};
   for (const std::string& pointer : pointers) {
     auto changed = json;
     auto& value = changed[nlohmann::json::json_pointer(pointer)];
@@ -166,7 +200,7 @@ TEST_CASE("a spoiled plan file is refused with rule and line") {
   CHECK(refusal(replaced(text, "\"status\": \"feasible\"", "\"status\": \"good\"")) ==
         "unknown-name");
   CHECK(refusal(replaced(text, "\"status\": \"feasible\",", "")) == "missing-key");
-  CHECK(refusal(replaced(text, "\"starts\": 256, \"distinct", "\"starts\": 2.5, \"distinct")) ==
+  CHECK(refusal(replaced(text, "\"distinct_solutions\": 8", "\"distinct_solutions\": 2.5")) ==
         "wrong-type");
   CHECK(refusal(replaced(text, "\"closing_speed\": 0.7", "\"closing_speed\": NaN")) ==
         "not-finite");

@@ -62,6 +62,44 @@ TEST_CASE("an equation takes a multiplier of either sign") {
   CHECK(certify(p, vec({-std::sqrt(2.0), -std::sqrt(2.0)})).kkt_residual < 1e-12);
 }
 
+TEST_CASE("the reduced Hessian tells a minimum from a maximum and a saddle") {
+  const CertificateOptions second{.second_order = true};
+  const auto curvature = [&](const KnownProblem& p, const Eigen::VectorXd& x) {
+    return certify(p, x, second).reduced_hessian_min_eigenvalue;
+  };
+  // min x1 + x2 on |x|^2 = 2: Lagrangian Hessian 2 lambda E, lambda = 1/2 at (-1, -1), tangent
+  // space of one direction.
+  KnownProblem circle = ring();
+  circle.g_l = circle.g_u = vec({2.0});
+  circle.model = [](const Eigen::VectorXd& x, Evaluation& e) {
+    e.objective = x.sum();
+    e.gradient << 1.0, 1.0;
+    e.constraints << x.squaredNorm();
+    e.jacobian << 2.0 * x.transpose();
+  };
+  circle.hessian = [](const Eigen::VectorXd&, double, const Eigen::VectorXd& multipliers,
+                      Eigen::MatrixXd& H) {
+    H = 2.0 * multipliers[0] * Eigen::MatrixXd::Identity(2, 2);
+  };
+  CHECK(curvature(circle, vec({-1.0, -1.0})).value() == Approx(1.0));
+  CHECK(curvature(circle, vec({1.0, 1.0})).value() == Approx(-1.0));
+  // f = x^2 - y^2: the saddle at zero has residual zero; with y held by a bound nothing is wrong.
+  KnownProblem saddle = rosenbrock();
+  saddle.model = [](const Eigen::VectorXd& x, Evaluation& e) {
+    e.objective = x[0] * x[0] - x[1] * x[1];
+    e.gradient << 2.0 * x[0], -2.0 * x[1];
+  };
+  saddle.hessian = [](const Eigen::VectorXd&, double sigma, const Eigen::VectorXd&,
+                      Eigen::MatrixXd& H) { H << 2.0 * sigma, 0.0, 0.0, -2.0 * sigma; };
+  CHECK(certify(saddle, vec({0.0, 0.0})).kkt_residual == 0.0);
+  CHECK(curvature(saddle, vec({0.0, 0.0})).value() == Approx(-2.0));
+  CHECK(curvature(saddle, vec({0.0, 4.0})).value() == Approx(2.0));
+  // No direction left, no Hessian, or not asked for: no number.
+  CHECK_FALSE(curvature(saddle, vec({-3.0, 4.0})).has_value());
+  CHECK_FALSE(curvature(hs048(), hs048().minimisers[0]).has_value());
+  CHECK_FALSE(certify(circle, vec({-1.0, -1.0})).reduced_hessian_min_eigenvalue.has_value());
+}
+
 TEST_CASE("a redundant equation does not spoil the certificate") {
   KnownProblem p = hs048();
   p.g_l = p.g_u = vec({5.0, -3.0, 10.0});

@@ -40,6 +40,55 @@ TEST_CASE(
   CHECK(plan.approach.status == ApproachStatus::Found);
 }
 
+TEST_CASE("what the search missed is found by the proof and becomes a candidate") {
+  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  problem.search.starts = 1;
+  problem.approach.enabled = false;
+  problem.post_impact.controllers.clear();
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  INFO(proof.statement);
+  CHECK(proof.status == ProofStatus::Complete);
+  REQUIRE(proof.found_by_search < 8);
+  REQUIRE(plan.candidates.size() == 8);
+  CHECK(proof.statement.find("missed by the search and added") != std::string::npos);
+  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
+    REQUIRE(proof.candidates[s] >= 0);
+    const Candidate& candidate = plan.candidates[static_cast<std::size_t>(proof.candidates[s])];
+    const JointVectord middle = (proof.solutions[s].lower + proof.solutions[s].upper) / 2;
+    CHECK((candidate.configuration.phi - middle).norm() < 1e-10);
+  }
+}
+
+TEST_CASE("with enough starts the proof says that none was missed, and the gap of a null") {
+  const Plan isolated = make_plan(shipped("planar_two_link_c2_b"));
+  CHECK(isolated.certificate.proof.statement ==
+        "proven complete: 10 solutions enclosed, none missed");
+  const Plan null = make_plan(shipped("planar_three_link_null"));
+  const Proof& proof = null.certificate.proof;
+  INFO(proof.statement);
+  CHECK(proof.status == ProofStatus::Complete);
+  CHECK(proof.lower_bound == 0.0);
+  CHECK(proof.gap.value() < 1e-12);
+  CHECK(proof.statement.find("none missed") != std::string::npos);
+  CHECK(null.certificate.reduced_hessian_min_eigenvalue.value() > 0);
+}
+
+TEST_CASE("a case that joint limits exclude is proven not to exist") {
+  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  for (Joint& joint : problem.robot.joints) {
+    joint.type = JointType::Revolute;
+    joint.lower = 0.5;
+    joint.upper = 0.6;
+  }
+  problem.start = JointVectord::Constant(2, 0.55);
+  problem.search.starts = 4;
+  const Plan plan = make_plan(problem);
+  CHECK(plan.status == PlanStatus::Infeasible);
+  CHECK(plan.certificate.proof.status == ProofStatus::Complete);
+  CHECK(plan.certificate.proof.statement == "proven: there is no solution within the joint limits");
+}
+
 TEST_CASE("a capture with a seven-joint arm is planned with its approach on a floating base") {
   const CaptureProblem problem = shipped("iiwa_client_50");
   const Plan plan = make_plan(problem);

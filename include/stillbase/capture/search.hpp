@@ -16,6 +16,7 @@ struct SearchOptions {
   int starts = 64;
   std::uint64_t seed = 1;
   int max_candidates = 32;
+  std::vector<Eigen::VectorXd> more_starts;  ///< points to start from as well (N each)
   /// Called after every start with (done, total); may be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;

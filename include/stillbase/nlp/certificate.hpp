@@ -1,10 +1,11 @@
 // How good a point is, computed without the solver that found it.
 //
-// Assumptions: those of problem.hpp. First order only: a saddle point or a maximum also has
-// residual zero. Constraint qualification is not checked; where it fails, a minimum may have a
-// large residual.
+// Assumptions: those of problem.hpp. The residual is of first order: a saddle point or a maximum
+// has residual zero as well; the reduced Hessian tells them apart. Constraint qualification is not
+// checked; where it fails, a minimum may have a large residual.
 #pragma once
 
+#include <optional>
 #include <stillbase/nlp/problem.hpp>
 
 namespace stillbase::nlp {
@@ -14,6 +15,9 @@ struct CertificateOptions {
   /// order one). Interior point methods stop at a distance of mu / multiplier, mu about 1e-11: 1e-6
   /// sees every bound whose multiplier exceeds 1e-5.
   double activity_tolerance = 1e-6;
+  /// Also compute the reduced Hessian, where the problem has a Hessian: one call of
+  /// lagrangian_hessian().
+  bool second_order = false;
 };
 
 struct Certificate {
@@ -30,6 +34,12 @@ struct Certificate {
   /// one is, any sign for an equation, 0 where none is.
   Eigen::VectorXd multipliers;
   Eigen::VectorXd bound_multipliers;  ///< one per variable (N), same signs
+  /// Smallest eigenvalue of Z' (Hessian of f + multipliers . g) Z, Z an orthonormal basis of the
+  /// directions that keep every active constraint and bound to first order (rank by QR). Positive
+  /// at a point with residual zero: a strict local minimum along them; negative: not a minimum.
+  /// Empty when it was not asked for, the problem has no Hessian, it is not finite, or no direction
+  /// is left.
+  std::optional<double> reduced_hessian_min_eigenvalue;
 };
 
 /// KKT residual with multipliers by least squares under their sign conditions: equations are

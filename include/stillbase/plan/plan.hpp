@@ -35,11 +35,43 @@ struct ConstraintValue {
   double violation = 0;  ///< max(lower - value, value - upper, 0)
 };
 
+enum class ProofStatus {
+  NotApplicable,  ///< the problem is not of the kind that can be proven
+  Complete,       ///< every solution is enclosed
+  Undecided       ///< every solution is enclosed or in an undecided box
+};
+std::string to_string(ProofStatus status);
+
+/// Joint values between two ends (n each), rad or m.
+struct JointBox {
+  JointVectord lower, upper;
+};
+
+/// What branch and bound with intervals says about all solutions at once. The ends are rounded
+/// outwards.
+struct Proof {
+  ProofStatus status = ProofStatus::NotApplicable;
+  std::string statement;            ///< in words: what was proven, or why nothing was
+  std::vector<JointBox> solutions;  ///< each holds exactly one solution
+  std::vector<int> candidates;      ///< per solution the candidate that is in it; -1: none
+  std::vector<JointBox> undecided;  ///< may hold solutions
+  int found_by_search = 0;          ///< solutions that the search had found by itself
+  long boxes = 0;                   ///< looked at
+  /// Of the nominal objective, when the solutions are its zeros; in its unit.
+  std::optional<double> lower_bound;
+  std::optional<double> gap;  ///< best nominal objective of the candidates minus the lower bound
+};
+
 struct Certificate {
   double kkt_residual = 0;
   double max_violation = 0;
   int starts = 0;
   int distinct_solutions = 0;
+  /// Smallest curvature of the Lagrangian along the directions that the active constraints leave,
+  /// of the smooth objective in typical sizes, per rad^2 (m^2, s^2). Positive: a strict local
+  /// minimum; empty: no direction is left.
+  std::optional<double> reduced_hessian_min_eigenvalue;
+  Proof proof;  ///< of all candidates together
 };
 
 struct Candidate {

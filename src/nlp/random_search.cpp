@@ -1,0 +1,49 @@
+// Pure random search: S. H. Brooks, A discussion of random methods for seeking maxima, Operations
+// Research 6 (1958). Evenly spread points of the box, each moved onto the constraints; the best
+// one counts. No optimizer that costs more and finds less is worth its name.
+#include "nlp/adapters.hpp"
+#include "nlp/restoration.hpp"
+
+#include <stillbase/core/random.hpp>
+
+namespace stillbase::nlp {
+namespace {
+
+constexpr const char* kName = "random-search";
+// Newton from a far point either is there after some ten steps or goes nowhere.
+constexpr int kRestorationSteps = 12;
+
+class RandomSearch final : public Optimizer {
+ public:
+  RandomSearch()
+      : Optimizer({.name = kName,
+                   .about = "low-discrepancy points moved onto the constraints, the best counts",
+                   .global = true,
+                   .stochastic = true}) {}
+
+ private:
+  NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
+                      const OptimizeOptions& options) const override {
+    const int n = static_cast<int>(start.size());
+    for (int index = 0; !monitor.stopped(); ++index) {
+      const Eigen::VectorXd u = low_discrepancy_point(index, n, options.seed);
+      Eigen::VectorXd x = monitor.lower() + u.cwiseProduct(monitor.upper() - monitor.lower());
+      const Evaluation* e = monitor.evaluate(x.data());
+      if (e == nullptr) continue;
+      Evaluation at_x = *e;
+      restore(monitor, monitor.constraint_lower(), monitor.constraint_upper(),
+              0.1 * options.feasibility_tolerance, kRestorationSteps, x, at_x);
+    }
+    return {0, "ran until it was stopped", ""};
+  }
+};
+
+}  // namespace
+
+std::vector<std::string> random_search_names() { return {kName}; }
+
+std::unique_ptr<Optimizer> make_random_search(std::string_view name) {
+  return name == kName ? std::make_unique<RandomSearch>() : nullptr;
+}
+
+}  // namespace stillbase::nlp

@@ -1,0 +1,62 @@
+#include "nlp/restoration.hpp"
+
+#include <Eigen/QR>
+
+namespace stillbase::nlp {
+namespace {
+
+// min |step| with J step = -violation over the violated rows, inside the box to first order.
+Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
+                            const Evaluation& at_x, const Eigen::VectorXd& violation) {
+  Eigen::MatrixXd J = at_x.jacobian;
+  for (Eigen::Index i = 0; i < violation.size(); ++i) {
+    if (violation[i] == 0.0) J.row(i).setZero();
+  }
+  Eigen::VectorXd step;
+  for (Eigen::Index pass = 0; pass <= x.size(); ++pass) {
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(1e-9);
+    step = -solver.compute(J).solve(violation);
+    bool held_one = false;
+    for (Eigen::Index j = 0; j < x.size(); ++j) {
+      const bool leaves = (x[j] <= monitor.lower()[j] && step[j] < 0.0) ||
+                          (x[j] >= monitor.upper()[j] && step[j] > 0.0);
+      if (leaves && !J.col(j).isZero(0.0)) {
+        J.col(j).setZero();
+        held_one = true;
+      }
+    }
+    if (!held_one) break;
+  }
+  return step;
+}
+
+}  // namespace
+
+double restore(Monitor& monitor, const Eigen::VectorXd& g_lower, const Eigen::VectorXd& g_upper,
+               double tolerance, int max_steps, Eigen::VectorXd& x, Evaluation& at_x) {
+  if (at_x.constraints.size() == 0) return 0.0;
+  Eigen::VectorXd violation = signed_violation(at_x.constraints, g_lower, g_upper);
+  for (int step = 0; step < max_steps && violation.lpNorm<Eigen::Infinity>() > tolerance; ++step) {
+    const Eigen::VectorXd move = newton_step(monitor, x, at_x, violation);
+    if (!(move.norm() > 0.0) || !move.allFinite()) break;
+    bool fell = false;
+    double alpha = 1.0;
+    for (int halving = 0; halving < 10 && !fell && !monitor.stopped(); ++halving, alpha /= 2.0) {
+      const Eigen::VectorXd trial =
+          (x + alpha * move).cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
+      const Evaluation* e = monitor.evaluate(trial.data());
+      if (e == nullptr) continue;
+      const Eigen::VectorXd left = signed_violation(e->constraints, g_lower, g_upper);
+      fell = left.squaredNorm() < violation.squaredNorm();
+      if (!fell) continue;
+      x = trial;
+      at_x = *e;
+      violation = left;
+    }
+    if (!fell) break;
+  }
+  return violation.lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace stillbase::nlp

@@ -1,0 +1,18 @@
+// Newton steps back onto the constraints, for the solvers of our own.
+#pragma once
+
+#include "nlp/monitor.hpp"
+
+namespace stillbase::nlp {
+
+/// Moves x onto the violated constraints by Gauss-Newton steps of least length inside the box
+/// (variables at a bound that the step would cross are held), each halved until the violation
+/// falls. Ends at a violation of at most `tolerance`, when nothing falls any more, or when the
+/// monitor stops. x must lie in the box.
+/// @param g_lower, g_upper range of the constraints (m), the problem's or a narrower one
+/// @param at_x in: the evaluation at x; out: at the moved x
+/// @return largest violation of a constraint at the moved x
+double restore(Monitor& monitor, const Eigen::VectorXd& g_lower, const Eigen::VectorXd& g_upper,
+               double tolerance, int max_steps, Eigen::VectorXd& x, Evaluation& at_x);
+
+}  // namespace stillbase::nlp

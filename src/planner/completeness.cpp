@@ -1,0 +1,88 @@
+#include "planner/completeness.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/core/rotation.hpp>
+#include <stillbase/proof/proof.hpp>
+
+namespace stillbase {
+
+namespace {
+
+/// A candidate is solved to 1e-9 of its constraints; nothing else is this near to a solution.
+constexpr double kNear = 1e-6;
+
+bool is_near(const RobotModel& robot, const JointBox& box, const JointVectord& phi) {
+  for (int k = 0; k < robot.n(); ++k) {
+    const double middle = (box.lower[k] + box.upper[k]) / 2;
+    double apart = phi[k] - middle;
+    const auto index = static_cast<std::size_t>(k);
+    if (robot.joints[index].type == JointType::Continuous) apart = wrap_angle(apart);
+    if (std::abs(apart) > (box.upper[k] - box.lower[k]) / 2 + kNear) return false;
+  }
+  return true;
+}
+
+std::string counted(long count, const std::string& what) {
+  return std::to_string(count) + " " + what;
+}
+
+}  // namespace
+
+Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
+                      const StopCondition& stop) {
+  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
+  return prove(problem, formulation.encounter(stated).F, {.stop = stop});
+}
+
+void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {
+  proof.candidates.assign(proof.solutions.size(), -1);
+  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
+    for (std::size_t c = 0; c < found.candidates.size() && proof.candidates[s] < 0; ++c) {
+      const bool solved = status_of(found.certificates[c]) != PlanStatus::Infeasible;
+      if (solved &&
+          is_near(problem.robot, proof.solutions[s], found.candidates[c].configuration.phi)) {
+        proof.candidates[s] = static_cast<int>(c);
+      }
+    }
+  }
+  if (!proof.lower_bound) return;
+  for (const int c : proof.candidates) {
+    if (c < 0) continue;
+    const double gap = found.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
+    proof.gap = proof.gap ? std::min(*proof.gap, gap) : gap;
+  }
+}
+
+std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof) {
+  std::vector<Eigen::VectorXd> points;
+  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
+    if (proof.candidates[s] >= 0) continue;
+    const JointBox& box = proof.solutions[s];
+    std::vector<double> x;
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      if (!problem.variables.joints[static_cast<std::size_t>(k)]) continue;
+      x.push_back((box.lower[k] + box.upper[k]) / 2);
+    }
+    points.push_back(Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+  }
+  return points;
+}
+
+void state_what_was_missed(Proof& proof) {
+  if (proof.solutions.empty()) return;
+  const long listed =
+      std::count_if(proof.candidates.begin(), proof.candidates.end(), [](int c) { return c >= 0; });
+  const long total = static_cast<long>(proof.solutions.size());
+  if (listed < total) {
+    proof.statement += ", " + counted(total - listed, "of them not among the candidates kept");
+  } else if (proof.found_by_search < total) {
+    proof.statement +=
+        ", " + counted(total - proof.found_by_search, "of them missed by the search and added");
+  } else {
+    proof.statement += ", none missed";
+  }
+}
+
+}  // namespace stillbase

@@ -1,0 +1,23 @@
+// The proof beside the search: are all solutions among the candidates?
+#pragma once
+
+#include <vector>
+
+#include <stillbase/capture/search.hpp>
+
+namespace stillbase {
+
+/// The proof of a problem whose encounter is the same at every posture.
+Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
+                      const StopCondition& stop);
+
+/// Fills in which candidate lies in which enclosed solution, and the gap.
+void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof);
+
+/// Middles of the enclosed solutions without a candidate, as points of the formulation.
+std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof);
+
+/// Adds to the statement what the search had missed, if anything.
+void state_what_was_missed(Proof& proof);
+
+}  // namespace stillbase

@@ -1,0 +1,326 @@
+#include "proof/enclose.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace stillbase::proof {
+namespace {
+
+/// Boxes wider than this are not worth an attempt with a larger box.
+constexpr double kInflatedWidth = 0.5;
+/// Contraction goes on while a round leaves at most this part of the widest side.
+constexpr double kWorthwhile = 0.7;
+constexpr int kMaxRounds = 8;
+/// Undecided boxes are joined to clusters up to this number; more say nothing anyway.
+constexpr std::size_t kMaxJoined = 2000;
+
+template <int N>
+Box<N> hull_of(const Box<N>& A, const Box<N>& B) {
+  Box<N> out;
+  for (int i = 0; i < N; ++i) out[i] = boost::numeric::hull(A[i], B[i]);
+  return out;
+}
+
+template <int N>
+Box<N> inflated(const Box<N>& X) {
+  Box<N> out;
+  const double margin = 0.25 * width_of(X) + 1e-14;
+  for (int i = 0; i < N; ++i) out[i] = X[i] + Interval(-margin, margin);
+  return out;
+}
+
+/// f over a box as far as the tests need it.
+template <int N>
+struct Linearised {
+  std::array<double, N> c;
+  std::array<Interval, N> f_c;
+  std::array<std::array<Interval, N>, N> J;
+  std::array<Interval, N> step;  ///< X - c
+  bool may_have_zero = true;
+};
+
+template <int N>
+Linearised<N> linearise(const System<N>& system, const Box<N>& X) {
+  Linearised<N> out;
+  std::array<Dual<N>, N> x, f;
+  for (int j = 0; j < N; ++j) x[j] = Dual<N>(X[j], j);
+  system.evaluate(x, f);
+  for (int i = 0; i < N; ++i) {
+    out.may_have_zero = out.may_have_zero && contains_zero(f[i].v);
+    out.J[i] = f[i].d;
+  }
+  if (!out.may_have_zero) return out;
+  std::array<Dual<0>, N> at, f_c;
+  for (int j = 0; j < N; ++j) {
+    out.c[j] = middle(X[j]);
+    at[j] = Dual<0>(out.c[j]);
+    out.step[j] = X[j] - out.c[j];
+  }
+  system.evaluate(at, f_c);
+  for (int i = 0; i < N; ++i) {
+    out.f_c[i] = f_c[i].v;
+    Interval mean_value = out.f_c[i];
+    for (int j = 0; j < N; ++j) mean_value += out.J[i][j] * out.step[j];
+    out.may_have_zero = out.may_have_zero && contains_zero(mean_value);
+  }
+  return out;
+}
+
+/// X_j cut by each row solved for it; false: nothing is left.
+template <int N>
+bool contract_componentwise(const Linearised<N>& at, Box<N>& X) {
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      if (contains_zero(at.J[i][j])) continue;
+      Interval rest = at.f_c[i];
+      for (int k = 0; k < N; ++k) {
+        if (k != j) rest += at.J[i][k] * (X[k] - at.c[k]);
+      }
+      const Interval cut = Interval(at.c[j]) - rest / at.J[i][j];
+      if (is_disjoint(cut, X[j])) return false;
+      X[j] = boost::numeric::intersect(X[j], cut);
+    }
+  }
+  return true;
+}
+
+enum class Verdict { Empty, Unique, Open };
+
+/// Krawczyk's test on the box that `at` belongs to; X becomes K(X) cut with X.
+template <int N>
+Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
+  using Matrix = Eigen::Matrix<double, N, N>;
+  Matrix M;
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) M(i, j) = middle(at.J[i][j]);
+  }
+  is_regular = false;
+  Matrix Y;  // any matrix is right; a good one is sharp
+  bool is_invertible = false;
+  M.computeInverseWithCheck(Y, is_invertible, 0.0);
+  if (!is_invertible || !Y.allFinite()) return Verdict::Open;
+  bool strictly_inside = true;
+  double largest_row = 0;
+  Box<N> cut;
+  for (int i = 0; i < N; ++i) {
+    Interval K = at.c[i];
+    double row = 0;
+    for (int j = 0; j < N; ++j) K -= Interval(Y(i, j)) * at.f_c[j];
+    for (int j = 0; j < N; ++j) {
+      Interval E = i == j ? 1.0 : 0.0;
+      for (int k = 0; k < N; ++k) E -= Interval(Y(i, k)) * at.J[k][j];
+      row += std::max(std::abs(E.lower()), std::abs(E.upper()));
+      K += E * at.step[j];
+    }
+    largest_row = std::max(largest_row, row);
+    const Interval x = at.step[i] + at.c[i];  // contains the box's side
+    if (is_disjoint(K, x)) return Verdict::Empty;
+    strictly_inside = strictly_inside && is_strictly_inside(K, X[i]);
+    cut[i] = is_disjoint(K, X[i]) ? X[i] : boost::numeric::intersect(K, X[i]);
+  }
+  is_regular = largest_row < 1;
+  X = cut;
+  return strictly_inside ? Verdict::Unique : Verdict::Open;
+}
+
+/// The zero of a box that holds exactly one, to rounding.
+template <int N>
+Box<N> tighten(const System<N>& system, Box<N> X) {
+  for (int round = 0; round < 20; ++round) {
+    const double before = width_of(X);
+    bool is_regular = false;
+    Box<N> next = X;
+    if (krawczyk(linearise(system, X), next, is_regular) == Verdict::Empty) break;
+    X = next;
+    if (width_of(X) > 0.5 * before) break;
+  }
+  return X;
+}
+
+template <int N>
+class Search {
+ public:
+  Search(const System<N>& system, const EncloseOptions& options)
+      : system_(system), options_(options) {}
+
+  Enclosure<N> run(const Box<N>& domain) {
+    std::vector<Box<N>> open{domain};
+    while (!open.empty()) {
+      if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
+        out_.limit_reached = true;
+        out_.undecided.insert(out_.undecided.end(), open.begin(), open.end());
+        break;
+      }
+      Box<N> X = open.back();
+      open.pop_back();
+      if (is_settled(X)) continue;
+      ++out_.boxes;
+      if (!reduce(X)) continue;
+      if (width_of(X) <= options_.min_width) {
+        out_.undecided.push_back(X);
+        continue;
+      }
+      divide(X, open);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  /// Inside a box whose only zero is known.
+  bool is_settled(const Box<N>& X) const {
+    return std::any_of(out_.zeros.begin(), out_.zeros.end(),
+                       [&](const Zero<N>& zero) { return is_inside(X, zero.unique); });
+  }
+
+  /// Cuts X; false: nothing is left to look at.
+  bool reduce(Box<N>& X) {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      const double before = width_of(X);
+      const Box<N> whole = X;
+      const Linearised<N> at = linearise(system_, X);
+      if (!at.may_have_zero) return false;
+      measure_slopes(at);
+      bool is_regular = false;
+      const Verdict verdict = krawczyk(at, X, is_regular);
+      if (verdict == Verdict::Empty) return false;
+      if (verdict == Verdict::Unique) {
+        keep(whole, X);
+        return false;
+      }
+      if (!contract_componentwise(at, X)) return false;
+      if (is_regular && width_of(X) < kInflatedWidth && try_inflated(X)) return false;
+      if (width_of(X) > kWorthwhile * before) break;
+    }
+    return true;
+  }
+
+  bool try_inflated(const Box<N>& X) {
+    const Box<N> larger = inflated(X);
+    const Linearised<N> at = linearise(system_, larger);
+    if (!at.may_have_zero) return true;
+    bool is_regular = false;
+    Box<N> cut = larger;
+    const Verdict verdict = krawczyk(at, cut, is_regular);
+    if (verdict == Verdict::Unique) keep(larger, cut);
+    return verdict != Verdict::Open;
+  }
+
+  void keep(const Box<N>& unique, const Box<N>& cut) {
+    const Box<N> tight = tighten(system_, cut);
+    for (Zero<N>& known : out_.zeros) {
+      // Both boxes hold one zero, and this one's zero is in the other's: the same zero.
+      if (is_inside(tight, known.unique) || is_inside(known.tight, unique)) {
+        if (width_of(unique) > width_of(known.unique)) known.unique = unique;
+        return;
+      }
+      if (!is_disjoint(tight, known.tight)) {  // cannot be told: never seen, but not excluded
+        out_.undecided.push_back(tight);
+        return;
+      }
+    }
+    out_.zeros.push_back({unique, tight});
+  }
+
+  void measure_slopes(const Linearised<N>& at) {
+    slope_.fill(0);
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < N; ++j) {
+        slope_[j] = std::max(slope_[j], boost::numeric::norm(at.J[i][j]));
+      }
+    }
+  }
+
+  /// Halves the side over which a row changes most (the smear of Kearfott and Novoa, ACM TOMS 16,
+  /// 1990).
+  void divide(const Box<N>& X, std::vector<Box<N>>& open) const {
+    int widest = 0;
+    double largest = -1;
+    for (int j = 0; j < N; ++j) {
+      const double smear = slope_[j] * width_of(X[j]);
+      if (width_of(X[j]) <= options_.min_width || !(smear > largest)) continue;
+      widest = j;
+      largest = smear;
+    }
+    // Off the middle: zeros like to sit at round numbers.
+    const double split = X[widest].lower() + 0.4857 * (X[widest].upper() - X[widest].lower());
+    Box<N> left = X, right = X;
+    left[widest] = Interval(X[widest].lower(), split);
+    right[widest] = Interval(split, X[widest].upper());
+    open.push_back(right);
+    open.push_back(left);
+  }
+
+  const System<N>& system_;
+  const EncloseOptions& options_;
+  std::array<double, N> slope_{};
+  Enclosure<N> out_;
+};
+
+/// Boxes that touch become one.
+template <int N>
+std::vector<Box<N>> joined(std::vector<Box<N>> boxes) {
+  if (boxes.size() > kMaxJoined) return boxes;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t j = boxes.size(); j-- > i + 1;) {
+        if (is_disjoint(boxes[i], boxes[j])) continue;
+        boxes[i] = hull_of(boxes[i], boxes[j]);
+        boxes.erase(boxes.begin() + static_cast<long>(j));
+        changed = true;
+      }
+    }
+  }
+  return boxes;
+}
+
+/// The box moved by one turn where it is nearer to the other that way.
+template <int N>
+Box<N> moved_towards(Box<N> X, const Box<N>& other, const std::array<bool, N>& periodic) {
+  for (int i = 0; i < N; ++i) {
+    const double apart = middle(other[i]) - middle(X[i]);
+    if (periodic[i] && apart > 3) X[i] += kPi * 2.0;
+    if (periodic[i] && apart < -3) X[i] -= kPi * 2.0;
+  }
+  return X;
+}
+
+}  // namespace
+
+template <int N>
+Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
+                           const std::array<bool, N>& periodic, const EncloseOptions& options) {
+  Enclosure<N> found = Search<N>(system, options).run(domain);
+  Enclosure<N> out;
+  out.boxes = found.boxes;
+  out.limit_reached = found.limit_reached;
+  for (const Zero<N>& zero : found.zeros) {
+    bool outside = false, on_edge = false;
+    for (int i = 0; i < N; ++i) {
+      if (periodic[i]) continue;
+      outside = outside || is_disjoint(zero.tight[i], domain[i]);
+      on_edge = on_edge || !is_inside(zero.tight[i], domain[i]);
+    }
+    if (outside) continue;  // found through a box that was made larger
+    if (on_edge) {
+      found.undecided.push_back(zero.tight);
+      continue;
+    }
+    const bool known = std::any_of(out.zeros.begin(), out.zeros.end(), [&](const Zero<N>& other) {
+      return is_inside(moved_towards<N>(zero.tight, other.unique, periodic), other.unique) ||
+             is_inside(moved_towards<N>(other.tight, zero.unique, periodic), zero.unique);
+    });
+    if (!known) out.zeros.push_back(zero);
+  }
+  out.undecided = joined(std::move(found.undecided));
+  return out;
+}
+
+template Enclosure<1> enclose_zeros<1>(const System<1>&, const Box<1>&, const std::array<bool, 1>&,
+                                       const EncloseOptions&);
+template Enclosure<2> enclose_zeros<2>(const System<2>&, const Box<2>&, const std::array<bool, 2>&,
+                                       const EncloseOptions&);
+template Enclosure<3> enclose_zeros<3>(const System<3>&, const Box<3>&, const std::array<bool, 3>&,
+                                       const EncloseOptions&);
+
+}  // namespace stillbase::proof

@@ -1,0 +1,100 @@
+// All zeros of a small system in a box, by branch and bound with intervals.
+//
+// Moore, Interval Analysis, 1966; Krawczyk, Computing 4 (1969); Neumaier, Interval Methods for
+// Systems of Equations, 1990, chapter 5.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <stillbase/core/interrupt.hpp>
+
+#include "proof/interval.hpp"
+
+namespace stillbase::proof {
+
+/// A product of N intervals.
+template <int N>
+struct Box {
+  std::array<Interval, N> side;
+  Interval& operator[](int i) { return side[static_cast<std::size_t>(i)]; }
+  const Interval& operator[](int i) const { return side[static_cast<std::size_t>(i)]; }
+};
+
+/// The widest side.
+template <int N>
+double width_of(const Box<N>& X) {
+  double widest = 0;
+  for (const Interval& x : X.side) widest = std::fmax(widest, width_of(x));
+  return widest;
+}
+
+template <int N>
+bool is_inside(const Box<N>& A, const Box<N>& B) {
+  for (int i = 0; i < N; ++i) {
+    if (!is_inside(A[i], B[i])) return false;
+  }
+  return true;
+}
+
+template <int N>
+bool is_disjoint(const Box<N>& A, const Box<N>& B) {
+  for (int i = 0; i < N; ++i) {
+    if (is_disjoint(A[i], B[i])) return true;
+  }
+  return false;
+}
+
+/// f: R^N -> R^N as an enclosure of its values and derivatives over boxes.
+template <int N>
+class System {
+ public:
+  virtual ~System() = default;
+  /// Values and derivatives over a box.
+  virtual void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const = 0;
+  /// Values alone.
+  virtual void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const = 0;
+};
+
+struct EncloseOptions {
+  /// Boxes that are looked at before the rest is called undecided. A count, not a time: the same
+  /// request gives the same answer anywhere.
+  long max_boxes = 100000;
+  /// Boxes below this width are not divided any more. Zeros closer to each other than about ten
+  /// times this are not told apart, and neither is a double zero.
+  double min_width = 1e-8;
+  StopCondition stop = {};  ///< counts as the limit
+};
+
+template <int N>
+struct Zero {
+  Box<N> unique;  ///< contains exactly one zero
+  Box<N> tight;   ///< contains that zero
+};
+
+template <int N>
+struct Enclosure {
+  std::vector<Zero<N>> zeros;
+  /// Boxes that may contain zeros, or none; neighbours joined.
+  std::vector<Box<N>> undecided;
+  long boxes = 0;
+  bool limit_reached = false;
+  /// Every zero in the domain is in exactly one of `zeros`.
+  bool complete() const { return undecided.empty(); }
+};
+
+/// Every zero of f in the domain lies in one of the zeros' boxes or in an undecided box.
+///
+/// A box without a zero of some f_i (natural or mean-value extension) is dropped; the rest is cut
+/// by the componentwise Newton operator and by Krawczyk's
+///   K(X) = c - Y f(c) + (E - Y J(X)) (X - c),  Y near J(c)^-1,
+/// dropped when K and X do not meet, proven to hold exactly one zero when K lies inside X, and
+/// divided otherwise. So that zeros on an edge are found as well, X is tried a little larger.
+/// @param periodic variables that are angles of a full turn [-pi, pi]: what lies a turn apart is
+/// one
+/// @pre a RoundUpward stands on the stack
+template <int N>
+Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
+                           const std::array<bool, N>& periodic, const EncloseOptions& options = {});
+
+}  // namespace stillbase::proof

@@ -1,0 +1,175 @@
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "proof/enclose.hpp"
+
+namespace stillbase::proof {
+namespace {
+
+/// A system written once for both number types.
+template <int N, class F>
+class Written final : public System<N> {
+ public:
+  explicit Written(F f) : f_(f) {}
+  void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const override {
+    f_(x, f);
+  }
+  void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const override {
+    f_(x, f);
+  }
+
+ private:
+  F f_;
+};
+
+template <int N, class F>
+Enclosure<N> zeros_of(F f, const Box<N>& domain, std::array<bool, N> periodic = {},
+                      const EncloseOptions& options = {}) {
+  return enclose_zeros<N>(Written<N, F>(f), domain, periodic, options);
+}
+
+template <int N>
+bool holds(const Enclosure<N>& found, const std::array<double, N>& point) {
+  const auto in = [&](const Box<N>& box) {
+    for (int i = 0; i < N; ++i) {
+      if (!(box[i].lower() <= point[i] && point[i] <= box[i].upper())) return false;
+    }
+    return true;
+  };
+  for (const Zero<N>& zero : found.zeros) {
+    if (in(zero.tight)) return true;
+  }
+  for (const Box<N>& box : found.undecided) {
+    if (in(box)) return true;
+  }
+  return false;
+}
+
+template <int N>
+Box<N> cube(double low, double high) {
+  Box<N> box;
+  for (int i = 0; i < N; ++i) box[i] = Interval(low, high);
+  return box;
+}
+
+TEST_CASE("all zeros of a polynomial are enclosed, each in a box of its own") {
+  const RoundUpward upward;
+  // (x - 1)(x - 2)(x + 0.5)
+  const auto found =
+      zeros_of<1>([](const auto& x, auto& f) { f[0] = (x[0] - 1.0) * (x[0] - 2.0) * (x[0] + 0.5); },
+                  cube<1>(-3, 4));
+  REQUIRE(found.complete());
+  REQUIRE(found.zeros.size() == 3);
+  for (const double zero : {1.0, 2.0, -0.5}) CHECK(holds<1>(found, {zero}));
+  for (const auto& zero : found.zeros) CHECK(width_of(zero.tight) < 1e-14);
+}
+
+TEST_CASE("a function without a zero is proven to have none") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = x[0] * x[0] + x[1] * x[1] - 1.0;
+        f[1] = x[0] + x[1] - 1.5;  // passes the circle at 0.06
+      },
+      cube<2>(-2, 2));
+  CHECK(found.complete());
+  CHECK(found.zeros.empty());
+}
+
+TEST_CASE("zeros on the corners and edges of the first divisions are found once") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = x[0] * x[0] - x[0];
+        f[1] = x[1] * x[1] - x[1];
+      },
+      cube<2>(-1, 1.0588235294117647));
+  CHECK(found.complete());
+  CHECK(found.zeros.size() == 4);
+}
+
+TEST_CASE("two zeros 1e-6 apart are told apart") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = x[1] - x[0] * x[0] + 0.25e-12;  // parabola below the axis by (5e-7)^2
+        f[1] = x[1] + 0.0 * x[0];
+      },
+      cube<2>(-1, 1.3));
+  CHECK(found.complete());
+  REQUIRE(found.zeros.size() == 2);
+  CHECK(holds<2>(found, {5e-7, 0}));
+  CHECK(holds<2>(found, {-5e-7, 0}));
+}
+
+TEST_CASE("a double zero is never lost and never called proven") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = x[1] - (x[0] - 0.3) * (x[0] - 0.3);
+        f[1] = x[1] * (x[0] + 0.7);
+      },
+      cube<2>(-1, 1.3));
+  CHECK_FALSE(found.complete());
+  CHECK(found.undecided.size() == 1);
+  CHECK(holds<2>(found, {0.3, 0}));
+  CHECK(found.zeros.size() == 1);  // (-0.7, 1)
+  CHECK(holds<2>(found, {-0.7, 1.0}));
+  CHECK(width_of(found.undecided[0]) < 1e-3);
+}
+
+TEST_CASE("the same angle at both ends of its turn is one zero") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = sin(x[0]);  // 0 and pi
+        f[1] = sin(x[1]) - 0.5;
+      },
+      cube<2>(-kPi.upper(), kPi.upper()), {true, true});
+  CHECK(found.complete());
+  CHECK(found.zeros.size() == 4);
+}
+
+TEST_CASE("a zero outside a limit is not reported, one on it is undecided") {
+  const RoundUpward upward;
+  const auto line = [](const auto& x, auto& f) { f[0] = x[0] - 1.0; };
+  CHECK(zeros_of<1>(line, cube<1>(-1, 0.99999999999)).zeros.empty());
+  CHECK(zeros_of<1>(line, cube<1>(-1, 0.99999999999)).complete());
+  const auto at_limit =
+      zeros_of<1>([](const auto& x, auto& f) { f[0] = x[0] * 3.0 - 1.0; }, cube<1>(-1, 1.0 / 3));
+  CHECK(holds<1>(at_limit, {1.0 / 3}));
+}
+
+TEST_CASE("three spheres meet in two points") {
+  const RoundUpward upward;
+  const auto found = zeros_of<3>(
+      [](const auto& x, auto& f) {
+        const auto r = x[0] * x[0] + x[1] * x[1];
+        f[0] = r + x[2] * x[2] - 3.0;
+        f[1] = r - x[0] * 2.0 + x[2] * x[2] - 1.0;
+        f[2] = r - x[1] * 2.0 + x[2] * x[2] - 1.0;
+      },
+      cube<3>(-4, 4.1));
+  CHECK(found.complete());
+  CHECK(found.zeros.size() == 2);
+  CHECK(holds<3>(found, {1, 1, 1}));
+  CHECK(holds<3>(found, {1, 1, -1}));
+}
+
+TEST_CASE("a limit of boxes leaves the rest undecided and loses nothing") {
+  const RoundUpward upward;
+  const auto found = zeros_of<2>(
+      [](const auto& x, auto& f) {
+        f[0] = sin(x[0] * 3.0) * cos(x[1]);
+        f[1] = sin(x[1] * 3.0) + 0.3 * x[0];
+      },
+      cube<2>(-3, 3.1), {}, {.max_boxes = 20});
+  CHECK(found.limit_reached);
+  CHECK_FALSE(found.complete());
+  CHECK(found.boxes <= 20);
+  CHECK(holds<2>(found, {0, 0}));
+}
+
+}  // namespace
+}  // namespace stillbase::proof
