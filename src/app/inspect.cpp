@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/dynamics/momentum.hpp>
@@ -56,7 +57,7 @@ Json inspection_json(const RobotModel& robot, const RobotState& state) {
   const auto bias = compute_bias<double>(robot, kinematics, inertia, state.Omega, state.phidot);
   const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
   const ReactionNullSpace space = angular_reaction_null_space(tilde);
-  const auto factor = factorize_impact<double>(inertia, tilde, JointVectord::Zero(robot.n()), {});
+  const auto factor = factorize_impact<double>(inertia, JointVectord::Zero(robot.n()), {});
   Json json = {{"joint_names", joint_names_json(robot)},
                {"total_mass", io::number_json(robot.total_mass())},
                {"centroid", array_json(inertia.r_bg)},
@@ -144,7 +145,14 @@ int run(const Options& options) {
   const RobotState state = options.state.empty()
                                ? zero_state(robot)
                                : read_state(read_text_file(options.state), options.state, robot);
-  const Json json = inspection_json(robot, state);
+  Json json;
+  try {
+    json = inspection_json(robot, state);
+  } catch (const io::NotFiniteError&) {
+    // Numbers of a file that are finite alone but not in products with each other.
+    throw InputError({{options.state.empty() ? options.robot : options.state, 0, "not-finite",
+                       "the matrices at this state do not fit a double"}});
+  }
   const bool as_json = options.json || extension_of(options.output.path) == ".json";
   options.output.write(as_json ? io::pretty(json) : inspection_words(robot, state, json));
   return kDone;

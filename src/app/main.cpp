@@ -1,5 +1,9 @@
 // The command line of stillbase: parsing, and every error's way to its exit code.
+#include <algorithm>
 #include <exception>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -50,6 +54,24 @@ int run(const Action& action) {
   }
 }
 
+/// What no parser refuses by itself: empty values, and a first word that is no subcommand.
+void check_arguments(const CLI::App& app, int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.empty()) throw CommandLineError("an argument is empty");
+    if (argument.rfind("--", 0) == 0 && argument.size() > 2 && argument.back() == '=') {
+      throw CommandLineError(argument + ": the value is empty");
+    }
+  }
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    throw CommandLineError(
+        fmt::format("there is no subcommand '{}'; there are {}", argv[1], fmt::join(names, ", ")));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,13 +86,22 @@ int main(int argc, char** argv) {
   add_plan(app, action);
   add_simulate(app, action);
   add_verify(app, action);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const bool is_request = error.get_exit_code() == 0;  // --help, --version
-    app.exit(error);
-    return is_request ? kDone : kCommandLine;
-  }
-  catch_signals();
-  return run(action);
+  return run([&] {
+    check_arguments(app, argc, argv);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      const bool is_request = error.get_exit_code() == 0;  // --help, --version
+      std::ostringstream out, err;
+      app.exit(error, out, err);
+      if (is_request) {
+        write_stdout(out.str());
+        return int{kDone};
+      }
+      say(err.str() + out.str());
+      return int{kCommandLine};
+    }
+    catch_signals();
+    return action();
+  });
 }

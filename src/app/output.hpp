@@ -26,6 +26,13 @@ struct OutputFile {
 void add_output(CLI::App& command, OutputFile& output, const std::string& flags,
                 const std::string& about);
 
+// Checks of option values; CLI11's own let NaN and wrapped signs through.
+
+/// A finite number > 0.
+CLI::Validator positive_number();
+/// Digits alone, at most 2^64 - 1.
+CLI::Validator whole_number();
+
 /// Writes to stdout.
 /// @throws FileError when stdout takes no more
 void write_stdout(std::string_view text);

@@ -92,12 +92,12 @@ void add_plan(CLI::App& app, Action& action) {
   add_output(*command, options->output, "-o,--output", "plan file (JSON); without it stdout");
   command->add_option("--optimizer", options->optimizer,
                       "local solver in place of the problem's, e.g. nlopt-slsqp or ipopt");
-  command->add_option("--seed", options->seed, "seed of all random choices");
+  command->add_option("--seed", options->seed, "seed of all random choices")->check(whole_number());
   command->add_option("--starts", options->starts, "starts of the search")
-      ->check(CLI::Range(1, 10'000'000));
+      ->check(CLI::Range(1, kMaxStarts));
   command->add_option("--time-limit", options->time_limit, "seconds after which the search stops")
       ->type_name("S")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command->add_flag("--json", options->json, "print the plan on stdout also with -o");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -64,6 +64,9 @@ void print_summary(const Plan& plan, const Verification& verification) {
   for (const ControllerReport& report : verification.reports) say(report_line(report));
   const auto failed = std::count_if(verification.claims.begin(), verification.claims.end(),
                                     [](const Claim& claim) { return !claim.pass; });
+  if (verification.interrupted) {
+    return say("verdict: none, the verification was interrupted; what is shown was judged or cut");
+  }
   say(verification.pass
           ? fmt::format("verdict: pass, all {} claims hold", verification.claims.size())
           : fmt::format("verdict: FAIL, {} of {} claims do not hold", failed,

@@ -4,42 +4,86 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <type_traits>
 
 namespace stillbase {
+
+namespace cholesky_loops {
+
+/// The two algorithms on the elements in memory: column-major, columns `stride` apart. Inlined with
+/// a size that the compiler knows, their loops unroll.
+template <class S>
+[[gnu::always_inline]] inline void factorize(S* A, Eigen::Index stride, Eigen::Index n) {
+  for (Eigen::Index k = 0; k < n; ++k) {
+    S* const column = A + k * stride;
+    const S inverse = S(1) / column[k];
+    column[k] = inverse;
+    for (Eigen::Index j = k + 1; j < n; ++j) {
+      const S l = column[j] * inverse;
+      for (Eigen::Index i = j; i < n; ++i) A[i + j * stride] -= column[i] * l;
+    }
+    for (Eigen::Index i = k + 1; i < n; ++i) column[i] *= inverse;
+  }
+}
+
+template <class S>
+[[gnu::always_inline]] inline void solve(const S* L, Eigen::Index stride, Eigen::Index n, S* b) {
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const S s = b[k];
+    for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= L[i + k * stride] * s;
+    b[k] = s * L[k + k * stride];
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    S s = b[i];
+    // The entry found last comes last: the others need not wait for it.
+    for (Eigen::Index k = n - 1; k > i; --k) s -= L[k + i * stride] * b[k];
+    b[i] = s;
+  }
+}
+
+/// Calls run(n), for the sizes of usual arms with n as a constant.
+template <class Run>
+void with_known_size(Eigen::Index n, Run run) {
+  using std::integral_constant;
+  switch (n) {
+    case 3:
+      return run(integral_constant<Eigen::Index, 3>());
+    case 5:
+      return run(integral_constant<Eigen::Index, 5>());
+    case 6:
+      return run(integral_constant<Eigen::Index, 6>());
+    case 9:
+      return run(integral_constant<Eigen::Index, 9>());
+    case 10:
+      return run(integral_constant<Eigen::Index, 10>());
+    default:
+      return run(n);
+  }
+}
+
+}  // namespace cholesky_loops
 
 /// Replaces the lower triangle of the symmetric positive definite A by the unit triangular L of
 /// A = L D L'; the diagonal holds 1/D, which is what the solves need. No square roots: they would
 /// be a quarter of the time at these sizes. The upper triangle is not read.
 template <class Matrix>
 void factorize_cholesky(Matrix& A) {
-  using S = typename Matrix::Scalar;
-  const Eigen::Index n = A.rows();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const S inverse = S(1) / A(k, k);
-    A(k, k) = inverse;
-    for (Eigen::Index j = k + 1; j < n; ++j) {
-      const S l = A(j, k) * inverse;
-      for (Eigen::Index i = j; i < n; ++i) A(i, j) -= A(i, k) * l;
-    }
-    for (Eigen::Index i = k + 1; i < n; ++i) A(i, k) *= inverse;
+  const auto run = [&A](auto n) { cholesky_loops::factorize(A.data(), A.outerStride(), n); };
+  if constexpr (std::is_same_v<typename Matrix::Scalar, double>) {
+    cholesky_loops::with_known_size(A.rows(), run);
+  } else {
+    run(A.rows());
   }
 }
 
-/// Solves A x = b in place with the factor of factorize_cholesky().
+/// Solves A x = b in place with the factor of factorize_cholesky(). b: contiguous.
 template <class Matrix, class Vector>
 void solve_cholesky(const Matrix& L, Vector&& b) {
-  using S = typename Matrix::Scalar;
-  const Eigen::Index n = L.rows();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const S s = b(k);
-    for (Eigen::Index i = k + 1; i < n; ++i) b(i) -= L(i, k) * s;
-    b(k) = s * L(k, k);
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    S s = b(i);
-    // The entry found last comes last: the others need not wait for it.
-    for (Eigen::Index k = n - 1; k > i; --k) s -= L(k, i) * b(k);
-    b(i) = s;
+  const auto run = [&](auto n) { cholesky_loops::solve(L.data(), L.outerStride(), n, b.data()); };
+  if constexpr (std::is_same_v<typename Matrix::Scalar, double>) {
+    cholesky_loops::with_known_size(L.rows(), run);
+  } else {
+    run(L.rows());
   }
 }
 

@@ -112,7 +112,7 @@ ContactOutcome apply_contact(const RobotModel& robot, const JointVectord& phi,
   const auto inertia = compute_inertia(robot, kinematics);
   const auto jacobian = compute_hand_jacobian(robot, kinematics);
   const auto factor = factorize_impact(
-      inertia, compute_tilde_inertia(inertia), added_impact_inertia(resistance, robot.n()),
+      inertia, added_impact_inertia(resistance, robot.n()),
       resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>{});
   const Vector6d hand = jacobian.R_bh * Omega + jacobian.J_phi * phidot;
 

@@ -163,8 +163,7 @@ PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistanc
       .inertia = compute_inertia(robot, out.kinematics),
       .tilde = compute_tilde_inertia(out.inertia),
       .jacobian = compute_hand_jacobian(robot, out.kinematics),
-      .factor =
-          factorize_impact(out.inertia, out.tilde, resistance.added_inertia, resistance.locked),
+      .factor = factorize_impact(out.inertia, resistance.added_inertia, resistance.locked),
   };
   return out;
 }

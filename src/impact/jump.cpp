@@ -24,8 +24,7 @@ Eigen::Matrix<double, 3, 6> base_reaction_matrix(const ImpactFactor<double>& fac
   return B;
 }
 
-template ImpactFactor<double> factorize_impact(const InertiaMatrices<double>&,
-                                               const TildeInertia<double>&, const JointVectord&,
+template ImpactFactor<double> factorize_impact(const InertiaMatrices<double>&, const JointVectord&,
                                                const std::vector<bool>&);
 template ImpactJump<double> solve_impact(const ImpactFactor<double>&, const Vector6<double>&,
                                          const JointVector<double>&);

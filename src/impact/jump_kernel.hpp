@@ -5,11 +5,12 @@
 #include <stillbase/impact/jump.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/inertia_kernel.hpp"
 
 namespace stillbase {
 
 template <class S>
-ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia, const TildeInertia<S>& tilde,
+ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia,
                                  const JointVectord& added_inertia,
                                  const std::vector<bool>& locked) {
   const Eigen::Index n = inertia.H_phi.rows();
@@ -18,12 +19,14 @@ ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia, const TildeI
   out.r_bg = inertia.r_bg;
   out.H_vphi = inertia.H_bphi.template topRows<3>();
   out.L.resize(3 + n, 3 + n);
-  out.L.template topLeftCorner<3, 3>() = tilde.Htilde_omega;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    for (Eigen::Index i = 0; i < 3; ++i) out.L(3 + k, i) = tilde.Htilde_omegaphi(i, k);
-    for (Eigen::Index j = k; j < n; ++j) out.L(3 + j, 3 + k) = tilde.Htilde_phi(j, k);
-    out.L(3 + k, 3 + k) += S(added_inertia[k]);
-  }
+  out.L.template topLeftCorner<3, 3>() = inertia_about_system_centroid(inertia);
+  eliminate_base_translation(
+      inertia,
+      [&out](Eigen::Index k, const Vector3<S>& column) {
+        for (Eigen::Index i = 0; i < 3; ++i) out.L(3 + k, i) = column[i];
+      },
+      [&out](Eigen::Index j, Eigen::Index k, const S& value) { out.L(3 + j, 3 + k) = value; });
+  for (Eigen::Index k = 0; k < n; ++k) out.L(3 + k, 3 + k) += S(added_inertia[k]);
   for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(locked.size()); ++k) {
     if (!locked[static_cast<std::size_t>(k)]) continue;
     out.locked.set(static_cast<std::size_t>(k));
@@ -78,8 +81,7 @@ ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
   const HandJacobian<S> jacobian = compute_hand_jacobian(robot, kin);
   if (robot.n() < kArticulatedBodyJoints) {
     const InertiaMatrices<S> inertia = compute_inertia(robot, kin);
-    const TildeInertia<S> tilde = compute_tilde_inertia(inertia);
-    return compute_jump(factorize_impact(inertia, tilde, added_inertia, locked), jacobian, Fbar);
+    return compute_jump(factorize_impact(inertia, added_inertia, locked), jacobian, Fbar);
   }
   const ArticulatedBodies<S> bodies =
       factorize_articulated_bodies(robot, kin, added_inertia, locked);

@@ -10,7 +10,7 @@ ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
   const auto tilde = compute_tilde_inertia(inertia);
   const auto jacobian = compute_hand_jacobian(robot, kinematics);
   const auto factor = factorize_impact(
-      inertia, tilde, added_impact_inertia(resistance, robot.n()),
+      inertia, added_impact_inertia(resistance, robot.n()),
       resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>{});
   const auto jump = compute_jump(factor, jacobian, Fbar);
   const ReactionNullSpace space = angular_reaction_null_space(tilde);

@@ -55,7 +55,7 @@ void write(const Json& json, std::size_t depth, std::string& out) {
 
 Json number_json(double x) {
   if (!std::isfinite(x)) {
-    throw std::invalid_argument("a number that is not finite cannot be written");
+    throw NotFiniteError("a number that is not finite cannot be written");
   }
   return x;
 }
@@ -83,6 +83,8 @@ std::string pretty(const Json& json) {
   write(json, 0, out);
   return out + '\n';
 }
+
+bool is_json(std::string_view text) { return Json::accept(text); }
 
 std::string canonical(const Json& json) { return nlohmann::json(json).dump(); }
 

@@ -2,7 +2,9 @@
 // infinity without a word.
 #pragma once
 
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,7 +15,13 @@ namespace stillbase::io {
 
 using Json = nlohmann::ordered_json;
 
-/// @throws std::invalid_argument unless x is finite
+/// A number that JSON cannot hold.
+class NotFiniteError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// @throws NotFiniteError unless x is finite
 Json number_json(double x);
 /// Elements of a vector as an array.
 Json array_json(const Eigen::Ref<const Eigen::VectorXd>& v);
@@ -25,6 +33,9 @@ Json pose_json(const Pose& pose);
 /// Text of a document for people and programs: objects indented, arrays of plain values on one
 /// line, a newline at the end.
 std::string pretty(const Json& json);
+
+/// Whether a text is one JSON document.
+bool is_json(std::string_view text);
 
 /// Text for fingerprints: keys sorted, no white space. Does not depend on how a file is laid out.
 std::string canonical(const Json& json);

@@ -72,12 +72,22 @@ Json target_body_json(const TargetBody& body) {
   return json;
 }
 
-Json target_state_json(const TargetState& state) {
-  return {{"time", number_json(state.time)},
-          {"position", array_json(state.pose.position)},
-          {"orientation", quaternion_json(state.pose.orientation)},
-          {"linear_velocity", array_json(state.linear_velocity)},
-          {"angular_velocity", array_json(state.angular_velocity)}};
+Json target_state_json(const TargetState& state,
+                       const std::optional<EstimateDeviations>& deviations) {
+  Json json = {{"time", number_json(state.time)},
+               {"position", array_json(state.pose.position)},
+               {"orientation", quaternion_json(state.pose.orientation)},
+               {"linear_velocity", array_json(state.linear_velocity)},
+               {"angular_velocity", array_json(state.angular_velocity)}};
+  if (deviations) {
+    json["covariance"] = {{"position", array_json(deviations->position)},
+                          {"orientation", array_json(deviations->orientation)},
+                          {"linear_velocity", array_json(deviations->linear_velocity)},
+                          {"angular_velocity", array_json(deviations->angular_velocity)},
+                          {"mass", number_json(deviations->mass)},
+                          {"moments", array_json(deviations->moments)}};
+  }
+  return json;
 }
 
 Json impact_section_json(const CaptureProblem& problem) {
@@ -130,14 +140,18 @@ Json objective_section_json(const CaptureProblem& problem) {
 
 Json uncertainty_json(const UncertaintySpec& uncertainty) {
   const auto& plane = uncertainty.cone_plane_normal;
-  return {{"cone_half_angle", number_json(uncertainty.cone_half_angle)},
-          {"cone_plane", plane ? array_json(*plane) : Json("none")},
-          {"closing_speed", number_json(uncertainty.closing_speed)},
-          {"restitution", number_json(uncertainty.restitution)},
-          {"target_mass", number_json(uncertainty.target_mass)},
-          {"target_inertia", number_json(uncertainty.target_inertia)},
-          {"contact_point", number_json(uncertainty.contact_point)},
-          {"contact_time", number_json(uncertainty.contact_time)}};
+  Json json = {
+      {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
+                                                      : number_json(uncertainty.cone_half_angle)},
+      {"cone_plane", plane ? array_json(*plane) : Json("none")},
+      {"closing_speed", number_json(uncertainty.closing_speed)},
+      {"restitution", number_json(uncertainty.restitution)},
+      {"target_mass", number_json(uncertainty.target_mass)},
+      {"target_inertia", number_json(uncertainty.target_inertia)},
+      {"contact_point", number_json(uncertainty.contact_point)},
+      {"contact_time", number_json(uncertainty.contact_time)}};
+  if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
+  return json;
 }
 
 Json approach_section_json(const CaptureProblem& problem) {
@@ -194,7 +208,7 @@ Json problem_json(const CaptureProblem& problem) {
   if (problem.target) {
     json["target"] = target_body_json(*problem.target);
     if (!problem.impulse.direction) {
-      json["target"]["state"] = target_state_json(problem.target_state);
+      json["target"]["state"] = target_state_json(problem.target_state, problem.target_deviations);
     }
   }
   json["impact"] = impact_section_json(problem);

@@ -100,6 +100,7 @@ const Names<ApproachStatus>& approach_status_names() {
                                            {"goal_unreachable", ApproachStatus::GoalUnreachable},
                                            {"hit_early", ApproachStatus::HitEarly},
                                            {"time_out", ApproachStatus::TimeOut},
+                                           {"interrupted", ApproachStatus::Interrupted},
                                            {"too_slow", ApproachStatus::TooSlow}};
   return names;
 }

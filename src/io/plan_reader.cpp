@@ -307,7 +307,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   PlanFile file;
   Plan& plan = file.plan;
   const Node root =
-      parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 4'000'000});
+      parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 200'000});
   MapReader map(context, root, "");
   read_format(map, "stillbase.plan");
   file.tool = read_tool(map);

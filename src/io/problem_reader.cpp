@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/file.hpp>
+#include <stillbase/plan/direction_cone.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "io/target_reader.hpp"
@@ -142,7 +143,8 @@ void read_target_section(MapReader& problem_map, CaptureProblem& problem,
     problem.target = read_target_body(map);
   }
   if (const Node* state = map.child("state")) {
-    problem.target_state = read_target_state(context, *state, map.path_of("state"));
+    problem.target_state =
+        read_target_state(context, *state, map.path_of("state"), problem.target_deviations);
   }
   map.finish();
 }
@@ -209,6 +211,19 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("hand", "not-used", "orientation: only the constraint 'pose' uses it");
   }
 
+  if (problem.uncertainty.cone_confidence && (impulse.direction || !has_feature)) {
+    refuse("uncertainty", "missing-key",
+           "cone_half_angle: 'from_covariance' needs a direction that follows from the contact "
+           "feature of a target");
+  } else if (problem.uncertainty.cone_confidence && !problem.target_deviations) {
+    refuse("uncertainty", "missing-key",
+           "cone_half_angle: 'from_covariance' needs target.state.covariance");
+  }
+  if (problem.target && problem.target->is_point_mass && problem.target_deviations &&
+      !problem.target_deviations->moments.isZero(0)) {
+    refuse("target", "not-used", "state.covariance.moments: a point mass has none");
+  }
+
   const auto& plane = problem.uncertainty.cone_plane_normal;
   if (plane && impulse.direction && impulse.direction_frame == Frame::Base &&
       !(std::abs(plane->dot(*impulse.direction)) <= 1e-9)) {
@@ -237,10 +252,36 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
   }
 }
 
+namespace {
+
+/// Puts the half-angle in place that follows from the covariance of the estimate.
+void resolve_cone(MapReader& map, CaptureProblem& problem) {
+  UncertaintySpec& uncertainty = problem.uncertainty;
+  if (!uncertainty.cone_confidence) return;
+  const auto refuse = [&](const std::string& what) {
+    map.context().add(map.line_of("uncertainty"), "out-of-range",
+                      fmt::format("{}.cone_half_angle: {}", map.path_of("uncertainty"), what));
+  };
+  try {
+    uncertainty.cone_half_angle = direction_cone(problem, *uncertainty.cone_confidence).half_angle;
+  } catch (const std::invalid_argument& error) {
+    return refuse(error.what());
+  }
+  if (!(uncertainty.cone_half_angle <= std::acos(-1.0) / 2)) {
+    refuse(
+        fmt::format("the covariance gives {:.4g} rad; must be at most pi/2, or the target may "
+                    "come from anywhere",
+                    uncertainty.cone_half_angle));
+  }
+}
+
+}  // namespace
+
 CaptureProblem read_problem_map(const Node& node, ReadContext& context, const std::string& path,
                                 const ProblemSources& sources) {
   MapReader map(context, node, path);
   CaptureProblem problem;
+  if (node.kind != Node::Kind::Map) return problem;  // said above; what is missing follows from it
   problem.source = context.source;
   problem.name = std::filesystem::path(context.source).stem().string();
   read_format(map, "stillbase.problem");
@@ -261,6 +302,7 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   map.finish();
   // Contradictions between sections mean something only when the sections are good.
   if (context.findings.empty()) check_problem(map, problem);
+  if (context.findings.empty()) resolve_cone(map, problem);
   return problem;
 }
 

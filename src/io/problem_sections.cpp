@@ -295,8 +295,22 @@ void read_constraints_section(MapReader& map, CaptureProblem& problem) {
 
 void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
   MapReader fields = section(map, "uncertainty");
-  fields.number("cone_half_angle", problem.uncertainty.cone_half_angle, Dimension::Angle,
-                {.lower = 0, .upper = kPi / 2});
+  const Node* half_angle = fields.child("cone_half_angle");
+  double confidence = 0.95;
+  const bool states_confidence =
+      fields.number("confidence", confidence, Dimension::None,
+                    {.lower = 0, .upper = 0.9999, .is_lower_open = true});
+  if (is_word(half_angle, "from_covariance")) {
+    problem.uncertainty.cone_confidence = confidence;
+  } else {
+    fields.number("cone_half_angle", problem.uncertainty.cone_half_angle, Dimension::Angle,
+                  {.lower = 0, .upper = kPi / 2});
+    if (states_confidence) {
+      map.context().add(fields.line_of("confidence"), "not-used",
+                        fmt::format("{}: is stated only beside cone_half_angle: from_covariance",
+                                    fields.path_of("confidence")));
+    }
+  }
   const Node* plane = fields.child("cone_plane");
   static const Names<std::optional<Vector3d>> kPlanes{{"none", std::nullopt},
                                                       {"xy", Vector3d::UnitZ()},
@@ -326,7 +340,7 @@ void read_search_section(MapReader& map, CaptureProblem& problem) {
     check_name(map.context(), fields.line_of("optimizer"), fields.path_of("optimizer"),
                search.optimizer, nlp::optimizer_names(), "optimizers");
   }
-  fields.integer("starts", search.starts, 1, kManyTimes);
+  fields.integer("starts", search.starts, 1, kMaxStarts);
   fields.unsigned_integer("seed", search.seed);
   fields.integer("max_candidates", search.max_candidates, 1, kManyTimes);
   fields.finish();

@@ -1,10 +1,16 @@
 #include <stillbase/io/state_file.hpp>
 
+#include <fmt/format.h>
+
 #include "io/problem_reader.hpp"
 
 namespace stillbase {
 
 namespace {
+
+/// Larger numbers of a state overflow in the products with each other and with the robot's.
+constexpr double kLargest = 1e30;
+constexpr io::Range kStateRange{.lower = -kLargest, .upper = kLargest};
 
 /// {upper: [3], lower: [3]} as one vector of 6; absent parts are zero.
 std::optional<Vector6d> read_pair(io::MapReader& map, const std::string& key, const char* upper,
@@ -19,6 +25,11 @@ std::optional<Vector6d> read_pair(io::MapReader& map, const std::string& key, co
   fields.finish();
   Vector6d both;
   both << first, second;
+  if (!(both.cwiseAbs().maxCoeff() <= kLargest)) {
+    map.context().add(
+        node->line, "out-of-range",
+        fmt::format("{}: every number must be in [{}, {}]", map.path_of(key), -kLargest, kLargest));
+  }
   return both;
 }
 
@@ -38,9 +49,9 @@ RobotState read_state(std::string_view text, const std::string& source, const Ro
   io::MapReader map(context, root, "");
   RobotState state = zero_state(robot);
   io::read_joint_values(map, "joint_positions", robot, Dimension::Angle, Dimension::Length,
-                        io::kAny, false, io::Need::Optional, state.phi);
+                        kStateRange, false, io::Need::Optional, state.phi);
   io::read_joint_values(map, "joint_velocities", robot, Dimension::AngularVelocity,
-                        Dimension::Velocity, io::kAny, false, io::Need::Optional, state.phidot);
+                        Dimension::Velocity, kStateRange, false, io::Need::Optional, state.phidot);
   const auto velocity = read_pair(map, "base_velocity", "linear", Dimension::Velocity, "angular",
                                   Dimension::AngularVelocity);
   if (velocity) state.Omega = *velocity;

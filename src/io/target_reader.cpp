@@ -143,6 +143,37 @@ void read_list(MapReader& map, const std::string& key, const Read& read) {
   }
 }
 
+/// A list of three numbers, or one number for all three.
+void read_three(MapReader& map, const std::string& key, Dimension dimension, const Range& range,
+                Vector3d& out) {
+  const Node* node = map.child(key);
+  if (node == nullptr) return;
+  if (node->kind == Node::Kind::Plain || node->kind == Node::Kind::Quoted) {
+    double value = 0;
+    if (map.number(key, value, dimension, range)) out.setConstant(value);
+    return;
+  }
+  const auto values = read_numbers(map.context(), *node, map.path_of(key), dimension, 3, range);
+  if (values) out = Vector3d((*values)[0], (*values)[1], (*values)[2]);
+}
+
+EstimateDeviations read_deviations(ReadContext& context, const Node& node,
+                                   const std::string& path) {
+  // Beyond these a Gaussian of the error means nothing.
+  const Range angle{.lower = 0, .upper = 1}, relative{.lower = 0, .upper = 0.5};
+  MapReader map(context, node, path);
+  EstimateDeviations deviations;
+  read_three(map, "position", Dimension::Length, kNonNegative, deviations.position);
+  read_three(map, "orientation", Dimension::Angle, angle, deviations.orientation);
+  read_three(map, "linear_velocity", Dimension::Velocity, kNonNegative, deviations.linear_velocity);
+  read_three(map, "angular_velocity", Dimension::AngularVelocity, kNonNegative,
+             deviations.angular_velocity);
+  map.number("mass", deviations.mass, Dimension::None, relative);
+  read_three(map, "moments", Dimension::None, relative, deviations.moments);
+  map.finish();
+  return deviations;
+}
+
 }  // namespace
 
 std::optional<Geometry> read_geometry(ReadContext& context, const Node& node,
@@ -250,8 +281,12 @@ TargetBody read_target_file(const Node& node, ReadContext& context) {
   return body;
 }
 
-TargetState read_target_state(ReadContext& context, const Node& node, const std::string& path) {
+TargetState read_target_state(ReadContext& context, const Node& node, const std::string& path,
+                              std::optional<EstimateDeviations>& deviations) {
   MapReader map(context, node, path);
+  if (const Node* covariance = map.child("covariance")) {
+    deviations = read_deviations(context, *covariance, map.path_of("covariance"));
+  }
   TargetState state;
   map.number("time", state.time, Dimension::Time);
   map.pose(state.pose);

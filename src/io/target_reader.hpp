@@ -1,6 +1,7 @@
 // Bodies that are not the robot: target, its motion, obstacles.
 #pragma once
 
+#include <stillbase/target/prediction.hpp>
 #include <stillbase/target/target.hpp>
 
 #include "io/field_reader.hpp"
@@ -19,7 +20,9 @@ TargetBody read_target_body(MapReader& map);
 TargetBody read_target_file(const Node& node, ReadContext& context);
 
 /// The map `target.state`.
-TargetState read_target_state(ReadContext& context, const Node& node, const std::string& path);
+/// @param deviations set when the state says how well it is known
+TargetState read_target_state(ReadContext& context, const Node& node, const std::string& path,
+                              std::optional<EstimateDeviations>& deviations);
 
 /// format and version, stated first in every file.
 void read_format(MapReader& map, const std::string& format);

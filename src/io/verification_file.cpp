@@ -49,6 +49,7 @@ std::string verification_to_json(const Verification& verification,
   json["version"] = 1;
   json["content_sha256"] = content_sha256;
   json["verdict"] = verification.pass ? "pass" : "fail";
+  if (verification.interrupted) json["interrupted"] = true;  // cut short: no word on the plan
   json["claims"] = Json::array();
   for (const Claim& claim : verification.claims) json["claims"].push_back(claim_json(claim));
   json["post_impact"] = Json::array();

@@ -12,6 +12,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "io/document.hpp"
+#include "io/json.hpp"
 
 namespace stillbase::io {
 
@@ -39,6 +40,24 @@ std::size_t first_bad_byte(std::string_view text) {
     i += length;
   }
   return std::string_view::npos;
+}
+
+/// Commas, colons and opening brackets outside of quotes in a JSON text: as many as its keys and
+/// values, or a few more.
+std::size_t separators(std::string_view text) {
+  std::size_t count = 0;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (is_quoted && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      is_quoted = !is_quoted;
+    } else if (!is_quoted && (c == ',' || c == ':' || c == '[' || c == '{')) {
+      ++count;
+    }
+  }
+  return count;
 }
 
 class TreeBuilder : public YAML::EventHandler {
@@ -184,6 +203,17 @@ Node parse_document(std::string_view text, ReadContext& context, const DocumentL
                 fmt::format("byte 0x{:02x} is not allowed; the text must be UTF-8",
                             static_cast<unsigned char>(text[bad])));
     throw InputError(context.findings);
+  }
+  if (text.size() > DocumentLimits{}.bytes) {
+    // Plans are large and JSON. Anything else would keep the parser busy for minutes, and it keeps
+    // all of a line in memory before the first value is counted.
+    if (!is_json(text)) {
+      context.add(0, "syntax",
+                  fmt::format("more than {} bytes that are not JSON", DocumentLimits{}.bytes));
+    } else if (separators(text) > limits.nodes) {
+      context.add(0, "too-large", fmt::format("more than {} values", limits.nodes));
+    }
+    context.throw_if_any();
   }
   TreeBuilder builder(context, limits);
   try {

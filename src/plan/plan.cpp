@@ -32,6 +32,8 @@ std::string to_string(ApproachStatus status) {
       return "hit_early";
     case ApproachStatus::TimeOut:
       return "time_out";
+    case ApproachStatus::Interrupted:
+      return "interrupted";
     case ApproachStatus::TooSlow:
       return "too_slow";
   }

@@ -145,6 +145,9 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
       if (arrives) break;
     }
   }
+  if (plan.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {
+    plan.approach.status = ApproachStatus::Interrupted;
+  }
   plan.timing["approach"] = seconds_since(approach_begin);
 
   if (!found.candidates.empty()) {

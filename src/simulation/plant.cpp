@@ -32,8 +32,7 @@ PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& 
                                        const JointVectord& tau) {
   // The jump (6) and the motion (3) have the same matrix; H_phi already holds the rotors.
   const JointVectord nothing_added = JointVectord::Zero(tau.size());
-  const ImpactFactor<double> factor =
-      factorize_impact(terms.inertia, terms.tilde, nothing_added, {});
+  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, {});
   const Vector6d base = F_b - terms.bias.c_b;
   const JointVectord joints = tau - terms.bias.c_phi;
   const ImpactJump<double> solution = solve_impact(factor, base, joints);
@@ -63,11 +62,10 @@ PlantState state_after_impact(const RobotModel& robot, const JointResistance& re
   const Kinematics<double> kinematics = compute_kinematics(robot, before.phi);
   const InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
   const HandJacobian<double> jacobian = compute_hand_jacobian(robot, kinematics);
-  const TildeInertia<double> tilde = compute_tilde_inertia(inertia);
   const std::vector<bool> locked =
       resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>();
   const ImpactFactor<double> factor =
-      factorize_impact(inertia, tilde, added_impact_inertia(resistance, robot.n()), locked);
+      factorize_impact(inertia, added_impact_inertia(resistance, robot.n()), locked);
   const ImpactJump<double> jump = compute_jump(factor, jacobian, Fbar);
   PlantState after = before;
   after.Omega += jump.Delta_Omega;

@@ -30,6 +30,9 @@ void check_impact(const Context& context, const ContactEvent& event,
 void check_objective(const Context& context, const ContactEvent& event,
                      const PostureResponse& response, ClaimList& claims);
 
+/// The cone that follows from the covariance of the target's estimate; no claim for a stated one.
+void check_direction_cone(const Context& context, ClaimList& claims);
+
 /// The list of constraints and what the certificate says of them.
 void check_constraints(const Context& context, const ContactEvent& event,
                        const PostureResponse& response, ClaimList& claims);

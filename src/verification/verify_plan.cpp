@@ -152,6 +152,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
     if (claims.all_pass()) {
       group("configuration", [&] { check_configuration(context, event, response, claims); });
       group("impact", [&] { check_impact(context, event, response, claims); });
+      group("direction_cone", [&] { check_direction_cone(context, claims); });
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
@@ -166,6 +167,8 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
   }
   result.claims = claims.claims();
   result.pass = claims.all_pass();
+  // What failed may have failed because it was cut short.
+  result.interrupted = !result.pass && options.stop.reached();
   return result;
 }
 

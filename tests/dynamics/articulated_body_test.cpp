@@ -51,8 +51,7 @@ TEST_CASE("articulated bodies and the inertia matrix give the same motion on ran
     const auto kinematics = compute_kinematics<double>(c.robot, c.phi);
     const auto inertia = compute_inertia(c.robot, kinematics);
     const auto jacobian = compute_hand_jacobian(c.robot, kinematics);
-    const auto factor =
-        factorize_impact(inertia, compute_tilde_inertia(inertia), c.added, c.locked);
+    const auto factor = factorize_impact(inertia, c.added, c.locked);
     const auto bodies = factorize_articulated_bodies(c.robot, kinematics, c.added, c.locked);
 
     const auto solved = solve_articulated_bodies<double>(c.robot, bodies, c.Omega, c.phidot);

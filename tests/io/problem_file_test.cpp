@@ -274,6 +274,80 @@ TEST_CASE("sections that contradict each other are refused") {
   refuses_change("impact:\n", "impact:\n  moment: [0, 0, 1]\n", "not-used", {"impact.moment"});
 }
 
+namespace {
+
+const std::string kRate = "angular_velocity: {axis: [1, 2, 2], rate: 5 deg/s}\n";
+
+/// The problem with a covariance of its target's state, and a cone that follows from it.
+std::string uncertain(const std::string& covariance, const std::string& cone) {
+  return replaced(replaced(kProblem, kRate, kRate + "    covariance: " + covariance + "\n"),
+                  "cone_half_angle: 10 deg", cone);
+}
+
+}  // namespace
+
+TEST_CASE("a covariance gives the cone, and its normalised copy the same") {
+  const CaptureProblem problem =
+      read(uncertain("{orientation: [1 deg, 2 deg, 2 deg], position: 1 cm, linear_velocity: [1, 2, "
+                     "3 mm/s], angular_velocity: 0.02 deg/s, mass: 0.05, moments: [0.01, 0.02, 0]}",
+                     "cone_half_angle: from_covariance\n  confidence: 0.9"));
+  REQUIRE(problem.target_deviations);
+  const EstimateDeviations& sigma = *problem.target_deviations;
+  CHECK(sigma.position == Vector3d(0.01, 0.01, 0.01));
+  CHECK(sigma.orientation.isApprox(Vector3d(1, 2, 2) * M_PI / 180, 1e-15));
+  CHECK(sigma.linear_velocity.isApprox(Vector3d(1, 2, 0.003), 1e-15));
+  CHECK(sigma.mass == 0.05);
+  CHECK(sigma.moments == Vector3d(0.01, 0.02, 0));
+  CHECK(problem.uncertainty.cone_confidence == 0.9);
+  // The attitude alone gives 2 deg about both axes across the normal.
+  const double from_attitude = 2 * M_PI / 180 * std::sqrt(-2 * std::log(0.1));
+  CHECK(problem.uncertainty.cone_half_angle > from_attitude);
+  CHECK(problem.uncertainty.cone_half_angle < 2 * from_attitude);
+  const std::string json = problem_to_json(problem);
+  CHECK_THAT(json, Catch::Contains("\"cone_half_angle\": \"from_covariance\""));
+  const CaptureProblem again = read_problem_text(json, "copy.json", problem.urdf);
+  CHECK(problem_to_json(again) == json);
+  CHECK(again.uncertainty.cone_half_angle == problem.uncertainty.cone_half_angle);
+  CHECK(again.target_deviations->orientation == sigma.orientation);
+
+  // In a plane only the turn about its normal counts.
+  const CaptureProblem planar = read(replaced(
+      uncertain("{orientation: 1 deg}", "cone_half_angle: from_covariance\n  cone_plane: xy"),
+      "axis: [1, 2, 2]", "axis: [0, 0, 1]"));
+  CHECK(planar.uncertainty.cone_half_angle == Approx(1.959964 * M_PI / 180).epsilon(1e-5));
+}
+
+TEST_CASE("a covariance that gives no cone is refused") {
+  const auto refuses_with = [](const std::string& text, const std::string& rule,
+                               const std::string& part) {
+    const auto findings = findings_of([&] { read(text); });
+    INFO(text_of(findings));
+    REQUIRE(findings.size() == 1);
+    CHECK(findings[0].rule == rule);
+    CHECK_THAT(findings[0].message, Catch::Contains(part));
+  };
+  const std::string cone = "cone_half_angle: from_covariance";
+  refuses_with(replaced(kProblem, "cone_half_angle: 10 deg", cone), "missing-key",
+               "target.state.covariance");
+  refuses_with(uncertain("{orientation: 1 deg}", "cone_half_angle: 1 deg\n  confidence: 0.9"),
+               "not-used", "uncertainty.confidence");
+  refuses_with(uncertain("{orientation: 1 deg}", cone + "\n  confidence: 1"), "out-of-range",
+               "uncertainty.confidence");
+  refuses_with(uncertain("{orientation: 1 deg}", "cone_half_angle: from_somewhere"), "wrong-type",
+               "uncertainty.cone_half_angle");
+  refuses_with(uncertain("{orientation: -1 deg}", cone), "out-of-range",
+               "target.state.covariance.orientation");
+  refuses_with(uncertain("{orientation: [1 deg, 2 deg]}", cone), "wrong-length",
+               "target.state.covariance.orientation");
+  refuses_with(uncertain("{moments: 0.7}", cone), "out-of-range",
+               "target.state.covariance.moments");
+  refuses_with(uncertain("{attitude: 1 deg}", cone), "unknown-key", "covariance.attitude");
+  refuses_with(uncertain("{orientation: 0.9}", cone), "out-of-range", "at most pi/2");
+  refuses_with(uncertain("{angular_velocity: 1e300}", cone), "out-of-range", "300 rad");
+  refuses_with(replaced(uncertain("{orientation: 1 deg}", cone), "rate: 5 deg/s", "rate: 1e9"),
+               "out-of-range", "300 rad");
+}
+
 TEST_CASE("what the sections need of each other is asked for") {
   const std::string point_mass =
       replaced(replaced(kProblem, "source: rigid_body", "source: point_mass"), "restitution: 0.5",

@@ -55,7 +55,7 @@ target:
   inertia: {ixx: 3, iyy: 3, izz: 3}
   shapes: [{geometry: {sphere: {radius: 1}}}]
   features: [{name: a, point: [1, 0, 0], normal: [1, 0, 0]}]
-  state: {linear_velocity: [-1, 0, 0]}
+  state: {linear_velocity: [-1, 0, 0], covariance: {orientation: 0.1}}
 impact:
   source: rigid_body
   joint_resistance: RESISTANCE

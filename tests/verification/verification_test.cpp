@@ -309,5 +309,6 @@ TEST_CASE("a verification that is stopped has not passed") {
   options.stop.deadline = StopCondition::Clock::now();
   const Verification verification = verify_plan(floating_plan(), options);
   CHECK_FALSE(verification.pass);
+  CHECK(verification.interrupted);
   CHECK(verification.claims.back().detail.find("stopped") != std::string::npos);
 }

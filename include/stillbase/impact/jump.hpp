@@ -37,7 +37,7 @@ struct ImpactFactor {
 /// @param added_inertia n; from added_impact_inertia()
 /// @param locked n flags; empty: none
 template <class S>
-ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia, const TildeInertia<S>& tilde,
+ImpactFactor<S> factorize_impact(const InertiaMatrices<S>& inertia,
                                  const JointVectord& added_inertia,
                                  const std::vector<bool>& locked);
 

@@ -71,7 +71,8 @@ enum class ApproachStatus {
   GoalInvalid,
   GoalUnreachable,
   HitEarly,
-  TimeOut,
+  TimeOut,      ///< a deadline came first
+  Interrupted,  ///< a signal came first
   TooSlow
 };
 std::string to_string(ApproachStatus status);

@@ -10,6 +10,7 @@
 
 #include <stillbase/impact/joint_resistance.hpp>
 #include <stillbase/robot/robot_model.hpp>
+#include <stillbase/target/prediction.hpp>
 #include <stillbase/target/target.hpp>
 
 namespace stillbase {
@@ -111,6 +112,9 @@ struct ConstraintSpec {
 
 struct UncertaintySpec {
   double cone_half_angle = 0;  ///< rad; 0: the direction is exactly known
+  /// The half-angle is the one that follows from `target_deviations` with this probability
+  /// (plan/direction_cone.hpp); empty: it is stated.
+  std::optional<double> cone_confidence;
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
   // Half ranges of even distributions about the prediction; for samples alone.
@@ -121,6 +125,8 @@ struct UncertaintySpec {
   double contact_point = 0;   ///< m: radius of a disc normal to the direction
   double contact_time = 0;    ///< s
 };
+
+inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
 
 struct SearchSpec {
   std::string optimizer = "nlopt-slsqp";
@@ -180,7 +186,8 @@ struct CaptureProblem {
   std::vector<std::pair<std::string, std::string>>
       allowed_contacts;  ///< pairs of links that may touch
   std::optional<TargetBody> target;
-  TargetState target_state;  ///< estimate
+  TargetState target_state;                             ///< estimate
+  std::optional<EstimateDeviations> target_deviations;  ///< of the estimate, when stated
   std::vector<Obstacle> obstacles;
   ImpulseSpec impulse;
   VariableSpec variables;

@@ -48,7 +48,8 @@ struct ControllerReport {
 };
 
 struct Verification {
-  bool pass = false;  ///< every claim passed and there is at least one
+  bool pass = false;         ///< every claim passed and there is at least one
+  bool interrupted = false;  ///< stopped before the end, with no verdict (`pass` is false)
   std::vector<Claim> claims;
   std::vector<ControllerReport> reports;  ///< in the problem's order
 };

@@ -1,0 +1,164 @@
+// stillbase check on a target, a problem or a plan.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/capture/formulation.hpp>
+#include <stillbase/plan/direction_cone.hpp>
+
+#include "app/check_report.hpp"
+#include "app/words.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+/// What a contact feature gives way, kg: a point mass there would be as heavy.
+double effective_mass(const TargetBody& target, const ContactFeature& feature) {
+  if (target.is_point_mass) return target.mass;
+  const Vector3d arm = feature.point.cross(feature.normal);
+  return 1 / (1 / target.mass + arm.dot(target.inertia.llt().solve(arm)));
+}
+
+std::vector<std::string> target_suspicions(const TargetBody& target) {
+  std::vector<std::string> remarks;
+  if (target.shapes.empty()) {
+    remarks.push_back(target.name + ": no shapes: nothing is checked for collisions with it");
+  }
+  if (target.features.empty()) {
+    remarks.push_back(target.name + ": no contact features: only a stated direction can hit it");
+  }
+  for (const ContactFeature& feature : target.features) {
+    if (feature.point.dot(feature.normal) <= 0) {
+      remarks.push_back(
+          fmt::format("{}: the normal points towards the centroid, not outwards", feature.name));
+    }
+    if (target.is_point_mass) continue;
+    if (feature.point.cross(feature.normal).norm() < 1e-6 * feature.point.norm()) {
+      remarks.push_back(
+          fmt::format("{}: the normal passes through the centroid: an impulse there turns nothing",
+                      feature.name));
+    }
+  }
+  return remarks;
+}
+
+/// How well the contact is known, and the cone that the search uses.
+std::string uncertainty_words(const CaptureProblem& problem) {
+  const UncertaintySpec& uncertainty = problem.uncertainty;
+  std::string text =
+      fmt::format("direction known to {:.4g} deg", uncertainty.cone_half_angle * kDegrees);
+  if (uncertainty.cone_plane_normal) text += " in a plane";
+  if (uncertainty.cone_confidence) {
+    text +=
+        fmt::format(": from the covariance, with probability {:g}", *uncertainty.cone_confidence);
+  }
+  text += '\n';
+  const bool is_predicted = problem.target && problem.target_deviations &&
+                            !problem.impulse.direction && !problem.variables.feature.empty();
+  if (!is_predicted) return text;
+  const DirectionCone cone = direction_cone(problem, uncertainty.cone_confidence.value_or(0.95));
+  const ContactPrediction& contact = cone.widest;
+  text += fmt::format(
+      "contact as predicted for {:.6g} s: the normal within {:.4g} deg with probability {:g}; "
+      "standard deviations: point {} m, closing speed {:.4g} of {:.4g} m/s to a hand at rest, "
+      "effective mass {:.3g} % of {:.4g} kg\n",
+      contact.time, cone.half_angle * kDegrees, uncertainty.cone_confidence.value_or(0.95),
+      vector_words(contact.point_deviation()), contact.closing_speed_deviation(),
+      contact.value[kClosingSpeed], 100 * std::sqrt(contact.spread(kEffectiveMass, kEffectiveMass)),
+      contact.effective_mass);
+  return text;
+}
+
+/// In words; empty for problems that are there to be analysed and simulated only.
+std::vector<std::string> free_variables(const CaptureProblem& problem) {
+  std::vector<std::string> free;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (problem.variables.joints[i]) free.push_back(problem.robot.joints[i].name);
+  }
+  const VariableSpec& spec = problem.variables;
+  if (spec.base_attitude == AttitudeFreedom::Axis) free.push_back("base attitude about one axis");
+  if (spec.base_attitude == AttitudeFreedom::Free) free.push_back("base attitude");
+  if (spec.contact_time_lower < spec.contact_time_upper) {
+    free.push_back(fmt::format("contact time from {:.6g} to {:.6g} s", spec.contact_time_lower,
+                               spec.contact_time_upper));
+  }
+  return free;
+}
+
+}  // namespace
+
+std::string target_report(const TargetBody& target) {
+  std::string text = fmt::format("target {}: {:.6g} kg", target.name, target.mass);
+  if (target.is_point_mass) {
+    text += ", a point mass\n";
+  } else {
+    const Vector3d moments =
+        Eigen::SelfAdjointEigenSolver<Matrix3d>(target.inertia, Eigen::EigenvaluesOnly)
+            .eigenvalues();
+    text += fmt::format(", principal moments {} kg m^2\n", vector_words(moments));
+  }
+  text += fmt::format("collision shapes: {}\nfeatures:\n", target.shapes.size());
+  for (const ContactFeature& feature : target.features) {
+    text += fmt::format("  {}: at {} m, normal {}, as heavy as {:.4g} kg along it\n", feature.name,
+                        vector_words(feature.point), vector_words(feature.normal),
+                        effective_mass(target, feature));
+  }
+  return text + remark_lines(target_suspicions(target));
+}
+
+std::string problem_report(const CaptureProblem& problem) {
+  std::string text = fmt::format("problem {}: {}\n", problem.name, problem.purpose);
+  text += fmt::format("start: {}\nbase: {}\n", posture_words(problem.robot, problem.start),
+                      pose_words(problem.base));
+  if (problem.target) {
+    text += fmt::format("target {}: {:.6g} kg{}\n", problem.target->name, problem.target->mass,
+                        problem.target->is_point_mass ? ", a point mass" : "");
+    text += remark_lines(target_suspicions(*problem.target));
+  }
+  text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
+  text += fmt::format("objective: {}\n", objective_name(problem));
+  if (problem.measure.kind == RiskMeasure::WorstCase) {
+    text += fmt::format("measure: the worst direction within {:.6g} deg\n",
+                        problem.uncertainty.cone_half_angle * kDegrees);
+  } else if (problem.measure.kind != RiskMeasure::Nominal) {
+    const bool tail = problem.measure.kind == RiskMeasure::Cvar;
+    text += fmt::format(
+        "measure: root mean square over {}{} samples\n",
+        tail ? fmt::format("the worst {:.4g} % of ", 100 * (1 - problem.measure.cvar_level)) : "",
+        problem.measure.samples);
+  }
+  text += uncertainty_words(problem);
+  const std::vector<std::string> free = free_variables(problem);
+  if (free.empty()) {
+    text += "free: nothing, so there is nothing to plan\n";
+  } else {
+    const Formulation formulation(problem);
+    text += fmt::format("free: {}\n", fmt::join(free, ", "));
+    text += fmt::format(
+        "{}, {}: {} left free\n", count_words(formulation.num_variables(), "variable", "variables"),
+        count_words(formulation.num_equations(), "independent equation", "independent equations"),
+        formulation.freedom());
+  }
+  return text + robot_report(problem.robot);
+}
+
+std::string plan_report(const PlanFile& file) {
+  const Plan& plan = file.plan;
+  const auto fingerprint = [](const std::string& stated, const std::string& computed) {
+    return stated == computed ? "as stated" : "not as stated: the file was changed";
+  };
+  std::string text =
+      fmt::format("plan for {}: {}, {}, approach {}\n", plan.problem.name, to_string(plan.status),
+                  count_words(static_cast<long>(plan.candidates.size()), "candidate", "candidates"),
+                  to_string(plan.approach.status));
+  text += fmt::format("fingerprint of the content: {}; of the robot: {}\n",
+                      fingerprint(file.stated_sha256, file.computed_sha256),
+                      fingerprint(file.stated_robot_sha256, file.computed_robot_sha256));
+  return text + problem_report(plan.problem);
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,21 @@
+// What `check` understood of a file, in words; remarks on what is suspicious at the end.
+#pragma once
+
+#include <string>
+
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/state_file.hpp>
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase::app {
+
+std::string robot_report(const RobotModel& robot);
+std::string target_report(const TargetBody& target);
+std::string problem_report(const CaptureProblem& problem);
+std::string plan_report(const PlanFile& file);
+std::string state_report(const RobotState& state, const RobotModel& robot);
+
+/// "suspicious:" and one line each, or nothing when there are none.
+std::string remark_lines(const std::vector<std::string>& remarks);
+
+}  // namespace stillbase::app

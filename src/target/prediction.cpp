@@ -1,0 +1,201 @@
+#include <stillbase/target/prediction.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Dense>
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// n' W_t n, 1/kg: how much the contact point gives way along the normal. Both are fixed to the
+/// target, so this is the same at all times.
+double inverse_effective_mass(const TargetBody& body, const ContactFeature& feature) {
+  if (body.is_point_mass) return 1 / body.mass;
+  const Vector3d arm = feature.point.cross(feature.normal);
+  return 1 / body.mass + arm.dot(body.inertia.llt().solve(arm));
+}
+
+/// Rotation vector that turns the unit vector a into b on the shortest way.
+Vector3d shortest_turn(const Vector3d& a, const Vector3d& b) {
+  const Vector3d axis = a.cross(b);
+  const double sine = axis.norm(), cosine = a.dot(b);
+  if (sine > 1e-300) return std::atan2(sine, cosine) / sine * axis;
+  return cosine > 0 ? Vector3d(Vector3d::Zero()) : Vector3d(kPi * a.unitOrthogonal());
+}
+
+/// Square root of a positive semidefinite matrix, column by column.
+EstimateCovariance square_root(const EstimateCovariance& covariance) {
+  // Diagonal covariances, the common case, keep their axes.
+  if (covariance.isDiagonal(0)) {
+    if (!(covariance.diagonal().minCoeff() >= 0) || !covariance.allFinite()) {
+      throw std::invalid_argument("predict_contact: variances must be finite and not negative");
+    }
+    return covariance.cwiseSqrt();
+  }
+  if (!covariance.allFinite() || !covariance.isApprox(covariance.transpose(), 1e-9)) {
+    throw std::invalid_argument("predict_contact: the covariance must be finite and symmetric");
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  if (values.minCoeff() < -1e-9 * values.maxCoeff()) {
+    throw std::invalid_argument("predict_contact: the covariance is not positive semidefinite");
+  }
+  return eigen.eigenvectors() * values.cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+/// Probability that a Gaussian of two independent variances has a norm of at most a.
+double probability_within(double a, double l1, double l2) {
+  constexpr int kSamples = 720;  // over a quarter turn: the integrand has four like quarters
+  double sum = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double phi = kPi / 2 * (i + 0.5) / kSamples;
+    const double c = std::cos(phi), s = std::sin(phi);
+    sum += -std::expm1(-a * a / (2 * (l1 * c * c + l2 * s * s)));
+  }
+  return sum / kSamples;
+}
+
+/// Where a rising function of (0, upper] passes a value.
+template <class F>
+double bisect(F f, double value, double upper) {
+  double low = 0, high = upper;
+  for (int i = 0; i < 100 && high - low > 1e-15 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) < value ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Half-width that holds a Gaussian of mean zero with a probability.
+double two_sided_quantile(double variance, double probability) {
+  if (!(variance > 0)) return 0;
+  const auto within = [](double x) { return std::erf(x / std::sqrt(2.0)); };
+  return std::sqrt(variance) * bisect(within, probability, 40);
+}
+
+}  // namespace
+
+EstimateCovariance covariance_of(const EstimateDeviations& deviations) {
+  EstimateVector sigma;
+  sigma << deviations.position, deviations.orientation, deviations.linear_velocity,
+      deviations.angular_velocity, deviations.mass, deviations.moments;
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+TargetEstimate with_error(const TargetEstimate& estimate, const EstimateVector& error) {
+  TargetEstimate changed = estimate;
+  TargetState& state = changed.state;
+  state.pose.position += error.segment<3>(kPositionError);
+  state.pose.orientation =
+      (state.pose.orientation * rotation_exp(error.segment<3>(kOrientationError))).normalized();
+  state.linear_velocity += error.segment<3>(kLinearVelocityError);
+  state.angular_velocity += error.segment<3>(kAngularVelocityError);
+  changed.body.mass *= std::exp(error[kMassError]);
+  const Vector3d moments = error.segment<3>(kMomentsError);
+  if (!changed.body.is_point_mass && !moments.isZero(0)) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(estimate.body.inertia);
+    const Vector3d scaled = principal.eigenvalues().cwiseProduct(moments.array().exp().matrix());
+    changed.body.inertia =
+        principal.eigenvectors() * scaled.asDiagonal() * principal.eigenvectors().transpose();
+  }
+  return changed;
+}
+
+ContactCovariance ContactPrediction::covariance() const {
+  const ContactVector bias = mean - value;
+  return spread - bias * bias.transpose();
+}
+
+Vector3d ContactPrediction::point_deviation() const {
+  return spread.diagonal().segment<3>(kContactPoint).cwiseSqrt();
+}
+
+double ContactPrediction::closing_speed_deviation() const {
+  return std::sqrt(spread(kClosingSpeed, kClosingSpeed));
+}
+
+ContactVector contact_vector(const TargetBody& body, const ContactFeature& feature,
+                             const ContactState& contact, const ContactState& reference,
+                             double reference_effective_mass) {
+  ContactVector y;
+  y.segment<3>(kContactPoint) = contact.point;
+  y.segment<3>(kContactNormal) = shortest_turn(reference.normal, contact.normal);
+  y.segment<3>(kContactVelocity) = contact.velocity;
+  y[kClosingSpeed] = contact.normal.dot(contact.velocity);
+  y[kEffectiveMass] = -std::log(inverse_effective_mass(body, feature) * reference_effective_mass);
+  return y;
+}
+
+std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
+                                               const EstimateCovariance& covariance,
+                                               const ContactFeature& feature,
+                                               const std::vector<double>& times) {
+  constexpr int n = kNumEstimateErrors;
+  constexpr double kSpread = 3;  // n + kappa
+  const EstimateCovariance root = std::sqrt(kSpread) * square_root(covariance);
+
+  double horizon = 1;
+  for (const double time : times) {
+    horizon = std::max(horizon, std::abs(time - estimate.state.time));
+  }
+  const TargetMotion motion(estimate.body, estimate.state, horizon);
+  std::vector<ContactPrediction> predictions(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    ContactPrediction& p = predictions[i];
+    p.time = times[i];
+    p.estimated = motion.contact(feature, times[i]);
+    p.effective_mass = 1 / inverse_effective_mass(estimate.body, feature);
+    p.value = contact_vector(estimate.body, feature, p.estimated, p.estimated, p.effective_mass);
+    p.mean = p.value;
+    p.spread.setZero();
+  }
+  // Differences from the central point: its own weight, negative here, drops out of them.
+  for (int k = 0; k < n; ++k) {
+    if (root.col(k).isZero(0)) continue;
+    for (const double sign : {1.0, -1.0}) {
+      const TargetEstimate moved = with_error(estimate, sign * root.col(k));
+      const TargetMotion moved_motion(moved.body, moved.state, horizon);
+      for (ContactPrediction& p : predictions) {
+        const ContactVector difference =
+            contact_vector(moved.body, feature, moved_motion.contact(feature, p.time), p.estimated,
+                           p.effective_mass) -
+            p.value;
+        p.mean += difference / (2 * kSpread);
+        p.spread += difference * difference.transpose() / (2 * kSpread);
+      }
+    }
+  }
+  return predictions;
+}
+
+double cone_half_angle(const ContactPrediction& prediction, double probability) {
+  const Vector3d& normal = prediction.estimated.normal;
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = normal.unitOrthogonal();
+  tangents.col(1) = normal.cross(tangents.col(0));
+  const Eigen::Matrix2d spread = tangents.transpose() *
+                                 prediction.spread.block<3, 3>(kContactNormal, kContactNormal) *
+                                 tangents;
+  const double middle = 0.5 * spread.trace();
+  const double half = std::hypot(0.5 * (spread(0, 0) - spread(1, 1)), spread(0, 1));
+  const double l1 = middle + half, l2 = std::max(0.0, middle - half);
+  if (!(l1 > 0)) return 0;
+  // No Gaussian of these variances lies further out than the round one of the larger.
+  const double upper = std::sqrt(-2 * l1 * std::log1p(-probability));
+  const auto within = [&](double a) { return probability_within(a, l1, l2); };
+  return bisect(within, probability, upper * (1 + 1e-9));
+}
+
+double wedge_half_angle(const ContactPrediction& prediction, const Vector3d& plane_normal,
+                        double probability) {
+  const double variance = plane_normal.dot(
+      prediction.spread.block<3, 3>(kContactNormal, kContactNormal) * plane_normal);
+  return two_sided_quantile(variance, probability);
+}
+
+}  // namespace stillbase

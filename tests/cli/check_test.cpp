@@ -1,0 +1,95 @@
+// What check understands of a file, and what it finds suspicious.
+#include <catch2/catch.hpp>
+
+#include "cli/tool.hpp"
+
+using namespace stillbase::cli_test;
+
+namespace {
+
+bool prints(const Outcome& outcome, const std::string& part) {
+  INFO(outcome.out << outcome.err);
+  return outcome.out.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("check tells robots, targets, problems, plans and states apart") {
+  const Workshop shop;
+  shop.write("problem.yaml", file_text(source_path("problems/planar_two_link_c2_a.yaml")));
+  shop.write("state.json", R"({"joint_positions": [0.1, 0.2]})");
+  REQUIRE(shop.run("plan problem.yaml -o plan.json").code == 0);
+  const Outcome all = shop.run(
+      "check robots/planar_two_link_a.urdf state.json problem.yaml targets/client_224.yaml "
+      "plan.json");
+  INFO(all.err << all.out);
+  CHECK(all.code == 0);
+  for (const char* line :
+       {"planar_two_link_a.urdf: ok, a robot", "state.json: ok, a state",
+        "problem.yaml: ok, a problem", "client_224.yaml: ok, a target", "plan.json: ok, a plan"}) {
+    CHECK(prints(all, line));
+  }
+  CHECK(prints(all, "upper_edge: at (0.5, 0, 0.55) m"));
+
+  // Alone a state says nothing of its robot; the other files are looked at all the same.
+  const Outcome alone = shop.run("check state.json problem.yaml");
+  CHECK(alone.code == 2);
+  CHECK(alone.says("ROBOT.urdf"));
+  CHECK(prints(alone, "problem.yaml: ok"));
+
+  shop.write("other.yaml", "format: stillbase.campaign\nversion: 1\n");
+  const Outcome other = shop.run("check other.yaml");
+  CHECK(other.code == 3);
+  CHECK(other.says("stillbase.target"));
+  shop.write("target.yaml", "format: stillbase.target\nversion: 1\nname: x\nmodel: rigid_body\n");
+  const Outcome incomplete = shop.run("check target.yaml");
+  CHECK(incomplete.code == 3);
+  CHECK(incomplete.says("target.yaml:1: missing-key: mass"));
+}
+
+TEST_CASE("check says what a robot is made of") {
+  const Workshop shop;
+  const Outcome outcome = shop.run("check robots/spart_sc_3dof.urdf");
+  CHECK(outcome.code == 0);
+  CHECK(prints(outcome, "4 bodies after merging fixed links, 3 joints, 130 kg"));
+  CHECK(prints(outcome, "105 kg, centroid (0, 0, 0) m"));
+  CHECK(
+      prints(outcome, "angular coupling: rank 2 in 64 of 64 random postures; largest to smallest"));
+  CHECK(prints(outcome, "about 2 of 3 directions only"));
+}
+
+TEST_CASE("check remarks on what is suspicious in a robot and on nothing in a careful one") {
+  const Workshop shop;
+  const Outcome careful = shop.run("check robots/iiwa_on_cube.urdf");
+  CHECK(careful.code == 0);
+  CHECK_FALSE(prints(careful, "the centroid is at its joint"));
+  CHECK_FALSE(prints(careful, "no limit"));
+
+  shop.write_changed("bad.urdf", "problems/robots/iiwa_on_cube.urdf", "effort=\"300\"",
+                     "effort=\"0\"");
+  const Outcome zero = shop.run("check bad.urdf");
+  CHECK(zero.code == 0);
+  CHECK(prints(zero, "suspicious:"));
+  CHECK(prints(zero, "its effort is limited to zero"));
+}
+
+TEST_CASE("check remarks on contact features that cannot be meant") {
+  const Workshop shop;
+  shop.write_changed("inward.yaml", "problems/targets/client_50.yaml", "normal: [1, 0, 0]",
+                     "normal: [-1, 0, 0]");
+  CHECK(prints(shop.run("check inward.yaml"), "plus_x: the normal points towards the centroid"));
+  shop.write_changed("central.yaml", "problems/targets/client_50.yaml", "point: [0.3, 0.12, 0.06]",
+                     "point: [0.3, 0, 0]");
+  CHECK(prints(shop.run("check central.yaml"), "plus_x: the normal passes through the centroid"));
+  CHECK_FALSE(prints(shop.run("check targets/client_50.yaml"), "suspicious"));
+}
+
+TEST_CASE("check prints the cone that follows from a covariance") {
+  const Workshop shop;
+  const Outcome outcome = shop.run("check '" + source_path("problems/ets7_client.yaml") + "'");
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  CHECK(prints(outcome, "from the covariance, with probability 0.95"));
+  CHECK(prints(outcome, "contact as predicted for"));
+  CHECK(prints(outcome, "effective mass"));
+}
