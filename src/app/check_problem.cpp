@@ -120,7 +120,17 @@ std::string problem_report(const CaptureProblem& problem) {
     text += remark_lines(target_suspicions(*problem.target));
   }
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
-  text += fmt::format("objective: {}\n", to_string(problem.objective));
+  text += fmt::format("objective: {}\n", objective_name(problem));
+  if (problem.measure.kind == RiskMeasure::WorstCase) {
+    text += fmt::format("measure: the worst direction within {:.6g} deg\n",
+                        problem.uncertainty.cone_half_angle * kDegrees);
+  } else if (problem.measure.kind != RiskMeasure::Nominal) {
+    const bool tail = problem.measure.kind == RiskMeasure::Cvar;
+    text += fmt::format(
+        "measure: root mean square over {}{} samples\n",
+        tail ? fmt::format("the worst {:.4g} % of ", 100 * (1 - problem.measure.cvar_level)) : "",
+        problem.measure.samples);
+  }
   text += uncertainty_words(problem);
   const std::vector<std::string> free = free_variables(problem);
   if (free.empty()) {

@@ -85,6 +85,22 @@ std::string objective_words(const Plan& plan) {
     text += fmt::format(", {} {} at worst within {:.3g} deg of the predicted direction",
                         size_words(objective.worst_case), objective.unit, cone * kDegrees);
   }
+  const RiskMeasure kind = plan.problem.measure.kind;
+  if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
+    text += fmt::format(", {} {} over the samples", size_words(objective.value), objective.unit);
+  }
+  return text;
+}
+
+/// The factor is what optimising over the uncertainty is good for.
+std::string nominal_optimum_words(const Plan& plan) {
+  const NominalOptimum& nominal = *plan.nominal_optimum;
+  const ObjectiveValue& objective = plan.objective;
+  std::string text = fmt::format(
+      "the best for the prediction alone: {} {} as predicted, {} {} {}",
+      size_words(nominal.nominal), objective.unit, size_words(nominal.value), objective.unit,
+      plan.problem.measure.kind == RiskMeasure::WorstCase ? "at worst" : "over the samples");
+  if (objective.value > 0) text += fmt::format(" ({:.2f} times)", nominal.value / objective.value);
   return text;
 }
 
@@ -154,6 +170,9 @@ std::string plan_summary(const Plan& plan) {
     text += line("momentum", momentum_words(plan.impact));
     text += line("case", case_words(plan.impact));
     text += line("objective", objective_words(plan));
+    if (plan.nominal_optimum && plan.problem.measure.kind != RiskMeasure::Nominal) {
+      text += line("", nominal_optimum_words(plan));
+    }
     text += line("certificate", certificate_words(plan.certificate));
     const auto& curvature = plan.certificate.reduced_hessian_min_eigenvalue;
     if (plan.status != PlanStatus::Infeasible && curvature) {

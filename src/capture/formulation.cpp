@@ -6,7 +6,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/impact/contact.hpp>
 
-#include "capture/formulation_parts.hpp"
+#include "capture/formulation_kernel.hpp"
 
 namespace stillbase {
 
@@ -17,32 +17,19 @@ double impulse_magnitude(const CaptureProblem& problem, const Encounter& encount
                         encounter.target_inverse_mass);
 }
 
-std::string to_string(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-      return "base_angular_momentum";
-    case ObjectiveQuantity::BaseAngularVelocity:
-      return "base_angular_velocity";
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return "total_angular_momentum";
-  }
-  return "";
-}
-
-std::string unit_of(ObjectiveQuantity quantity) {
-  return quantity == ObjectiveQuantity::BaseAngularVelocity ? "rad/s" : "N m s";
-}
-
-Formulation::Formulation(const CaptureProblem& problem) : parts_(std::make_unique<Parts>(problem)) {
+Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms)
+    : parts_(std::make_unique<Parts>(problem)) {
+  parts_->user_terms = std::move(user_terms);
   // The middle of |y| over evenly spread points makes the objective of order one.
   std::vector<double> sizes;
   for (int sample = 0; sample < 15; ++sample) {
-    const Local local = parts_->localise(
-        parts_->start_point(low_discrepancy_point(sample, parts_->start_dimension(), 0)));
-    const auto posture =
-        evaluate_posture<double>(problem.robot, parts_->resistance, local.configuration.phi);
-    const auto response = respond<double>(posture, local.encounter.F);
-    sizes.push_back(parts_->magnitude(local, response) * parts_->quantity(response).norm());
+    const Eigen::VectorXd x =
+        parts_->start_point(low_discrepancy_point(sample, parts_->start_dimension(), 0));
+    const Local<double> local = parts_->localise<double>(x);
+    const auto posture = parts_->posture(local);
+    const auto hit = parts_->hit<double>(local, posture, parts_->predicted());
+    sizes.push_back(std::sqrt(
+        2 * (parts_->objective(posture, hit) + parts_->user_objective(x, parts_->predicted()))));
   }
   std::nth_element(sizes.begin(), sizes.begin() + 7, sizes.end());
   if (sizes[7] > 0) parts_->objective_unit = sizes[7];
@@ -72,122 +59,104 @@ int Formulation::num_equations() const {
                                         [](const Row& row) { return row.lower == row.upper; }));
 }
 
-void Formulation::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
+void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
+                                     const std::vector<Scenario>& scenarios, bool derivatives,
+                                     ScenarioEvaluation& out) const {
   ++parts_->evaluations;
-  const Local local = parts_->localise(x);
-  const auto posture =
-      evaluate_posture<double>(parts_->problem.robot, parts_->resistance, local.configuration.phi);
-  const auto response = respond<double>(posture, local.encounter.F);
-  const double scale = parts_->magnitude(local, response) / parts_->objective_unit;
-  out.objective = (scale * parts_->quantity(response)).squaredNorm() / 2;
-  out.constraints.resize(num_constraints());
-  for (int i = 0; i < num_constraints(); ++i) {
-    out.constraints[i] =
-        parts_->value_of(parts_->rows[static_cast<std::size_t>(i)], local, posture, response);
+  const Parts& parts = *parts_;
+  const Local<double> local = parts.localise<double>(x);
+  const PostureImpact<double> posture = parts.posture(local);
+  const int count = static_cast<int>(scenarios.size()), m = num_constraints();
+  out.values.resize(count);
+  out.constraints.resize(m);
+  if (derivatives) {
+    out.gradients.resize(count, num_variables());
+    out.jacobian.resize(m, num_variables());
   }
+  for (int k = 0; k < count; ++k) {
+    const auto hit = parts.hit(local, posture, scenarios[static_cast<std::size_t>(k)]);
+    out.values[k] = parts.objective(posture, hit);
+    if (derivatives) {
+      out.gradients.row(k) = parts.compress(local, parts.objective_gradient(posture, hit));
+    }
+    if (parts.user_terms.empty()) continue;
+    out.values[k] += parts.user_objective(x, scenarios[static_cast<std::size_t>(k)]);
+    if (derivatives) {
+      out.gradients.row(k) += parts.user_gradient(x, scenarios[static_cast<std::size_t>(k)]);
+    }
+  }
+  if (m == 0) return;
+  const auto hit = parts.hit(local, posture, parts.predicted());
+  for (int i = 0; i < m; ++i) {
+    const Row& row = parts.rows[static_cast<std::size_t>(i)];
+    out.constraints[i] = parts.value_of(row, local, posture, hit);
+    if (derivatives) {
+      out.jacobian.row(i) = parts.compress(local, parts.gradient_of(row, local, posture, hit));
+    }
+  }
+}
+
+void Formulation::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
+  ScenarioEvaluation here;
+  evaluate_scenarios(x, {parts_->predicted()}, false, here);
+  out.objective = here.values[0];
+  out.constraints = here.constraints;
 }
 
 void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  ++parts_->evaluations;
-  const Parts& parts = *parts_;
-  const Local local = parts.localise(x);
-  const auto posture =
-      evaluate_posture<double>(parts.problem.robot, parts.resistance, local.configuration.phi);
-  const auto response = respond<double>(posture, local.encounter.F);
-
-  // psi = 1/2 |p y|^2 with p of the contact law, both smooth in the response.
-  const Vector3d y = parts.quantity(response);
-  const double p = parts.magnitude(local, response);
-  const double scale = p / parts.objective_unit;
-  out.objective = (scale * y).squaredNorm() / 2;
-  const double s2 = scale * scale;
-  ResponseWeights<double> weights = parts.quantity_weights(s2 * y);
-  double d_closing_speed = 0;
-  if (!local.encounter.magnitude_given && p > 0) {
-    weights.hand_inverse_mass =
-        -s2 * y.squaredNorm() / (response.hand_inverse_mass + local.encounter.target_inverse_mass);
-    d_closing_speed = s2 * y.squaredNorm() / local.encounter.closing_speed;
-  }
-  ScalarGradient gradient = parts.impact_gradient(local, posture, response, weights);
-  gradient.t += d_closing_speed * local.closing_speed_rate;
-  out.gradient = parts.compress(x, gradient);
-
-  const int m = num_constraints();
-  out.constraints.resize(m);
-  out.jacobian.resize(m, num_variables());
-  for (int i = 0; i < m; ++i) {
-    const Row& row = parts.rows[static_cast<std::size_t>(i)];
-    out.constraints[i] = parts.value_of(row, local, posture, response);
-    out.jacobian.row(i) = parts.compress(x, parts.gradient_of(row, local, posture, response));
-  }
+  ScenarioEvaluation here;
+  evaluate_scenarios(x, {parts_->predicted()}, true, here);
+  out.objective = here.values[0];
+  out.gradient = here.gradients.row(0);
+  out.constraints = here.constraints;
+  out.jacobian = here.jacobian;
 }
 
-void Formulation::objective_vector(const Eigen::VectorXd& x, Vector3d& y,
+Scenario Formulation::predicted_scenario() const { return parts_->predicted(); }
+
+void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                                    Eigen::MatrixXd& jacobian) const {
   ++parts_->evaluations;
   const Parts& parts = *parts_;
-  const Local local = parts.localise(x);
-  const auto posture =
-      evaluate_posture<double>(parts.problem.robot, parts.resistance, local.configuration.phi);
-  const auto response = respond<double>(posture, local.encounter.F);
-  const double p = parts.magnitude(local, response);
-  const double scale = p / parts.objective_unit;
-  const Vector3d y_unit = parts.quantity(response);
-  y = scale * y_unit;
-  jacobian.resize(3, num_variables());
-  for (int i = 0; i < 3; ++i) {
-    ResponseWeights<double> weights = parts.quantity_weights(scale * Vector3d::Unit(i));
-    double d_closing_speed = 0;
-    if (!local.encounter.magnitude_given && p > 0) {
-      weights.hand_inverse_mass =
-          -y[i] / (response.hand_inverse_mass + local.encounter.target_inverse_mass);
-      d_closing_speed = y[i] / local.encounter.closing_speed;
+  const Local<double> local = parts.localise<double>(x);
+  const auto posture = parts.posture(local);
+  const auto hit = parts.hit(local, posture, parts.predicted());
+  const double scale = hit.p / parts.objective_unit;
+  std::vector<double> values;
+  std::vector<Eigen::VectorXd> rows;
+  for (const ObjectiveTerm& term : parts.problem.objective) {
+    const JointVectord y_term = term_quantity<double>(term, posture, hit.response);
+    for (Eigen::Index i = 0; i < y_term.size(); ++i) {
+      ResponseWeights<double> weights;
+      const JointVectord u = scale * JointVectord::Unit(y_term.size(), i);
+      add_term_weights<double>(term, u, weights);
+      values.push_back(scale * y_term[i]);
+      rows.push_back(
+          parts.compress(local, parts.scaled_gradient(posture, hit, weights, values.back())));
     }
-    ScalarGradient gradient = parts.impact_gradient(local, posture, response, weights);
-    gradient.t += d_closing_speed * local.closing_speed_rate;
-    jacobian.row(i) = parts.compress(x, gradient);
+  }
+  y = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  jacobian.resize(y.size(), num_variables());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    jacobian.row(static_cast<Eigen::Index>(i)) = rows[i];
   }
 }
+
+const std::vector<UserTerm>& Formulation::user_terms() const { return parts_->user_terms; }
 
 double Formulation::objective_unit() const { return parts_->objective_unit; }
 
-void Formulation::lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
-                                     const Eigen::VectorXd& multipliers,
-                                     Eigen::MatrixXd& out) const {
-  // Central differences lose about h^2 and rounding / h: both near 1e-10 at this step.
-  constexpr double kStep = 1e-5;
-  const Eigen::Index size = x.size();
-  nlp::Evaluation here;
-  const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
-    evaluate(at, here);
-    return sigma * here.gradient + here.jacobian.transpose() * multipliers;
-  };
-  out.resize(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(size, i);
-    out.col(i) = (gradient(x + step) - gradient(x - step)) / (2 * kStep);
-  }
-  out = ((out + out.transpose()) / 2).eval();
-}
-
 Configuration Formulation::configuration(const Eigen::VectorXd& x) const {
-  const Local local = parts_->localise(x);
-  Configuration out = local.configuration;
-  const bool follows = parts_->problem.variables.base_position != PositionFreedom::Fixed;
-  const bool stated_in_N = parts_->hand_point && parts_->problem.hand.frame == Frame::Inertial;
-  if (follows && (parts_->hand_follows_contact() || stated_in_N)) {
-    const auto kinematics = compute_kinematics<double>(parts_->problem.robot, out.phi);
-    const Vector3d point = parts_->hand_point ? *parts_->hand_point : local.contact->point;
-    out.base.position = point - local.R_NB * kinematics.r_bh;
-  }
-  return out;
+  return parts_->configuration(x);
 }
 
-Encounter Formulation::encounter(const Configuration& configuration) const {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(num_variables());
+Eigen::VectorXd Formulation::variables(const Configuration& configuration) const {
+  Eigen::VectorXd x(num_variables());
   const VariableLayout& layout = parts_->layout;
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    x[static_cast<int>(i)] = configuration.phi[layout.joints[i]];
+  }
   if (layout.time >= 0) x[layout.time] = configuration.contact_time;
-  // Attitude variables from the attitude itself: only R_NB matters here.
   if (layout.attitude_size == 3) {
     x.segment<3>(layout.attitude) =
         rotation_log(parts_->problem.base.orientation.conjugate() * configuration.base.orientation);
@@ -196,7 +165,11 @@ Encounter Formulation::encounter(const Configuration& configuration) const {
         rotation_log(configuration.base.orientation * parts_->problem.base.orientation.conjugate())
             .dot(parts_->problem.variables.base_attitude_axis);
   }
-  return parts_->localise(x).encounter;
+  return x;
+}
+
+Encounter Formulation::encounter(const Configuration& configuration) const {
+  return parts_->encounter(parts_->localise<double>(variables(configuration)));
 }
 
 int Formulation::start_dimension() const { return parts_->start_dimension(); }
@@ -239,22 +212,20 @@ Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
   const Parts& parts = *parts_;
-  const Local local = parts.localise(x);
-  const auto posture =
-      evaluate_posture<double>(parts.problem.robot, parts.resistance, local.configuration.phi);
-  const auto response = respond<double>(posture, local.encounter.F);
+  const Local<double> local = parts.localise<double>(x);
+  const auto posture = parts.posture(local);
+  const auto hit = parts.hit(local, posture, parts.predicted());
   std::vector<ConstraintValue> out;
   const auto add = [&out](const std::string& name, double value, double lower, double upper) {
     out.push_back({name, value, lower, upper, std::max({lower - value, value - upper, 0.0})});
   };
   bool has_closing_speed = false;
   for (const Row& row : parts.rows) {
-    add(row.name, parts.value_of(row, local, posture, response), row.lower, row.upper);
+    add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
     has_closing_speed = has_closing_speed || row.kind == RowKind::ClosingSpeed;
   }
-  if (!has_closing_speed && !local.encounter.magnitude_given) {
-    add("closing_speed", local.encounter.closing_speed, parts.problem.constraints.closing_speed_min,
-        kInfinity);
+  if (!has_closing_speed && !hit.magnitude_given) {
+    add("closing_speed", hit.closing_speed, parts.problem.constraints.closing_speed_min, kInfinity);
   }
   for (std::size_t i = 0; i < parts.layout.joints.size(); ++i) {
     const int k = parts.layout.joints[i];

@@ -1,4 +1,8 @@
 // The inside of a Formulation: its rows, and what they are worth at a point.
+//
+// What depends on the variables is written once for any number type S (formulation_kernel.hpp,
+// rows_kernel.hpp): on double it gives values and gradients, on Tangent the derivatives of the
+// gradients.
 #pragma once
 
 #include <optional>
@@ -11,6 +15,9 @@
 #include "capture/layout.hpp"
 
 namespace stillbase {
+
+template <class S>
+using VectorX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 
 /// Frame in which the impulse direction never changes: rows are written in its components, so that
 /// "normal to n" means the same two axes at every point of the search.
@@ -38,30 +45,51 @@ struct Row {
   double lower, upper;
 };
 
-/// Gradient of a scalar over joints, turn of the base (rad, in B) and contact time.
-struct ScalarGradient {
-  JointVectord phi;
-  Vector3d theta = Vector3d::Zero();
-  double t = 0;
-  explicit ScalarGradient(int n) : phi(JointVectord::Zero(n)) {}
-};
-
-/// The vector y whose size an objective measures, per unit of impulse.
-Vector3d objective_quantity(ObjectiveQuantity quantity, const ImpactResponse<double>& response);
-
 /// Two unit vectors that complete n to a right-handed basis.
 std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n);
 
+/// Gradient of a scalar over joints, turn of the base (rad, in B) and contact time.
+template <class S>
+struct ScalarGradient {
+  JointVector<S> phi;
+  Vector3<S> theta = Vector3<S>::Zero();
+  S t = S(0);
+  explicit ScalarGradient(int n) : phi(JointVector<S>::Zero(n)) {}
+};
+
+/// How base and target lie and move to each other at one time.
+template <class S>
+struct ContactView {
+  Matrix3<S> R_EB;                             ///< E: the contact frame
+  Vector3<S> omega_EB = Vector3<S>::Zero();    ///< turn of B seen from E per s, in B
+  Vector3<S> velocity = Vector3<S>::Zero();    ///< of the target's centroid, in T, m/s
+  Vector3<S> omega = Vector3<S>::Zero();       ///< of the target, in T, rad/s
+  Vector3<S> omega_rate = Vector3<S>::Zero();  ///< its rate of change in T, rad/s^2
+  Vector3<S> point = Vector3<S>::Zero();       ///< contact feature in N, m
+  Vector3<S> point_rate = Vector3<S>::Zero();  ///< m/s
+};
+
 /// Everything at one x that is not the impact.
+template <class S>
 struct Local {
-  Eigen::VectorXd x;
-  Configuration configuration;
-  Matrix3d R_NB;
-  Matrix3d R_EB;                         ///< E: the contact frame
-  Vector3d omega_EB = Vector3d::Zero();  ///< turn of B seen from E per second of contact time, in B
-  Encounter encounter;
-  double closing_speed_rate = 0;        ///< d v_n / dt
-  std::optional<ContactState> contact;  ///< with a predicted target
+  VectorX<S> x;
+  JointVector<S> phi;
+  S time;
+  Matrix3<S> R_NB;
+  Matrix3<S> attitude_rates;  ///< turn of B (in B) per attitude variable, one per column
+  ContactView<S> view;        ///< as predicted
+};
+
+/// The impact of one scenario at one posture.
+template <class S>
+struct Hit {
+  ContactView<S> view;
+  bool magnitude_given = false;    ///< p is stated: no contact law
+  S closing_speed = S(0);          ///< m/s
+  S closing_speed_rate = S(0);     ///< per s of contact time
+  double target_inverse_mass = 0;  ///< n' W_t n, 1/kg
+  ImpactResponse<S> response;      ///< to a unit impulse
+  S p = S(0);                      ///< impulse, N s
 };
 
 struct Formulation::Parts {
@@ -70,45 +98,90 @@ struct Formulation::Parts {
   ImpactResistance resistance;
   std::optional<TargetMotion> motion;  ///< of the predicted target
   ContactFrame frame = ContactFrame::Base;
-  Vector3d n_E, u_E, v_E;  ///< impulse direction and tangents in the contact frame
-  Vector6d F_E;            ///< wrench per unit of impulse
+  Vector3d n_E, u_E, v_E;                              ///< impulse direction and tangents in E
+  Vector3d moment_E = Vector3d::Zero();                ///< moment per unit of impulse (given ones)
+  Vector3d r_E = Vector3d::Zero();                     ///< contact point from the target's centroid
+  Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
   std::vector<Row> rows;
   std::optional<Vector3d> hand_point;  ///< stated hand position
   double objective_unit = 1;
   mutable long evaluations = 0;
 
+  std::vector<UserTerm> user_terms;
+
   explicit Parts(const CaptureProblem& p);
 
   bool hand_follows_contact() const { return motion.has_value() && !hand_point; }
+  bool direction_predicted() const { return motion.has_value(); }
   int n() const { return problem.robot.n(); }
+  int start_dimension() const { return layout.size; }
+  Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
+  Configuration configuration(const Eigen::VectorXd& x) const;
+  Encounter encounter(const Local<double>& local) const;
+  Scenario predicted() const;
 
+  // Which rows there are (formulation_rows.cpp).
   void add_rows();
   void add_case_rows();
   void drop_structural_rows();
-  Local localise(const Eigen::VectorXd& x) const;
-  int start_dimension() const { return layout.size; }
-  Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
-  double value_of(const Row& row, const Local& local, const PostureImpact<double>& posture,
-                  const ImpactResponse<double>& response) const;
-  ScalarGradient gradient_of(const Row& row, const Local& local,
-                             const PostureImpact<double>& posture,
-                             const ImpactResponse<double>& response) const;
 
-  Vector3d quantity(const ImpactResponse<double>& response) const {
-    return objective_quantity(problem.objective, response);
-  }
-  ResponseWeights<double> quantity_weights(const Vector3d& u) const;
+  // What they are worth (formulation_kernel.hpp, rows_kernel.hpp).
+  template <class S>
+  Local<S> localise(const VectorX<S>& x) const;
+  template <class S>
+  ContactView<S> view_at(const Matrix3<S>& R_NB, const S& time) const;
+  template <class S>
+  PostureImpact<S> posture(const Local<S>& local) const;
+  template <class S>
+  Hit<S> hit(const Local<S>& local, const PostureImpact<S>& posture,
+             const Scenario& scenario) const;
+  /// 1/2 |y|^2 / unit^2 of a scenario, and its gradient.
+  template <class S>
+  S objective(const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  template <class S>
+  ScalarGradient<S> objective_gradient(const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  template <class S>
+  S value_of(const Row& row, const Local<S>& local, const PostureImpact<S>& posture,
+             const Hit<S>& hit) const;
+  template <class S>
+  ScalarGradient<S> gradient_of(const Row& row, const Local<S>& local,
+                                const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  template <class S>
+  VectorX<S> compress(const Local<S>& local, const ScalarGradient<S>& gradient) const;
+  /// sum w_k grad f_k over scenarios + sum multipliers_i grad g_i.
+  template <class S>
+  VectorX<S> lagrangian_gradient(const VectorX<S>& x, const std::vector<Scenario>& scenarios,
+                                 const Eigen::VectorXd& weights,
+                                 const Eigen::VectorXd& multipliers) const;
+
+  /// What the user's terms add to a scenario's 1/2 |y|^2 / unit^2 (user_terms.cpp).
+  double user_objective(const Eigen::VectorXd& x, const Scenario& scenario) const;
+  Eigen::VectorXd user_gradient(const Eigen::VectorXd& x, const Scenario& scenario) const;
+
+  // Pieces of the above.
+  /// d psi of psi(p y): the weights of y per unit impulse, and of p through the contact law.
+  template <class S>
+  ScalarGradient<S> scaled_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
+                                    ResponseWeights<S> weights, const S& along_p) const;
   /// d value / d(turn of B seen from the contact frame) goes to the base attitude, or to time.
-  void add_contact_turn(const Local& local, const Vector3d& g, ScalarGradient& gradient) const;
-  ScalarGradient impact_gradient(const Local& local, const PostureImpact<double>& posture,
-                                 const ImpactResponse<double>& response,
-                                 const ResponseWeights<double>& weights) const;
+  template <class S>
+  void add_contact_turn(const ContactView<S>& view, const Vector3<S>& g,
+                        ScalarGradient<S>& gradient) const;
+  template <class S>
+  ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
+                                    const ResponseWeights<S>& weights) const;
   /// Wanted hand axes in B for HandConstraint::Pose.
-  Matrix3d wanted_hand_axes(const Local& local) const;
-  Eigen::VectorXd compress(const Eigen::VectorXd& x, const ScalarGradient& gradient) const;
-  double magnitude(const Local& local, const ImpactResponse<double>& response) const {
-    return impulse_magnitude(problem, local.encounter, response.hand_inverse_mass);
-  }
+  template <class S>
+  Matrix3<S> wanted_hand_axes(const Local<S>& local) const;
 };
+
+/// The vector behind a term of the objective, divided by the term's size, per unit of impulse.
+template <class S>
+JointVector<S> term_quantity(const ObjectiveTerm& term, const PostureImpact<S>& posture,
+                             const ImpactResponse<S>& response);
+/// Adds u . d(that vector) to the weights.
+template <class S>
+void add_term_weights(const ObjectiveTerm& term, const JointVector<S>& u,
+                      ResponseWeights<S>& weights);
 
 }  // namespace stillbase

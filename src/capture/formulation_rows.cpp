@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <Eigen/LU>
+
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/plan/encounter.hpp>
@@ -46,8 +48,11 @@ Formulation::Parts::Parts(const CaptureProblem& p)
     motion = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
   }
   std::tie(u_E, v_E) = tangent_basis(n_E);
-  F_E << n_E, Vector3d::Zero();
-  if (impulse.source == ImpulseSource::Given) F_E.tail<3>() = impulse.moment / impulse.magnitude;
+  if (impulse.source == ImpulseSource::Given) moment_E = impulse.moment / impulse.magnitude;
+  if (frame == ContactFrame::Target) r_E = chosen_feature(problem).point;
+  if (problem.target && !problem.target->inertia.isZero(0)) {
+    target_inverse_inertia = problem.target->inertia.inverse();
+  }
   if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
   add_rows();
   drop_structural_rows();
@@ -108,7 +113,7 @@ void Formulation::Parts::add_case_rows() {
     // r_gh x n is normal to n: two independent rows.
     rows.push_back({RowKind::CaseTotal, 0, "case_total_1", 0, 0});
     rows.push_back({RowKind::CaseTotal, 1, "case_total_2", 0, 0});
-    if (!F_E.tail<3>().isZero(0)) rows.push_back({RowKind::CaseTotal, 2, "case_total_3", 0, 0});
+    if (!moment_E.isZero(0)) rows.push_back({RowKind::CaseTotal, 2, "case_total_3", 0, 0});
   }
   if (wanted == CaseConstraint::G2) {
     for (int i = 0; i < 3; ++i) {
@@ -161,14 +166,13 @@ void Formulation::Parts::drop_structural_rows() {
   std::vector<bool> alive(rows.size(), false);
   for (int sample = 0; sample < 8; ++sample) {
     const Eigen::VectorXd x = start_point(low_discrepancy_point(sample, start_dimension(), 0));
-    const Local local = localise(x);
-    const auto posture =
-        evaluate_posture<double>(problem.robot, resistance, local.configuration.phi);
-    const auto response = respond<double>(posture, local.encounter.F);
+    const Local<double> local = localise<double>(x);
+    const auto at = posture(local);
+    const auto response = hit(local, at, predicted());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double value = value_of(rows[i], local, posture, response);
+      const double value = value_of(rows[i], local, at, response);
       const bool violated = value < rows[i].lower - kZero || value > rows[i].upper + kZero;
-      const Eigen::VectorXd gradient = compress(x, gradient_of(rows[i], local, posture, response));
+      const Eigen::VectorXd gradient = compress(local, gradient_of(rows[i], local, at, response));
       if (violated || gradient.cwiseAbs().maxCoeff() > kZero) alive[i] = true;
     }
   }

@@ -20,20 +20,18 @@ void residual(const Formulation& formulation, const Eigen::VectorXd& x, bool zer
     if (lower[i] == upper[i] || violation[i] != 0) rows.push_back(i);
   }
   const int m = static_cast<int>(rows.size());
-  const int extra = zero_objective ? 3 : 0;
+  Eigen::VectorXd y;
+  Eigen::MatrixXd J_y(0, x.size());
+  if (zero_objective) formulation.objective_vector(x, y, J_y);
+  const int extra = static_cast<int>(y.size());
   r.resize(m + extra);
   J.resize(m + extra, x.size());
   for (int i = 0; i < m; ++i) {
     r[i] = violation[rows[static_cast<std::size_t>(i)]];
     J.row(i) = at_x.jacobian.row(rows[static_cast<std::size_t>(i)]);
   }
-  if (zero_objective) {
-    Vector3d y;
-    Eigen::MatrixXd J_y;
-    formulation.objective_vector(x, y, J_y);
-    r.tail<3>() = y;
-    J.bottomRows<3>() = J_y;
-  }
+  r.tail(extra) = y;
+  J.bottomRows(extra) = J_y;
 }
 
 }  // namespace

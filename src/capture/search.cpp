@@ -8,6 +8,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
+#include "capture/measure_search.hpp"
 #include "capture/projection.hpp"
 
 namespace stillbase {
@@ -17,10 +18,12 @@ namespace {
 constexpr double kFeasible = 1e-9;  ///< largest violation of a feasible plan
 constexpr double kOptimal = 1e-6;   ///< largest KKT residual of an optimal plan
 constexpr double kSameConfiguration = 1e-5;
+constexpr int kMoreDraws = 8;            ///< of a start point that the constraints refuse
+constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
 
 struct Solution {
   Eigen::VectorXd x;
-  double objective = kInfinity;  ///< 1/2 |y|^2 in objective units
+  double objective = kInfinity;  ///< nominal, or the measure's; 1/2 |y|^2 in objective units
   double violation = kInfinity;
   int reached = 1;
 };
@@ -72,6 +75,38 @@ void keep_distinct(const Formulation& formulation, const Solution& found,
   solutions.push_back(found);
 }
 
+/// The measure's value; nominal value and worst case are known already, to the last bit.
+double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
+  switch (measure.kind()) {
+    case RiskMeasure::Nominal:
+      return nominal;
+    case RiskMeasure::WorstCase:
+      return worst;
+    default:
+      return measure.reported(x);
+  }
+}
+
+/// What the prediction alone would have chosen; see NominalOptimum.
+NominalOptimum nominal_optimum(const CaptureProblem& problem, const Formulation& formulation,
+                               const Measure& measure, const std::vector<Solution>& solutions) {
+  const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
+  double lowest = kInfinity;
+  for (const Solution& solution : solutions) lowest = std::min(lowest, size(solution));
+  constexpr double kEqual = 1e-8;  // of the objective's typical size
+  NominalOptimum best;
+  best.worst_case = kInfinity;
+  for (const Solution& solution : solutions) {
+    if (size(solution) > lowest + kEqual) continue;
+    const Configuration configuration = formulation.configuration(solution.x);
+    const double worst = worst_case(problem, formulation, configuration).value;
+    if (worst >= best.worst_case) continue;
+    const double nominal = nominal_value(problem, formulation, configuration);
+    best = {configuration, nominal, worst, reported(measure, solution.x, nominal, worst)};
+  }
+  return best;
+}
+
 }  // namespace
 
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
@@ -90,6 +125,8 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
   // With as many equations as variables the solutions are isolated points and there is nothing to
   // minimise: Newton steps from many more starts find them, and cost less than one local solve.
   const bool isolated = formulation.freedom() == 0;
+  const Measure measure(problem, formulation);
+  std::vector<Eigen::VectorXd> projected_starts;
   const int own_starts = isolated ? 16 * options.starts : options.starts;
   const int starts = own_starts + static_cast<int>(options.more_starts.size());
   for (int start = 0; start < starts; ++start) {
@@ -101,8 +138,18 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
         start < own_starts ? formulation.start_point(low_discrepancy_point(
                                  start, formulation.start_dimension(), options.seed))
                            : options.more_starts[static_cast<std::size_t>(start - own_starts)];
-    const ProjectionResult projected =
+    ProjectionResult projected =
         project_onto_constraints(formulation, x0, false, isolated ? 60 : 15);
+    // Many random postures lead nowhere: another one costs far less than a solve from there.
+    const bool may_draw = start < own_starts && !isolated;
+    for (int again = 1; again <= kMoreDraws && may_draw && projected.violation > kOnConstraints;
+         ++again) {
+      const Eigen::VectorXd other = formulation.start_point(low_discrepancy_point(
+          start + again * own_starts, formulation.start_dimension(), options.seed));
+      const ProjectionResult trial = project_onto_constraints(formulation, other, false, 15);
+      if (trial.violation < projected.violation) projected = trial;
+    }
+    if (projected.violation <= kOnConstraints) projected_starts.push_back(projected.x);
     Solution found;
     if (isolated && start >= options.starts) {
       found = judge(formulation, formulation.normalised(projected.x));
@@ -121,6 +168,33 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
 
   if (solutions.empty() && nearest.x.size() > 0) solutions.push_back(nearest);
   out.distinct_solutions = nearest.violation <= kFeasible ? static_cast<int>(solutions.size()) : 0;
+  if (out.distinct_solutions > 0) {
+    out.nominal_optimum = nominal_optimum(problem, formulation, measure, solutions);
+    if (!measure.is_nominal() && !isolated) {
+      std::vector<Eigen::VectorXd> from = std::move(projected_starts);
+      for (const Solution& solution : solutions) from.push_back(solution.x);
+      // A long list is asked for where much of it may touch something.
+      MeasureSearchOptions effort;
+      effort.finished = std::max(effort.finished, options.max_candidates / 4);
+      const MeasureMinima found =
+          measure_minima(formulation, measure, *optimizer, optimize, from, effort);
+      out.solver_calls[options.optimizer] += found.solver_calls;
+      out.stopped = out.stopped || found.stopped;
+      std::vector<Solution> minima;
+      for (const Eigen::VectorXd& x : found.points) {
+        keep_distinct(formulation, {x, measure.value(x), largest_violation(formulation, x), 1},
+                      minima);
+      }
+      // What the prediction alone would choose stays in the list: another choice when the minima
+      // of the measure touch something.
+      for (Solution& solution : solutions) {
+        solution.objective = measure.value(solution.x);
+        keep_distinct(formulation, solution, minima);
+      }
+      solutions = std::move(minima);
+      out.distinct_solutions = static_cast<int>(solutions.size());
+    }
+  }
   std::vector<std::pair<Candidate, Eigen::VectorXd>> ranked;
   for (const Solution& solution : solutions) {
     Candidate candidate;
@@ -129,16 +203,18 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
     candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
     candidate.max_violation = solution.violation;
     candidate.starts_reached = solution.reached;
+    candidate.value = reported(measure, solution.x, candidate.objective, candidate.worst_case);
     ranked.emplace_back(candidate, solution.x);
   }
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
-    return a.first.worst_case < b.first.worst_case;
+  std::stable_sort(ranked.begin(), ranked.end(), [&measure](const auto& a, const auto& b) {
+    return measure.is_nominal() ? a.first.worst_case < b.first.worst_case
+                                : a.first.value < b.first.value;
   });
   if (static_cast<int>(ranked.size()) > options.max_candidates) {
     ranked.resize(static_cast<std::size_t>(options.max_candidates));
   }
   for (const auto& [candidate, x] : ranked) {
-    const nlp::Certificate kkt = nlp::certify(formulation, x, {.second_order = true});
+    const nlp::Certificate kkt = measure.certify(x);
     Certificate certificate;
     certificate.kkt_residual = kkt.kkt_residual;
     certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;

@@ -200,12 +200,16 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   ResponseGradient<S> out;
   out.phi.setZero(n);
 
-  // Adjoint of the parts that are linear in d: H lambda = [0; u_omega + Htilde_omega u_base; 0].
+  // Adjoint of the parts that are linear in d:
+  // H lambda = [0; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0].
   Vector6<S> rhs;
   rhs.template head<3>().setZero();
   rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
-  const JointVector<S> no_torque = JointVector<S>::Zero(n);
-  const ImpactJump<S> adjoint = solve_impact(posture.factor, rhs, no_torque);
+  const bool has_momentum = weights.momentum != Vector6<S>::Zero();
+  if (has_momentum) rhs += posture.inertia.H_b * weights.momentum;
+  JointVector<S> torque = JointVector<S>::Zero(n);
+  if (weights.phidot.size() == n) torque = weights.phidot;
+  const ImpactJump<S> adjoint = solve_impact(posture.factor, rhs, torque);
 
   // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
   const S s = weights.hand_inverse_mass;
@@ -219,6 +223,13 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
   if (weights.base != Vector3<S>::Zero()) {
     add_locked_rotation_gradient<S>(posture, axes, weights.base, response.omega(), out.phi);
+  }
+
+  // So does H_b Delta Omega with H_b.
+  if (has_momentum) {
+    const Motion<S> u{weights.momentum, JointVector<S>::Zero(n)};
+    const Motion<S> base{d.Omega, JointVector<S>::Zero(n)};
+    add_inertia_gradient(robot, posture, axes, u, base, S(1), out.phi);
   }
 
   // total = r_gh x f + t, r_gh = r_bh - r_bg.

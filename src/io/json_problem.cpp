@@ -119,6 +119,41 @@ Json variables_json(const CaptureProblem& problem) {
           {"feature", variables.feature.empty() ? "none" : variables.feature}};
 }
 
+Json objective_section_json(const CaptureProblem& problem) {
+  Json json = {{"measure", word_of(measure_names(), problem.measure.kind)},
+               {"cvar_level", number_json(problem.measure.cvar_level)},
+               {"samples", problem.measure.samples},
+               {"sample_seed", problem.measure.seed}};
+  const ObjectiveTerm& first = problem.objective.front();
+  if (problem.objective.size() == 1 && first.size == 1 && first.length == 1) {
+    json["quantity"] = word_of(objective_names(), first.quantity);
+    return json;
+  }
+  json["terms"] = Json::array();
+  for (const ObjectiveTerm& term : problem.objective) {
+    json["terms"].push_back({{"quantity", word_of(objective_names(), term.quantity)},
+                             {"size", number_json(term.size)},
+                             {"length", number_json(term.length)}});
+  }
+  return json;
+}
+
+Json uncertainty_json(const UncertaintySpec& uncertainty) {
+  const auto& plane = uncertainty.cone_plane_normal;
+  Json json = {
+      {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
+                                                      : number_json(uncertainty.cone_half_angle)},
+      {"cone_plane", plane ? array_json(*plane) : Json("none")},
+      {"closing_speed", number_json(uncertainty.closing_speed)},
+      {"restitution", number_json(uncertainty.restitution)},
+      {"target_mass", number_json(uncertainty.target_mass)},
+      {"target_inertia", number_json(uncertainty.target_inertia)},
+      {"contact_point", number_json(uncertainty.contact_point)},
+      {"contact_time", number_json(uncertainty.contact_time)}};
+  if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
+  return json;
+}
+
 Json approach_section_json(const CaptureProblem& problem) {
   const ApproachSpec& approach = problem.approach;
   return {{"enabled", approach.enabled},
@@ -178,7 +213,7 @@ Json problem_json(const CaptureProblem& problem) {
   }
   json["impact"] = impact_section_json(problem);
   json["variables"] = variables_json(problem);
-  json["objective"] = {{"quantity", word_of(objective_names(), problem.objective)}};
+  json["objective"] = objective_section_json(problem);
   const HandSpec& hand = problem.hand;
   json["hand"] = {
       {"constraint", word_of(hand_constraint_names(), hand.constraint)},
@@ -191,15 +226,7 @@ Json problem_json(const CaptureProblem& problem) {
       {"case", word_of(case_constraint_names(), problem.constraints.impact_case)},
       {"joint_limit_margin", number_json(problem.constraints.joint_limit_margin)},
       {"closing_speed_min", number_json(problem.constraints.closing_speed_min)}};
-  const UncertaintySpec& uncertainty = problem.uncertainty;
-  const auto& plane = uncertainty.cone_plane_normal;
-  json["uncertainty"] = {
-      {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
-                                                      : number_json(uncertainty.cone_half_angle)},
-      {"cone_plane", plane ? array_json(*plane) : Json("none")}};
-  if (uncertainty.cone_confidence) {
-    json["uncertainty"]["confidence"] = number_json(*uncertainty.cone_confidence);
-  }
+  json["uncertainty"] = uncertainty_json(problem.uncertainty);
   json["search"] = {{"optimizer", problem.search.optimizer},
                     {"starts", problem.search.starts},
                     {"seed", problem.search.seed},

@@ -40,7 +40,18 @@ const Names<ObjectiveQuantity>& objective_names() {
   static const Names<ObjectiveQuantity> names{
       {"base_angular_momentum", ObjectiveQuantity::BaseAngularMomentum},
       {"base_angular_velocity", ObjectiveQuantity::BaseAngularVelocity},
-      {"total_angular_momentum", ObjectiveQuantity::TotalAngularMomentum}};
+      {"total_angular_momentum", ObjectiveQuantity::TotalAngularMomentum},
+      {"base_momentum", ObjectiveQuantity::BaseMomentum},
+      {"impulse_magnitude", ObjectiveQuantity::ImpulseMagnitude},
+      {"joint_rate_norm", ObjectiveQuantity::JointRateNorm}};
+  return names;
+}
+
+const Names<RiskMeasure>& measure_names() {
+  static const Names<RiskMeasure> names{{"nominal", RiskMeasure::Nominal},
+                                        {"worst_case", RiskMeasure::WorstCase},
+                                        {"expectation", RiskMeasure::Expectation},
+                                        {"cvar", RiskMeasure::Cvar}};
   return names;
 }
 

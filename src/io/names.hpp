@@ -43,6 +43,7 @@ const Names<ResistanceModel>& resistance_names();
 const Names<AttitudeFreedom>& attitude_freedom_names();
 const Names<PositionFreedom>& position_freedom_names();
 const Names<ObjectiveQuantity>& objective_names();
+const Names<RiskMeasure>& measure_names();
 const Names<HandConstraint>& hand_constraint_names();
 const Names<CaseConstraint>& case_constraint_names();
 const Names<BaseMode>& base_mode_names();

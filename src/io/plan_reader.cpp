@@ -7,6 +7,7 @@
 
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/io/plan_file.hpp>
+#include <stillbase/plan/scenario.hpp>
 
 #include "io/json_impact.hpp"
 #include "io/plan_content.hpp"
@@ -119,30 +120,60 @@ void read_configuration(MapReader& map, Plan& plan) {
   fields.finish();
 }
 
-void read_objective(MapReader& map, ObjectiveValue& objective) {
+void read_joint_pose_time(MapReader& fields, const Plan& plan, Configuration& configuration) {
+  read_joint_list(fields, "joint_positions", plan.problem.robot.n(), configuration.phi);
+  if (const Node* pose = fields.child("base_pose", Need::Required)) {
+    configuration.base = read_pose_object(fields.context(), *pose, fields.path_of("base_pose"));
+  }
+  fields.number("contact_time", configuration.contact_time, Dimension::None, kAny, Need::Required);
+}
+
+void read_nominal_optimum(MapReader& objective, Plan& plan) {
+  const Node* node = objective.child("nominal_optimum", Need::Required);
+  if (node == nullptr || is_null(*node)) return;
+  MapReader fields(objective.context(), *node, objective.path_of("nominal_optimum"));
+  NominalOptimum optimum;
+  read_joint_pose_time(fields, plan, optimum.configuration);
+  fields.number("nominal", optimum.nominal, Dimension::None, kNonNegative, Need::Required);
+  fields.number("worst_case", optimum.worst_case, Dimension::None, kNonNegative, Need::Required);
+  fields.number("value", optimum.value, Dimension::None, kNonNegative, Need::Required);
+  fields.finish();
+  plan.nominal_optimum = optimum;
+}
+
+void read_objective(MapReader& map, Plan& plan) {
   const Node* node = map.child("objective", Need::Required);
   if (node == nullptr) return;
   ReadContext& context = map.context();
+  ObjectiveValue& objective = plan.objective;
   MapReader fields(context, *node, "objective");
-  double value = 0, term = 0;
+  RiskMeasure measure = plan.problem.measure.kind;
   const std::size_t before = context.findings.size();
   fields.text("name", objective.name, Need::Required);
-  fields.number("value", value, Dimension::None, kAny, Need::Required);
+  fields.choice("measure", measure, measure_names(), Need::Required);
+  fields.number("value", objective.value, Dimension::None, kAny, Need::Required);
   fields.text("unit", objective.unit, Need::Required);
   if (const Node* terms = fields.child("terms", Need::Required)) {
     MapReader term_fields(context, *terms, "objective.terms");
-    term_fields.number(objective.name, term, Dimension::None, kAny, Need::Required);
+    for (const ObjectiveTerm& term : plan.problem.objective) {
+      const std::string name = to_string(term.quantity);
+      term_fields.number(name, objective.terms[name], Dimension::None, kAny, Need::Required);
+    }
     term_fields.finish();
   }
   fields.number("nominal", objective.nominal, Dimension::None, kAny, Need::Required);
   fields.number("worst_case", objective.worst_case, Dimension::None, kAny, Need::Required);
   fields.vector3("worst_direction", objective.worst_direction, Dimension::None, Need::Required);
+  read_nominal_optimum(fields, plan);
   fields.finish();
-  if (context.findings.size() == before &&
-      (value != objective.nominal || term != objective.nominal)) {
+  if (context.findings.size() != before) return;
+  if (measure != plan.problem.measure.kind) {
+    inconsistent(context, node->line, "objective.measure: is not the problem's");
+  }
+  if (measure == RiskMeasure::Nominal && objective.value != objective.nominal) {
     inconsistent(context, node->line,
-                 fmt::format("objective: value {}, its term {} and nominal {} must be equal", value,
-                             term, objective.nominal));
+                 fmt::format("objective: value {} and nominal {} must be equal", objective.value,
+                             objective.nominal));
   }
 }
 
@@ -222,14 +253,10 @@ void read_candidates(MapReader& map, Plan& plan) {
   read_list(map, "candidates", [&](const Node& node, const std::string& path) {
     MapReader fields(context, node, path);
     Candidate candidate;
-    read_joint_list(fields, "joint_positions", plan.problem.robot.n(), candidate.configuration.phi);
-    if (const Node* pose = fields.child("base_pose", Need::Required)) {
-      candidate.configuration.base = read_pose_object(context, *pose, path + ".base_pose");
-    }
-    fields.number("contact_time", candidate.configuration.contact_time, Dimension::None, kAny,
-                  Need::Required);
+    read_joint_pose_time(fields, plan, candidate.configuration);
     fields.number("objective", candidate.objective, Dimension::None, kAny, Need::Required);
     fields.number("worst_case", candidate.worst_case, Dimension::None, kAny, Need::Required);
+    fields.number("value", candidate.value, Dimension::None, kAny, Need::Required);
     fields.number("max_violation", candidate.max_violation, Dimension::None, kNonNegative,
                   Need::Required);
     fields.integer("starts_reached", candidate.starts_reached, 0, kMany, Need::Required);
@@ -355,7 +382,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   if (const Node* impact = map.child("impact", Need::Required)) {
     plan.impact = read_impact_object(context, *impact, "impact", plan.problem.robot);
   }
-  read_objective(map, plan.objective);
+  read_objective(map, plan);
   read_constraints(map, plan);
   read_certificate(map, plan, plan.certificate);
   read_candidates(map, plan);

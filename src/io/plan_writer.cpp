@@ -25,14 +25,29 @@ Json list_json(const std::vector<T>& list, const ToJson& to_json) {
   return json;
 }
 
-Json objective_json(const ObjectiveValue& objective) {
-  return {{"name", objective.name},
-          {"value", number_json(objective.nominal)},
-          {"unit", objective.unit},
-          {"terms", {{objective.name, number_json(objective.nominal)}}},
-          {"nominal", number_json(objective.nominal)},
-          {"worst_case", number_json(objective.worst_case)},
-          {"worst_direction", array_json(objective.worst_direction)}};
+Json nominal_optimum_json(const NominalOptimum& optimum) {
+  return {{"joint_positions", array_json(optimum.configuration.phi)},
+          {"base_pose", pose_json(optimum.configuration.base)},
+          {"contact_time", number_json(optimum.configuration.contact_time)},
+          {"nominal", number_json(optimum.nominal)},
+          {"worst_case", number_json(optimum.worst_case)},
+          {"value", number_json(optimum.value)}};
+}
+
+Json objective_json(const Plan& plan) {
+  const ObjectiveValue& objective = plan.objective;
+  Json json = {{"name", objective.name},
+               {"measure", word_of(measure_names(), plan.problem.measure.kind)},
+               {"value", number_json(objective.value)},
+               {"unit", objective.unit},
+               {"terms", Json::object()},
+               {"nominal", number_json(objective.nominal)},
+               {"worst_case", number_json(objective.worst_case)},
+               {"worst_direction", array_json(objective.worst_direction)},
+               {"nominal_optimum", nullptr}};
+  for (const auto& [name, value] : objective.terms) json["terms"][name] = number_json(value);
+  if (plan.nominal_optimum) json["nominal_optimum"] = nominal_optimum_json(*plan.nominal_optimum);
+  return json;
 }
 
 Json constraint_json(const ConstraintValue& constraint) {
@@ -49,6 +64,7 @@ Json candidate_json(const Candidate& candidate) {
           {"contact_time", number_json(candidate.configuration.contact_time)},
           {"objective", number_json(candidate.objective)},
           {"worst_case", number_json(candidate.worst_case)},
+          {"value", number_json(candidate.value)},
           {"max_violation", number_json(candidate.max_violation)},
           {"starts_reached", candidate.starts_reached},
           {"collision_free", candidate.collision_free},
@@ -118,7 +134,7 @@ Json plan_json(const Plan& plan, const ToolVersions& tool) {
       {"base_pose", pose_json(configuration.base)},
       {"contact_time", number_json(configuration.contact_time)}};
   json["impact"] = impact_json(plan.impact, problem.robot);
-  json["objective"] = objective_json(plan.objective);
+  json["objective"] = objective_json(plan);
   json["constraints"] = list_json(plan.constraints, constraint_json);
   json["certificate"] = certificate_json(plan.certificate);
   json["candidates"] = list_json(plan.candidates, candidate_json);

@@ -230,6 +230,26 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("uncertainty", "out-of-range",
            "cone_plane: the direction of the impulse does not lie in this plane");
   }
+  const UncertaintySpec& spread = problem.uncertainty;
+  if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
+    refuse("objective", "missing-key",
+           "measure: 'worst_case' needs uncertainty.cone_half_angle > 0");
+  }
+  const bool sampled = problem.measure.kind == RiskMeasure::Expectation ||
+                       problem.measure.kind == RiskMeasure::Cvar;
+  const double widest =
+      std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
+                spread.target_mass, spread.target_inertia, spread.contact_point,
+                spread.contact_time});
+  if (sampled && !(widest > 0)) {
+    refuse("objective", "missing-key",
+           "measure: needs something uncertain in the section 'uncertainty'");
+  }
+  if (impulse.restitution - spread.restitution < 0 || impulse.restitution + spread.restitution > 1) {
+    refuse("uncertainty", "out-of-range",
+           fmt::format("restitution: {} about impact.restitution {} leaves [0, 1]",
+                       spread.restitution, impulse.restitution));
+  }
 }
 
 namespace {

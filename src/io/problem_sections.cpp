@@ -192,13 +192,75 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
   section_map.finish();
 }
 
+namespace {
+
+Dimension dimension_of(ObjectiveQuantity quantity) {
+  switch (quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return Dimension::AngularImpulse;
+    case ObjectiveQuantity::BaseMomentum:
+    case ObjectiveQuantity::ImpulseMagnitude:
+      return Dimension::Impulse;
+    case ObjectiveQuantity::BaseAngularVelocity:
+    case ObjectiveQuantity::JointRateNorm:
+      return Dimension::AngularVelocity;
+  }
+  return Dimension::None;
+}
+
+void read_objective_terms(MapReader& objective, const Node& list, CaptureProblem& problem) {
+  ReadContext& context = objective.context();
+  const std::string path = objective.path_of("terms");
+  if (list.kind != Node::Kind::Sequence || list.items.empty()) {
+    context.add(list.line, "wrong-type",
+                fmt::format("{}: must be a list of {{quantity: , size: }}", path));
+    return;
+  }
+  problem.objective.clear();
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    MapReader fields(context, list.items[i], fmt::format("{}[{}]", path, i));
+    ObjectiveTerm term;
+    fields.choice("quantity", term.quantity, objective_names(), Need::Required);
+    fields.number("size", term.size, dimension_of(term.quantity), kPositive, Need::Required);
+    fields.number("length", term.length, Dimension::Length, kPositive);
+    fields.finish();
+    for (const ObjectiveTerm& other : problem.objective) {
+      if (other.quantity != term.quantity) continue;
+      context.add(list.items[i].line, "duplicate-name",
+                  fmt::format("{}: there is already a term of this quantity", fields.path()));
+    }
+    problem.objective.push_back(term);
+  }
+}
+
+}  // namespace
+
 void read_objective_section(MapReader& map, CaptureProblem& problem) {
+  ObjectiveTerm& first = problem.objective.front();
   if (is_scalar(map.child("objective"))) {
-    map.choice("objective", problem.objective, objective_names());
+    map.choice("objective", first.quantity, objective_names());
     return;
   }
   MapReader objective = section(map, "objective");
-  objective.choice("quantity", problem.objective, objective_names(), Need::Required);
+  if (const Node* terms = objective.child("terms")) {
+    read_objective_terms(objective, *terms, problem);
+    if (objective.has("quantity")) {
+      objective.child("quantity");
+      objective.context().add(
+          objective.line_of("quantity"), "not-used",
+          fmt::format("{}: stands beside terms; state one of them",
+                      objective.path_of("quantity")));
+    }
+  } else {
+    objective.choice("quantity", first.quantity, objective_names(), Need::Required);
+  }
+  MeasureSpec& measure = problem.measure;
+  objective.choice("measure", measure.kind, measure_names());
+  objective.number("cvar_level", measure.cvar_level, Dimension::None, {.lower = 0, .upper = 0.999});
+  // Every sample costs a local solve as much as the prediction does.
+  objective.integer("samples", measure.samples, 1, 100000);
+  objective.unsigned_integer("sample_seed", measure.seed);
   objective.finish();
 }
 
@@ -260,6 +322,14 @@ void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
     problem.uncertainty.cone_plane_normal =
         read_unit_vector(map.context(), *plane, fields.path_of("cone_plane"));
   }
+  UncertaintySpec& spread = problem.uncertainty;
+  fields.number("closing_speed", spread.closing_speed, Dimension::Velocity, kNonNegative);
+  fields.number("restitution", spread.restitution, Dimension::None, {.lower = 0, .upper = 1});
+  fields.number("target_mass", spread.target_mass, Dimension::None, {.lower = 0, .upper = 0.99});
+  fields.number("target_inertia", spread.target_inertia, Dimension::None,
+                {.lower = 0, .upper = 0.99});
+  fields.number("contact_point", spread.contact_point, Dimension::Length, kNonNegative);
+  fields.number("contact_time", spread.contact_time, Dimension::Time, {.lower = 0, .upper = 600});
   fields.finish();
 }
 

@@ -20,7 +20,8 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, cons
   if (!problem.impulse.direction) {
     const double latest =
         std::max(std::abs(problem.variables.contact_time_upper - problem.target_state.time),
-                 std::abs(problem.variables.contact_time_lower - problem.target_state.time));
+                 std::abs(problem.variables.contact_time_lower - problem.target_state.time)) +
+        problem.uncertainty.contact_time;
     return TargetMotion(*problem.target, problem.target_state, std::max(latest, reach) + 1);
   }
   const Vector3d n = problem.impulse.direction_frame == Frame::Base

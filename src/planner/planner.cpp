@@ -172,9 +172,12 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
     plan.certificate.proof = std::move(proof);
     plan.constraints = formulation.report(found.points[chosen]);
     plan.impact = predict_impact(problem, formulation, best.configuration);
-    plan.objective.name = to_string(problem.objective);
-    plan.objective.unit = unit_of(problem.objective);
+    plan.objective.name = objective_name(problem);
+    plan.objective.unit = objective_unit_name(problem);
     plan.objective.nominal = best.objective;
+    plan.objective.value = best.value;
+    plan.objective.terms = objective_terms(problem, formulation, best.configuration);
+    plan.nominal_optimum = found.nominal_optimum;
     const WorstCase worst = worst_case(problem, formulation, best.configuration);
     plan.objective.worst_case = worst.value;
     plan.objective.worst_direction = worst.direction;

@@ -13,7 +13,7 @@ namespace {
 
 // Differences of what a candidate says to what is found.
 struct Differences {
-  double objective = 0, worst_case = 0;
+  double objective = 0, worst_case = 0, value = 0;
 };
 
 Differences judge(const Context& context, const Candidate& candidate) {
@@ -31,9 +31,22 @@ Differences judge(const Context& context, const Candidate& candidate) {
   const WorstDirection worst =
       worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
                       problem.uncertainty.cone_plane_normal, context.options.cone_samples);
-  return {
-      relative_error(candidate.objective, value(event.n), scale),
-      std::abs(candidate.worst_case - worst.value) / std::max(std::abs(worst.value), 1e-6 * scale)};
+  double measure = value(event.n);
+  if (problem.measure.kind == RiskMeasure::WorstCase) measure = worst.value;
+  if (problem.measure.kind == RiskMeasure::Expectation ||
+      problem.measure.kind == RiskMeasure::Cvar) {
+    measure = sampled_measure(problem, motion ? &*motion : nullptr, at, response);
+  }
+  const auto relative = [scale](double stated, double found) {
+    return std::abs(stated - found) / std::max(std::abs(found), 1e-6 * scale);
+  };
+  if (problem.measure.kind != RiskMeasure::WorstCase) {
+    return {relative_error(candidate.objective, value(event.n), scale),
+            relative(candidate.worst_case, worst.value),
+            relative_error(candidate.value, measure, scale)};
+  }
+  return {relative_error(candidate.objective, value(event.n), scale),
+          relative(candidate.worst_case, worst.value), relative(candidate.value, measure)};
 }
 
 }  // namespace
@@ -58,6 +71,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
     const Differences found = judge(context, candidate);
     worst.objective = std::max(worst.objective, found.objective);
     worst.worst_case = std::max(worst.worst_case, found.worst_case);
+    worst.value = std::max(worst.value, found.value);
     nearest =
         std::min(nearest, std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
                                     pose_error(at.base, plan.configuration.base).largest(),
@@ -71,6 +85,10 @@ void check_candidates(const Context& context, ClaimList& claims) {
       fmt::format("largest relative difference over {} candidates", plan.candidates.size()));
   claims.at_most("candidates_worst_case", worst.worst_case, options.cone_tolerance, "1",
                  "largest relative difference to the sampled worst case over the candidates");
+  claims.at_most("candidates_value", worst.value,
+                 problem.measure.kind == RiskMeasure::WorstCase ? options.cone_tolerance
+                                                                : options.recompute_tolerance,
+                 "1", "largest relative difference to the measure over the candidates");
   claims.none_wrong("candidates_collision_free", hits,
                     "candidates said to be free of collision that touch something");
   claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",

@@ -10,20 +10,53 @@
 namespace stillbase::verification {
 namespace {
 
-struct Named {
-  const char* name;
-  const char* unit;
-};
-Named names_of(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-      return {"base_angular_momentum", "N m s"};
-    case ObjectiveQuantity::BaseAngularVelocity:
-      return {"base_angular_velocity", "rad/s"};
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return {"total_angular_momentum", "N m s"};
+/// Value of the problem's measure, by `reference`.
+double measure_value(const CaptureProblem& problem, const TargetMotion* motion,
+                     const ContactEvent& event, const PostureResponse& response,
+                     const Configuration& at, double worst) {
+  switch (problem.measure.kind) {
+    case RiskMeasure::Nominal:
+      return objective_value(problem.objective, response,
+                             impulse_along(problem, event, response, event.n));
+    case RiskMeasure::WorstCase:
+      return worst;
+    case RiskMeasure::Expectation:
+    case RiskMeasure::Cvar:
+      return sampled_measure(problem, motion, at, response);
   }
-  return {"", ""};
+  return 0;
+}
+
+/// The posture that the prediction alone would have chosen: its numbers, and that it is one.
+void check_nominal_optimum(const Context& context, ClaimList& claims) {
+  if (!context.plan.nominal_optimum) return;
+  const CaptureProblem& problem = context.problem;
+  const NominalOptimum& stated = *context.plan.nominal_optimum;
+  const Configuration& at = stated.configuration;
+  const PostureResponse response = posture_response(problem, at.phi);
+  const auto motion = target_motion(
+      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+  const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
+  auto value = [&](const Vector3d& d) {
+    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+  };
+  const double scale = objective_scale(problem.objective, response,
+                                       impulse_along(problem, event, response, event.n));
+  const double nominal = value(event.n);
+  const WorstDirection worst =
+      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
+                      problem.uncertainty.cone_plane_normal, context.options.cone_samples);
+  const double measure =
+      measure_value(problem, motion ? &*motion : nullptr, event, response, at, worst.value);
+  claims.same("nominal_optimum_nominal", relative_error(stated.nominal, nominal, scale),
+              context.options.recompute_tolerance, fmt::format("{:.9g}", nominal));
+  claims.same("nominal_optimum_worst_case", relative_error(stated.worst_case, worst.value, scale),
+              context.options.cone_tolerance, fmt::format("{:.9g}", worst.value));
+  claims.same("nominal_optimum_value", relative_error(stated.value, measure, scale),
+              context.options.cone_tolerance, fmt::format("{:.9g} of the measure", measure));
+  claims.at_most("nominal_optimum_is_lowest",
+                 (nominal - context.plan.objective.nominal) / std::max(scale, 1e-300), 1e-6, "1",
+                 "its nominal value above that of the plan, relative to the scale");
 }
 
 }  // namespace
@@ -33,12 +66,12 @@ void check_objective(const Context& context, const ContactEvent& event,
   const CaptureProblem& problem = context.problem;
   const ObjectiveValue& stated = context.plan.objective;
   const double tolerance = context.options.recompute_tolerance;
-  const Named names = names_of(problem.objective);
+  const std::string name = objective_name(problem), unit = objective_unit_name(problem);
 
   std::vector<std::string> objections;
-  if (stated.name != names.name) objections.push_back("name is " + stated.name);
-  if (stated.unit != names.unit) objections.push_back("unit is " + stated.unit);
-  claims.none_wrong("objective_name", objections, fmt::format("{} in {}", names.name, names.unit));
+  if (stated.name != name) objections.push_back("name is " + stated.name);
+  if (stated.unit != unit) objections.push_back("unit is " + stated.unit);
+  claims.none_wrong("objective_name", objections, fmt::format("{} in {}", name, unit));
 
   auto value = [&](const Vector3d& d) {
     return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
@@ -48,9 +81,31 @@ void check_objective(const Context& context, const ContactEvent& event,
   };
   const double nominal = value(event.n);
   claims.same("objective_nominal", relative_error(stated.nominal, nominal, scale(event.n)),
-              tolerance, fmt::format("{:.9g} {}", nominal, names.unit));
+              tolerance, fmt::format("{:.9g} {}", nominal, unit));
+
+  double worst_term = 0;
+  for (const ObjectiveTerm& term : problem.objective) {
+    const auto found = stated.terms.find(to_string(term.quantity));
+    const Vector6d Fbar = impulse_along(problem, event, response, event.n);
+    worst_term = std::max(worst_term,
+                          found == stated.terms.end()
+                              ? kInfinity
+                              : relative_error(found->second, term_value(term, response, Fbar),
+                                               objective_scale({{term.quantity}}, response, Fbar)));
+  }
+  claims.same("objective_terms", worst_term, tolerance, "each term in its own unit");
+  check_nominal_optimum(context, claims);
 
   const double half_angle = problem.uncertainty.cone_half_angle;
+  const bool sampled =
+      problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
+  const double wanted = problem.measure.kind == RiskMeasure::WorstCase
+                            ? stated.worst_case
+                            : measure_value(problem, context.motion, event, response,
+                                            context.plan.configuration, stated.worst_case);
+  claims.same("objective_value", relative_error(stated.value, wanted, scale(event.n)), tolerance,
+              fmt::format("{:.9g} {} of the measure{}", wanted, unit,
+                          sampled ? ", over the samples that the seed gives" : ""));
   if (!(half_angle > 0)) {
     claims.same("objective_worst_case", relative_error(stated.worst_case, nominal, scale(event.n)),
                 tolerance, "without a cone the nominal value");
@@ -65,8 +120,7 @@ void check_objective(const Context& context, const ContactEvent& event,
                  "the stated worst direction is a direction of the cone");
   if (d.norm() > 0) {
     claims.same("objective_worst_case", relative_error(stated.worst_case, value(d), scale(d)),
-                tolerance,
-                fmt::format("{:.9g} {} along the stated direction", value(d), names.unit));
+                tolerance, fmt::format("{:.9g} {} along the stated direction", value(d), unit));
   } else {
     claims.not_evaluated("objective_worst_case", tolerance, "1", "no worst direction is stated");
   }
@@ -78,7 +132,7 @@ void check_objective(const Context& context, const ContactEvent& event,
   claims.at_most("worst_case_sampled", excess, context.options.cone_tolerance, "1",
                  fmt::format("{:.9g} {} found along ({:.6f}, {:.6f}, {:.6f}), relative excess over "
                              "the stated worst case",
-                             worst.value, names.unit, worst.direction.x(), worst.direction.y(),
+                             worst.value, unit, worst.direction.x(), worst.direction.y(),
                              worst.direction.z()));
 }
 

@@ -65,7 +65,7 @@ std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
   }
   const double reach = std::max(std::abs(first_time - state.time),
                                 std::abs(configuration.contact_time - state.time));
-  return TargetMotion(*problem.target, state, reach + 1);
+  return TargetMotion(*problem.target, state, reach + problem.uncertainty.contact_time + 1);
 }
 
 ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
@@ -157,28 +157,6 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   }
   if (v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
   return Fbar;
-}
-
-double objective_value(ObjectiveQuantity quantity, const PostureResponse& response,
-                       const Vector6d& Fbar) {
-  const Vector3d Delta_omega = response.B * Fbar;
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-      return (response.dynamics.Htilde_omega * Delta_omega).norm();
-    case ObjectiveQuantity::BaseAngularVelocity:
-      return Delta_omega.norm();
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return (response.r_gh.cross(Vector3d(Fbar.head<3>())) + Fbar.tail<3>()).norm();
-  }
-  throw std::logic_error("no such objective");
-}
-
-double objective_scale(ObjectiveQuantity quantity, const PostureResponse& response,
-                       const Vector6d& Fbar) {
-  const double momentum = response.momentum_scale(Fbar);
-  return quantity == ObjectiveQuantity::BaseAngularVelocity
-             ? 3 * momentum / response.dynamics.Htilde_omega.trace()
-             : momentum;
 }
 
 NullSpace null_space(const Eigen::MatrixXd& A, double relative_tolerance) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/reference/reference.hpp>
 
 namespace stillbase::verification {
@@ -75,11 +76,25 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d);
 
+/// The impulse of one scenario of the uncertainty set, in B.
+/// @param motion of the target, reaching beyond the contact by the scenario's time offset; null
+/// without a target
+Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* motion,
+                          const Configuration& configuration, const PostureResponse& response,
+                          const Scenario& scenario);
+
+/// One term of an objective for an impulse, in its own unit.
+double term_value(const ObjectiveTerm& term, const PostureResponse& response, const Vector6d& Fbar);
+
 /// The problem's objective for an impulse, and the size that it is measured against.
-double objective_value(ObjectiveQuantity quantity, const PostureResponse& response,
+double objective_value(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
                        const Vector6d& Fbar);
-double objective_scale(ObjectiveQuantity quantity, const PostureResponse& response,
+double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
                        const Vector6d& Fbar);
+
+/// The problem's measure over its samples (expectation, CVaR), as a root.
+double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,
+                       const Configuration& configuration, const PostureResponse& response);
 
 /// Orthonormal projector onto the null space of A (3 x n) and its rank.
 struct NullSpace {

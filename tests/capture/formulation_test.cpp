@@ -50,7 +50,7 @@ TEST_CASE("objective and constraints with joints, attitude and contact time have
                                   CaseConstraint::G2, CaseConstraint::G3};
   for (int trial = 0; trial < 12; ++trial) {
     CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, trial % 2 == 0));
-    problem.objective = quantities[trial % 3];
+    problem.objective = {{quantities[trial % 3]}};
     problem.constraints.impact_case = cases[trial % 5];
     if (trial % 4 == 1) problem.hand.constraint = HandConstraint::Pose;
     if (trial % 4 == 2) {
@@ -141,7 +141,7 @@ TEST_CASE("objective and gradient come from the objective vector and its Jacobia
   const Eigen::VectorXd x = some_point(formulation, 4);
   nlp::Evaluation at_x;
   formulation.evaluate(x, at_x);
-  Vector3d y;
+  Eigen::VectorXd y;
   Eigen::MatrixXd J;
   formulation.objective_vector(x, y, J);
   CHECK(at_x.objective == Approx(y.squaredNorm() / 2).epsilon(1e-12));

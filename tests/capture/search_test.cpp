@@ -97,7 +97,7 @@ TEST_CASE("both local solvers find exact zeros of the base rate with the hand at
   JointVectord reachable(3);
   reachable << 0.5, -0.9, 0.7;
   CaptureProblem problem = point_mass_problem(robot, Vector3d(-0.8, 0.6, 0));
-  problem.objective = ObjectiveQuantity::BaseAngularVelocity;
+  problem.objective = {{ObjectiveQuantity::BaseAngularVelocity}};
   problem.hand.constraint = HandConstraint::Position;
   problem.hand.frame = Frame::Base;
   problem.hand.position = compute_kinematics<double>(robot, reachable).r_bh;
@@ -178,7 +178,7 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
     };
     double scan = value(n);
     const double alpha = problem.uncertainty.cone_half_angle;
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 100000; ++i) {
       const Eigen::VectorXd u = low_discrepancy_point(i, 2, 1);
       const double angle = std::acos(1 - u[0] * (1 - std::cos(alpha)));
       const Vector3d side = n.unitOrthogonal();

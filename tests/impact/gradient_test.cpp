@@ -29,6 +29,14 @@ S weighted_sum(const ImpactResponse<S>& response, const ResponseWeights<double>&
          response.hand_inverse_mass * S(weights.hand_inverse_mass);
 }
 
+template <class S>
+S weighted_momentum_and_rates(const PostureImpact<S>& posture, const ImpactResponse<S>& response,
+                              const ResponseWeights<double>& weights) {
+  const Vector6<S> momentum = posture.inertia.H_b * response.d.Delta_Omega;
+  const JointVector<S> u = weights.phidot.template cast<S>();
+  return momentum.dot(weights.momentum.template cast<S>()) + response.d.Delta_phidot.dot(u);
+}
+
 ResponseWeights<double> random_weights(Random& random) {
   ResponseWeights<double> weights;
   weights.omega = random.unit_vector();
@@ -71,6 +79,32 @@ TEST_CASE("the adjoint gradient over joints agrees with automatic differentiatio
     CHECK(weighted_sum(response, weights) == Approx(psi.value()).epsilon(1e-12));
     const double scale = 1 + psi.derivatives().cwiseAbs().maxCoeff();
     CHECK((gradient.phi - psi.derivatives()).cwiseAbs().maxCoeff() / scale < 1e-11);
+  }
+}
+
+TEST_CASE("base momentum and joint rates have exact adjoint gradients") {
+  Random random(17);
+  for (int trial = 0; trial < 30; ++trial) {
+    const int n = 2 + random.index(9);
+    const RobotModel robot = random_robot(random, n, trial % 2 == 0);
+    const JointVectord phi = random_joints(random, n, 2);
+    const Vector6d F = random_wrench(random);
+    const ImpactResistance resistance = random_resistance(random, n);
+    ResponseWeights<double> weights;
+    weights.momentum << random.unit_vector(), random.unit_vector();
+    weights.phidot = random_joints(random, n, 1);
+
+    const auto posture = evaluate_posture<double>(robot, resistance, phi);
+    const auto response = respond<double>(posture, F);
+    const auto gradient = response_gradient<double>(robot, posture, response, weights);
+    const auto dual_posture = evaluate_posture<Dual>(robot, resistance, independent(phi));
+    const Dual psi = weighted_momentum_and_rates(
+        dual_posture, respond<Dual>(dual_posture, F.cast<Dual>()), weights);
+    const double scale = 1 + psi.derivatives().cwiseAbs().maxCoeff();
+    CHECK((gradient.phi - psi.derivatives()).cwiseAbs().maxCoeff() / scale < 1e-11);
+    // Linear in the wrench: the gradient over it gives the value back.
+    CHECK(gradient.F.dot(F) ==
+          Approx(weighted_momentum_and_rates(posture, response, weights)).margin(1e-12));
   }
 }
 

@@ -54,7 +54,10 @@ Plan random_plan() {
   impact.rank = 1;
   impact.closing_speed = 0.7;
   impact.resistance = plan.problem.resistance;
-  plan.objective = {"base_angular_momentum", "N m s", 0.1 + 0.2, 0.5, random.unit_vector()};
+  plan.objective = {
+      "base_angular_momentum",         "N m s", 0.1 + 0.2, 0.5, random.unit_vector(), 0.1 + 0.2,
+      {{"base_angular_momentum", 0.3}}};
+  plan.nominal_optimum = {{random_joints(random, n), random_pose(random), 0.7}, 1e-17, 0.9, 0.8};
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},
                       {"hand_facing", -1, -kInfinity, 0, 0}};
@@ -70,7 +73,7 @@ Plan random_plan() {
   proof.boxes = 1234;
   proof.lower_bound = 0;
   proof.gap = 1e-17 / 3;
-  plan.candidates = {{plan.configuration, 1, 2, 0, 12, true, ""},
+  plan.candidates = {{plan.configuration, 1, 2, 0, 12, true, "", 1.0 / 7},
                      {plan.configuration, 1.5, 2, 0, 3, false, "link_2 with base"}};
   Approach& approach = plan.approach;
   approach.status = ApproachStatus::Found;

@@ -232,8 +232,22 @@ TEST_CASE("names that do not exist are refused with those that do") {
                  {"variables.feature", "plus_x"});
   refuses_change("source: rigid_body", "source: rigid-body", "unknown-name",
                  {"impact.source", "did you mean 'rigid_body'?", "given, point_mass"});
-  refuses_change("objective: base_angular_momentum", "objective: base_momentum", "unknown-name",
+  refuses_change("objective: base_angular_momentum",
+                 "objective: {terms: [{quantity: impulse_magnitude, size: 1 rad/s}]}", "wrong-unit",
+                 {"objective.terms[0].size"});
+  refuses_change("objective: base_angular_momentum", "objective: base_moment", "unknown-name",
                  {"base_angular_velocity"});
+}
+
+TEST_CASE("a measure over an uncertainty that is not stated is refused") {
+  for (const char* measure : {"worst_case", "cvar", "expectation"}) {
+    const std::string certain = replaced(kProblem, "cone_half_angle: 10 deg", "cone_half_angle: 0");
+    refuses(replaced(certain, "objective: base_angular_momentum",
+                     std::string("objective: {quantity: base_angular_momentum, measure: ") +
+                         measure + "}"),
+            line_of(kProblem, "objective: base_angular_momentum"), "missing-key",
+            {"objective.measure", "uncertainty"});
+  }
 }
 
 TEST_CASE("a start outside the joint limits is refused with the limits") {

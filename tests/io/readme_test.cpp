@@ -63,7 +63,7 @@ variables:
   base_attitude: {freedom: free}
   base_position: {freedom: free}
   contact_time: {lower: 0, upper: 1}
-objective: {quantity: total_angular_momentum}
+objective: OBJECTIVE
 obstacles: [{name: o, position: [9, 9, 9], geometry: {sphere: {radius: 1}}}]
 )";
 
@@ -74,8 +74,13 @@ TEST_CASE("the README's table of fields and the reader's keys are the same") {
   for (const char* resistance :
        {"{model: rotor_inertia, rotor_inertia: 1}", "{model: locked, locked: all}",
         "{model: servo, stiffness: 1, damping: 1, contact_duration: 1}"}) {
-    for (const std::string& key : known_keys(replaced(kEverything, "RESISTANCE", resistance))) {
-      if (!is_described_above(key)) known.insert(key);
+    for (const char* objective :
+         {"{quantity: total_angular_momentum}",
+          "{terms: [{quantity: base_momentum, size: 1 N s, length: 2 m}]}"}) {
+      const std::string text = replaced(kEverything, "OBJECTIVE", objective);
+      for (const std::string& key : known_keys(replaced(text, "RESISTANCE", resistance))) {
+        if (!is_described_above(key)) known.insert(key);
+      }
     }
   }
   const std::set<std::string> documented = documented_fields();

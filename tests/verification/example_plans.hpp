@@ -154,6 +154,8 @@ inline PlannedImpact plan_impact(const CaptureProblem& problem, const Eigen::Vec
       }
     }
   }
+  o.value = o.nominal;
+  o.terms = {{o.name, o.nominal}};
   return planned;
 }
 
@@ -273,7 +275,7 @@ inline void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.impact = planned.summary;
   plan.objective = planned.objective;
   plan.candidates = {{plan.configuration, planned.objective.nominal, planned.objective.worst_case,
-                      0, 1, true, ""}};
+                      0, 1, true, "", planned.objective.value}};
   plan.status = PlanStatus::Optimal;
 }
 

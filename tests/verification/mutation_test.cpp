@@ -85,9 +85,12 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
   });
   add_components(m, "closing_speed", 1,
                  [](Plan& p, int) -> double& { return p.impact.closing_speed; });
-  add_components(m, "objective", 2, [](Plan& p, int i) -> double& {
-    return i == 0 ? p.objective.nominal : p.objective.worst_case;
+  add_components(m, "objective", 4, [](Plan& p, int i) -> double& {
+    ObjectiveValue& o = p.objective;
+    return i == 0 ? o.nominal : i == 1 ? o.worst_case : i == 2 ? o.value : o.terms.at(o.name);
   });
+  add_components(m, "candidate.value", 1,
+                 [](Plan& p, int) -> double& { return p.candidates[0].value; });
   add_components(m, "worst_direction", 3,
                  [](Plan& p, int i) -> double& { return p.objective.worst_direction(i); });
   add_components(m, "candidate.objective", 1,

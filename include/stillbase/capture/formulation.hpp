@@ -10,6 +10,7 @@
 // hit. Every evaluation with derivatives costs one evaluation of the model.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/nlp/problem.hpp>
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/plan/scenario.hpp>
 
 namespace stillbase {
 
@@ -31,17 +33,37 @@ struct Encounter {
   Vector3d r = Vector3d::Zero();         ///< contact point from the target's centroid
   Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< I_t^-1; zero for a point mass
   double target_mass = kInfinity;
+  Matrix3d R_EB = Matrix3d::Identity();  ///< E: the contact frame of scenario.hpp
 };
 
 /// Impulse along the encounter's direction: p of the contact law (1 when given).
 double impulse_magnitude(const CaptureProblem& problem, const Encounter& encounter,
                          double hand_inverse_mass);
 
+/// A term of the objective from outside the library: |y| is joined by value / size.
+///
+/// `value` is called several times for every evaluation (central differences of step 1e-5 give its
+/// gradient, to about 1e-9 of its size) and must be twice differentiable in the configuration.
+struct UserTerm {
+  std::string name;
+  std::string unit;
+  double size = 1;  ///< value that counts as one, in `unit`, > 0
+  std::function<double(const Configuration&, const ImpactSummary&)> value;
+};
+
+/// Scenarios and constraints at one point. Without derivatives the matrices stay as they are.
+struct ScenarioEvaluation {
+  Eigen::VectorXd values;     ///< f_k = 1/2 |y_k|^2 / unit^2 (K)
+  Eigen::MatrixXd gradients;  ///< K x N
+  Eigen::VectorXd constraints;
+  Eigen::MatrixXd jacobian;  ///< m x N
+};
+
 class Formulation final : public nlp::Problem {
  public:
   /// @throws InputError when there are fewer free variables than independent equations (with the
   /// count), or when the problem's parts do not fit together
-  explicit Formulation(const CaptureProblem& problem);
+  explicit Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms = {});
   ~Formulation() override;
 
   int num_variables() const override;
@@ -52,24 +74,38 @@ class Formulation final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
-  /// Central differences of the exact first derivatives, to about 1e-9: the curvature of the hand
-  /// equations matters as much as that of the objective, so Gauss-Newton alone creeps.
-  bool has_hessian() const override { return true; }
+  /// Exact: the lines of the gradient, differentiated forwards. Not with terms of the user.
+  bool has_hessian() const override { return user_terms().empty(); }
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;
   double objective_scale() const override { return 1; }
+
+  /// Several scenarios at once: the posture is evaluated and factorised for all of them together.
+  void evaluate_scenarios(const Eigen::VectorXd& x, const std::vector<Scenario>& scenarios,
+                          bool derivatives, ScenarioEvaluation& out) const;
+  /// sum_k weights_k d2f_k/dx2 + sum_i multipliers_i d2g_i/dx2.
+  void scenario_hessian(const Eigen::VectorXd& x, const std::vector<Scenario>& scenarios,
+                        const Eigen::VectorXd& weights, const Eigen::VectorXd& multipliers,
+                        Eigen::MatrixXd& out) const;
+  const std::vector<UserTerm>& user_terms() const;
+  /// The encounter as predicted.
+  Scenario predicted_scenario() const;
 
   int num_equations() const;
   /// Degrees of freedom that the equations leave.
   int freedom() const { return num_variables() - num_equations(); }
 
-  /// The vector y behind the objective, divided by its typical size (3), with its Jacobian (3 x N).
-  void objective_vector(const Eigen::VectorXd& x, Vector3d& y, Eigen::MatrixXd& jacobian) const;
+  /// The vector y behind the objective, all terms below each other, divided by its typical size,
+  /// with its Jacobian (size of y x N).
+  void objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
+                        Eigen::MatrixXd& jacobian) const;
   /// Typical size of y by which the objective is divided.
   double objective_unit() const;
 
   Configuration configuration(const Eigen::VectorXd& x) const;
   Encounter encounter(const Configuration& configuration) const;
+  /// The variables of a configuration: the inverse of configuration().
+  Eigen::VectorXd variables(const Configuration& configuration) const;
   /// A start point for u in [0,1)^d, d = start_dimension(): joints within their limits (one turn
   /// for continuous ones), attitudes uniform over rotations, times uniform.
   Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
@@ -85,13 +121,10 @@ class Formulation final : public nlp::Problem {
   /// Evaluations of the model since construction.
   long evaluations() const;
 
- private:
   struct Parts;
+
+ private:
   std::unique_ptr<Parts> parts_;
 };
-
-/// Name and unit of an objective in files.
-std::string to_string(ObjectiveQuantity quantity);
-std::string unit_of(ObjectiveQuantity quantity);
 
 }  // namespace stillbase

@@ -5,6 +5,10 @@
 // cone.
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include <stillbase/capture/formulation.hpp>
 
 namespace stillbase {
@@ -18,6 +22,25 @@ struct WorstCase {
 /// the wedge) followed by local refinement of the best places.
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
+
+/// All maxima over the cone that the scan sees, the largest first, as scenarios with their |y|:
+/// where several are as large, all of them hold back a better posture.
+struct ConeMaximum {
+  Scenario scenario;
+  double value = 0;
+};
+std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,
+                                     const Configuration& configuration);
+
+/// The maximum that each of these directions belongs to, in the same order.
+std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation& formulation,
+                               const Configuration& configuration,
+                               const std::vector<Scenario>& from);
+
+/// Size of each term of the objective as predicted, by name, in its own unit.
+std::map<std::string, double> objective_terms(const CaptureProblem& problem,
+                                              const Formulation& formulation,
+                                              const Configuration& configuration);
 
 /// |y| at the predicted direction.
 double nominal_value(const CaptureProblem& problem, const Formulation& formulation,

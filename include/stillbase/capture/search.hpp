@@ -24,14 +24,17 @@ struct SearchOptions {
 
 struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
-  /// Distinct solutions that satisfy all constraints, best worst case first; when there is none,
+  /// Distinct local minima of the problem's measure and of the nominal value that satisfy all
+  /// constraints, ranked by the measure (the nominal one: by their worst case); when there is none,
   /// the single least violated point.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
-  std::vector<Eigen::VectorXd> points;    ///< variables of each candidate
-  int starts = 0;                         ///< done
-  int distinct_solutions = 0;             ///< before the list was cut
-  bool stopped = false;                   ///< a limit or an interrupt ended the search
+  /// The best of those that the prediction alone would have chosen.
+  std::optional<NominalOptimum> nominal_optimum;
+  std::vector<Eigen::VectorXd> points;  ///< variables of each candidate
+  int starts = 0;                       ///< done
+  int distinct_solutions = 0;           ///< before the list was cut
+  bool stopped = false;                 ///< a limit or an interrupt ended the search
   std::map<std::string, long> solver_calls;
   long evaluations = 0;
 };

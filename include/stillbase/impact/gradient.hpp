@@ -46,13 +46,16 @@ struct ImpactResponse {
 template <class S>
 ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F);
 
-/// Weights of psi = u_omega . Delta omega + u_base . base + u_total . total + s F' W_h F.
+/// Weights of psi = u_omega . Delta omega + u_base . base + u_total . total + s F' W_h F
+///                + u_momentum . H_b Delta Omega + u_phidot . Delta phidot.
 template <class S>
 struct ResponseWeights {
   Vector3<S> omega = Vector3<S>::Zero();
   Vector3<S> base = Vector3<S>::Zero();
   Vector3<S> total = Vector3<S>::Zero();
   S hand_inverse_mass = S(0);
+  Vector6<S> momentum = Vector6<S>::Zero();
+  JointVector<S> phidot;  ///< n, or empty
 };
 
 /// d psi / d phi with F fixed in B (n), and d psi / d F (6).

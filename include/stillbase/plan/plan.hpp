@@ -27,6 +27,17 @@ struct ObjectiveValue {
   double nominal = 0;                           ///< at the predicted direction
   double worst_case = 0;                        ///< over the direction cone; = nominal without one
   Vector3d worst_direction = Vector3d::Zero();  ///< unit, in B
+  double value = 0;                             ///< of the measure that was minimised
+  std::map<std::string, double> terms;          ///< |y_i| as predicted, each in its own unit
+};
+
+/// What the prediction alone would have chosen: the lowest nominal value; among equal ones (exact
+/// zeros) the one with the smallest worst case.
+struct NominalOptimum {
+  Configuration configuration;
+  double nominal = 0;
+  double worst_case = 0;
+  double value = 0;  ///< of the measure
 };
 
 struct ConstraintValue {
@@ -82,6 +93,7 @@ struct Candidate {
   int starts_reached = 0;       ///< starts that ended here
   bool collision_free = false;  ///< at the contact: arm, base, obstacles, target
   std::string collision;        ///< "a with b" when not
+  double value = 0;             ///< of the measure that was minimised
 };
 
 enum class ApproachStatus {
@@ -121,6 +133,7 @@ struct Plan {
   Configuration configuration;
   ImpactSummary impact;
   ObjectiveValue objective;
+  std::optional<NominalOptimum> nominal_optimum;
   std::vector<ConstraintValue> constraints;
   Certificate certificate;
   std::vector<Candidate> candidates;

@@ -53,9 +53,34 @@ struct VariableSpec {
 };
 
 enum class ObjectiveQuantity {
-  BaseAngularMomentum,  ///< |Htilde_omega Delta omega|, N m s
-  BaseAngularVelocity,  ///< |Delta omega|, rad/s
-  TotalAngularMomentum  ///< |Delta L_g|, N m s
+  BaseAngularMomentum,   ///< |Htilde_omega Delta omega|, N m s
+  BaseAngularVelocity,   ///< |Delta omega|, rad/s
+  TotalAngularMomentum,  ///< |Delta L_g|, N m s
+  BaseMomentum,          ///< |[P; L / length]|, [P; L] = H_b Delta Omega of (1), N s
+  ImpulseMagnitude,      ///< p, N s
+  JointRateNorm          ///< |Delta phidot|, rad/s
+};
+
+/// One of several quantities that are made small together: sum (|y_i| / size_i)^2.
+struct ObjectiveTerm {
+  ObjectiveQuantity quantity = ObjectiveQuantity::BaseAngularMomentum;
+  double size = 1;    ///< value that counts as one, in the unit of the quantity
+  double length = 1;  ///< BaseMomentum: m that turn angular into linear momentum
+};
+
+/// What is minimised over the uncertainty set. All are measures of |y|^2, reported as a root.
+enum class RiskMeasure {
+  Nominal,      ///< |y| as predicted
+  WorstCase,    ///< largest |y| over the cone of directions
+  Expectation,  ///< root of the mean of |y|^2 over the samples
+  Cvar          ///< root of the mean of |y|^2 over the worst samples
+};
+
+struct MeasureSpec {
+  RiskMeasure kind = RiskMeasure::Nominal;
+  double cvar_level = 0.9;  ///< Cvar: the mean is over the worst 1 - level of the samples, [0, 1)
+  int samples = 64;         ///< Expectation, Cvar
+  std::uint64_t seed = 1;   ///< of the samples
 };
 
 /// Equations on the hand.
@@ -92,6 +117,13 @@ struct UncertaintySpec {
   std::optional<double> cone_confidence;
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
+  // Half ranges of even distributions about the prediction; for samples alone.
+  double closing_speed = 0;   ///< m/s
+  double restitution = 0;     ///< on e
+  double target_mass = 0;     ///< fraction of the mass
+  double target_inertia = 0;  ///< fraction of the inertia
+  double contact_point = 0;   ///< m: radius of a disc normal to the direction
+  double contact_time = 0;    ///< s
 };
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
@@ -159,7 +191,9 @@ struct CaptureProblem {
   std::vector<Obstacle> obstacles;
   ImpulseSpec impulse;
   VariableSpec variables;
-  ObjectiveQuantity objective = ObjectiveQuantity::BaseAngularMomentum;
+  /// One term of size 1: that quantity alone, in its own unit.
+  std::vector<ObjectiveTerm> objective = {ObjectiveTerm{}};
+  MeasureSpec measure;
   HandSpec hand;
   ConstraintSpec constraints;
   UncertaintySpec uncertainty;

@@ -1,0 +1,35 @@
+// One way in which the encounter may differ from its prediction.
+#pragma once
+
+#include <vector>
+
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+/// An encounter of the uncertainty set. Vectors are in the contact frame E, the one in which the
+/// predicted direction n never changes: B or N when it is stated there, T (the target's) when it
+/// follows from a contact feature. Hand and posture stay as they are.
+struct Scenario {
+  Vector3d direction = Vector3d::UnitX();       ///< of the impulse on the hand, unit, in E
+  double weight = 1;                            ///< among its kind
+  double closing_speed_offset = 0;              ///< added to the closing speed along n, m/s
+  double restitution = 0;                       ///< e
+  double target_mass_factor = 1;                ///< on the target's mass
+  double target_inertia_factor = 1;             ///< on its inertia
+  Vector3d contact_offset = Vector3d::Zero();   ///< of the contact point, m
+  double time_offset = 0;                       ///< s by which the target is ahead of its prediction
+};
+
+/// The samples of the problem's uncertainty set, of equal weight: sample k depends on seed and k
+/// alone. Directions are spread evenly over the cone (the wedge), everything else over its range;
+/// the contact point over a disc normal to the direction (a line in a wedge's plane).
+std::vector<Scenario> draw_scenarios(const CaptureProblem& problem);
+
+/// Name and unit of a quantity, and of the whole objective ("1" for several terms).
+std::string to_string(ObjectiveQuantity quantity);
+std::string unit_of(ObjectiveQuantity quantity);
+std::string objective_name(const CaptureProblem& problem);
+std::string objective_unit_name(const CaptureProblem& problem);
+
+}  // namespace stillbase

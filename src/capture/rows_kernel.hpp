@@ -1,0 +1,184 @@
+// What the rows are worth at a point, and their exact gradients: for any number type.
+#pragma once
+
+#include "capture/formulation_kernel.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// 1/2 sum r_i x d_i of two sets of axes (columns): sin(angle) times the axis that turns R to D.
+template <class S>
+Vector3<S> rotation_error(const Matrix3<S>& R, const Matrix3<S>& D) {
+  Vector3<S> e = Vector3<S>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    e += Vector3<S>(R.col(i)).cross(Vector3<S>(D.col(i))) / S(2);
+  }
+  return e;
+}
+
+/// d rotation_error / d(turn of R): 1/2 sum (r d' - (r . d) E).
+template <class S>
+Matrix3<S> rotation_error_turn(const Matrix3<S>& R, const Matrix3<S>& D) {
+  Matrix3<S> out = R * D.transpose();
+  const S trace = out.trace();
+  for (int i = 0; i < 3; ++i) out(i, i) -= trace;
+  return out / S(2);
+}
+
+}  // namespace
+
+template <class S>
+Matrix3<S> Formulation::Parts::wanted_hand_axes(const Local<S>& local) const {
+  const HandSpec& hand = problem.hand;
+  if (hand.orientation) {
+    const Matrix3<S> R = hand.orientation->toRotationMatrix().cast<S>();
+    return hand.frame == Frame::Base ? R : Matrix3<S>(local.R_NB.transpose() * R);
+  }
+  const Matrix3d facing =
+      Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E).toRotationMatrix();
+  const Matrix3d R = rotation_exp(n_E * hand.roll).toRotationMatrix() * facing;
+  return local.view.R_EB.transpose() * R.cast<S>();
+}
+
+template <class S>
+S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
+                               const PostureImpact<S>& posture, const Hit<S>& hit) const {
+  const Kinematics<S>& kin = posture.kinematics;
+  const ImpactResponse<S>& response = hit.response;
+  const Vector3<S> r_bh_N = local.R_NB * kin.r_bh;
+  const auto contact_point = [&]() -> Vector3<S> {
+    return hand_point ? Vector3<S>(hand_point->cast<S>()) : local.view.point;
+  };
+  const Vector3<S> tangent = (row.index == 0 ? u_E : (row.index == 1 ? v_E : n_E)).cast<S>();
+  const auto hand_axis = [&]() -> Vector3<S> {
+    return local.view.R_EB * Vector3<S>(kin.R_hand * problem.hand.approach_axis.template cast<S>());
+  };
+  switch (row.kind) {
+    case RowKind::HandPosition:
+      if (hand_point && problem.hand.frame == Frame::Base) {
+        return kin.r_bh[row.index] - S((*hand_point)[row.index]);
+      }
+      return r_bh_N[row.index] + S(problem.base.position[row.index]) - contact_point()[row.index];
+    case RowKind::StationBox:
+      return contact_point()[row.index] - r_bh_N[row.index];
+    case RowKind::HandAxis:
+      return tangent.dot(hand_axis());
+    case RowKind::HandFacing:
+      return n_E.cast<S>().dot(hand_axis());
+    case RowKind::HandPose:
+      return rotation_error<S>(kin.R_hand, wanted_hand_axes<S>(local))[row.index];
+    case RowKind::PoseFacing:
+      return (kin.R_hand.transpose() * wanted_hand_axes<S>(local)).trace();
+    case RowKind::CaseTotal:
+      return tangent.dot(local.view.R_EB * response.total);
+    case RowKind::CaseBase:
+      return response.base[row.index];
+    case RowKind::CaseCoupling:
+      return response.coupling()[row.index];
+    case RowKind::CouplingColumn:
+      return Vector3<S>(posture.tilde.Htilde_omegaphi.col(row.index)).dot(response.coupling());
+    case RowKind::ClosingSpeed:
+      return hit.closing_speed;
+    case RowKind::AttitudeAngle:
+      return local.x.template segment<3>(layout.attitude).squaredNorm();
+  }
+  return S(0);
+}
+
+template <class S>
+ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>& local,
+                                                  const PostureImpact<S>& posture,
+                                                  const Hit<S>& hit) const {
+  const Kinematics<S>& kin = posture.kinematics;
+  const ImpactResponse<S>& response = hit.response;
+  ScalarGradient<S> out(n());
+  const Vector3<S> tangent = (row.index == 0 ? u_E : (row.index == 1 ? v_E : n_E)).cast<S>();
+  // Turn of the hand per joint rate, in B.
+  const auto turn = [&](int k) -> Vector3<S> {
+    return posture.jacobian.J_phi.template block<3, 1>(3, k);
+  };
+  const auto unit = [](int i) -> Vector3<S> { return Vector3d(Vector3d::Unit(i)).cast<S>(); };
+
+  switch (row.kind) {
+    case RowKind::HandPosition:
+    case RowKind::StationBox: {
+      const bool in_base = hand_point && problem.hand.frame == Frame::Base;
+      const S sign = row.kind == RowKind::HandPosition ? S(1) : S(-1);
+      const Vector3<S> axis =
+          in_base ? unit(row.index) : Vector3<S>(local.R_NB.row(row.index).transpose());
+      for (int k = 0; k < n(); ++k) {
+        out.phi[k] = sign * axis.dot(Vector3<S>(posture.jacobian.J_phi.template block<3, 1>(0, k)));
+      }
+      if (!in_base) out.theta = kin.r_bh.cross(axis) * sign;
+      if (!hand_point) out.t = -sign * local.view.point_rate[row.index];
+      return out;
+    }
+    case RowKind::HandAxis:
+    case RowKind::HandFacing: {
+      const Vector3<S> e = row.kind == RowKind::HandFacing ? Vector3<S>(n_E.cast<S>()) : tangent;
+      const Vector3<S> e_B = local.view.R_EB.transpose() * e;
+      const Vector3<S> a = kin.R_hand * problem.hand.approach_axis.template cast<S>();
+      for (int k = 0; k < n(); ++k) out.phi[k] = turn(k).cross(a).dot(e_B);
+      add_contact_turn<S>(local.view, a.cross(e_B), out);
+      return out;
+    }
+    case RowKind::HandPose:
+    case RowKind::PoseFacing: {
+      // In B: turning B against the wanted axes turns them back.
+      const Matrix3<S> R = kin.R_hand;
+      const Matrix3<S> D = wanted_hand_axes<S>(local);
+      Vector3<S> g_R, g_D;
+      if (row.kind == RowKind::HandPose) {
+        g_R = rotation_error_turn<S>(R, D).row(row.index).transpose();
+        g_D = -rotation_error_turn<S>(D, R).row(row.index).transpose();
+      } else {
+        g_R = rotation_error<S>(R, D) * S(2);
+        g_D = -g_R;
+      }
+      for (int k = 0; k < n(); ++k) out.phi[k] = turn(k).dot(g_R);
+      if (!problem.hand.orientation) {
+        add_contact_turn<S>(local.view, -g_D, out);
+      } else if (problem.hand.frame == Frame::Inertial) {
+        out.theta -= g_D;
+      }
+      return out;
+    }
+    case RowKind::CaseTotal: {
+      ResponseWeights<S> weights;
+      weights.total = local.view.R_EB.transpose() * tangent;
+      out = impact_gradient<S>(posture, hit, weights);
+      add_contact_turn<S>(local.view, response.total.cross(weights.total), out);
+      return out;
+    }
+    case RowKind::CaseBase: {
+      ResponseWeights<S> weights;
+      weights.base = unit(row.index);
+      return impact_gradient<S>(posture, hit, weights);
+    }
+    case RowKind::CaseCoupling:
+    case RowKind::CouplingColumn: {
+      ResponseWeights<S> weights;
+      weights.total = row.kind == RowKind::CaseCoupling
+                          ? unit(row.index)
+                          : Vector3<S>(posture.tilde.Htilde_omegaphi.col(row.index));
+      weights.base = -weights.total;
+      out = impact_gradient<S>(posture, hit, weights);
+      if (row.kind == RowKind::CouplingColumn) {
+        out.phi +=
+            coupling_column_gradient<S>(problem.robot, posture, row.index, response.coupling());
+      }
+      return out;
+    }
+    case RowKind::ClosingSpeed:
+      out.t = hit.closing_speed_rate;
+      return out;
+    case RowKind::AttitudeAngle:
+      // The rotation vector a is its own image under its right Jacobian: J_r(a)' 2 a = 2 a.
+      out.theta = local.x.template segment<3>(layout.attitude) * S(2);
+      return out;
+  }
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,126 @@
+#include <stillbase/plan/scenario.hpp>
+
+#include <cmath>
+
+#include <stillbase/core/random.hpp>
+#include <stillbase/plan/encounter.hpp>
+
+namespace stillbase {
+
+namespace {
+
+/// The predicted direction and the normal of the wedge's plane, in the contact frame.
+struct ContactAxes {
+  Vector3d n;
+  std::optional<Vector3d> plane_normal;
+};
+
+ContactAxes contact_axes(const CaptureProblem& problem) {
+  ContactAxes out;
+  const std::optional<Vector3d>& plane = problem.uncertainty.cone_plane_normal;
+  const Eigen::Quaterniond& R_NB = problem.base.orientation;
+  if (problem.impulse.direction) {
+    out.n = *problem.impulse.direction;
+    const bool in_base = problem.impulse.direction_frame == Frame::Base;
+    if (plane) out.plane_normal = in_base ? *plane : Vector3d(R_NB * *plane);
+    return out;
+  }
+  out.n = chosen_feature(problem).normal;
+  if (plane) {
+    const auto motion = encounter_motion(problem, Vector3d::Zero(), R_NB, 0);
+    const TargetState state = motion->state(problem.variables.contact_time_lower);
+    out.plane_normal = state.pose.orientation.conjugate() * (R_NB * *plane);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
+  const UncertaintySpec& spread = problem.uncertainty;
+  const ContactAxes axes = contact_axes(problem);
+  const Vector3d side = axes.plane_normal ? Vector3d(axes.plane_normal->cross(axes.n).normalized())
+                                          : Vector3d(axes.n.unitOrthogonal());
+  const Vector3d other = axes.n.cross(side);
+  std::vector<Scenario> out;
+  for (int k = 0; k < problem.measure.samples; ++k) {
+    Random random(problem.measure.seed, static_cast<std::uint64_t>(k));
+    const auto about_zero = [&random](double half_range) {
+      return random.uniform(-half_range, half_range);
+    };
+    Scenario scenario;
+    scenario.weight = 1.0 / problem.measure.samples;
+    double angle = about_zero(spread.cone_half_angle);
+    double azimuth = random.uniform(0, 2 * M_PI);
+    if (axes.plane_normal) {
+      azimuth = 0;
+    } else {
+      const double share = std::abs(angle) / std::max(spread.cone_half_angle, 1e-300);
+      angle = std::acos(1 - share * (1 - std::cos(spread.cone_half_angle)));
+    }
+    scenario.direction = (std::cos(angle) * axes.n +
+                          std::sin(angle) * (std::cos(azimuth) * side + std::sin(azimuth) * other))
+                             .normalized();
+    scenario.closing_speed_offset = about_zero(spread.closing_speed);
+    scenario.restitution = problem.impulse.restitution + about_zero(spread.restitution);
+    scenario.target_mass_factor = 1 + about_zero(spread.target_mass);
+    scenario.target_inertia_factor = 1 + about_zero(spread.target_inertia);
+    const double turn = random.uniform(0, 2 * M_PI), reach = random.uniform();
+    scenario.contact_offset =
+        axes.plane_normal
+            ? Vector3d(spread.contact_point * (2 * reach - 1) * side)
+            : Vector3d(spread.contact_point * std::sqrt(reach) *
+                       (std::cos(turn) * side + std::sin(turn) * other));
+    scenario.time_offset = about_zero(spread.contact_time);
+    out.push_back(scenario);
+  }
+  return out;
+}
+
+std::string to_string(ObjectiveQuantity quantity) {
+  switch (quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+      return "base_angular_momentum";
+    case ObjectiveQuantity::BaseAngularVelocity:
+      return "base_angular_velocity";
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return "total_angular_momentum";
+    case ObjectiveQuantity::BaseMomentum:
+      return "base_momentum";
+    case ObjectiveQuantity::ImpulseMagnitude:
+      return "impulse_magnitude";
+    case ObjectiveQuantity::JointRateNorm:
+      return "joint_rate_norm";
+  }
+  return "";
+}
+
+std::string unit_of(ObjectiveQuantity quantity) {
+  switch (quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return "N m s";
+    case ObjectiveQuantity::BaseMomentum:
+    case ObjectiveQuantity::ImpulseMagnitude:
+      return "N s";
+    case ObjectiveQuantity::BaseAngularVelocity:
+    case ObjectiveQuantity::JointRateNorm:
+      return "rad/s";
+  }
+  return "";
+}
+
+std::string objective_name(const CaptureProblem& problem) {
+  std::string name;
+  for (const ObjectiveTerm& term : problem.objective) {
+    name += (name.empty() ? "" : "+") + to_string(term.quantity);
+  }
+  return name;
+}
+
+std::string objective_unit_name(const CaptureProblem& problem) {
+  const ObjectiveTerm& first = problem.objective.front();
+  return problem.objective.size() == 1 && first.size == 1 ? unit_of(first.quantity) : "1";
+}
+
+}  // namespace stillbase
