@@ -71,7 +71,9 @@ std::string curvature_words(double smallest) {
 
 std::string proof_words(const Proof& proof) {
   std::string text = proof.statement;
-  if (proof.gap) text += fmt::format("; gap to the global minimum {:.3g}", *proof.gap);
+  if (proof.gap)
+    text +=
+        fmt::format("; gap of the predicted objective to its global minimum {:.3g}", *proof.gap);
   if (proof.boxes > 0) text += fmt::format(" ({} boxes)", proof.boxes);
   return text;
 }

@@ -52,6 +52,19 @@ ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
   return out;
 }
 
+/// Whether the objective is one angular quantity, whose zeros are equations without division.
+bool is_angular(const std::vector<ObjectiveTerm>& objective) {
+  if (objective.size() != 1) return false;
+  switch (objective.front().quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+    case ObjectiveQuantity::BaseAngularVelocity:
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions& options) {
@@ -64,8 +77,9 @@ Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions
   ZeroProblem zeros = zero_problem(problem, F);
   Proof out = enclose_solutions(zeros, options);
   if (out.status != ProofStatus::NotApplicable) return out;
-  // The equations leave freedom: ask where the objective vanishes.
-  zeros.zero = problem.objective;
+  // The equations leave freedom: ask where the predicted objective vanishes.
+  if (!is_angular(problem.objective)) return out;
+  zeros.zero = problem.objective.front().quantity;
   Proof vanishing = enclose_solutions(zeros, options);
   if (vanishing.status == ProofStatus::NotApplicable) return out;
   if (vanishing.status == ProofStatus::Complete && vanishing.solutions.empty()) {
