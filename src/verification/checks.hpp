@@ -37,6 +37,9 @@ void check_constraints(const Context& context, const ContactEvent& event,
 /// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 
+/// Torques along the approach against the effort limits, and as stated.
+void check_torques(const Context& context, ClaimList& claims);
+
 void check_approach(const Context& context, ClaimList& claims);
 
 void check_post_impact(const Context& context, const PostureResponse& response,
