@@ -216,6 +216,18 @@ double measure(const ApproachTask& task, const TimedMotion& motion) {
   return excursion;
 }
 
+/// The shifted path with its own time law as fast as the limits allow, and with a new one.
+std::vector<JointPath> timed(const ApproachTask& task, const JointPath& shifted) {
+  const JointVectord& hardest = task.problem.approach.acceleration_limit;
+  JointPath own = shifted;
+  for (double& t : own.times) t -= shifted.times.front();
+  stretch(own, stretch_for_limits(own, task.max_rate, hardest) * (1 + 1e-9));
+  std::vector<JointPath> paths(1, std::move(own));
+  const JointPath curve = over_length(shifted);
+  if (curve.segments() > 0) paths.push_back(time_curve(curve, task.max_rate, hardest));
+  return paths;
+}
+
 }  // namespace
 
 void polish(const ApproachTask& task, double wait, const StopCondition& stop,
@@ -232,15 +244,14 @@ void polish(const ApproachTask& task, double wait, const StopCondition& stop,
   x = nlp::make_optimizer("ipopt-lbfgs")->minimize(problem, x, options).x;
   const AttemptResult planned = found;
   for (const double part : {1.0, 0.75, 0.5, 0.25}) {
-    const JointPath path =
-        over_length(spline_shifted(planned.motion.path, part * problem.points(x)));
-    if (path.segments() == 0) continue;
-    AttemptResult trial = planned;
-    finish_motion(task, time_curve(path, task.max_rate, task.problem.approach.acceleration_limit),
-                  wait, trial);
-    if (trial.status != ApproachStatus::Found) continue;
-    trial.after_polish = measure(task, trial.motion);
-    if (trial.after_polish < found.after_polish * (1 - kWorthwhile)) found = std::move(trial);
+    const JointPath shifted = spline_shifted(planned.motion.path, part * problem.points(x));
+    for (JointPath& path : timed(task, shifted)) {
+      AttemptResult trial = planned;
+      finish_motion(task, std::move(path), wait, trial);
+      if (trial.status != ApproachStatus::Found) continue;
+      trial.after_polish = measure(task, trial.motion);
+      if (trial.after_polish < found.after_polish * (1 - kWorthwhile)) found = std::move(trial);
+    }
   }
 }
 

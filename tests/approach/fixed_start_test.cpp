@@ -27,6 +27,9 @@ ContactSolver elbow_up(const Vector3d& point_N) {
 
 CaptureProblem from_where_it_stands() {
   CaptureProblem problem = planar_problem(posture({-60, -10}));
+  // A base heavy enough that the arm cannot turn it out of reach.
+  problem.robot.base.mass = 4000;
+  problem.robot.base.inertia = Vector3d(4000, 4000, 4000).asDiagonal();
   problem.approach.base = BaseMode::Floating;
   problem.approach.station_free = false;
   problem.base = {Vector3d(0.3, -0.2, 0.1), rotation_exp(Vector3d(0, 0, 0.2))};
