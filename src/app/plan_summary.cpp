@@ -140,8 +140,18 @@ std::string approach_words(const Approach& approach) {
   if (std::isfinite(approach.min_clearance)) {
     text += fmt::format(", clearance {:.3g} m", approach.min_clearance);
   }
-  return text +
-         fmt::format(", base turns by at most {:.3g} deg", approach.attitude_excursion * kDegrees);
+  text += fmt::format(", base turns by at most {:.3g} deg", approach.attitude_excursion * kDegrees);
+  if (approach.effort_used > 0) {
+    text += fmt::format(", {:.2g} % of a joint's effort", 100 * approach.effort_used);
+  }
+  if (approach.polish == PathPolish::Time) {
+    text += fmt::format("; polished from {:.2f} s to {:.2f} s of motion", approach.before_polish,
+                        approach.after_polish);
+  } else if (approach.polish == PathPolish::Attitude) {
+    text += fmt::format("; polished from {:.3g} deg to {:.3g} deg of turn",
+                        approach.before_polish * kDegrees, approach.after_polish * kDegrees);
+  }
+  return text;
 }
 
 std::string effort_words(const Plan& plan) {

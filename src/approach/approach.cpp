@@ -10,6 +10,8 @@
 
 #include "approach/attempt.hpp"
 #include "approach/base_motion.hpp"
+#include "approach/closure.hpp"
+#include "approach/effort.hpp"
 #include "approach/time_law.hpp"
 
 namespace stillbase {
@@ -50,7 +52,7 @@ void check_input(const CaptureProblem& problem, const Configuration& goal) {
   demand(spec.max_duration > 0 && spec.max_iterations > 0, "limits must be positive");
   demand(problem.variables.joints.empty() || static_cast<int>(problem.variables.joints.size()) == n,
          "variables need one flag per joint");
-  demand(find_path_planner(spec.planner) != nullptr, "unknown planner");
+  demand(static_cast<bool>(find_path_planner(spec.planner)), "unknown planner");
 }
 
 JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& goal) {
@@ -64,7 +66,7 @@ JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& g
 }
 
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
-                       const TargetMotion* target) {
+                       const TargetMotion* target, const ContactSolver& contact) {
   check_input(problem, goal);
   const int n = problem.robot.n();
   ApproachTask task{problem,
@@ -75,7 +77,12 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
                     wrapped_start(problem, goal),
                     JointVectord(n),
                     {},
-                    -kInfinity};
+                    -kInfinity,
+                    contact};
+  if (task.starts_where_it_stands() && !contact.at_base) {
+    throw std::invalid_argument(
+        "approach: a floating base with a stated start needs someone to solve the contact anew");
+  }
   for (int k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(k);
     task.max_rate[k] = problem.robot.joints[i].max_velocity * problem.approach.velocity_scale;
@@ -113,6 +120,12 @@ Approach failed(ApproachStatus status, const std::string& detail) {
   return approach;
 }
 
+JointPath straight_path(const ApproachTask& task) {
+  return time_path({task.start, task.goal.phi}, task.max_rate,
+                   task.problem.approach.acceleration_limit,
+                   [](const JointVectord&, const JointVectord&) { return true; });
+}
+
 /// Start, goal, the wait and the time that even a straight line needs do not depend on the path:
 /// refused before any planning.
 std::optional<Approach> refuse(const ApproachTask& task) {
@@ -131,11 +144,13 @@ std::optional<Approach> refuse(const ApproachTask& task) {
   if (const auto hit = alone.first_hit(task.goal.phi)) {
     return failed(ApproachStatus::GoalInvalid, clearance_text(*hit, clearance));
   }
-  const JointPath straight =
-      time_path({task.start, task.goal.phi}, task.max_rate, problem.approach.acceleration_limit,
-                [](const JointVectord&, const JointVectord&) { return true; });
-  if (const auto lateness = too_slow(task, straight.times.back(), problem.approach.wait)) {
-    return failed(ApproachStatus::TooSlow, lateness->text);
+  JointPath straight = straight_path(task);
+  slow_for_effort(problem, straight);
+  if (const auto lateness =
+          too_slow(task, task.goal.contact_time, straight.times.back(), problem.approach.wait)) {
+    Approach late = failed(ApproachStatus::TooSlow, lateness->text);
+    late.late_by = lateness->seconds;
+    return late;
   }
   if (task.target == nullptr) return std::nullopt;
   const Pose at_contact = task.target->state(task.goal.contact_time).pose;
@@ -159,6 +174,12 @@ std::optional<Approach> refuse(const ApproachTask& task) {
   return std::nullopt;
 }
 
+/// Under which name the planner's runs are counted.
+std::string planner_name(const CaptureProblem& problem) {
+  return problem.approach.base == BaseMode::ReactionNull ? "reaction_null"
+                                                         : problem.approach.planner;
+}
+
 Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tries, double wait) {
   const RobotModel& robot = task.problem.robot;
   const TimedMotion& motion = attempt.motion;
@@ -169,10 +190,15 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
   approach.joint_positions = path.phi;
   approach.joint_velocities = path.phidot;
   approach.base_poses = motion.base_poses;
+  const Pose& end = motion.base_poses.back();
   for (std::size_t i = 0; i < path.segments(); ++i) {
-    approach.joint_accelerations.push_back(motion_on_segment(path, i, path.times[i]).phiddot);
+    const JointMotion at = motion_on_segment(path, i, path.times[i]);
+    approach.joint_accelerations.push_back(at.phiddot);
+    approach.joint_torques.push_back(joint_torques(task.problem, at));
   }
   approach.joint_accelerations.push_back(JointVectord::Zero(robot.n()));
+  approach.joint_torques.push_back(JointVectord::Zero(robot.n()));
+  approach.effort_used = effort_used(task.problem, path);
   for (std::size_t i = 0; i < path.times.size(); ++i) {
     approach.base_velocities.push_back(
         task.problem.approach.base == BaseMode::Held
@@ -180,24 +206,37 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
             : base_velocity(robot, {path.phi[i], path.phidot[i], path.phidot[i]}));
     approach.attitude_excursion = std::max(
         approach.attitude_excursion,
-        rotation_log(task.goal.base.orientation.conjugate() * motion.base_poses[i].orientation)
-            .norm());
+        rotation_log(end.orientation.conjugate() * motion.base_poses[i].orientation).norm());
   }
+  const auto hand_at = [&](const JointVectord& phi, const Pose& base) {
+    const auto kinematics = compute_kinematics<double>(robot, phi);
+    return base * Pose{kinematics.r_bh, Eigen::Quaterniond(kinematics.R_hand)};
+  };
+  const Pose hand = hand_at(path.phi.back(), end);
+  const Pose wanted = hand_at(attempt.end.phi, attempt.end.base);
+  approach.hand_position_error = (hand.position - wanted.position).norm();
+  approach.hand_angle_error =
+      rotation_log(wanted.orientation.conjugate() * hand.orientation).norm();
+  approach.polish = task.problem.approach.polish;
+  approach.before_polish = attempt.before_polish;
+  approach.after_polish = attempt.after_polish;
   approach.duration = path.times.back() - path.times.front();
   approach.path_length = length(path);
-  const Proximity closest = smallest_clearance(task.problem, task.scene, motion, task.target);
+  const Proximity closest = smallest_clearance(task.problem, task.scene, motion,
+                                               attempt.target ? &*attempt.target : nullptr);
   approach.min_clearance = closest.distance;
   if (motion.contact_time > path.times.back()) {
     approach.times.push_back(motion.contact_time);
     approach.joint_positions.push_back(path.phi.back());
     approach.joint_velocities.push_back(JointVectord::Zero(robot.n()));
     approach.joint_accelerations.push_back(JointVectord::Zero(robot.n()));
+    approach.joint_torques.push_back(JointVectord::Zero(robot.n()));
     approach.base_poses.push_back(motion.base_poses.back());
     approach.base_velocities.push_back(Vector6d::Zero());
   }
   approach.detail =
       fmt::format("{} way points by {} in {} {}; moves for {:.3f} s, waits for {:.3f} s",
-                  attempt.way_points, task.problem.approach.planner, tries,
+                  attempt.way_points, planner_name(task.problem), tries,
                   tries == 1 ? "attempt" : "attempts", approach.duration, wait);
   approach.detail +=
       std::isfinite(closest.distance)
@@ -207,12 +246,12 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
 }
 
 /// Poses of the target while an earlier attempt moved.
-std::vector<Pose> swept_poses(const ApproachTask& task, const AttemptResult& attempt) {
+std::vector<Pose> swept_poses(const AttemptResult& attempt) {
   std::vector<Pose> poses;
   for (int i = 0; i < kSweptPoses; ++i) {
     const double t =
         attempt.motion_end + (attempt.motion_start - attempt.motion_end) * i / (kSweptPoses - 1);
-    poses.push_back(task.target->state(t).pose);
+    poses.push_back(attempt.target->state(t).pose);
   }
   return poses;
 }
@@ -240,7 +279,7 @@ void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
     options.wait = task.problem.approach.wait;
     options.targets.clear();
   } else if (result.hit_by_target) {
-    options.targets = swept_poses(task, result);
+    options.targets = swept_poses(result);
     // More cautious than need be, and often without a solution: not worth the full effort.
     options.max_iterations = std::max(1, options.max_iterations / kSweptEffort);
     if (attempt % 3 == 0) options.wait += (result.motion_end - result.motion_start) / 2;
@@ -253,8 +292,14 @@ void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
   }
 }
 
-Approach plan(const ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
+Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
               std::map<std::string, long>& solver_calls) {
+  if (task.starts_where_it_stands()) {
+    // Where the base ends up is not known before there is a path; the straight line tells roughly.
+    const ClosedPath straight =
+        close_path(task.problem, straight_path(task), task.goal.base, task.contact);
+    if (straight.closed) task.goal = straight.end;
+  }
   if (auto refused = refuse(task)) return *refused;
   Random seeds(seed);
   AttemptOptions options;
@@ -267,7 +312,7 @@ Approach plan(const ApproachTask& task, std::uint64_t seed, const StopCondition&
     if (stop.reached()) return failed(ApproachStatus::TimeOut, "stopped before a path was found");
     options.seed = seeds.next();
     const AttemptResult result = try_approach(task, options, stop);
-    if (!task.free.empty()) ++solver_calls[task.problem.approach.planner];
+    if (!task.free.empty()) ++solver_calls[planner_name(task.problem)];
     if (result.status == ApproachStatus::Found) {
       return finished(task, result, attempt, options.wait);
     }
@@ -276,20 +321,24 @@ Approach plan(const ApproachTask& task, std::uint64_t seed, const StopCondition&
       return failed(result.status, result.detail);
     }
     if (is_better_news(result, news)) news = result;
+    if (task.starts_where_it_stands() && result.has_end) task.goal = result.end;
     learn(task, result, attempt, options);
   }
-  return failed(news.status, fmt::format("{} (after {} attempts)", news.detail, kAttempts));
+  Approach none =
+      failed(news.status, fmt::format("{} (after {} attempts)", news.detail, kAttempts));
+  none.late_by = news.shortfall;
+  return none;
 }
 
 }  // namespace
 
 Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
                        const TargetMotion* target, std::uint64_t seed, const StopCondition& stop,
-                       std::map<std::string, long>& solver_calls) {
+                       std::map<std::string, long>& solver_calls, const ContactSolver& contact) {
   if (!problem.approach.enabled) {
     return failed(ApproachStatus::NotRequested, "no approach asked for");
   }
-  const ApproachTask task = make_task(problem, goal, target);
+  ApproachTask task = make_task(problem, goal, target, contact);
   try {
     return plan(task, seed, stop, solver_calls);
   } catch (const std::out_of_range&) {  // from TargetMotion

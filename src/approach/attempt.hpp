@@ -16,7 +16,7 @@ namespace stillbase {
 /// The task after its input was checked.
 struct ApproachTask {
   const CaptureProblem& problem;
-  const Configuration& goal;
+  Configuration goal;
   const TargetMotion* target;
   CollisionScene scene;
   PathPlanner planner;
@@ -24,6 +24,11 @@ struct ApproachTask {
   JointVectord max_rate;           ///< scaled
   std::vector<Eigen::Index> free;  ///< joints that may move
   double earliest_start;           ///< s; -infinity when nothing is predicted
+  const ContactSolver& contact;    ///< for a base that starts where it stands
+
+  bool starts_where_it_stands() const {
+    return problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
+  }
 };
 
 /// By how much a motion of this duration and the wait come too late, if they do.
@@ -31,7 +36,8 @@ struct Lateness {
   double seconds = 0;
   std::string text;
 };
-std::optional<Lateness> too_slow(const ApproachTask& task, double duration, double wait);
+std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
+                                 double wait);
 
 /// How one attempt differs from the next.
 struct AttemptOptions {
@@ -51,7 +57,16 @@ struct AttemptResult {
   bool hit_by_target = false;
   bool hopeless = false;  ///< the target hits what no path moves: another attempt is in vain
   TimedMotion motion;
+  std::optional<TargetMotion> target;  ///< on its way to where the motion ends
+  Configuration end;                   ///< where the hand should be; set when there is a motion
+  bool has_end = false;
+  double before_polish = 0, after_polish = 0;  ///< s or rad
 };
+
+/// From a joint path at rest to rest (times from 0 on) to a motion that arrives `wait` before the
+/// contact: closed where the base starts as stated, slowed to the effort limits, base motion,
+/// limits, check in time. Sets everything of `result` but way_points and the polish.
+void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result);
 
 /// Path, time law, base motion, check in time.
 AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& options,

@@ -71,6 +71,15 @@ std::vector<Pose> base_poses(const RobotModel& robot, const JointPath& path, Bas
   return poses;
 }
 
+std::vector<Pose> base_poses_from(const RobotModel& robot, const JointPath& path,
+                                  const Pose& begin) {
+  std::vector<Pose> poses(path.times.size(), begin);
+  for (std::size_t i = 0; i < path.segments(); ++i) {
+    poses[i + 1] = poses[i] * base_displacement(robot, path, i, kSegmentTolerance);
+  }
+  return poses;
+}
+
 Vector3d system_centroid(const RobotModel& robot, const Kinematics<double>& kinematics) {
   Vector3d sum = Vector3d::Zero();  // the base body's centroid is B's origin
   for (int k = 0; k < robot.n(); ++k) {

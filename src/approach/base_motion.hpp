@@ -25,6 +25,10 @@ Pose base_displacement(const RobotModel& robot, const JointPath& path, std::size
 std::vector<Pose> base_poses(const RobotModel& robot, const JointPath& path, BaseMode mode,
                              const Pose& end);
 
+/// The same of a floating base that starts at `begin`.
+std::vector<Pose> base_poses_from(const RobotModel& robot, const JointPath& path,
+                                  const Pose& begin);
+
 /// System centroid in B, m.
 Vector3d system_centroid(const RobotModel& robot, const Kinematics<double>& kinematics);
 

@@ -1,11 +1,12 @@
 // Path planning and simplification by OMPL.
 //
-// Reproducible without touching OMPL's global seed, which is shared by all threads: planner,
-// sampler and simplifier get local seeds, and iterations are counted instead of seconds.
+// Reproducible: planner, sampler and simplifier get seeds, and iterations are counted instead of
+// seconds.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -13,15 +14,19 @@
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/SpaceInformation.h>
-#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/informedtrees/AITstar.h>
+#include <ompl/geometric/planners/informedtrees/BITstar.h>
+#include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
+#include <ompl/geometric/planners/prm/LazyPRMstar.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
-#include <ompl/util/Console.h>
+#include <ompl/geometric/planners/rrt/RRTstar.h>
 
 #include <stillbase/approach/approach.hpp>
-#include <stillbase/core/random.hpp>
 
+#include "approach/ompl_support.hpp"
 #include "approach/path_planner.hpp"
 
 namespace stillbase {
@@ -35,37 +40,12 @@ using Space = ob::RealVectorStateSpace;
 /// Edge length of the trees, rad: small beside a joint's range, large beside the resolution.
 constexpr double kTreeRange = 0.5;
 
-/// OMPL writes to the console by itself; outcomes are reported by status instead.
-class SilentLog : public ompl::msg::OutputHandler {
- public:
-  void log(const std::string&, ompl::msg::LogLevel, const char*, int) override {}
-};
-
-void silence_ompl() {
-  static std::once_flag once;
-  static SilentLog log;
-  std::call_once(once, [] { ompl::msg::useOutputHandler(&log); });
-}
-
-/// OMPL's seeds are 32 bits; 0 means "draw one from the clock".
-std::uint_fast32_t local_seed(Random& random) {
-  return static_cast<std::uint_fast32_t>(random.next() & 0x7fffffffu) | 1u;
-}
-
 JointVectord to_joints(const ob::State* state, unsigned dimension) {
   JointVectord phi(static_cast<Eigen::Index>(dimension));
   const double* values = state->as<Space::StateType>()->values;
   for (unsigned k = 0; k < dimension; ++k) phi[k] = values[k];
   return phi;
 }
-
-class SeededSampler : public ob::RealVectorStateSampler {
- public:
-  SeededSampler(const ob::StateSpace* space, std::uint_fast32_t seed)
-      : ob::RealVectorStateSampler(space) {
-    rng_.setLocalSeed(seed);
-  }
-};
 
 class SeededRrtConnect : public og::RRTConnect {
  public:
@@ -121,7 +101,16 @@ void simplify(const ob::SpaceInformationPtr& si, og::PathGeometric& path, std::u
   simplifier.reduceVertices(path);
 }
 
-using MakePlanner = ob::PlannerPtr (*)(const ob::SpaceInformationPtr&, std::uint_fast32_t);
+struct NamedPlanner {
+  std::string_view name;
+  ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed);
+  bool improves;      ///< goes on after its first solution
+  bool hides_random;  ///< generators that cannot be seeded one by one
+};
+
+/// Improving planners get this many of their iterations after the first solution. Simplification
+/// and polish do the rest.
+constexpr int kImprovement = 500;
 
 ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed) {
   auto planner = std::make_shared<SeededRrtConnect>(si, seed);
@@ -129,17 +118,79 @@ ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fas
   return planner;
 }
 
-PathAnswer plan_with(MakePlanner make_planner, const PathQuery& query) {
+ob::PlannerPtr make_rrt_star(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+  auto planner = std::make_shared<og::RRTstar>(si);
+  planner->setRange(kTreeRange);
+  return planner;
+}
+
+/// Cells of half a radian in the first three joints: those move the most of the arm.
+class ShoulderProjection : public ob::ProjectionEvaluator {
+ public:
+  explicit ShoulderProjection(const ob::StateSpacePtr& space) : ob::ProjectionEvaluator(space) {
+    setCellSizes(std::vector<double>(getDimension(), kTreeRange));
+  }
+  unsigned int getDimension() const override { return std::min(3u, space_->getDimension()); }
+  void project(const ob::State* state, Eigen::Ref<Eigen::VectorXd> out) const override {
+    const double* values = state->as<Space::StateType>()->values;
+    for (unsigned k = 0; k < getDimension(); ++k) out[k] = values[k];
+  }
+};
+
+ob::PlannerPtr make_kpiece(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+  auto planner = std::make_shared<og::LBKPIECE1>(si);
+  planner->setRange(kTreeRange);
+  planner->setProjectionEvaluator(std::make_shared<ShoulderProjection>(si->getStateSpace()));
+  return planner;
+}
+
+template <class Planner>
+ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+  return std::make_shared<Planner>(si);
+}
+
+// PRM* with lazy checks: OMPL's eager one looks for the solution in a second thread, so that what
+// it finds depends on the load of the machine. KPIECE in its bidirectional form.
+constexpr std::array<NamedPlanner, 6> kPlanners = {
+    {{"rrt_connect", make_rrt_connect, false, false},
+     {"rrt_star", make_rrt_star, true, true},
+     {"prm_star", make_plain<og::LazyPRMstar>, true, true},
+     {"bit_star", make_plain<og::BITstar>, true, true},
+     {"ait_star", make_plain<og::AITstar>, true, true},
+     {"kpiece", make_kpiece, false, true}}};
+
+const NamedPlanner* find_planner(const std::string& name) {
+  for (const NamedPlanner& planner : kPlanners) {
+    if (planner.name == name) return &planner;
+  }
+  return nullptr;
+}
+
+/// Whether an improving planner reports the cost of a solution.
+bool states_cost(const ob::Planner& planner) {
+  const auto& properties = planner.getPlannerProgressProperties();
+  const auto cost = properties.find("best cost REAL");
+  if (cost == properties.end()) return false;
+  const std::string text = cost->second();
+  return !text.empty() && std::isfinite(std::strtod(text.c_str(), nullptr));
+}
+
+PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   const auto n = static_cast<unsigned>(query.start.size());
   // The gate: OMPL takes NaN for a valid state, and NaN bounds end the process.
   if (!query.start.allFinite() || !query.goal.allFinite() || !query.lower.allFinite() ||
       !query.upper.allFinite() || !(query.lower.array() < query.upper.array()).all()) {
     throw std::invalid_argument("path query with numbers that are not finite or empty bounds");
   }
-  silence_ompl();
-
   Random seeds(query.seed);
   const auto planner_seed = local_seed(seeds), simplifier_seed = local_seed(seeds);
+  std::shared_lock<std::shared_mutex> shared;
+  std::unique_lock<std::shared_mutex> alone;
+  if (named.hides_random) {
+    alone = own_ompl(planner_seed);
+  } else {
+    shared = share_ompl();
+  }
   auto space = std::make_shared<Space>(n);
   ob::RealVectorBounds bounds(n);
   for (unsigned k = 0; k < n; ++k) {
@@ -166,13 +217,25 @@ PathAnswer plan_with(MakePlanner make_planner, const PathQuery& query) {
   }
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
   definition->setStartAndGoalStates(start, goal);
-  const ob::PlannerPtr planner = make_planner(si, planner_seed);
+  definition->setOptimizationObjective(std::make_shared<ob::PathLengthOptimizationObjective>(si));
+  bool solved = false;  // planners tell it in one of three ways before they end
+  definition->setIntermediateSolutionCallback([&](const ob::Planner*,
+                                                  const std::vector<const ob::State*>&,
+                                                  const ob::Cost) { solved = true; });
+  const ob::PlannerPtr planner = named.make(si, planner_seed);
   planner->setProblemDefinition(definition);
   planner->setup();
 
-  long asked = 0;
-  const ob::PlannerTerminationCondition finished(
-      [&] { return ++asked > query.max_iterations || query.stop.reached(); });
+  long asked = 0, last = query.max_iterations;
+  bool improving = false;
+  const ob::PlannerTerminationCondition finished([&] {
+    if (named.improves && !improving &&
+        (solved || definition->hasExactSolution() || states_cost(*planner))) {
+      improving = true;
+      last = std::min(last, asked + kImprovement);
+    }
+    return ++asked > last || query.stop.reached();
+  });
   const ob::PlannerStatus status = planner->solve(finished);
 
   PathAnswer answer;
@@ -191,20 +254,12 @@ PathAnswer plan_with(MakePlanner make_planner, const PathQuery& query) {
   return answer;
 }
 
-struct NamedPlanner {
-  std::string_view name;
-  PathPlanner plan;
-};
-constexpr std::array<NamedPlanner, 1> kPlanners = {
-    {{"rrt_connect", [](const PathQuery& query) { return plan_with(make_rrt_connect, query); }}}};
-
 }  // namespace
 
 PathPlanner find_path_planner(const std::string& name) {
-  for (const NamedPlanner& planner : kPlanners) {
-    if (planner.name == name) return planner.plan;
-  }
-  return nullptr;
+  const NamedPlanner* named = find_planner(name);
+  if (named == nullptr) return nullptr;
+  return [named](const PathQuery& query) { return plan_with(*named, query); };
 }
 
 std::vector<std::string> approach_planner_names() {

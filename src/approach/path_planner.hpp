@@ -30,9 +30,9 @@ struct PathAnswer {
   std::vector<JointVectord> points;  ///< way points with start and goal, joined by straight lines
 };
 
-using PathPlanner = PathAnswer (*)(const PathQuery&);
+using PathPlanner = std::function<PathAnswer(const PathQuery&)>;
 
-/// The planner of this name, or null.
+/// The planner of this name; empty when there is none.
 PathPlanner find_path_planner(const std::string& name);
 
 }  // namespace stillbase

@@ -9,97 +9,12 @@ namespace stillbase {
 
 namespace {
 
-using Clear = std::function<bool(const JointVectord&, const JointVectord&)>;
-
-constexpr double kLargestCut = 0.5;    ///< rad of a straight line given up to round a corner
-constexpr double kSmallestCut = 1e-3;  ///< below this the robot stops at the corner
-constexpr int kParabolaChecks = 8;     ///< chords along a rounded corner
 /// Parts of the duration over which the speed is averaged: a wide window is smooth, a narrow one
 /// keeps the slow speed of a tight corner to the corner. The fastest result is taken.
 constexpr double kWindows[] = {0.15, 0.06, 0.025};
 constexpr double kSamplesPerWindow = 4;
 constexpr double kSampleTravel = 0.04;  ///< rad between stored samples
 constexpr int kMinSamples = 48, kMaxSamples = 600;
-
-/// A straight line (middle unused) or a parabola with the control points begin, middle, end. The
-/// parameter sigma grows so that |d gamma / d sigma| is 1 on lines and at the ends of a parabola.
-struct Piece {
-  JointVectord begin, middle, end;
-  bool is_curved = false;
-  double length = 0;  ///< range of sigma
-
-  JointVectord at(double sigma) const {
-    const double u = sigma / length;
-    if (!is_curved) return begin + u * (end - begin);
-    // As a sum of differences: a joint that does not move keeps its value to the last bit.
-    return begin + 2 * u * (1 - u) * (middle - begin) + u * u * (end - begin);
-  }
-  JointVectord slope(double sigma) const {
-    const double u = sigma / length;
-    if (!is_curved) return (end - begin) / length;
-    return 2 / length * ((1 - u) * (middle - begin) + u * (end - middle));
-  }
-  JointVectord curvature() const {
-    if (!is_curved) return JointVectord::Zero(begin.size());
-    return 2 / (length * length) * (end - 2 * middle + begin);
-  }
-};
-
-Piece line(const JointVectord& a, const JointVectord& b) {
-  return {a, a, b, false, (b - a).norm()};
-}
-
-/// The corner at `corner` between the directions d1 and d2, cut on both sides.
-Piece parabola(const JointVectord& corner, const JointVectord& d1, const JointVectord& d2,
-               double cut) {
-  return {corner - cut * d1, corner, corner + cut * d2, true, 2 * cut};
-}
-
-bool is_clear_along(const Piece& piece, const Clear& is_clear) {
-  JointVectord last = piece.begin;
-  for (int i = 1; i <= kParabolaChecks; ++i) {
-    const JointVectord next = piece.at(piece.length * i / kParabolaChecks);
-    if (!is_clear(last, next)) return false;
-    last = next;
-  }
-  return true;
-}
-
-/// Pieces that are passed without stopping.
-using Section = std::vector<Piece>;
-
-std::vector<Section> round_corners(const std::vector<JointVectord>& points, const Clear& is_clear) {
-  std::vector<Section> sections(1);
-  JointVectord from = points.front();
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const JointVectord& corner = points[i];
-    if (i + 1 == points.size()) {
-      sections.back().push_back(line(from, corner));
-      break;
-    }
-    const JointVectord in = corner - points[i - 1], out = points[i + 1] - corner;
-    const JointVectord d1 = in.normalized(), d2 = out.normalized();
-    double cut = std::min({kLargestCut, 0.45 * in.norm(), 0.45 * out.norm()});
-    bool rounded = false;
-    // Turning straight back cannot be rounded: the parabola would stand still at its tip.
-    if ((d1 + d2).norm() < 0.05) cut = 0;
-    for (; cut > kSmallestCut; cut /= 2) {
-      const Piece piece = parabola(corner, d1, d2, cut);
-      if (!is_clear_along(piece, is_clear)) continue;
-      sections.back().push_back(line(from, piece.begin));
-      sections.back().push_back(piece);
-      from = piece.end;
-      rounded = true;
-      break;
-    }
-    if (!rounded) {
-      sections.back().push_back(line(from, corner));
-      sections.emplace_back();
-      from = corner;
-    }
-  }
-  return sections;
-}
 
 /// Fastest sigma(t) along a section: pieces of constant sigma'' between grid points.
 class SpeedProfile {
@@ -162,19 +77,19 @@ class SpeedProfile {
   void build_grid(const Section& section, const JointVectord& max_rate,
                   const JointVectord& max_acceleration) {
     double total = 0;
-    for (const Piece& piece : section) total += piece.length;
+    for (const Piece& piece : section.pieces) total += piece.length;
     double offset = 0;
     sigma_.assign(1, 0.0);
     squared_.assign(1, std::numeric_limits<double>::max());
-    for (const Piece& piece : section) {
+    const int least = section.pieces.size() < 32 ? 16 : 4;
+    for (const Piece& piece : section.pieces) {
       if (piece.length <= 0) continue;
       // On a curve half of the acceleration is kept for the turning itself.
       const double share = piece.is_curved ? 0.5 : 1.0;
-      const JointVectord curvature = piece.curvature();
-      const int parts = std::max(16, static_cast<int>(400 * piece.length / total));
+      const int parts = std::max(least, static_cast<int>(400 * piece.length / total));
       for (int part = 0; part <= parts; ++part) {
         const double sigma = piece.length * part / parts;
-        const JointVectord slope = piece.slope(sigma);
+        const JointVectord slope = piece.slope(sigma), curvature = piece.curvature(sigma);
         double squared = std::numeric_limits<double>::max();
         double acceleration = std::numeric_limits<double>::max();
         for (Eigen::Index k = 0; k < slope.size(); ++k) {
@@ -207,12 +122,12 @@ struct PathPoint {
   JointVectord phi, slope;
 };
 PathPoint point_on(const Section& section, double sigma) {
-  for (const Piece& piece : section) {
+  for (const Piece& piece : section.pieces) {
     if (sigma <= piece.length && piece.length > 0) return {piece.at(sigma), piece.slope(sigma)};
     sigma -= piece.length;
   }
-  const Piece& last = section.back();
-  return {last.end, last.slope(last.length)};
+  const Piece& last = section.pieces.back();
+  return {section.end, last.slope(last.length)};
 }
 
 /// Motion along a section from time 0, at rest at both ends, with the speed averaged over `window`.
@@ -235,8 +150,8 @@ JointPath time_section(const Section& section, const SpeedProfile& profile, doub
     path.phidot.push_back(speed * point.slope);
   }
   // Exactly, whatever the sums above were rounded to.
-  path.phi.front() = section.front().begin;
-  path.phi.back() = section.back().end;
+  path.phi.front() = section.begin;
+  path.phi.back() = section.end;
   path.phidot.front().setZero();
   path.phidot.back().setZero();
   // The averaged speed meets a curve a little faster than the profile, and the Hermite segments
@@ -246,10 +161,23 @@ JointPath time_section(const Section& section, const SpeedProfile& profile, doub
   return path;
 }
 
+/// The fastest of the windows.
+JointPath fastest(const Section& section, const JointVectord& max_rate,
+                  const JointVectord& max_acceleration) {
+  const SpeedProfile profile(section, max_rate, max_acceleration);
+  JointPath best;
+  for (const double window : kWindows) {
+    JointPath timed =
+        time_section(section, profile, window * profile.duration(), max_rate, max_acceleration);
+    if (best.times.empty() || timed.times.back() < best.times.back()) best = std::move(timed);
+  }
+  return best;
+}
+
 }  // namespace
 
 JointPath time_path(const std::vector<JointVectord>& points, const JointVectord& max_rate,
-                    const JointVectord& max_acceleration, const Clear& is_clear) {
+                    const JointVectord& max_acceleration, const IsClear& is_clear) {
   assert(!points.empty());
   std::vector<JointVectord> distinct(1, points.front());
   for (const JointVectord& point : points) {
@@ -263,13 +191,7 @@ JointPath time_path(const std::vector<JointVectord>& points, const JointVectord&
   path.phi.front() = points.front();
   distinct.back() = points.back();
   for (const Section& section : round_corners(distinct, is_clear)) {
-    const SpeedProfile profile(section, max_rate, max_acceleration);
-    JointPath part;
-    for (const double window : kWindows) {
-      JointPath timed =
-          time_section(section, profile, window * profile.duration(), max_rate, max_acceleration);
-      if (part.times.empty() || timed.times.back() < part.times.back()) part = std::move(timed);
-    }
+    const JointPath part = fastest(section, max_rate, max_acceleration);
     const double begin = path.times.back();
     for (std::size_t i = 1; i < part.times.size(); ++i) {
       path.times.push_back(begin + part.times[i]);
@@ -278,6 +200,12 @@ JointPath time_path(const std::vector<JointVectord>& points, const JointVectord&
     }
   }
   return path;
+}
+
+JointPath time_curve(const JointPath& curve, const JointVectord& max_rate,
+                     const JointVectord& max_acceleration) {
+  assert(curve.segments() > 0);
+  return fastest(smooth_section(curve), max_rate, max_acceleration);
 }
 
 }  // namespace stillbase

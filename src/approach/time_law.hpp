@@ -1,10 +1,9 @@
 // From way points to a motion: corners rounded, rates and accelerations within limits.
 #pragma once
 
-#include <functional>
 #include <vector>
 
-#include "approach/joint_path.hpp"
+#include "approach/geometric_path.hpp"
 
 namespace stillbase {
 
@@ -19,7 +18,10 @@ namespace stillbase {
 /// @param max_rate n, > 0, may be infinite; @param max_acceleration n, > 0, finite
 /// @param is_clear whether the straight line between two postures is free
 JointPath time_path(const std::vector<JointVectord>& points, const JointVectord& max_rate,
-                    const JointVectord& max_acceleration,
-                    const std::function<bool(const JointVectord&, const JointVectord&)>& is_clear);
+                    const JointVectord& max_acceleration, const IsClear& is_clear);
+
+/// The same along a smooth curve: `times` are values of any parameter, `phidot` the slopes there.
+JointPath time_curve(const JointPath& curve, const JointVectord& max_rate,
+                     const JointVectord& max_acceleration);
 
 }  // namespace stillbase

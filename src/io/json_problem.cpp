@@ -167,7 +167,9 @@ Json approach_section_json(const CaptureProblem& problem) {
           {"contact_allowance", number_json(approach.contact_allowance)},
           {"resolution", number_json(approach.resolution)},
           {"planner", approach.planner},
-          {"max_iterations", approach.max_iterations}};
+          {"max_iterations", approach.max_iterations},
+          {"polish", word_of(path_polish_names(), approach.polish)},
+          {"attitude_tolerance", number_json(approach.attitude_tolerance)}};
 }
 
 }  // namespace

@@ -71,7 +71,15 @@ const Names<CaseConstraint>& case_constraint_names() {
 }
 
 const Names<BaseMode>& base_mode_names() {
-  static const Names<BaseMode> names{{"held", BaseMode::Held}, {"floating", BaseMode::Floating}};
+  static const Names<BaseMode> names{{"held", BaseMode::Held},
+                                     {"floating", BaseMode::Floating},
+                                     {"reaction-null", BaseMode::ReactionNull}};
+  return names;
+}
+
+const Names<PathPolish>& path_polish_names() {
+  static const Names<PathPolish> names{
+      {"none", PathPolish::None}, {"attitude", PathPolish::Attitude}, {"time", PathPolish::Time}};
   return names;
 }
 
@@ -100,15 +108,18 @@ const Names<ProofStatus>& proof_status_names() {
 }
 
 const Names<ApproachStatus>& approach_status_names() {
-  static const Names<ApproachStatus> names{{"found", ApproachStatus::Found},
-                                           {"not_requested", ApproachStatus::NotRequested},
-                                           {"start_invalid", ApproachStatus::StartInvalid},
-                                           {"goal_invalid", ApproachStatus::GoalInvalid},
-                                           {"goal_unreachable", ApproachStatus::GoalUnreachable},
-                                           {"hit_early", ApproachStatus::HitEarly},
-                                           {"time_out", ApproachStatus::TimeOut},
-                                           {"interrupted", ApproachStatus::Interrupted},
-                                           {"too_slow", ApproachStatus::TooSlow}};
+  static const Names<ApproachStatus> names{
+      {"found", ApproachStatus::Found},
+      {"not_requested", ApproachStatus::NotRequested},
+      {"start_invalid", ApproachStatus::StartInvalid},
+      {"goal_invalid", ApproachStatus::GoalInvalid},
+      {"goal_unreachable", ApproachStatus::GoalUnreachable},
+      {"unreachable_in_base_mode", ApproachStatus::UnreachableInBaseMode},
+      {"hit_early", ApproachStatus::HitEarly},
+      {"time_out", ApproachStatus::TimeOut},
+      {"interrupted", ApproachStatus::Interrupted},
+      {"too_slow", ApproachStatus::TooSlow},
+      {"base_drift_open", ApproachStatus::BaseDriftOpen}};
   return names;
 }
 

@@ -47,6 +47,7 @@ const Names<RiskMeasure>& measure_names();
 const Names<HandConstraint>& hand_constraint_names();
 const Names<CaseConstraint>& case_constraint_names();
 const Names<BaseMode>& base_mode_names();
+const Names<PathPolish>& path_polish_names();
 const Names<ImpactCase>& impact_case_names();
 const Names<PlanStatus>& plan_status_names();
 const Names<ApproachStatus>& approach_status_names();

@@ -267,6 +267,31 @@ void read_candidates(MapReader& map, Plan& plan) {
   });
 }
 
+void read_approach_results(MapReader& fields, Approach& approach) {
+  ReadContext& context = fields.context();
+  fields.number("duration", approach.duration, Dimension::None, kAny, Need::Required);
+  fields.number("path_length", approach.path_length, Dimension::None, kAny, Need::Required);
+  fields.number("attitude_excursion", approach.attitude_excursion, Dimension::None, kAny,
+                Need::Required);
+  read_bound(fields, "min_clearance", kInfinity, approach.min_clearance);
+  fields.number("effort_used", approach.effort_used, Dimension::None, kNonNegative, Need::Required);
+  if (const Node* node = fields.child("hand_error", Need::Required)) {
+    MapReader error(context, *node, "approach.hand_error");
+    error.number("position", approach.hand_position_error, Dimension::None, kNonNegative,
+                 Need::Required);
+    error.number("angle", approach.hand_angle_error, Dimension::None, kNonNegative, Need::Required);
+    error.finish();
+  }
+  fields.number("late_by", approach.late_by, Dimension::None, kNonNegative, Need::Required);
+  if (const Node* node = fields.child("polish", Need::Required)) {
+    MapReader polish(context, *node, "approach.polish");
+    polish.choice("quantity", approach.polish, path_polish_names(), Need::Required);
+    polish.number("before", approach.before_polish, Dimension::None, kNonNegative, Need::Required);
+    polish.number("after", approach.after_polish, Dimension::None, kNonNegative, Need::Required);
+    polish.finish();
+  }
+}
+
 void read_approach(MapReader& map, Plan& plan) {
   const Node* node = map.child("approach", Need::Required);
   if (node == nullptr) return;
@@ -289,23 +314,21 @@ void read_approach(MapReader& map, Plan& plan) {
   vectors("joint_positions", n, approach.joint_positions);
   vectors("joint_velocities", n, approach.joint_velocities);
   vectors("joint_accelerations", n, approach.joint_accelerations);
+  vectors("joint_torques", n, approach.joint_torques);
   read_list(fields, "base_poses", [&](const Node& item, const std::string& path) {
     approach.base_poses.push_back(read_pose_object(context, item, path));
   });
   vectors("base_velocities", 6, approach.base_velocities);
-  fields.number("duration", approach.duration, Dimension::None, kAny, Need::Required);
-  fields.number("path_length", approach.path_length, Dimension::None, kAny, Need::Required);
-  fields.number("attitude_excursion", approach.attitude_excursion, Dimension::None, kAny,
-                Need::Required);
-  read_bound(fields, "min_clearance", kInfinity, approach.min_clearance);
+  read_approach_results(fields, approach);
   fields.finish();
   const std::size_t samples = approach.times.size();
   if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
-      approach.joint_accelerations.size() != samples || approach.base_poses.size() != samples ||
-      approach.base_velocities.size() != samples) {
-    context.add(node->line, "wrong-length",
-                "approach: times, joint_positions, joint_velocities, joint_accelerations, "
-                "base_poses and base_velocities must have the same number of samples");
+      approach.joint_accelerations.size() != samples || approach.joint_torques.size() != samples ||
+      approach.base_poses.size() != samples || approach.base_velocities.size() != samples) {
+    context.add(
+        node->line, "wrong-length",
+        "approach: times, joint_positions, joint_velocities, joint_accelerations, "
+        "joint_torques, base_poses and base_velocities must have the same number of samples");
   }
 }
 

@@ -79,12 +79,22 @@ Json approach_json(const Approach& approach) {
           {"joint_positions", list_json(approach.joint_positions, vector)},
           {"joint_velocities", list_json(approach.joint_velocities, vector)},
           {"joint_accelerations", list_json(approach.joint_accelerations, vector)},
+          {"joint_torques", list_json(approach.joint_torques, vector)},
           {"base_poses", list_json(approach.base_poses, pose_json)},
           {"base_velocities", list_json(approach.base_velocities, vector)},
           {"duration", number_json(approach.duration)},
           {"path_length", number_json(approach.path_length)},
           {"attitude_excursion", number_json(approach.attitude_excursion)},
-          {"min_clearance", bound_json(approach.min_clearance)}};
+          {"min_clearance", bound_json(approach.min_clearance)},
+          {"effort_used", number_json(approach.effort_used)},
+          {"hand_error",
+           {{"position", number_json(approach.hand_position_error)},
+            {"angle", number_json(approach.hand_angle_error)}}},
+          {"late_by", number_json(approach.late_by)},
+          {"polish",
+           {{"quantity", word_of(path_polish_names(), approach.polish)},
+            {"before", number_json(approach.before_polish)},
+            {"after", number_json(approach.after_polish)}}}};
 }
 
 /// null where there is none.

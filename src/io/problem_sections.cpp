@@ -369,10 +369,25 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
                approach.planner, approach_planner_names(), "planners");
   }
   fields.integer("max_iterations", approach.max_iterations, 1, kManyTimes);
-  if (approach.base == BaseMode::Floating && !approach.station_free) {
+  fields.choice("polish", approach.polish, path_polish_names());
+  fields.number("attitude_tolerance", approach.attitude_tolerance, Dimension::Angle,
+                {.lower = 1e-6, .upper = 1});
+  if (approach.base == BaseMode::ReactionNull && !approach.station_free) {
     map.context().add(fields.line_of("station_free"), "not-supported",
-                      "approach.station_free: false needs base: held; a floating base must be free "
-                      "to start where the path's net motion asks");
+                      "approach.station_free: false needs base: held or floating; a base whose "
+                      "attitude is kept must be free to start where the arm's motion asks");
+  }
+  if (approach.base == BaseMode::ReactionNull && approach.polish != PathPolish::None) {
+    map.context().add(fields.line_of("polish"), "not-supported",
+                      "approach.polish: paths within the reaction null space are not polished");
+  }
+  const VariableSpec& variables = problem.variables;
+  if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free &&
+      (variables.base_attitude != AttitudeFreedom::Fixed ||
+       variables.base_position != PositionFreedom::Fixed)) {
+    map.context().add(fields.line_of("station_free"), "contradiction",
+                      "approach.station_free: false on a floating base: its pose at the contact "
+                      "follows from the path; base_attitude and base_position must be fixed");
   }
   fields.finish();
 }

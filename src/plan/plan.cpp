@@ -40,6 +40,8 @@ std::string to_string(ApproachStatus status) {
       return "goal_invalid";
     case ApproachStatus::GoalUnreachable:
       return "goal_unreachable";
+    case ApproachStatus::UnreachableInBaseMode:
+      return "unreachable_in_base_mode";
     case ApproachStatus::HitEarly:
       return "hit_early";
     case ApproachStatus::TimeOut:
@@ -48,6 +50,8 @@ std::string to_string(ApproachStatus status) {
       return "interrupted";
     case ApproachStatus::TooSlow:
       return "too_slow";
+    case ApproachStatus::BaseDriftOpen:
+      return "base_drift_open";
   }
   return "";
 }

@@ -11,6 +11,7 @@
 #include <stillbase/plan/encounter.hpp>
 
 #include "planner/completeness.hpp"
+#include "planner/contact_again.hpp"
 #include "planner/post_impact.hpp"
 
 namespace stillbase {
@@ -56,9 +57,38 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
   return "";
 }
 
+/// Whether the base's pose at the contact follows from the path instead of the search.
+bool base_follows_path(const CaptureProblem& problem) {
+  return problem.approach.enabled && problem.approach.base == BaseMode::Floating &&
+         !problem.approach.station_free;
+}
+
+/// Whether the configuration is found together with the path.
+bool path_decides(const CaptureProblem& problem) {
+  const bool within_null_space = problem.approach.base == BaseMode::ReactionNull;
+  return base_follows_path(problem) || (problem.approach.enabled && within_null_space);
+}
+
+/// The problem as the path leaves the base: that at the contact is not the stated one.
+CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& configuration) {
+  CaptureProblem at = problem;
+  if (base_follows_path(problem)) at.base = configuration.base;
+  return at;
+}
+
+bool keeps_limits_after(const CaptureProblem& problem, const ContactAgain::Resolved& resolved,
+                        const StopCondition& stop) {
+  const Configuration& configuration = resolved.candidate.configuration;
+  const CaptureProblem at = at_contact(problem, configuration);
+  return post_impact_failure(problem, configuration,
+                             predict_impact(at, Formulation(at), configuration), stop)
+      .empty();
+}
+
 /// Order in which approaches are tried: candidates free of collision whose time after the impact
 /// keeps the problem's limits, best first; then the other ones free of collision; when nothing is
-/// free, the best alone.
+/// free, the best alone. Where the base's pose follows from the path, what touches at the stated
+/// pose says little: all are tried.
 std::vector<std::size_t> candidates_to_try(const CaptureProblem& problem,
                                            const Formulation& formulation,
                                            const std::vector<Candidate>& candidates,
@@ -75,6 +105,9 @@ std::vector<std::size_t> candidates_to_try(const CaptureProblem& problem,
     (holds ? holding : others).push_back(i);
   }
   holding.insert(holding.end(), others.begin(), others.end());
+  for (std::size_t i = 0; i < candidates.size() && base_follows_path(problem); ++i) {
+    if (!candidates[i].collision_free) holding.push_back(i);
+  }
   if (holding.empty()) holding.push_back(0);
   return holding;
 }
@@ -138,6 +171,8 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
 
   const auto approach_begin = Clock::now();
   std::size_t chosen = 0;
+  std::optional<ContactAgain::Resolved> resolved;
+  bool fallback = false;  // an approach, though not one to a configuration that holds
   if (solved) {
     progress("after the impact", 0, 1);
     const std::vector<std::size_t> order =
@@ -148,16 +183,32 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
       progress("approach", static_cast<int>(i), options.max_approaches);
       const Configuration& goal = found.candidates[order[i]].configuration;
       const std::optional<TargetMotion> motion = target_at(problem, goal);
+      ContactAgain contact(problem, found.points[order[i]], found.candidates[order[i]],
+                           found.certificates[order[i]], options.stop);
       const Approach approach =
           plan_approach(problem, goal, motion ? &*motion : nullptr, problem.search.seed + i,
-                        options.stop, plan.solver_calls);
+                        options.stop, plan.solver_calls, contact.solver());
+      if (contact.optimizer_calls() > 0) {
+        plan.solver_calls[problem.search.optimizer] += contact.optimizer_calls();
+      }
       const bool arrives = approach.status == ApproachStatus::Found ||
                            approach.status == ApproachStatus::NotRequested;
-      if (i == 0 || arrives) {
+      std::optional<ContactAgain::Resolved> there;
+      if (arrives && path_decides(problem)) {
+        there = contact.resolve(approach.joint_positions.back(), approach.base_poses.back());
+        Candidate& candidate = there->candidate;
+        candidate.collision = waiting_collision(problem, scene, candidate.configuration);
+        candidate.collision_free = candidate.collision.empty();
+      }
+      // A configuration that came with its path was not judged by its time after the impact yet.
+      const bool holds = arrives && (!there || keeps_limits_after(problem, *there, options.stop));
+      if (i == 0 || holds || (arrives && !fallback)) {
         plan.approach = approach;
         chosen = order[i];
+        resolved = there;
+        fallback = arrives;
       }
-      if (arrives) break;
+      if (holds) break;
     }
   }
   if (plan.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {
@@ -166,19 +217,26 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   plan.timing["approach"] = seconds_since(approach_begin);
 
   if (!found.candidates.empty()) {
+    plan.certificate = found.certificates[chosen];
+    plan.constraints = formulation.report(found.points[chosen]);
+    if (resolved) {
+      found.candidates[chosen] = resolved->candidate;
+      plan.certificate = resolved->certificate;
+      plan.constraints = resolved->constraints;
+    }
+    plan.certificate.proof = std::move(proof);
     const Candidate& best = found.candidates[chosen];
     plan.configuration = best.configuration;
-    plan.certificate = found.certificates[chosen];
-    plan.certificate.proof = std::move(proof);
-    plan.constraints = formulation.report(found.points[chosen]);
-    plan.impact = predict_impact(problem, formulation, best.configuration);
+    const CaptureProblem at = at_contact(problem, best.configuration);
+    const Formulation there(at);
+    plan.impact = predict_impact(at, there, best.configuration);
     plan.objective.name = objective_name(problem);
     plan.objective.unit = objective_unit_name(problem);
     plan.objective.nominal = best.objective;
     plan.objective.value = best.value;
-    plan.objective.terms = objective_terms(problem, formulation, best.configuration);
+    plan.objective.terms = objective_terms(at, there, best.configuration);
     plan.nominal_optimum = found.nominal_optimum;
-    const WorstCase worst = worst_case(problem, formulation, best.configuration);
+    const WorstCase worst = worst_case(at, there, best.configuration);
     plan.objective.worst_case = worst.value;
     plan.objective.worst_direction = worst.direction;
     plan.status = status_of(plan.certificate);

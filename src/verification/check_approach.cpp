@@ -213,9 +213,27 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
                    pose_error(approach.base_poses.front(), problem.base).largest(), kSame,
                    "m or rad", "first base pose from the stated one");
   }
+  if (problem.approach.base == BaseMode::ReactionNull) {
+    claims.at_most("approach_attitude_kept", excursion, problem.approach.attitude_tolerance, "rad",
+                   "largest turn away from the final attitude in the reaction null space");
+  }
+  if (approach.polish != PathPolish::None) {
+    claims.at_most("approach_polish", approach.after_polish - approach.before_polish, 0, "s or rad",
+                   "the polished path is no worse than the planned one");
+    claims.at_most("approach_polish_stated",
+                   std::abs(approach.after_polish - (approach.polish == PathPolish::Time
+                                                         ? approach.duration
+                                                         : approach.attitude_excursion)),
+                   kSame, "s or rad", "stated result of the polish");
+  }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
                  kSame, "rad",
                  fmt::format("largest turn away from the final attitude, {:.6g} rad", excursion));
+
+  claims.at_most("approach_hand_error",
+                 std::max(approach.hand_position_error, approach.hand_angle_error),
+                 options.hand_position_tolerance, "m or rad",
+                 "stated distance of the hand at the end of the path from where it should be");
 
   // Where the hand really ends, by the integrated motion alone.
   const auto at_rest = reference::compute(problem.robot, {approach.joint_positions.back(), {}, {}});
@@ -266,6 +284,7 @@ void check_approach(const Context& context, ClaimList& claims) {
   check_ends(context, claims);
   check_limits(context, claims);
   check_accelerations(context, claims);
+  check_torques(context, claims);
   double worst_step = 0;
   const std::vector<Pose> poses = integrated_poses(context, &worst_step);
   check_base(context, poses, worst_step, claims);

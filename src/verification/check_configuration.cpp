@@ -39,11 +39,18 @@ void check_base(const Context& context, ClaimList& claims) {
   const Pose& stated = context.problem.base;
   const Pose& base = context.plan.configuration.base;
 
+  const ApproachSpec& approach = context.problem.approach;
+  const bool follows =
+      approach.enabled && approach.base == BaseMode::Floating && !approach.station_free;
+
   // Turn from the stated attitude, in N; its part off the allowed axis and its size.
   const Vector3d turn = rotation_log(base.orientation * stated.orientation.conjugate());
   double excess = std::max(0.0, turn.norm() - free.base_attitude_max);
   std::string rule = "free up to a largest turn";
-  if (free.base_attitude == AttitudeFreedom::Fixed) {
+  if (follows) {
+    excess = 0;
+    rule = "follows from the path: see approach_base_arrival";
+  } else if (free.base_attitude == AttitudeFreedom::Fixed) {
     excess = pose_error(base, stated).angle;
     rule = "stays as stated";
   } else if (free.base_attitude == AttitudeFreedom::Axis) {
@@ -55,7 +62,9 @@ void check_base(const Context& context, ClaimList& claims) {
 
   double beyond = 0;
   rule = "free";
-  if (free.base_position == PositionFreedom::Fixed) {
+  if (follows) {
+    rule = "follows from the path: see approach_base_arrival";
+  } else if (free.base_position == PositionFreedom::Fixed) {
     beyond = (base.position - stated.position).norm();
     rule = "stays as stated";
   } else if (free.base_position == PositionFreedom::Box) {

@@ -43,6 +43,9 @@ void check_candidates(const Context& context, ClaimList& claims);
 /// The enclosed solutions and the candidates are the same; nothing where there is no proof.
 void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims);
 
+/// Torques along the approach against the effort limits, and as stated.
+void check_torques(const Context& context, ClaimList& claims);
+
 void check_approach(const Context& context, ClaimList& claims);
 
 void check_post_impact(const Context& context, const PostureResponse& response,

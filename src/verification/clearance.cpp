@@ -82,7 +82,7 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
   };
 
   const double travel = problem.approach.resolution * options.path_refinement;
-  const bool floats = problem.approach.base == BaseMode::Floating;
+  const bool floats = problem.approach.base != BaseMode::Held;
   for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
     if (options.stop.reached()) {
       result.detail = fmt::format("stopped at {:.3f} s", approach.times[i]);

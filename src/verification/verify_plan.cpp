@@ -63,12 +63,12 @@ void look_at_configuration(const Configuration& at, int n, const std::string& na
 
 void look_at_approach(const Approach& approach, int n, Objections& objections) {
   const std::size_t count = approach.times.size();
-  objections.demand(count >= 1 && approach.joint_positions.size() == count &&
-                        approach.joint_velocities.size() == count &&
-                        approach.joint_accelerations.size() == count &&
-                        approach.base_poses.size() == count &&
-                        approach.base_velocities.size() == count,
-                    "approach: lists of different length");
+  objections.demand(
+      count >= 1 && approach.joint_positions.size() == count &&
+          approach.joint_velocities.size() == count &&
+          approach.joint_accelerations.size() == count && approach.joint_torques.size() == count &&
+          approach.base_poses.size() == count && approach.base_velocities.size() == count,
+      "approach: lists of different length");
   if (!objections.none()) return;
   for (std::size_t i = 0; i < count; ++i) {
     const std::string at = fmt::format("approach sample {}", i);
@@ -77,6 +77,8 @@ void look_at_approach(const Approach& approach, int n, Objections& objections) {
     objections.demand(phidot.size() == n && phidot.allFinite(), at + ": joint_velocities");
     const JointVectord& phiddot = approach.joint_accelerations[i];
     objections.demand(phiddot.size() == n && phiddot.allFinite(), at + ": joint_accelerations");
+    const JointVectord& torques = approach.joint_torques[i];
+    objections.demand(torques.size() == n && torques.allFinite(), at + ": joint_torques");
     objections.demand(is_finite(approach.base_poses[i]) &&
                           std::abs(approach.base_poses[i].orientation.norm() - 1) <= 1e-9,
                       at + ": base_pose");

@@ -1,29 +1,18 @@
 // The floating base along the path, against the second implementation of the dynamics.
 #include <catch2/catch.hpp>
 
-#include <fstream>
-#include <sstream>
-
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/reference/reference.hpp>
-#include <stillbase/robot/urdf_reader.hpp>
 
 #include "approach/base_motion.hpp"
 #include "approach/problems.hpp"
+#include "approach/shipped_robot.hpp"
 
 using namespace stillbase;
 using namespace stillbase::test;
 
 namespace {
-
-RobotModel shipped(const std::string& name) {
-  const std::string path = std::string(STILLBASE_SOURCE_DIR) + "/problems/robots/" + name + ".urdf";
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return read_urdf(text.str(), path, "");
-}
 
 /// Total momentum of all bodies, [P; L about the system centroid], in B, by the reference.
 Eigen::VectorXd momentum(const RobotModel& robot, const Eigen::VectorXd& phi,
@@ -106,7 +95,7 @@ void check_floating(const CaptureProblem& problem, const Configuration& goal, co
 }  // namespace
 
 TEST_CASE("one Magnus step has order five locally, also when the base turns about changing axes") {
-  const RobotModel robot = shipped("iiwa_on_cube");
+  const RobotModel robot = shipped_robot("iiwa_on_cube");
   Random random(2);
   JointPath path;
   path.times = {0, 1};
@@ -143,7 +132,7 @@ TEST_CASE("a floating planar robot keeps zero momentum and arrives at the goal's
 }
 
 TEST_CASE("a floating seven-joint arm keeps zero momentum around an obstacle") {
-  const RobotModel robot = shipped("iiwa_on_cube");
+  const RobotModel robot = shipped_robot("iiwa_on_cube");
   CaptureProblem problem = problem_for(robot, posture({0, 100, 0, 100, 0, 60, 0}));
   problem.approach.base = BaseMode::Floating;
   problem.approach.velocity_scale = 0.05;

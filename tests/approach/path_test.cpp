@@ -97,7 +97,7 @@ TEST_CASE("the planner's runs are counted under its name") {
   const Approach a = plan_approach(problem, goal_at(posture({40, -50})), nullptr, 1, {}, calls);
   CHECK(a.status == ApproachStatus::Found);
   CHECK(calls == std::map<std::string, long>{{"rrt_connect", 1}});
-  CHECK(approach_planner_names() == std::vector<std::string>{"rrt_connect"});
+  CHECK(approach_planner_names().front() == "rrt_connect");
 }
 
 TEST_CASE("a joint that the search may not change stays where it is") {

@@ -83,6 +83,7 @@ Plan random_plan() {
     approach.joint_positions.push_back(random_joints(random, n));
     approach.joint_velocities.push_back(random_joints(random, n));
     approach.joint_accelerations.push_back(random_joints(random, n));
+    approach.joint_torques.push_back(random_joints(random, n));
     approach.base_poses.push_back(random_pose(random));
     approach.base_velocities.push_back(Vector6d::Constant(random.normal()));
   }
@@ -90,6 +91,13 @@ Plan random_plan() {
   approach.path_length = random.uniform();
   approach.attitude_excursion = random.uniform();
   approach.min_clearance = kInfinity;
+  approach.effort_used = random.uniform();
+  approach.hand_position_error = 1e-13;
+  approach.hand_angle_error = 0.1 + 0.2;
+  approach.late_by = 0.7;
+  approach.polish = PathPolish::Attitude;
+  approach.before_polish = 0.3;
+  approach.after_polish = 0.1;
   plan.solver_calls = {{"nlopt-slsqp", 256}, {"rrt_connect", 1}};
   plan.timing = {{"search", 0.25}};
   return plan;

@@ -348,6 +348,35 @@ TEST_CASE("a covariance that gives no cone is refused") {
                "out-of-range", "300 rad");
 }
 
+TEST_CASE("an approach that the base mode cannot have is refused") {
+  const auto refuses_approach = [](const std::string& approach, const std::string& rule,
+                                   const std::vector<std::string>& parts) {
+    refuses_change("obstacles:\n", "approach: " + approach + "\nobstacles:\n", rule, parts);
+  };
+  // The problem frees the base's attitude, which a stated start of a floating base decides.
+  refuses_approach("{base: floating, station_free: false}", "contradiction",
+                   {"approach.station_free", "follows from the path"});
+  refuses_approach("{base: reaction-null, station_free: false}", "not-supported",
+                   {"approach.station_free"});
+  refuses_approach("{base: reaction-null, polish: time}", "not-supported", {"approach.polish"});
+  refuses_approach("{planner: rrt}", "unknown-name", {"approach.planner", "ait_star"});
+  refuses_approach("{polish: speed}", "unknown-name", {"approach.polish", "attitude, time"});
+  refuses_approach("{attitude_tolerance: 0}", "out-of-range", {"approach.attitude_tolerance"});
+}
+
+TEST_CASE("an approach reads its base mode, planner and polish") {
+  const CaptureProblem problem = read(
+      replaced(kProblem, "obstacles:\n",
+               "approach: {base: floating, planner: bit_star, polish: attitude}\nobstacles:\n"));
+  CHECK(problem.approach.base == BaseMode::Floating);
+  CHECK(problem.approach.planner == "bit_star");
+  CHECK(problem.approach.polish == PathPolish::Attitude);
+  CHECK(problem.approach.attitude_tolerance == Approx(0.1 * 3.14159265358979323846 / 180));
+  CHECK(read(replaced(kProblem, "obstacles:\n",
+                      "approach: {base: reaction-null, attitude_tolerance: 1 deg}\nobstacles:\n"))
+            .approach.base == BaseMode::ReactionNull);
+}
+
 TEST_CASE("what the sections need of each other is asked for") {
   const std::string point_mass =
       replaced(replaced(kProblem, "source: rigid_body", "source: point_mass"), "restitution: 0.5",

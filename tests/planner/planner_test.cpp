@@ -6,6 +6,7 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/verification/verification.hpp>
 
 namespace stillbase {
 namespace {
@@ -114,6 +115,27 @@ TEST_CASE("a capture with a seven-joint arm is planned with its approach on a fl
       off_line = std::max(off_line, (part - along * whole).norm());
     }
     CHECK(off_line > 0.05);
+  }
+}
+
+TEST_CASE("a base that starts where it stands turns under the arm and the hand still arrives") {
+  const CaptureProblem problem = shipped("iiwa_fixed_start");
+  const Plan plan = make_plan(problem);
+  INFO(plan.approach.detail);
+  REQUIRE(plan.approach.status == ApproachStatus::Found);
+  CHECK(plan.approach.base_poses.front().position == problem.base.position);
+  CHECK(plan.approach.attitude_excursion > 0.2);
+  CHECK(plan.configuration.phi == plan.approach.joint_positions.back());
+  CHECK(rotation_log(problem.base.orientation.conjugate() * plan.configuration.base.orientation)
+            .norm() > 0.2);
+  CHECK(plan.approach.hand_position_error < 1e-8);
+  CHECK(plan.approach.hand_angle_error < 1e-8);
+  CHECK(plan.certificate.max_violation < 1e-9);
+  VerifyOptions options;
+  options.post_impact = false;
+  for (const Claim& claim : verify_plan(plan, options).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
   }
 }
 

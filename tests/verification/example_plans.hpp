@@ -183,6 +183,52 @@ inline double chord_length(const Approach& a) {
   return length;
 }
 
+/// Joint torques at the samples, with the base's acceleration by differences along the segments
+/// instead of by its equation of motion.
+inline void state_torques(const CaptureProblem& problem, Approach& a) {
+  const auto n = problem.robot.n();
+  const bool held = problem.approach.base == BaseMode::Held;
+  auto Omega = [&](const Eigen::VectorXd& phi, const Eigen::VectorXd& phidot) -> Vector6d {
+    if (held) return Vector6d::Zero();
+    const auto d = reference::compute(problem.robot, {phi, {}, {}});
+    return -d.H.topLeftCorner<6, 6>().ldlt().solve(d.H.topRightCorner(6, n) * phidot);
+  };
+  auto torques = [&](const JointVectord& phi, const JointVectord& phidot,
+                     const JointVectord& phiddot) -> JointVectord {
+    // Richardson's extrapolation of central differences.
+    auto slope = [&](double h) -> Vector6d {
+      return (Omega(phi + h * phidot + h * h / 2 * phiddot, phidot + h * phiddot) -
+              Omega(phi - h * phidot + h * h / 2 * phiddot, phidot - h * phiddot)) /
+             (2 * h);
+    };
+    Eigen::VectorXd acceleration(6 + n);
+    acceleration << (4 * slope(1e-3) - slope(2e-3)) / 3, phiddot;
+    const auto d = reference::compute(problem.robot, {phi, phidot, Omega(phi, phidot)});
+    JointVectord tau = (d.H * acceleration + d.c).tail(n);
+    if (problem.resistance.model == ResistanceModel::RotorInertia) {
+      tau += problem.resistance.rotor_inertia.cwiseProduct(phiddot);
+    }
+    return tau;
+  };
+  for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
+    const double h = a.times[i + 1] - a.times[i];
+    const JointVectord &q0 = a.joint_positions[i], &v0 = a.joint_velocities[i];
+    const JointVectord& a0 = a.joint_accelerations[i];
+    const JointVectord jerk = (a.joint_velocities[i + 1] - v0 - h * a0) * 2 / (h * h);
+    a.joint_torques.push_back(torques(q0, v0, a0));
+    for (int look = 0; look <= 8; ++look) {
+      const double s = h * look / 8;
+      const JointVectord tau = torques(q0 + s * (v0 + s / 2 * (a0 + s / 3 * jerk)),
+                                       v0 + s * (a0 + s / 2 * jerk), a0 + s * jerk);
+      for (int k = 0; k < n; ++k) {
+        a.effort_used =
+            std::max(a.effort_used, std::abs(tau[k]) / problem.robot.joints[k].max_effort);
+      }
+    }
+  }
+  a.joint_torques.push_back(JointVectord::Zero(n));
+}
+
 /// A straight joint path with a time law of degree five, rest to rest, and the wait.
 inline void plan_approach_motion(Plan& plan, Flip flip) {
   const CaptureProblem& problem = plan.problem;
@@ -261,10 +307,12 @@ inline void plan_approach_motion(Plan& plan, Flip flip) {
   }
   a.duration = duration;
   a.path_length = chord_length(a);
+  state_torques(problem, a);
   a.times.push_back(plan.configuration.contact_time);
   a.joint_positions.push_back(plan.configuration.phi);
   a.joint_velocities.push_back(JointVectord::Zero(plan.configuration.phi.size()));
   a.joint_accelerations.push_back(JointVectord::Zero(plan.configuration.phi.size()));
+  a.joint_torques.push_back(JointVectord::Zero(plan.configuration.phi.size()));
   a.base_poses.push_back(plan.configuration.base);
   a.base_velocities.push_back(Vector6d::Zero());
 }

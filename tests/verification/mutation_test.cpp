@@ -105,6 +105,8 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
                    [s](Plan& p, int i) -> double& { return p.approach.joint_velocities[s](i); });
     add_components(m, at + "joint_accelerations", 7,
                    [s](Plan& p, int i) -> double& { return p.approach.joint_accelerations[s](i); });
+    add_components(m, at + "joint_torques", 7,
+                   [s](Plan& p, int i) -> double& { return p.approach.joint_torques[s](i); });
     add_components(m, at + "time", 1, [s](Plan& p, int) -> double& { return p.approach.times[s]; });
     add_components(m, at + "base_position", 3,
                    [s](Plan& p, int i) -> double& { return p.approach.base_poses[s].position(i); });

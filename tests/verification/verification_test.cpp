@@ -211,6 +211,22 @@ TEST_CASE("an approach that cannot be flown is refused") {
       {"approach_joint_rates", [](Plan& p) { p.problem.robot.joints[1].max_velocity = 0.09; }},
       {"approach_joint_accelerations",
        [](Plan& p) { p.problem.approach.acceleration_limit(1) = 0.007; }},
+      {"approach_stated_torques", [](Plan& p) { p.approach.joint_torques[30](2) *= 1.00001; }},
+      {"approach_joint_torques", [](Plan& p) { p.problem.robot.joints[0].max_effort = 1e-3; }},
+      {"approach_effort_used", [](Plan& p) { p.approach.effort_used *= 1.00001; }},
+      {"approach_hand_error", [](Plan& p) { p.approach.hand_angle_error = 1e-6; }},
+      {"approach_attitude_kept", [](Plan& p) { p.problem.approach.base = BaseMode::ReactionNull; }},
+      {"approach_polish",
+       [](Plan& p) {
+         p.approach.polish = PathPolish::Time;
+         p.approach.after_polish = p.approach.duration;
+         p.approach.before_polish = p.approach.duration - 1e-3;
+       }},
+      {"approach_polish_stated",
+       [](Plan& p) {
+         p.approach.polish = PathPolish::Attitude;
+         p.approach.before_polish = 9;
+       }},
       {"approach_base_start", [](Plan& p) { p.problem.approach.station_free = false; }},
       {"approach_clearance", [](Plan& p) { p.problem.approach.clearance = 1; }},
       {"approach_stated_clearance", [](Plan& p) { p.approach.min_clearance += 0.01; }},

@@ -4,15 +4,20 @@
 // Assumptions. The robot is at rest with zero momentum before the approach and while it waits.
 // Base `held`: the base pose is that of the configuration throughout. Base `floating` with a free
 // station: Omega = -H_b^-1 H_bphi phidot along the path; the net motion g(path) of the base does
-// not depend on where it starts, so the start pose is goal.base * g(path)^-1. Between the stored
-// samples the joints follow cubic Hermite segments; limits, clearances and base poses hold for
-// those segments, not only at the samples. Joints that the search may not change, and that are
-// already where they should be, stay still. Continuous joints end at the configuration's angle; the
-// start angle is taken the whole turns away from problem.start that make the way shortest.
+// not depend on where it starts, so the start pose is goal.base * g(path)^-1. With a stated start
+// the base ends where the path leaves it, and the posture at the contact must fit that pose:
+// posture and path are found together. Base `reaction-null`: as floating with a free station, and
+// the joints move in the reaction null space of (9) all along. Between the stored samples the
+// joints follow cubic Hermite segments; limits, clearances and base poses hold for those segments,
+// not only at the samples. Joints that the search may not change, and that are already where they
+// should be, stay still. Continuous joints end at the configuration's angle; the start angle is
+// taken the whole turns away from problem.start that make the way shortest.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +26,25 @@
 #include <stillbase/target/target.hpp>
 
 namespace stillbase {
+
+enum class ContactSolve {
+  Best,    ///< the best posture near the one of the closest pose asked for before
+  Nearest  ///< the posture nearest to the last best one; depends smoothly on the pose
+};
+
+/// The contact solved anew, asked for when path and configuration depend on each other. Nothing is
+/// returned when there is no solution nearby.
+struct ContactSolver {
+  /// Posture and contact time with the base at this pose (T_NB) at the contact: for a floating base
+  /// with a stated start.
+  std::function<std::optional<Configuration>(const Pose& base, ContactSolve how)> at_base;
+  /// A configuration near a posture (n), the nearest one that solves the contact or the best one
+  /// nearby: for paths within the reaction null space, which reach few postures easily.
+  std::function<std::optional<Configuration>(const JointVectord& phi, ContactSolve how)>
+      near_posture;
+  /// The problem's objective at a configuration that near_posture returned; smaller is better.
+  std::function<double(const Configuration&)> measure;
+};
 
 /// Plans the approach to a configuration: OMPL path against FCL distances, simplification, corners
 /// rounded, time law within rate and acceleration limits, then robot(t) against target(t) along the
@@ -35,17 +59,23 @@ namespace stillbase {
 /// @param seed every random choice follows from it; same seed, same bytes
 /// @param stop asked during planning; reached: TimeOut
 /// @param solver_calls counts the planner's runs under its name
+/// @param contact at_base is needed for a floating base with a stated start; near_posture and
+/// measure are
+///   used for `reaction-null` when they are there. The configuration at the contact then is that of
+///   the last sample, and `goal` only where the search begins
 /// @return status Found with every field set, or what failed with `detail` in words:
 ///   NotRequested (approach switched off), StartInvalid, GoalInvalid (limits or bodies closer than
-///   the clearance), GoalUnreachable (no path found), HitEarly (who, whom, when), TimeOut, TooSlow
-///   (by how many seconds).
+///   the clearance), GoalUnreachable (no path found), UnreachableInBaseMode (no path keeps the
+///   base's attitude), HitEarly (who, whom, when), TimeOut, TooSlow (by how many seconds),
+///   BaseDriftOpen (no path ends at a contact that fits where it leaves the base; by how much).
 /// @throws std::invalid_argument for sizes that do not fit, numbers that are not finite, limits
 /// that
 ///   are not positive, or an unknown planner
 [[nodiscard]] Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
                                      const TargetMotion* target, std::uint64_t seed,
                                      const StopCondition& stop,
-                                     std::map<std::string, long>& solver_calls);
+                                     std::map<std::string, long>& solver_calls,
+                                     const ContactSolver& contact = {});
 
 /// Names accepted in ApproachSpec::planner.
 std::vector<std::string> approach_planner_names();

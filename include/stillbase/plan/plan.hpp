@@ -102,10 +102,12 @@ enum class ApproachStatus {
   StartInvalid,
   GoalInvalid,
   GoalUnreachable,
+  UnreachableInBaseMode,  ///< the arm gets there, but not with the base as asked for
   HitEarly,
   TimeOut,      ///< a deadline came first
   Interrupted,  ///< a signal came first
-  TooSlow
+  TooSlow,
+  BaseDriftOpen  ///< the base moves with the path, and no path was found that ends at the contact
 };
 std::string to_string(ApproachStatus status);
 
@@ -118,12 +120,22 @@ struct Approach {
   /// At the begin of the segment that starts at each sample; zero at the last one. They follow from
   /// the rest: a number changed afterwards no longer fits its neighbours.
   std::vector<JointVectord> joint_accelerations;
+  /// At the begin of the segment that starts at each sample, by the dynamics of the floating (held)
+  /// robot, rotor inertias of the problem included, friction not; zero at the last one. N m (N).
+  std::vector<JointVectord> joint_torques;
   std::vector<Pose> base_poses;           ///< T_NB
   std::vector<Vector6d> base_velocities;  ///< Omega in B
   double duration = 0;                    ///< s of motion
   double path_length = 0;                 ///< rad, by eight chords per segment
   double attitude_excursion = 0;  ///< rad, largest turn of the base away from its final attitude
   double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
+  double effort_used = 0;    ///< largest part of a joint's effort limit, 0 without limits
+  double late_by = 0;        ///< TooSlow: s
+  double hand_position_error = 0;        ///< m, hand at the end of the path from where it should be
+  double hand_angle_error = 0;           ///< rad, the same of its axes
+  PathPolish polish = PathPolish::None;  ///< what was made smaller
+  double before_polish = 0;              ///< s of motion or rad of excursion, as OMPL's path has it
+  double after_polish = 0;               ///< the same of the path as it is; never larger
 };
 
 struct Plan {

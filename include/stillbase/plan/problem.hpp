@@ -135,7 +135,15 @@ struct SearchSpec {
   int max_candidates = 32;  ///< kept in the plan
 };
 
-enum class BaseMode { Held, Floating };
+/// What the base does while the arm moves.
+enum class BaseMode {
+  Held,         ///< actively kept where it is
+  Floating,     ///< without momentum: it turns and shifts with the arm
+  ReactionNull  ///< floating, the joints moving so that the attitude stays
+};
+
+/// What the path is made better in after it was found.
+enum class PathPolish { None, Attitude, Time };
 
 /// A fixed body in the way.
 struct Obstacle {
@@ -160,6 +168,9 @@ struct ApproachSpec {
   double resolution = 0.02;         ///< rad between checked postures
   std::string planner = "rrt_connect";
   int max_iterations = 20000;  ///< of the planner
+  PathPolish polish = PathPolish::None;
+  /// ReactionNull: the base may turn by this much, rad; 0.1 deg.
+  double attitude_tolerance = 0.0017453292519943296;
 };
 
 /// Gains and horizon of the post-impact phase, and what counts as success.

@@ -1,0 +1,116 @@
+#include "approach/closure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "approach/base_motion.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kClosed = 1e-10;  ///< m, rad: what is left to rounding
+constexpr double kSettled = 1e-7;  ///< m, rad: the best posture hardly changes any more
+constexpr double kFar = 3;         ///< rad: a posture so far off needs another path
+constexpr double kStride = 0.15;   ///< m, rad: the posture for a pose so near is found from it
+constexpr double kStep = 1e-4;     ///< m, rad, for differences
+constexpr int kSettleRounds = 60, kNewtonRounds = 12;
+
+Vector6d difference(const Pose& from, const Pose& to) {
+  Vector6d e;
+  e << to.position - from.position, rotation_log(from.orientation.conjugate() * to.orientation);
+  return e;
+}
+
+Pose moved(const Pose& pose, const Vector6d& by) {
+  return {pose.position + by.head<3>(), pose.orientation * rotation_exp(by.tail<3>())};
+}
+
+/// One way round: a pose of the base at the end, the posture there, the path to it, the pose that
+/// the path really leaves.
+class Loop {
+ public:
+  Loop(const CaptureProblem& problem, const JointPath& path, const ContactSolver& solve)
+      : problem_(problem), path_(path), solve_(solve) {}
+
+  bool go(const Pose& base, ContactSolve how, ClosedPath& out) const {
+    const auto end = solve_.at_base(base, how);
+    if (!end) return false;
+    const JointVectord shift = end->phi - path_.phi.back();
+    if (!(shift.cwiseAbs().maxCoeff() < kFar)) return false;
+    out.end = *end;
+    out.path = shifted(path_, shift);
+    out.path.phi.back() = end->phi;
+    out.base_poses = base_poses_from(problem_.robot, out.path, problem_.base);
+    out.open = difference(base, out.base_poses.back()).norm();
+    return true;
+  }
+
+ private:
+  const CaptureProblem& problem_;
+  const JointPath& path_;
+  const ContactSolver& solve_;
+};
+
+/// d(pose left - pose assumed) / d(pose assumed).
+std::optional<Matrix6d> slope(const Loop& loop, const Pose& base, const Vector6d& at) {
+  Matrix6d J;
+  for (int k = 0; k < 6; ++k) {
+    ClosedPath there;
+    const Pose beside = moved(base, kStep * Vector6d::Unit(k));
+    if (!loop.go(beside, ContactSolve::Nearest, there)) return std::nullopt;
+    J.col(k) = (difference(beside, there.base_poses.back()) - at) / kStep;
+  }
+  return J;
+}
+
+}  // namespace
+
+JointPath shifted(const JointPath& path, const JointVectord& shift) {
+  JointPath out = path;
+  const double begin = path.times.front(), duration = path.times.back() - begin;
+  if (!(duration > 0)) return out;
+  for (std::size_t i = 0; i < path.times.size(); ++i) {
+    const double u = (path.times[i] - begin) / duration;
+    out.phi[i] += (u * u * u * (10 + u * (6 * u - 15))) * shift;
+    out.phidot[i] += (30 * u * u * (1 - u) * (1 - u) / duration) * shift;
+  }
+  out.phidot.front().setZero();
+  out.phidot.back().setZero();
+  return out;
+}
+
+ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
+                      const ContactSolver& solve) {
+  const Loop loop(problem, path, solve);
+  Pose base = assumed;
+  ClosedPath best, now;
+  best.open = kInfinity;
+  // The best posture changes with the pose, and so does the path to it: follow them round.
+  for (int round = 0; round < kSettleRounds; ++round) {
+    if (!loop.go(base, ContactSolve::Best, now)) break;
+    if (now.open < best.open) best = now;
+    if (now.open < kSettled) break;
+    const Vector6d way = difference(base, now.base_poses.back());
+    base = moved(base, std::min(1.0, kStride / way.norm()) * way);
+  }
+  if (!std::isfinite(best.open)) return best;
+  // Then the nearest posture that meets the target exactly.
+  base = best.open < kStride ? best.base_poses.back() : base;
+  if (!loop.go(base, ContactSolve::Nearest, now)) return best;
+  const auto J = slope(loop, base, difference(base, now.base_poses.back()));
+  if (!J) return best;
+  const Eigen::PartialPivLU<Matrix6d> newton(*J);
+  for (int round = 0; round < kNewtonRounds; ++round) {
+    if (now.open < best.open || round == 0) best = now;
+    if (best.open < kClosed) break;
+    base = moved(base, -newton.solve(difference(base, now.base_poses.back())));
+    if (!loop.go(base, ContactSolve::Nearest, now)) break;
+  }
+  best.closed = best.open < kClosed;
+  return best;
+}
+
+}  // namespace stillbase

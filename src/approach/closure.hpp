@@ -1,0 +1,29 @@
+// A floating base that starts where it stands: where it ends follows from the path, and the path
+// must end where the hand then meets the target.
+#pragma once
+
+#include <stillbase/approach/approach.hpp>
+
+#include "approach/joint_path.hpp"
+
+namespace stillbase {
+
+/// Joint path shifted smoothly, by nothing at its start and by `shift` (n) at its end.
+JointPath shifted(const JointPath& path, const JointVectord& shift);
+
+struct ClosedPath {
+  JointPath path;                ///< its last posture is that of `end`
+  std::vector<Pose> base_poses;  ///< T_NB at its samples, from problem.base
+  Configuration end;             ///< solves the contact with its base; the path leaves it there
+  double open = 0;               ///< m or rad left between both, when not closed
+  bool closed = false;
+};
+
+/// Shifts the path until it ends at a posture that solves the contact at the base pose that it
+/// ends with: first the best posture for each base pose in turn, then Newton's method on the pose.
+/// @param path from rest to rest, at times from 0 on; its last posture solves the contact with the
+///   base at `assumed`, from where the pose is led to the one that the path leaves
+ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
+                      const ContactSolver& solve);
+
+}  // namespace stillbase

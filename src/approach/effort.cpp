@@ -1,0 +1,61 @@
+#include "approach/effort.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/momentum.hpp>
+
+namespace stillbase {
+
+namespace {
+
+constexpr int kLooks = 8;  ///< per segment
+/// Part of the limits that is used: between two looks the torque may rise a little more.
+constexpr double kUsable = 0.99;
+
+}  // namespace
+
+JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& motion) {
+  const RobotModel& robot = problem.robot;
+  const auto kinematics = compute_kinematics<double>(robot, motion.phi);
+  const auto inertia = compute_inertia<double>(robot, kinematics);
+  Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
+  if (problem.approach.base != BaseMode::Held) {
+    Omega = free_floating_base_velocity<double>(inertia, motion.phidot);
+  }
+  const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, motion.phidot);
+  if (problem.approach.base != BaseMode::Held) {
+    dot_Omega = -inertia.H_b.ldlt().solve(Vector6d(inertia.H_bphi * motion.phiddot + bias.c_b));
+  }
+  JointVectord torques =
+      inertia.H_phi * motion.phiddot + inertia.H_bphi.transpose() * dot_Omega + bias.c_phi;
+  if (problem.resistance.model == ResistanceModel::RotorInertia) {
+    torques += problem.resistance.rotor_inertia.cwiseProduct(motion.phiddot);
+  }
+  return torques;
+}
+
+double effort_used(const CaptureProblem& problem, const JointPath& path) {
+  double used = 0;
+  for (std::size_t i = 0; i < path.segments(); ++i) {
+    for (int look = 0; look <= kLooks; ++look) {
+      const double t = path.times[i] + (path.times[i + 1] - path.times[i]) * look / kLooks;
+      const JointVectord torques = joint_torques(problem, motion_on_segment(path, i, t));
+      for (int k = 0; k < problem.robot.n(); ++k) {
+        const double limit = problem.robot.joints[static_cast<std::size_t>(k)].max_effort;
+        used = std::max(used, std::abs(torques[k]) / limit);
+      }
+    }
+  }
+  return used;
+}
+
+void slow_for_effort(const CaptureProblem& problem, JointPath& path) {
+  const double used = effort_used(problem, path);
+  if (used > kUsable) stretch(path, std::sqrt(used / kUsable));
+}
+
+}  // namespace stillbase

@@ -1,0 +1,193 @@
+#include "approach/null_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <stillbase/dynamics/inertia.hpp>
+
+namespace stillbase {
+
+namespace {
+
+/// How firmly the curve is pulled to its reference, per unit of s.
+constexpr double kPull = 4;
+/// Squares of singular values of the coupling matrix below this part of the largest count as zero.
+constexpr double kRankSquared = 1e-12;
+constexpr int kCoarseSteps = 6;         ///< between knots, for Newton's matrix
+constexpr double kDifference = 1e-6;    ///< rad
+constexpr double kReached = 1e-9;       ///< rad
+constexpr double kLargestShift = 0.7;   ///< rad of a knot in one step
+constexpr double kFirstDamping = 1e-2;  ///< beside squares of sensitivities of about 1
+constexpr double kLimitMargin = 0.1;    ///< rad that knots keep from the limits
+constexpr int kNewtonSteps = 60, kDampings = 10;
+
+struct Reference {
+  Eigen::VectorXd r, slope;
+};
+
+Reference reference_at(const Knots& knots, double s) {
+  const auto count = knots.cols() - 1;
+  const auto i = std::clamp(static_cast<Eigen::Index>(s * static_cast<double>(count)),
+                            Eigen::Index{0}, count - 1);
+  const double u = s * static_cast<double>(count) - static_cast<double>(i);
+  const auto knot_slope = [&](Eigen::Index k) -> Eigen::VectorXd {
+    const Eigen::Index a = std::max<Eigen::Index>(k - 1, 0), b = std::min(k + 1, count);
+    return (knots.col(b) - knots.col(a)) / static_cast<double>(b - a);
+  };
+  const Eigen::VectorXd m0 = knot_slope(i), m1 = knot_slope(i + 1);
+  const Eigen::VectorXd rise = knots.col(i + 1) - knots.col(i);
+  return {knots.col(i) + (u * u * (3 - 2 * u)) * rise + (u * (1 - u) * (1 - u)) * m0 -
+              (u * u * (1 - u)) * m1,
+          static_cast<double>(count) *
+              ((6 * u * (1 - u)) * rise + ((1 - u) * (1 - 3 * u)) * m0 + (u * (3 * u - 2)) * m1)};
+}
+
+}  // namespace
+
+NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
+                         std::vector<Eigen::Index> free)
+    : robot_(robot), start_(start), free_(std::move(free)) {
+  const auto m = static_cast<Eigen::Index>(free_.size());
+  lower_.resize(m);
+  upper_.resize(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Eigen::Index k = free_[static_cast<std::size_t>(i)];
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    lower_[i] = std::min(joint.lower + kLimitMargin, start[k]);
+    upper_[i] = std::max(joint.upper - kLimitMargin, start[k]);
+  }
+}
+
+Eigen::VectorXd NullTracker::free_part(const JointVectord& phi) const {
+  Eigen::VectorXd part(static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t i = 0; i < free_.size(); ++i) part[static_cast<Eigen::Index>(i)] = phi[free_[i]];
+  return part;
+}
+
+Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
+                                       const Eigen::VectorXd& wanted) const {
+  const auto inertia = compute_inertia<double>(robot_, compute_kinematics<double>(robot_, phi));
+  const Matrix3Xd all = compute_tilde_inertia<double>(inertia).Htilde_omegaphi;
+  Matrix3Xd A(3, wanted.size());
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    A.col(static_cast<Eigen::Index>(i)) = all.col(free_[i]);
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> square(A * A.transpose());
+  Vector3d momentum = square.eigenvectors().transpose() * (A * wanted);
+  const Vector3d sizes = square.eigenvalues();
+  for (int k = 0; k < 3; ++k) {
+    momentum[k] = sizes[k] > kRankSquared * sizes[2] ? momentum[k] / sizes[k] : 0;
+  }
+  return wanted - A.transpose() * (square.eigenvectors() * momentum);
+}
+
+JointVectord NullTracker::slope(const Knots& knots, double s, const JointVectord& phi) const {
+  const Reference reference = reference_at(knots, s);
+  const Eigen::VectorXd part =
+      projected(phi, reference.slope + kPull * (reference.r - free_part(phi)));
+  JointVectord full = JointVectord::Zero(phi.size());
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    full[free_[i]] = part[static_cast<Eigen::Index>(i)];
+  return full;
+}
+
+JointVectord NullTracker::step(const Knots& knots, double s, double h, const JointVectord& phi,
+                               const JointVectord& k1) const {
+  const JointVectord k2 = slope(knots, s + h / 2, phi + h / 2 * k1);
+  const JointVectord k3 = slope(knots, s + h / 2, phi + h / 2 * k2);
+  const JointVectord k4 = slope(knots, s + h, phi + h * k3);
+  return phi + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+}
+
+JointPath NullTracker::follow(const Knots& knots, int steps) const {
+  const auto total = static_cast<int>(knots.cols() - 1) * steps;
+  JointPath curve;
+  JointVectord phi = start_;
+  for (int i = 0; i <= total; ++i) {
+    const double s = static_cast<double>(i) / total;
+    curve.times.push_back(s);
+    curve.phi.push_back(phi);
+    curve.phidot.push_back(slope(knots, s, phi));
+    if (i < total) phi = step(knots, s, 1.0 / total, phi, curve.phidot.back());
+  }
+  return curve;
+}
+
+Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& curve,
+                                          int steps) const {
+  const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
+  const auto total = static_cast<int>(count) * steps;
+  const Eigen::VectorXd end = free_part(curve.phi.back());
+  Eigen::MatrixXd J(m, m * count);
+  Knots beside = knots;
+  for (Eigen::Index k = 1; k <= count; ++k) {
+    // A knot bends the reference from two knots before it on.
+    const int from = static_cast<int>(std::max<Eigen::Index>(k - 2, 0)) * steps;
+    for (Eigen::Index row = 0; row < m; ++row) {
+      beside(row, k) += kDifference;
+      JointVectord phi = curve.phi[static_cast<std::size_t>(from)];
+      for (int i = from; i < total; ++i) {
+        const double s = static_cast<double>(i) / total;
+        phi = step(beside, s, 1.0 / total, phi, slope(beside, s, phi));
+      }
+      J.col((k - 1) * m + row) = (free_part(phi) - end) / kDifference;
+      beside(row, k) = knots(row, k);
+    }
+  }
+  return J;
+}
+
+std::optional<Configuration> NullTracker::reach(const GoalNear& goal, int fine_steps, Knots& knots,
+                                                JointPath& curve) const {
+  const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
+  std::optional<Configuration> wanted;
+  const auto missing = [&](const JointPath& path) -> Eigen::VectorXd {
+    const JointVectord& end = path.phi.back();
+    if (end.allFinite()) wanted = goal(end);
+    if (!end.allFinite() || !wanted) return Eigen::VectorXd::Constant(m, kInfinity);
+    return free_part(wanted->phi) - free_part(end);
+  };
+  int steps = kCoarseSteps;
+  double damping = kFirstDamping;
+  curve = follow(knots, steps);
+  for (int newton = 0; newton < kNewtonSteps; ++newton) {
+    const Eigen::VectorXd error = missing(curve);  // also sets the goal of this very curve
+    if (!error.allFinite()) return std::nullopt;
+    if (error.norm() < kReached && steps == fine_steps) {
+      curve.phi.back() = wanted->phi;
+      return wanted;
+    }
+    if (error.norm() < 1e-6 && steps != fine_steps) {
+      steps = fine_steps;
+      curve = follow(knots, steps);
+      continue;
+    }
+    const JointPath coarse = steps == kCoarseSteps ? curve : follow(knots, kCoarseSteps);
+    const Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+    const Eigen::MatrixXd square = J * J.transpose();
+    bool better = false;
+    for (int trial = 0; trial < kDampings && !better; ++trial) {
+      const Eigen::MatrixXd damped = square + damping * Eigen::MatrixXd::Identity(m, m);
+      Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
+      shift *= std::min(1.0, kLargestShift / shift.cwiseAbs().maxCoeff());
+      Knots there = knots;
+      there.rightCols(count) += Eigen::Map<const Eigen::MatrixXd>(shift.data(), m, count);
+      // The curve keeps to its reference: a reference within the limits keeps it off them.
+      there =
+          there.cwiseMax(lower_.replicate(1, count + 1)).cwiseMin(upper_.replicate(1, count + 1));
+      JointPath moved = follow(there, steps);
+      better = missing(moved).norm() < error.norm();
+      damping = better ? damping / 8 : damping * 6;
+      if (!better) continue;
+      knots = std::move(there);
+      curve = std::move(moved);
+    }
+    if (!better) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace stillbase

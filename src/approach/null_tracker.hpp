@@ -1,0 +1,54 @@
+// Following a reference curve within the angular reaction null space.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <stillbase/plan/plan.hpp>
+
+#include "approach/joint_path.hpp"
+
+namespace stillbase {
+
+/// Rows: free joints; columns: knots at equal distances of the parameter s in [0, 1]. Between them
+/// a cubic through the knots (Catmull and Rom's slopes).
+using Knots = Eigen::MatrixXd;
+
+class NullTracker {
+ public:
+  /// @param start n; the first column of all knots is its free part
+  NullTracker(const RobotModel& robot, const JointVectord& start, std::vector<Eigen::Index> free);
+
+  /// The velocity of the free joints (m) in the reaction null space that is nearest to `wanted`.
+  Eigen::VectorXd projected(const JointVectord& phi, const Eigen::VectorXd& wanted) const;
+
+  /// The curve that follows the knots, with `steps` Runge-Kutta steps between two knots: `times`
+  /// are values of s, `phidot` the slopes.
+  JointPath follow(const Knots& knots, int steps) const;
+
+  /// A goal near a posture (n); nothing when there is none.
+  using GoalNear = std::function<std::optional<Configuration>(const JointVectord&)>;
+
+  /// Shifts the knots until the curve ends at a goal, to 1e-9 rad; its last posture is then made
+  /// that of the goal. Nothing: it does not get there.
+  std::optional<Configuration> reach(const GoalNear& goal, int fine_steps, Knots& knots,
+                                     JointPath& curve) const;
+
+  Eigen::VectorXd free_part(const JointVectord& phi) const;
+
+ private:
+  /// Slope of the curve at s.
+  JointVectord slope(const Knots& knots, double s, const JointVectord& phi) const;
+  JointVectord step(const Knots& knots, double s, double h, const JointVectord& phi,
+                    const JointVectord& slope_here) const;
+  /// d(end) / d(knots after the first, column by column), by differences.
+  Eigen::MatrixXd end_jacobian(const Knots& knots, const JointPath& curve, int steps) const;
+
+  const RobotModel& robot_;
+  JointVectord start_;
+  std::vector<Eigen::Index> free_;
+  Eigen::VectorXd lower_, upper_;  ///< of knots (m)
+};
+
+}  // namespace stillbase

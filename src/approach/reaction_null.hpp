@@ -1,0 +1,48 @@
+// Paths within the angular reaction null space: the arm moves and the base does not turn.
+//
+// phi' = P(phi) w, P the projector onto the null space of Htilde_omegaphi (9). The directions that
+// are open change with the posture, so that postures off the null space of the start are reached by
+// going around (n > rank + 1). The path follows a reference curve as well as it may,
+//   phi' = P(phi) (r' + kappa (r - phi)),
+// and the knots of the curve are shifted by Newton steps of least norm until it ends at the goal.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <stillbase/approach/approach.hpp>
+
+#include "approach/joint_path.hpp"
+#include "approach/motion_check.hpp"
+#include "approach/null_tracker.hpp"
+
+namespace stillbase {
+
+struct NullPathQuery {
+  JointVectord start, goal;  ///< n
+  /// Configurations that solve the contact, and how good they are (smaller is better).
+  std::function<std::optional<Configuration>(const JointVectord&, ContactSolve)> goal_near;
+  std::function<double(const Configuration&)> measure;
+  std::vector<Eigen::Index> free;  ///< joints that may move; the others keep still
+  JointVectord lower, upper;       ///< of the free joints, finite
+  std::uint64_t seed = 1;
+  int max_iterations = 0;  ///< of OMPL's planner
+  StopCondition stop;
+};
+
+struct NullPathAnswer {
+  JointPath curve;    ///< over its length (rad), slopes of norm 1, to one of the goals. Empty: none
+  Configuration end;  ///< where it ends
+  std::string detail;  ///< what was tried
+  bool stopped = false;
+};
+
+/// The curve is first brought to any posture that solves the contact, then on to ever better ones
+/// as far as it can be bent; of several the one with the best end is kept. References are first the
+/// straight line and ever wider detours; when what comes of them collides, ways around the
+/// obstacles that OMPL finds over joint velocities within the null space.
+NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem,
+                              const StillScene& scene);
+
+}  // namespace stillbase

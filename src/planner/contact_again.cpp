@@ -1,0 +1,147 @@
+#include "planner/contact_again.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/nlp/certificate.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+
+#include "capture/measure.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kSolved = 1e-9;  ///< largest violation of a configuration
+constexpr double kZero = 1e-9;    ///< an objective that vanishes, in its unit
+constexpr int kProjections = 40;
+constexpr int kEvaluations = 400;  ///< the start is close
+
+double distance(const Pose& a, const Pose& b) {
+  return (a.position - b.position).norm() +
+         rotation_log(a.orientation.conjugate() * b.orientation).norm();
+}
+
+}  // namespace
+
+ContactAgain::ContactAgain(const CaptureProblem& problem, const Eigen::VectorXd& x,
+                           const Candidate& candidate, const Certificate& certificate,
+                           const StopCondition& stop)
+    : problem_(problem),
+      candidate_(candidate),
+      certificate_(certificate),
+      stop_(stop),
+      formulation_(problem),
+      best_{{candidate.configuration.base, x}} {}
+
+ContactSolver ContactAgain::solver() {
+  ContactSolver solver;
+  solver.at_base = [this](const Pose& base, ContactSolve how) { return at_base(base, how); };
+  solver.near_posture = [this](const JointVectord& phi, ContactSolve how) {
+    return near_posture(phi, how);
+  };
+  solver.measure = [this](const Configuration& configuration) {
+    return Measure(problem_, formulation_).reported(formulation_.variables(configuration));
+  };
+  return solver;
+}
+
+CaptureProblem ContactAgain::stated_at(const Pose& base) const {
+  CaptureProblem problem = problem_;
+  problem.base = base;
+  return problem;
+}
+
+Eigen::VectorXd ContactAgain::best_near(const Pose& base) const {
+  return std::min_element(best_.begin(), best_.end(),
+                          [&](const Known& a, const Known& b) {
+                            return distance(a.base, base) < distance(b.base, base);
+                          })
+      ->x;
+}
+
+ProjectionResult ContactAgain::optimum(const CaptureProblem& problem,
+                                       const Formulation& formulation, const Eigen::VectorXd& x) {
+  if (formulation.freedom() == 0) return {x, kInfinity};
+  nlp::OptimizeOptions options;
+  options.max_evaluations = kEvaluations;
+  options.stop = stop_;
+  options.seed = problem_.search.seed;
+  const auto optimizer = nlp::make_optimizer(problem_.search.optimizer);
+  const MeasureSolution result = Measure(problem, formulation).finish(*optimizer, options, x);
+  optimizer_calls_ += result.solver_calls;
+  return project_onto_constraints(formulation, result.x, false, kProjections);
+}
+
+std::optional<Configuration> ContactAgain::at_base(const Pose& base, ContactSolve how) {
+  if (stop_.reached()) return std::nullopt;
+  const CaptureProblem problem = stated_at(base);
+  const Formulation formulation(problem);
+  const bool best = how == ContactSolve::Best;
+  const Eigen::VectorXd x0 = best ? best_near(base) : best_.back().x;
+  ProjectionResult solved = project_onto_constraints(formulation, x0, false, kProjections);
+  if (best) {
+    const ProjectionResult better = optimum(problem, formulation, solved.x);
+    if (better.violation <= kSolved) solved = better;
+  }
+  if (!(solved.violation <= kSolved)) return std::nullopt;
+  if (best) best_.push_back({base, solved.x});
+  const Configuration found = formulation.configuration(solved.x);
+  returned_.emplace_back(found.phi, solved.x);
+  return found;
+}
+
+// The variables begin with the free joints, in their order.
+std::optional<Configuration> ContactAgain::near_posture(const JointVectord& phi, ContactSolve how) {
+  Eigen::VectorXd x = best_.front().x;
+  Eigen::Index row = 0;
+  for (int k = 0; k < problem_.robot.n(); ++k) {
+    if (problem_.variables.joints[static_cast<std::size_t>(k)]) x[row++] = phi[k];
+  }
+  ProjectionResult solved = project_onto_constraints(formulation_, x, false, kProjections);
+  if (how == ContactSolve::Best && problem_.measure.kind != RiskMeasure::Nominal) {
+    solved = optimum(problem_, formulation_, solved.x);
+  } else if (how == ContactSolve::Best) {
+    // Where the objective can vanish, its zeros are a whole family: the nearest one is best.
+    const ProjectionResult zero =
+        project_onto_constraints(formulation_, solved.x, true, kProjections);
+    Eigen::VectorXd y;
+    Eigen::MatrixXd slope;
+    if (zero.violation <= kSolved) formulation_.objective_vector(zero.x, y, slope);
+    const bool vanishes = zero.violation <= kSolved && y.norm() <= kZero;
+    solved = vanishes ? zero : optimum(problem_, formulation_, solved.x);
+  }
+  if (!(solved.violation <= kSolved)) return std::nullopt;
+  const Configuration found = formulation_.configuration(solved.x);
+  returned_.emplace_back(found.phi, solved.x);
+  return found;
+}
+
+ContactAgain::Resolved ContactAgain::resolve(const JointVectord& phi, const Pose& base) const {
+  const auto at = std::find_if(returned_.rbegin(), returned_.rend(),
+                               [&](const auto& pair) { return pair.first == phi; });
+  if (at == returned_.rend()) throw std::logic_error("the path ends where no contact was solved");
+  const Eigen::VectorXd& x = at->second;
+  const bool follows = problem_.approach.base == BaseMode::Floating;
+  const CaptureProblem problem = follows ? stated_at(base) : problem_;
+  const Formulation formulation(problem);
+  Resolved out{candidate_, certificate_, formulation.report(x)};
+  Candidate& candidate = out.candidate;
+  candidate.configuration = formulation.configuration(x);
+  candidate.objective = nominal_value(problem, formulation, candidate.configuration);
+  candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
+  const Measure measure(problem, formulation);
+  candidate.value = measure.reported(x);
+  candidate.max_violation = 0;
+  for (const ConstraintValue& value : out.constraints) {
+    candidate.max_violation = std::max(candidate.max_violation, value.violation);
+  }
+  out.certificate.max_violation = candidate.max_violation;
+  const nlp::Certificate kkt = measure.certify(x);
+  out.certificate.kkt_residual = kkt.kkt_residual;
+  out.certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,92 @@
+// Approaches that leave the base's attitude alone.
+#include <catch2/catch.hpp>
+
+#include <stillbase/reference/reference.hpp>
+
+#include "approach/null_tracker.hpp"
+#include "approach/problems.hpp"
+#include "approach/shipped_robot.hpp"
+#include "verification/base_motion.hpp"
+
+using namespace stillbase;
+using namespace stillbase::test;
+
+namespace {
+
+/// Largest turn of the base by the second implementation of the dynamics.
+double turned(const RobotModel& robot, const Approach& a) {
+  Pose pose;
+  double largest = 0;
+  for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
+    const verification::HermiteSegment segment(a, i);
+    pose = verification::drifted_base(robot, segment, 0, segment.duration(), pose, 0.005);
+    largest = std::max(largest, rotation_log(pose.orientation).norm());
+  }
+  return largest;
+}
+
+CaptureProblem arm_problem() {
+  CaptureProblem problem =
+      problem_for(shipped_robot("iiwa_on_cube"), posture({20, 40, 0, -60, 10, 50, 0}));
+  problem.approach.velocity_scale = 0.05;
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("a seven-joint arm reaches a set of postures without turning the base") {
+  CaptureProblem problem = arm_problem();
+  // Somewhere that can be reached: where one leaves the null space least on the way to a posture.
+  const JointVectord far = posture({60, 60, 20, -40, 0, 30, 40});
+  Knots knots(7, 5);
+  for (int k = 0; k < 5; ++k) knots.col(k) = problem.start + k / 4.0 * (far - problem.start);
+  const NullTracker tracker(problem.robot, problem.start, {0, 1, 2, 3, 4, 5, 6});
+  const Configuration goal = goal_at(tracker.follow(knots, 20).phi.back(), 400);
+  REQUIRE((goal.phi - problem.start).norm() > 0.5);
+  problem.approach.base = BaseMode::Floating;
+  const Approach plain = plan(problem, goal);
+  REQUIRE(plain.status == ApproachStatus::Found);
+  CHECK(turned(problem.robot, plain) > 0.05 * kDegree);
+
+  // Any posture with joints 2 and 4 as in the goal is as good, the best one has joint 6 as well.
+  ContactSolver contact;
+  contact.near_posture = [&](const JointVectord& phi, ContactSolve how) {
+    Configuration near = goal;
+    near.phi = phi;
+    for (const int k : {1, 3}) near.phi[k] = goal.phi[k];
+    if (how == ContactSolve::Best) near.phi[5] = goal.phi[5];
+    return std::optional<Configuration>(near);
+  };
+  contact.measure = [&](const Configuration& end) { return std::abs(end.phi[5] - goal.phi[5]); };
+  problem.approach.base = BaseMode::ReactionNull;
+  const auto plan_still = [&] {
+    std::map<std::string, long> calls;
+    return plan_approach(problem, goal, nullptr, 1, {}, calls, contact);
+  };
+  const Approach still = plan_still();
+  INFO(still.detail);
+  REQUIRE(still.status == ApproachStatus::Found);
+  for (const int k : {1, 3, 5}) CHECK(still.joint_positions.back()[k] == goal.phi[k]);
+  CHECK(turned(problem.robot, still) < 0.01 * kDegree);
+  CHECK(still.attitude_excursion < 0.01 * kDegree);
+  CHECK(plan_still().joint_positions == still.joint_positions);
+}
+
+TEST_CASE("velocities projected into the reaction null space carry no angular momentum") {
+  const CaptureProblem problem = arm_problem();
+  const NullTracker tracker(problem.robot, problem.start, {0, 1, 2, 3, 4, 5, 6});
+  const Eigen::VectorXd wanted = Eigen::VectorXd::LinSpaced(7, -1, 1);
+  const Eigen::VectorXd kept = tracker.projected(problem.start, wanted);
+  const auto d = reference::compute(problem.robot, {problem.start, {}, {}});
+  CHECK((d.Htilde_omegaphi * kept).norm() < 1e-12);
+  CHECK(kept.norm() > 0.1);
+  CHECK(std::abs(kept.dot(wanted - kept)) < 1e-12);  // the nearest one
+}
+
+TEST_CASE("two joints cannot go anywhere else without turning the base") {
+  CaptureProblem problem = planar_problem(posture({-60, 30}));
+  problem.approach.base = BaseMode::ReactionNull;
+  const Approach a = plan(problem, goal_at(posture({60, -30}), 300));
+  CHECK(a.status == ApproachStatus::UnreachableInBaseMode);
+  CHECK(a.detail.find("within the reaction null space 0 end at the goal") != std::string::npos);
+}
