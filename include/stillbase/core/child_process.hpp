@@ -1,0 +1,47 @@
+// Pieces of work in processes of their own, so that a crash, a hang or a runaway allocation of one
+// is an outcome and not the end.
+//
+// Assumptions: POSIX; the caller has no other threads (a forked child of a threaded process may
+// find locks held for ever).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include <stillbase/core/interrupt.hpp>
+
+namespace stillbase {
+
+enum class ChildEnd {
+  Finished,     ///< the work returned
+  Crashed,      ///< it threw, was killed by a signal, or left the process
+  TimedOut,     ///< killed at the time limit
+  OutOfMemory,  ///< an allocation beyond the memory limit
+};
+
+struct ChildOutcome {
+  ChildEnd end = ChildEnd::Crashed;
+  std::string bytes;    ///< what the work returned; empty unless Finished
+  std::string message;  ///< text of an exception, name of a signal, ...
+  double seconds = 0;   ///< wall clock
+};
+
+struct ChildOptions {
+  int jobs = 1;                       ///< processes at a time
+  double seconds = 60;                ///< wall clock of each
+  std::uint64_t memory = 2ull << 30;  ///< bytes of address space of each
+  StopCondition stop;                 ///< when reached, running children are killed and none begins
+};
+
+/// Runs work(0) .. work(count - 1), each in a child of this process, and calls done(i, outcome) in
+/// this process as they end, in any order. Children that were killed by `stop` are not reported.
+/// What the work writes to memory is lost with its process; what it returns is not.
+/// @return number of pieces reported; count unless stopped
+/// @throws FileError when the system gives no process or pipe; what `done` throws, after the
+/// running children have been killed
+int run_in_children(int count, const ChildOptions& options,
+                    const std::function<std::string(int)>& work,
+                    const std::function<void(int, const ChildOutcome&)>& done);
+
+}  // namespace stillbase

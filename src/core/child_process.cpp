@@ -1,0 +1,197 @@
+#include <stillbase/core/child_process.hpp>
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include <stillbase/core/error.hpp>
+
+namespace stillbase {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Exit codes of a child; any other way to end is a crash.
+constexpr int kReturned = 0, kThrew = 81, kNoMemory = 82;
+
+/// Writes all bytes, or gives up when nobody reads.
+void write_all(int fd, const std::string& bytes) {
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t n = ::write(fd, bytes.data() + written, bytes.size() - written);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    written += static_cast<std::size_t>(n);
+  }
+}
+
+/// The life of a child. Leaves by _exit: buffers and handlers of the parent are not its own.
+[[noreturn]] void live(int fd, const ChildOptions& options,
+                       const std::function<std::string(int)>& work, int index) {
+  const auto cpu = static_cast<rlim_t>(std::ceil(options.seconds)) + 1;
+  const rlimit cpu_limit{cpu, cpu};
+  const rlimit memory_limit{options.memory, options.memory};
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CPU, &cpu_limit);
+  ::setrlimit(RLIMIT_AS, &memory_limit);
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  ::signal(SIGINT, SIG_IGN);  // a Ctrl-C is the parent's to answer
+  ::signal(SIGTERM, SIG_DFL);
+  ::signal(SIGPIPE, SIG_IGN);
+  int code = kReturned;
+  try {
+    write_all(fd, work(index));
+  } catch (const std::bad_alloc&) {
+    code = kNoMemory;
+  } catch (const std::exception& error) {
+    write_all(fd, error.what());
+    code = kThrew;
+  } catch (...) {
+    code = kThrew;
+  }
+  ::_exit(code);
+}
+
+struct Child {
+  pid_t pid = -1;
+  int fd = -1;
+  int index = 0;
+  Clock::time_point begin;
+  std::string bytes;
+};
+
+double age(const Child& child) {
+  return std::chrono::duration<double>(Clock::now() - child.begin).count();
+}
+
+/// Waits for a child that has closed its pipe or was killed.
+int reap(Child& child) {
+  ::close(child.fd);
+  int status = 0;
+  while (::waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+void kill_child(Child& child) {
+  ::kill(child.pid, SIGKILL);
+  reap(child);
+}
+
+ChildOutcome outcome_of(Child& child) {
+  ChildOutcome out;
+  out.seconds = age(child);
+  const int status = reap(child);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kReturned) {
+    out.end = ChildEnd::Finished;
+    out.bytes = std::move(child.bytes);
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNoMemory) {
+    out.end = ChildEnd::OutOfMemory;
+    out.message = "memory limit";
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kThrew) {
+    out.message = child.bytes;
+  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    out.end = ChildEnd::TimedOut;
+    out.message = "time limit";
+  } else if (WIFSIGNALED(status)) {
+    out.message = ::strsignal(WTERMSIG(status));
+  } else {
+    out.message = "left with exit code " + std::to_string(WEXITSTATUS(status));
+  }
+  return out;
+}
+
+/// The running children; whatever happens, none outlives this object.
+class Children {
+ public:
+  Children() = default;
+  Children(const Children&) = delete;
+  Children& operator=(const Children&) = delete;
+  ~Children() {
+    for (Child& child : running_) kill_child(child);
+  }
+
+  std::vector<Child>& running() { return running_; }
+
+  void begin(int index, const ChildOptions& options, const std::function<std::string(int)>& work) {
+    int ends[2];
+    if (::pipe(ends) != 0) throw FileError(std::string("no pipe: ") + std::strerror(errno));
+    const pid_t pid = ::fork();
+    if (pid < 0) {
+      ::close(ends[0]);
+      ::close(ends[1]);
+      throw FileError(std::string("no process: ") + std::strerror(errno));
+    }
+    if (pid == 0) {
+      ::close(ends[0]);
+      for (const Child& other : running_) ::close(other.fd);
+      live(ends[1], options, work, index);
+    }
+    ::close(ends[1]);
+    running_.push_back({pid, ends[0], index, Clock::now(), {}});
+  }
+
+  /// Reads what has come within a short while. True for the children whose pipe is at its end.
+  std::vector<bool> listen() {
+    constexpr int kMilliseconds = 50;  // also how soon a limit or a stop is seen
+    std::vector<pollfd> polled;
+    for (const Child& child : running_) polled.push_back({child.fd, POLLIN, 0});
+    ::poll(polled.data(), polled.size(), kMilliseconds);
+    std::vector<bool> ended(running_.size(), false);
+    for (std::size_t i = 0; i < running_.size(); ++i) {
+      if (polled[i].revents == 0) continue;
+      char buffer[65536];
+      const ssize_t n = ::read(running_[i].fd, buffer, sizeof(buffer));
+      if (n > 0) running_[i].bytes.append(buffer, static_cast<std::size_t>(n));
+      ended[i] = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
+    }
+    return ended;
+  }
+
+ private:
+  std::vector<Child> running_;
+};
+
+}  // namespace
+
+int run_in_children(int count, const ChildOptions& options,
+                    const std::function<std::string(int)>& work,
+                    const std::function<void(int, const ChildOutcome&)>& done) {
+  Children children;
+  std::vector<Child>& running = children.running();
+  int next = 0, reported = 0;
+  while (!options.stop.reached() && (next < count || !running.empty())) {
+    while (next < count && static_cast<int>(running.size()) < std::max(1, options.jobs)) {
+      children.begin(next++, options, work);
+    }
+    const std::vector<bool> ended = children.listen();
+    for (std::size_t i = running.size(); i-- > 0;) {
+      const bool late = age(running[i]) > options.seconds;
+      if (!ended[i] && !late) continue;
+      Child child = std::move(running[i]);
+      running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
+      ChildOutcome outcome;
+      if (ended[i]) {
+        outcome = outcome_of(child);
+      } else {
+        kill_child(child);
+        outcome = {ChildEnd::TimedOut, "", "time limit", age(child)};
+      }
+      ++reported;
+      done(child.index, outcome);
+    }
+  }
+  return reported;
+}
+
+}  // namespace stillbase

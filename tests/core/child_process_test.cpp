@@ -1,0 +1,111 @@
+// Work in children: what they return, and every way to fail.
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <set>
+#include <stdexcept>
+
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/child_process.hpp>
+
+namespace stillbase {
+namespace {
+
+ChildOutcome outcome_of(const std::function<std::string(int)>& work, ChildOptions options = {}) {
+  ChildOutcome out;
+  REQUIRE(run_in_children(1, options, work, [&](int, const ChildOutcome& got) { out = got; }) == 1);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("every piece of work is reported once with what it returned, for any number of jobs") {
+  for (const int jobs : {1, 3, 50}) {
+    ChildOptions options;
+    options.jobs = jobs;
+    std::multiset<int> seen;
+    const int reported = run_in_children(
+        20, options, [](int i) { return std::string(static_cast<std::size_t>(i) * 20000, 'x'); },
+        [&](int i, const ChildOutcome& outcome) {
+          seen.insert(i);
+          CHECK(outcome.end == ChildEnd::Finished);
+          CHECK(outcome.bytes.size() == static_cast<std::size_t>(i) * 20000);
+        });
+    CHECK(reported == 20);
+    CHECK(seen.size() == 20);
+    CHECK(std::set<int>(seen.begin(), seen.end()).size() == 20);
+  }
+}
+
+TEST_CASE("a child that throws, crashes, leaves or asks for too much memory is an outcome") {
+  const ChildOutcome threw =
+      outcome_of([](int) -> std::string { throw std::runtime_error("no such thing"); });
+  CHECK(threw.end == ChildEnd::Crashed);
+  CHECK(threw.message == "no such thing");
+
+  const ChildOutcome crashed = outcome_of([](int) -> std::string {
+    std::signal(SIGSEGV, SIG_DFL);  // the test's own handler would print
+    std::raise(SIGSEGV);
+    return "";
+  });
+  CHECK(crashed.end == ChildEnd::Crashed);
+  CHECK_FALSE(crashed.message.empty());
+  CHECK(crashed.bytes.empty());
+
+  const ChildOutcome left = outcome_of([](int) -> std::string { ::_exit(3); });
+  CHECK(left.end == ChildEnd::Crashed);
+
+  ChildOptions options;
+  options.memory = 1ull << 30;
+  const ChildOutcome greedy =
+      outcome_of([](int) { return std::string(std::size_t{1} << 33, 'x').substr(0, 10); }, options);
+  CHECK(greedy.end == ChildEnd::OutOfMemory);
+}
+
+TEST_CASE("a child that hangs, busy or asleep, is killed at its time limit") {
+  ChildOptions options;
+  options.seconds = 0.2;
+  const ChildOutcome busy = outcome_of(
+      [](int) -> std::string {
+        std::atomic<int> i{0};
+        while (true) ++i;
+      },
+      options);
+  CHECK(busy.end == ChildEnd::TimedOut);
+  const ChildOutcome asleep = outcome_of(
+      [](int) -> std::string {
+        ::sleep(1000);
+        return "";
+      },
+      options);
+  CHECK(asleep.end == ChildEnd::TimedOut);
+}
+
+TEST_CASE("a stop kills the running children and reports none of them") {
+  std::atomic<bool> interrupted{false};
+  ChildOptions options;
+  options.jobs = 2;
+  options.stop.interrupted = &interrupted;
+  const int reported = run_in_children(
+      10, options,
+      [](int i) -> std::string {
+        if (i > 0) ::sleep(1000);
+        return "first";
+      },
+      [&](int i, const ChildOutcome&) {
+        CHECK(i == 0);
+        interrupted = true;
+      });
+  CHECK(reported == 1);
+}
+
+TEST_CASE("an exception of the caller's own function comes out, and no child stays behind") {
+  CHECK_THROWS_AS(run_in_children(
+                      3, {}, [](int) { return std::string(); },
+                      [](int, const ChildOutcome&) { throw std::logic_error("stop here"); }),
+                  std::logic_error);
+}
+
+}  // namespace stillbase
