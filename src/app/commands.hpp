@@ -16,5 +16,6 @@ void add_analyze(CLI::App& app, Action& action);
 void add_plan(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
+void add_campaign(CLI::App& app, Action& action);
 
 }  // namespace stillbase::app

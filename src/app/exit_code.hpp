@@ -14,6 +14,7 @@ enum ExitCode : int {
   kVerificationFailed = 5,
   kLimit = 6,
   kFileFailed = 7,
+  kCampaignIncomplete = 8,
   kNoApproach = 9,
   kSignalBase = 128  ///< + number of the signal
 };

@@ -32,7 +32,7 @@ A first plan:
 Data goes to stdout or to the file of -o, messages go to stderr. An existing file is replaced only with --force.
 Exit codes: 0 done; 1 internal error; 2 command line wrong; 3 input file refused (file:line: rule: message);
 4 no configuration satisfies the constraints (the nearest attempt is written); 5 verification failed;
-6 a limit was reached (the best so far is written); 7 reading or writing failed;
+6 a limit was reached (the best so far is written); 7 reading or writing failed; 8 campaign incomplete;
 9 a configuration, but no approach path to it; 130, 143 stopped by a signal (what was finished is saved).
 Problem files are described in problems/README.md.)";
 
@@ -86,6 +86,7 @@ int main(int argc, char** argv) {
   add_plan(app, action);
   add_simulate(app, action);
   add_verify(app, action);
+  add_campaign(app, action);
   return run([&] {
     check_arguments(app, argc, argv);
     try {

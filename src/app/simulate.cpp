@@ -14,6 +14,7 @@
 #include "app/interruption.hpp"
 #include "app/load.hpp"
 #include "app/output.hpp"
+#include "app/simulate_plot.hpp"
 #include "app/start_impact.hpp"
 #include "app/words.hpp"
 #include "io/json.hpp"
@@ -27,7 +28,7 @@ using io::number_json;
 
 struct Options {
   std::string input, controller;
-  OutputFile trace;
+  OutputFile trace, plot;
   bool json = false;
 };
 
@@ -99,6 +100,8 @@ Json run_json(const RobotModel& robot, const Run& run) {
           {"peak_joint_rate", number_json(summary.peak_joint_rate)},
           {"residual_joint_rate", number_json(summary.residual_joint_rate)},
           {"peak_torque", number_json(summary.peak_torque)},
+          {"stop_hits", summary.stop_hits},
+          {"wheel_momentum", io::array_json(summary.wheel_momentum)},
           {"relative_momentum_drift", number_json(summary.relative_momentum_drift)},
           {"peak_lost_momentum", number_json(summary.peak_lost_momentum)},
           {"limits", limits}};
@@ -128,24 +131,33 @@ std::string run_words(const RobotModel& robot, const Run& run) {
 
 int run(const Options& options) {
   options.trace.check();
+  options.plot.check();
   const Case subject = load_case(options.input);
   std::vector<std::string> names = subject.problem.post_impact.controllers;
   if (!options.controller.empty()) names = {options.controller};
   if (names.empty()) throw CommandLineError("the problem names no controller: --controller NAME");
-  if (options.trace.is_given()) names.resize(1);  // a trace belongs to one controller
+  // A trace belongs to one controller.
+  if (options.trace.is_given() && !options.plot.is_given()) names.resize(1);
 
   const RobotModel& robot = subject.problem.robot;
   Json runs = Json::array();
   std::string words;
   bool all_finished = true;
+  std::vector<PlotPanel> panels;
   for (const std::string& name : names) {
     const Run run = simulate(subject, name, stop_condition());
-    if (options.trace.is_given()) options.trace.write(trace_csv(robot, run.result.trace));
+    if (options.trace.is_given() && runs.empty()) {
+      options.trace.write(trace_csv(robot, run.result.trace));
+    }
+    if (options.plot.is_given()) {
+      for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
+    }
     runs.push_back(run_json(robot, run));
     words += run_words(robot, run);
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }
+  if (options.plot.is_given()) options.plot.write(plot_svg(panels));
   write_stdout(options.json ? io::pretty({{"format", "stillbase.simulation"},
                                           {"version", 1},
                                           {"problem", subject.problem.name},
@@ -167,11 +179,18 @@ void add_simulate(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--controller", options->controller,
                       "one controller in place of the problem's: none, joint_damping, "
-                      "joint_damping_literal, rns, rns_damped");
+                      "joint_damping_literal, rns, rns_damped, rns_handback");
   add_output(*command, options->trace, "--trace",
              "motion of one controller (the first without --controller) as CSV");
+  command
+      ->add_option("--plot", options->plot.path,
+                   "the paper's Figs. 6 to 8 for every controller, as SVG")
+      ->type_name("OUT.svg");
   command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] {
+    options->plot.force = options->trace.force;
+    action = [options] { return run(*options); };
+  });
 }
 
 }  // namespace stillbase::app

@@ -1,11 +1,13 @@
 // stillbase verify: the verdict on a plan file, claim by claim.
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/verification_file.hpp>
+#include <stillbase/verification/trials.hpp>
 #include <stillbase/verification/verification.hpp>
 
 #include "app/commands.hpp"
@@ -22,6 +24,9 @@ struct Options {
   std::string plan;
   OutputFile output;
   bool json = false;
+  int trials = 0;
+  std::uint64_t seed = 1;
+  int jobs = 1;
 };
 
 /// The file says what it was when it was written; a changed one is told from that.
@@ -73,6 +78,36 @@ void print_summary(const Plan& plan, const Verification& verification) {
                         verification.claims.size()));
 }
 
+void print_trials(const TrialReport& report) {
+  say(fmt::format(
+      "{} trials: {} succeed, probability {:.4f} (95 % interval {:.4f} to {:.4f}, Wilson)",
+      report.trials, report.successes, report.success_probability, report.success_lower,
+      report.success_upper));
+  for (const Spread& s : report.spreads) {
+    say(fmt::format("  {:<20} median {:.4g}, 95 % below {:.4g}, worst {:.4g} (trial {})", s.name,
+                    s.p50, s.p95, s.worst, s.worst_trial));
+  }
+  std::string output;
+  for (const Sensitivity& s : report.sensitivities) {
+    if (s.output == output) continue;  // the strongest of each
+    output = s.output;
+    say(fmt::format("  {:<20} depends most on {} (rank correlation {:.2f})", output, s.input,
+                    s.rank_correlation));
+  }
+}
+
+using Trials = std::pair<TrialSetting, TrialReport>;
+
+std::optional<Trials> trials_of(const Plan& plan, const Options& options) {
+  if (options.trials == 0) return std::nullopt;
+  Trials trials;
+  trials.first.sizes = perturbations_for(plan.problem);
+  trials.first.seed = options.seed;
+  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, options.seed, 0,
+                                              options.trials, options.jobs, stop_condition()));
+  return trials;
+}
+
 int run(const Options& options) {
   options.output.check();
   const PlanFile file = read_plan(read_text_file(options.plan), options.plan);
@@ -86,10 +121,16 @@ int run(const Options& options) {
                              std::end(fingerprints));
   for (const Claim& claim : fingerprints) verification.pass = verification.pass && claim.pass;
 
-  const std::string text = verification_to_json(verification, file.computed_sha256);
+  // A plan that fails its claims may not even be one that can be tried.
+  std::optional<Trials> trials;
+  if (verification.pass) trials = trials_of(file.plan, options);
+  const std::string text =
+      verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
   options.output.write(text);
   if (options.json && options.output.is_given()) write_stdout(text);
   print_summary(file.plan, verification);
+  if (trials) print_trials(trials->second);
+  if (options.trials > 0 && !trials) say("no trials: the plan does not pass its claims");
   if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;
@@ -105,6 +146,13 @@ void add_verify(CLI::App& app, Action& action) {
       ->type_name("PLAN.json")
       ->required();
   add_output(*command, options->output, "-o,--output", "verification file (JSON); else stdout");
+  command
+      ->add_option("--trials", options->trials,
+                   "try the impact and the time after it this often, everything a little off")
+      ->check(CLI::Range(0, 100'000'000));
+  command->add_option("--seed", options->seed, "of the trials; same seed, same trials");
+  command->add_option("--jobs", options->jobs, "trials at a time; results do not depend on it")
+      ->check(CLI::Range(1, 256));
   command->add_flag("--json", options->json, "print the verification on stdout also with -o");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

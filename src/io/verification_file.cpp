@@ -4,7 +4,7 @@
 
 #include <stillbase/io/verification_file.hpp>
 
-#include "io/json.hpp"
+#include "io/json_trials.hpp"
 
 namespace stillbase {
 
@@ -43,7 +43,8 @@ Json report_json(const ControllerReport& report) {
 }  // namespace
 
 std::string verification_to_json(const Verification& verification,
-                                 const std::string& content_sha256) {
+                                 const std::string& content_sha256,
+                                 const std::pair<TrialSetting, TrialReport>* trials) {
   Json json;
   json["format"] = "stillbase.verification";
   json["version"] = 1;
@@ -56,6 +57,7 @@ std::string verification_to_json(const Verification& verification,
   for (const ControllerReport& report : verification.reports) {
     json["post_impact"].push_back(report_json(report));
   }
+  if (trials != nullptr) json["trials"] = io::trials_json(trials->first, trials->second);
   return io::pretty(json);
 }
 

@@ -16,33 +16,48 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 using Numbers = std::vector<double>;
 
-template <class Controlled>
+/// @tparam Plain the stepper, @tparam Controlled the same with error control
+template <class Plain, class Controlled>
 class AdaptiveIntegrator final : public Integrator {
  public:
   AdaptiveIntegrator(Controlled stepper, const SimulationOptions& options)
-      : stepper_(std::move(stepper)), options_(options), step_(options.step) {}
+      : Integrator(options), stepper_(std::move(stepper)), step_(options.step) {}
 
-  SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                           StepObserver& observer) override {
-    const auto system = [&](const Numbers& from, Numbers& to, double time) {
+ protected:
+  SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                        StepObserver& observer) override {
+    loop.derivative(t, x, dydt_, &observer);
+    numbers_.assign(x.data(), x.data() + x.size());
+    const SimulationStatus status = one_step(system(loop), t, t1);
+    if (status == SimulationStatus::Finished) take(numbers_, x, loop);
+    return status;
+  }
+
+  void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) override {
+    Plain stepper;  // a fresh one carries no derivative over
+    Numbers numbers(x.data(), x.data() + x.size());
+    stepper.do_step(system(loop), numbers, t, h);
+    take(numbers, x, loop);
+  }
+
+  void restart() override {
+    if constexpr (requires { stepper_.reset(); }) stepper_.reset();
+  }
+
+ private:
+  auto system(ClosedLoop& loop) {
+    return [this, &loop](const Numbers& from, Numbers& to, double time) {
       y_ = Eigen::Map<const Eigen::VectorXd>(from.data(), static_cast<Eigen::Index>(from.size()));
       loop.derivative(time, y_, dydt_, nullptr);
       std::copy(dydt_.data(), dydt_.data() + dydt_.size(), to.begin());
     };
-    // The torque may have changed since the last call: no derivative is carried over.
-    if constexpr (requires { stepper_.reset(); }) stepper_.reset();
-    numbers_.assign(x.data(), x.data() + x.size());
-    while (t < t1) {
-      loop.derivative(t, x, dydt_, &observer);
-      const SimulationStatus status = one_step(system, t, t1);
-      x = Eigen::Map<const Eigen::VectorXd>(numbers_.data(), x.size());
-      normalise_attitude(x);
-      if (status != SimulationStatus::Finished) return status;
-    }
-    return SimulationStatus::Finished;
   }
 
- private:
+  static void take(const Numbers& from, StateVector& x, const ClosedLoop& loop) {
+    x = Eigen::Map<const Eigen::VectorXd>(from.data(), x.size());
+    normalise_attitude(x, loop.n());
+  }
+
   /// One accepted step, not beyond t1. numbers_ and t move only with an accepted step.
   template <class System>
   SimulationStatus one_step(const System& system, double& t, double t1) {
@@ -75,7 +90,6 @@ class AdaptiveIntegrator final : public Integrator {
   }
 
   Controlled stepper_;
-  const SimulationOptions& options_;
   double step_;  ///< s, proposal for the next step
   Numbers numbers_;
   StateVector y_, dydt_;
@@ -85,7 +99,7 @@ template <class Stepper>
 std::unique_ptr<Integrator> make(const SimulationOptions& options) {
   auto controlled =
       odeint::make_controlled(options.absolute_tolerance, options.relative_tolerance, Stepper());
-  return std::make_unique<AdaptiveIntegrator<decltype(controlled)>>(controlled, options);
+  return std::make_unique<AdaptiveIntegrator<Stepper, decltype(controlled)>>(controlled, options);
 }
 
 }  // namespace

@@ -1,30 +1,48 @@
 #include "simulation/closed_loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stillbase {
 namespace {
 
-int joint_count(const StateVector& x) { return static_cast<int>(x.size() - 13) / 2; }
-
 /// No robot turns or flies that fast; a larger number means that the integration has failed.
 constexpr double kLargestState = 1e12;
+
+/// dq/dt = 1/2 q (0, omega) on the quaternion as integrated, whatever its length: see simulate.hpp.
+Eigen::Vector4d quaternion_rate(const StateVector& x, Eigen::Index at, const Vector3d& omega) {
+  const Eigen::Quaterniond q(x[at + 3], x[at], x[at + 1], x[at + 2]);
+  return 0.5 * (q * Eigen::Quaterniond(0, omega.x(), omega.y(), omega.z())).coeffs();
+}
+
+Eigen::Index target_at(int n) { return 16 + 2 * n; }
 
 }  // namespace
 
 StateVector pack(const PlantState& state) {
   const Eigen::Index n = state.phi.size();
-  StateVector x(13 + 2 * n);
+  StateVector x(16 + 2 * n);
   x.segment<3>(0) = state.base.position;
   x.segment<4>(3) = state.base.orientation.coeffs();
   x.segment(7, n) = state.phi;
   x.segment<6>(7 + n) = state.Omega;
   x.segment(13 + n, n) = state.phidot;
+  x.segment<3>(13 + 2 * n) = state.wheel_momentum;
   return x;
 }
 
-PlantState unpack(const StateVector& x) {
-  const Eigen::Index n = joint_count(x);
+StateVector pack(const PlantState& state, const TargetPlantState& target) {
+  const Eigen::Index at = target_at(static_cast<int>(state.phi.size()));
+  StateVector x(at + kTargetSize);
+  x.head(at) = pack(state);
+  x.segment<3>(at) = target.pose.position;
+  x.segment<4>(at + 3) = target.pose.orientation.coeffs();
+  x.segment<3>(at + 7) = target.velocity;
+  x.segment<3>(at + 10) = target.angular_velocity;
+  return x;
+}
+
+PlantState unpack(const StateVector& x, int n) {
   PlantState state;
   state.base.position = x.segment<3>(0);
   state.base.orientation.coeffs() = x.segment<4>(3);
@@ -32,65 +50,172 @@ PlantState unpack(const StateVector& x) {
   state.phi = x.segment(7, n);
   state.Omega = x.segment<6>(7 + n);
   state.phidot = x.segment(13 + n, n);
+  state.wheel_momentum = x.segment<3>(13 + 2 * n);
   return state;
 }
 
-void normalise_attitude(StateVector& x) { x.segment<4>(3).normalize(); }
+TargetPlantState unpack_target(const StateVector& x, int n) {
+  const Eigen::Index at = target_at(n);
+  TargetPlantState target;
+  target.pose.position = x.segment<3>(at);
+  target.pose.orientation.coeffs() = x.segment<4>(at + 3);
+  target.pose.orientation.normalize();
+  target.velocity = x.segment<3>(at + 7);
+  target.angular_velocity = x.segment<3>(at + 10);
+  return target;
+}
+
+void normalise_attitude(StateVector& x, int n) {
+  x.segment<4>(3).normalize();
+  if (x.size() > target_at(n)) x.segment<4>(target_at(n) + 3).normalize();
+}
 
 bool is_bounded(const StateVector& x) {
   return x.allFinite() && x.lpNorm<Eigen::Infinity>() < kLargestState;
 }
 
 ClosedLoop::ClosedLoop(const RobotModel& robot, const JointVectord& rotor_inertia,
-                       const Controller& controller, const SimulationOptions& options)
+                       const Controller& controller, const SimulationOptions& options,
+                       const EncounterPlant* encounter)
     : robot_(robot),
       rotor_inertia_(rotor_inertia),
       controller_(controller),
       options_(options),
-      held_(JointVectord::Zero(robot.n())) {}
+      encounter_(encounter),
+      sensing_(options.sensors, options.control_period),
+      command_{JointVectord::Zero(robot.n())} {}
 
-JointVectord ClosedLoop::limited(const JointVectord& tau, bool& saturated) const {
-  saturated = false;
-  JointVectord applied = tau;
-  if (!options_.torque_limits) return applied;
-  for (int k = 0; k < robot_.n(); ++k) {
-    const double limit = robot_.joints[static_cast<std::size_t>(k)].max_effort;
-    applied[k] = std::clamp(tau[k], -limit, limit);
-    if (applied[k] != tau[k]) saturated = true;
+const PlantTerms& ClosedLoop::terms_at(const StateVector& x, const PlantState& state) {
+  if (!terms_ || terms_x_.size() != x.size() || terms_x_ != x) {
+    terms_.emplace(robot_, rotor_inertia_, state);
+    terms_x_ = x;
   }
-  return applied;
+  return *terms_;
+}
+
+void ClosedLoop::sample(double t, const StateVector& x) {
+  if (options_.control_period <= 0) return;
+  const PlantState state = unpack(x, n());
+  const double elapsed = t - options_.start_time;
+  if (sensing_.is_exact()) {
+    command(state, terms_at(x, state), elapsed);
+  } else {
+    const PlantState measured = sensing_.measure(state);
+    command(measured, PlantTerms(robot_, rotor_inertia_, measured), elapsed);
+  }
+  limit(state.phidot);
+}
+
+void ClosedLoop::command(const PlantState& state, const PlantTerms& terms, double elapsed) {
+  if (!options_.controller_robot) {
+    command_ = control_command(controller_, options_.wheels, robot_, terms, state, elapsed);
+    return;
+  }
+  const RobotModel& model = *options_.controller_robot;
+  const PlantTerms own(model, rotor_inertia_, state);
+  command_ = control_command(controller_, options_.wheels, model, own, state, elapsed);
+}
+
+void ClosedLoop::limit(const JointVectord& phidot) {
+  saturated_ = false;
+  for (int k = 0; k < n(); ++k) {
+    const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+    double& tau = command_.tau[k];
+    const bool is_fast = std::abs(phidot[k]) >= joint.max_velocity;
+    if (options_.rate_limits && is_fast && tau * phidot[k] > 0) tau = 0;
+    if (!options_.torque_limits) continue;
+    if (std::abs(tau) > joint.max_effort) saturated_ = true;
+    tau = std::clamp(tau, -joint.max_effort, joint.max_effort);
+  }
+  const double most = options_.wheels.torque_max;
+  command_.wheel_torque = command_.wheel_torque.cwiseMax(-most).cwiseMin(most);
+}
+
+double ClosedLoop::coulomb(int k) const {
+  return options_.friction ? robot_.joints[static_cast<std::size_t>(k)].coulomb_friction : 0;
+}
+
+ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantState& state,
+                                  const PlantTerms& terms) {
+  Load load{Vector6d::Zero(), command_.tau};
+  if (options_.friction) {
+    for (int k = 0; k < n(); ++k) {
+      const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+      load.tau[k] -= joint.viscous_friction * state.phidot[k];
+      load.tau[k] -= joint.coulomb_friction * slides_[static_cast<std::size_t>(k)];
+    }
+  }
+  if (options_.wheels.exist()) {
+    const Vector3d omega = state.Omega.tail<3>();
+    load.F_b.tail<3>() += command_.wheel_torque - omega.cross(state.wheel_momentum);
+  }
+  if (options_.base_wrench) load.F_b += options_.base_wrench(t, state);
+  if (encounter_ == nullptr) return load;
+  if (contact_.phase == ContactPhase::Touching) {
+    const HandLoad hand = hand_load(x, state, terms);
+    Vector6d F_h;
+    F_h << state.base.orientation.conjugate() * hand.force_N, Vector3d::Zero();
+    const HandJacobian<double> jacobian = compute_hand_jacobian(robot_, terms.kinematics);
+    load.F_b += jacobian.R_bh.transpose() * F_h;
+    load.tau += jacobian.J_phi.transpose() * F_h;
+  }
+  const ContactServo& servo = encounter_->servo;
+  const bool servo_acts = contact_.contacts <= 1 && contact_.phase != ContactPhase::Leaving &&
+                          !(contact_.contacts == 1 && contact_.phase == ContactPhase::Apart);
+  if (servo.stiffness.size() == n() && servo_acts) {
+    load.tau -= servo.stiffness.cwiseProduct(state.phi - encounter_->servo_posture);
+    load.tau -= servo.damping.cwiseProduct(state.phidot);
+  }
+  return load;
 }
 
 void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt,
                             StepObserver* observer) {
-  const Eigen::Index n = robot_.n();
-  const PlantState state = unpack(x);
-  const PlantTerms terms(robot_, rotor_inertia_, state);
-
-  const bool continuous = options_.control_period <= 0;
-  if (continuous || sample_now_) {
-    held_ = limited(control_torque(controller_, robot_, terms, state), held_saturated_);
-    sample_now_ = false;
+  const PlantState state = unpack(x, n());
+  const PlantTerms& terms = terms_at(x, state);
+  if (options_.control_period <= 0) {
+    command(state, terms, t - options_.start_time);
+    limit(state.phidot);
   }
-  if (observer != nullptr) observer->observe(t, state, terms, held_, held_saturated_);
-
-  JointVectord tau = held_;
-  if (options_.friction) {
-    tau += joint_friction(robot_, state.phidot, options_.friction_transition_rate);
+  if (observer != nullptr) {
+    if (encounter_ != nullptr) {
+      const bool touches = contact_.phase == ContactPhase::Touching;
+      observer->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
+                                                              : Vector3d(Vector3d::Zero()));
+    }
+    observer->observe(t, state, terms, command_, saturated_);
   }
-  const Vector6d F_b =
-      options_.base_wrench ? options_.base_wrench(t, state) : Vector6d(Vector6d::Zero());
-  const PlantAcceleration acceleration = compute_acceleration(terms, F_b, tau);
 
+  const Load forces = load(t, x, state, terms);
+  const PlantAcceleration acceleration = compute_acceleration(terms, forces.F_b, forces.tau, held_);
+  const Eigen::Index N = n();
   dxdt.resize(x.size());
   dxdt.segment<3>(0) = state.base.orientation * state.Omega.head<3>();
-  // On the quaternion as integrated, whatever its length: see the header of simulate.hpp.
-  const Eigen::Quaterniond q(x[6], x[3], x[4], x[5]);
-  const Vector3d omega = state.Omega.tail<3>();
-  dxdt.segment<4>(3) = 0.5 * (q * Eigen::Quaterniond(0, omega.x(), omega.y(), omega.z())).coeffs();
-  dxdt.segment(7, n) = state.phidot;
-  dxdt.segment<6>(7 + n) = acceleration.dot_Omega;
-  dxdt.segment(13 + n, n) = acceleration.phiddot;
+  dxdt.segment<4>(3) = quaternion_rate(x, 3, state.Omega.tail<3>());
+  dxdt.segment(7, N) = state.phidot;
+  dxdt.segment<6>(7 + N) = acceleration.dot_Omega;
+  dxdt.segment(13 + N, N) = acceleration.phiddot;
+  dxdt.segment<3>(13 + 2 * N) = -command_.wheel_torque;
+  if (encounter_ == nullptr) return;
+
+  const Eigen::Index at = target_at(n());
+  const TargetPlantState target = unpack_target(x, n());
+  Vector3d force = Vector3d::Zero();
+  Vector3d moment = Vector3d::Zero();  // in T
+  if (contact_.phase == ContactPhase::Touching) {
+    force = -hand_load(x, state, terms).force_N;
+    const Vector3d hand = state.base * terms.kinematics.r_bh;
+    const Vector3d arm_N = hand - target.pose.position;
+    moment = target.pose.orientation.conjugate() * arm_N.cross(force);
+  }
+  dxdt.segment<3>(at) = target.velocity;
+  dxdt.segment<4>(at + 3) = quaternion_rate(x, at + 3, target.angular_velocity);
+  dxdt.segment<3>(at + 7) = force / encounter_->mass;
+  dxdt.segment<3>(at + 10).setZero();
+  if (encounter_->is_point_mass()) return;
+  const Vector3d spin = encounter_->inertia * target.angular_velocity;
+  dxdt.segment<3>(at + 10) =
+      encounter_->inertia.ldlt().solve(moment - target.angular_velocity.cross(spin));
 }
 
 }  // namespace stillbase

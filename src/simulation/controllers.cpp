@@ -9,17 +9,18 @@
 namespace stillbase {
 namespace {
 
-constexpr std::array<std::pair<ControllerKind, std::string_view>, 5> kNames{{
+constexpr std::array<std::pair<ControllerKind, std::string_view>, 6> kNames{{
     {ControllerKind::None, "none"},
     {ControllerKind::JointDamping, "joint_damping"},
     {ControllerKind::JointDampingLiteral, "joint_damping_literal"},
     {ControllerKind::Rns, "rns"},
     {ControllerKind::RnsDamped, "rns_damped"},
+    {ControllerKind::RnsHandback, "rns_handback"},
 }};
 
-/// (22) and (23) as a joint acceleration.
+/// (22) and (23) as a joint acceleration, with the moment t_b on the base.
 JointVectord wanted_joint_acceleration(const Controller& controller, const PlantTerms& terms,
-                                       const PlantState& state) {
+                                       const PlantState& state, const Vector3d& t_b) {
   const Matrix3Xd& A = terms.tilde.Htilde_omegaphi;
   const Vector3d omega = state.Omega.tail<3>();
   const Vector3d coupling = A * state.phidot;
@@ -27,13 +28,62 @@ JointVectord wanted_joint_acceleration(const Controller& controller, const Plant
   const MomentumTransfer transfer = compute_momentum_transfer(controller, A, L_g);
   const TildeBias<double> bias = compute_tilde_bias(terms.inertia, terms.bias);
   const Vector3d dot_omega = -controller.K_omega * omega;
-  const Vector3d wanted = terms.tilde.Htilde_omega * dot_omega + bias.ctilde_omega;
+  const Vector3d wanted = terms.tilde.Htilde_omega * dot_omega + bias.ctilde_omega - t_b;
   JointVectord phiddot = -transfer.joint_rates(A, wanted);
-  if (controller.kind == ControllerKind::RnsDamped) {
+  if (controller.kind != ControllerKind::Rns) {
     const JointVectord rns = state.phidot - transfer.joint_rates(A, coupling);
     phiddot -= controller.K_phi * rns;
   }
   return phiddot;
+}
+
+/// Joint torques (18) for a moment t_b on the base.
+JointVectord joint_torque(const Controller& controller, const RobotModel& robot,
+                          const PlantTerms& terms, const PlantState& state, const Vector3d& t_b) {
+  if (controller.kind == ControllerKind::None) return JointVectord::Zero(robot.n());
+  const JointVectord chat = compute_hat_bias(terms.inertia, terms.bias);
+  if (controller.kind == ControllerKind::JointDampingLiteral) {
+    return chat - controller.K_phi * state.phidot;
+  }
+  const JointVectord phiddot = is_reaction_null_space_control(controller.kind)
+                                   ? wanted_joint_acceleration(controller, terms, state, t_b)
+                                   : JointVectord(-controller.K_phi * state.phidot);
+  const HandJacobian<double> jacobian = compute_hand_jacobian(robot, terms.kinematics);
+  const HatInertia<double> hat = compute_hat_inertia(terms.inertia, jacobian);
+  JointVectord tau = chat + hat.Hhat_phi * phiddot;  // (18)
+  if (!t_b.isZero(0)) {
+    // With F_b, (18) reads Hhat_phi phi'' + chat = tau - H_bphi' H_b^-1 F_b.
+    Vector6d F_b;
+    F_b << Vector3d::Zero(), t_b;
+    const Vector6d Omega_per_wrench = terms.inertia.H_b.ldlt().solve(F_b);
+    tau.noalias() += terms.inertia.H_bphi.transpose() * Omega_per_wrench;
+  }
+  return tau;
+}
+
+JointVectord compensated_friction(const Controller& controller, const RobotModel& robot,
+                                  const JointVectord& phidot) {
+  JointVectord torque(phidot.size());
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    torque[k] = joint.viscous_friction * phidot[k] +
+                joint.coulomb_friction * std::tanh(phidot[k] / controller.friction_transition_rate);
+  }
+  return torque;
+}
+
+/// u of rns_handback: against L_g, as hard as the gain says and the wheels can.
+Vector3d handback_torque(const Controller& controller, const BaseWheels& wheels,
+                         const PlantTerms& terms, const PlantState& state) {
+  const Momentum<double> momentum =
+      compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
+  Vector3d u = -controller.K_handback * momentum.L_g;
+  for (int i = 0; i < 3; ++i) {
+    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum_max;
+    if (is_full && state.wheel_momentum[i] * u[i] < 0) u[i] = 0;  // dh_w/dt = -u
+  }
+  const double most = u.lpNorm<Eigen::Infinity>();
+  return most > wheels.torque_max ? Vector3d(u * (wheels.torque_max / most)) : u;
 }
 
 }  // namespace
@@ -59,7 +109,8 @@ std::vector<std::string> controller_names() {
 }
 
 bool is_reaction_null_space_control(ControllerKind kind) {
-  return kind == ControllerKind::Rns || kind == ControllerKind::RnsDamped;
+  return kind == ControllerKind::Rns || kind == ControllerKind::RnsDamped ||
+         kind == ControllerKind::RnsHandback;
 }
 
 JointVectord MomentumTransfer::joint_rates(const Matrix3Xd& A, const Vector3d& b) const {
@@ -102,17 +153,25 @@ MomentumTransfer compute_momentum_transfer(const Controller& controller,
 
 JointVectord control_torque(const Controller& controller, const RobotModel& robot,
                             const PlantTerms& terms, const PlantState& state) {
-  if (controller.kind == ControllerKind::None) return JointVectord::Zero(robot.n());
-  const JointVectord chat = compute_hat_bias(terms.inertia, terms.bias);
-  if (controller.kind == ControllerKind::JointDampingLiteral) {
-    return chat - controller.K_phi * state.phidot;
+  return joint_torque(controller, robot, terms, state, Vector3d::Zero());
+}
+
+ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
+                               const RobotModel& robot, const PlantTerms& terms,
+                               const PlantState& state, double elapsed) {
+  ControlCommand command;
+  Vector3d t_b = Vector3d::Zero();
+  if (wheels.exist()) {
+    const bool hands_back =
+        controller.kind == ControllerKind::RnsHandback && elapsed >= controller.handback_start;
+    if (hands_back) command.wheel_torque = handback_torque(controller, wheels, terms, state);
+    t_b = command.wheel_torque - state.Omega.tail<3>().cross(state.wheel_momentum);
   }
-  const JointVectord phiddot = is_reaction_null_space_control(controller.kind)
-                                   ? wanted_joint_acceleration(controller, terms, state)
-                                   : JointVectord(-controller.K_phi * state.phidot);
-  const HandJacobian<double> jacobian = compute_hand_jacobian(robot, terms.kinematics);
-  const HatInertia<double> hat = compute_hat_inertia(terms.inertia, jacobian);
-  return chat + hat.Hhat_phi * phiddot;  // (18)
+  command.tau = joint_torque(controller, robot, terms, state, t_b);
+  if (controller.friction_compensation && controller.kind != ControllerKind::None) {
+    command.tau += compensated_friction(controller, robot, state.phidot);
+  }
+  return command;
 }
 
 }  // namespace stillbase

@@ -11,17 +11,33 @@ namespace stillbase {
 /// not allocate.
 void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, StepObserver* observer);
 
-/// Takes the state from t0 to t1. The observer sees the beginning of every step, not t1 itself.
+/// Takes the state from one instant to another, event by event.
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  /// On any status but Finished x is the last good state and t its time.
-  virtual SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                                   StepObserver& observer) = 0;
+
+  /// From t to t1. The observer sees the beginning of every step, not t1 itself. On any status but
+  /// Finished x is the last good state and t its time.
+  SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                           StepObserver& observer);
   long steps() const { return steps_; }
 
  protected:
+  explicit Integrator(const SimulationOptions& options) : options_(options) {}
+  /// One accepted step, not beyond t1; on any status but Finished x and t stay.
+  virtual SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                                StepObserver& observer) = 0;
+  /// One step of exactly h, without error control: h is part of a step that was accepted.
+  virtual void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) = 0;
+  /// The derivative may have changed since the last step.
+  virtual void restart() {}
+
+  const SimulationOptions& options_;
   long steps_ = 0;  ///< tried so far
+
+ private:
+  void cut_at_event(ClosedLoop& loop, const StateVector& from, double t_from, StateVector& x,
+                    double& t);
 };
 
 std::unique_ptr<Integrator> make_rk4_integrator(const SimulationOptions& options);

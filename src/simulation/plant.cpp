@@ -1,7 +1,5 @@
 #include <stillbase/simulation/plant.hpp>
 
-#include <cmath>
-
 #include <stillbase/impact/jump.hpp>
 
 namespace stillbase {
@@ -29,25 +27,34 @@ PlantTerms::PlantTerms(const RobotModel& robot, const JointVectord& rotor_inerti
       bias(compute_bias(robot, kinematics, inertia, state.Omega, state.phidot)) {}
 
 PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& F_b,
-                                       const JointVectord& tau) {
+                                       const JointVectord& tau, const std::vector<bool>& held) {
   // The jump (6) and the motion (3) have the same matrix; H_phi already holds the rotors.
   const JointVectord nothing_added = JointVectord::Zero(tau.size());
-  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, {});
+  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, held);
   const Vector6d base = F_b - terms.bias.c_b;
   const JointVectord joints = tau - terms.bias.c_phi;
   const ImpactJump<double> solution = solve_impact(factor, base, joints);
   return {solution.Delta_Omega, solution.Delta_phidot};
 }
 
-JointVectord joint_friction(const RobotModel& robot, const JointVectord& phidot,
-                            double transition_rate) {
-  JointVectord torque(phidot.size());
-  for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    torque[k] = -joint.viscous_friction * phidot[k] -
-                joint.coulomb_friction * std::tanh(phidot[k] / transition_rate);
-  }
+JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,
+                            const JointVectord& tau) {
+  JointVectord torque = terms.bias.c_phi - tau;
+  torque.noalias() += terms.inertia.H_bphi.transpose() * acceleration.dot_Omega;
+  torque.noalias() += terms.inertia.H_phi * acceleration.phiddot;
   return torque;
+}
+
+void impose_joint_rate(const PlantTerms& terms, int k, double rate, const std::vector<bool>& held,
+                       PlantState& state) {
+  const JointVectord nothing_added = JointVectord::Zero(state.phi.size());
+  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, held);
+  const JointVectord unit = JointVectord::Unit(state.phi.size(), k);
+  const ImpactJump<double> jump = solve_impact(factor, Vector6d(Vector6d::Zero()), unit);
+  const double impulse = (rate - state.phidot[k]) / jump.Delta_phidot[k];
+  state.Omega += impulse * jump.Delta_Omega;
+  state.phidot += impulse * jump.Delta_phidot;
+  state.phidot[k] = rate;
 }
 
 double kinetic_energy(const InertiaMatrices<double>& inertia, const PlantState& state) {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNoMomentum = 1e-9;
 
 TraceSample make_sample(double t, const PlantState& state, const PlantTerms& terms,
-                        const Momentum<double>& momentum, const JointVectord& tau) {
+                        const Momentum<double>& momentum, const ControlCommand& command) {
   TraceSample sample;
   sample.time = t;
   sample.state = state;
@@ -24,7 +24,8 @@ TraceSample make_sample(double t, const PlantState& state, const PlantTerms& ter
       decompose_joint_velocity(angular_reaction_null_space(terms.tilde), state.phidot);
   sample.rns = parts.rns;
   sample.orthogonal = parts.orthogonal;
-  sample.tau = tau;
+  sample.tau = command.tau;
+  sample.wheel_torque = command.wheel_torque;
   sample.kinetic_energy = kinetic_energy(terms.inertia, state);
   return sample;
 }
@@ -45,14 +46,15 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
-Recorder::Recorder(const RobotModel& robot, const Controller& controller)
-    : robot_(robot), controller_(controller) {
+Recorder::Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops)
+    : robot_(robot), controller_(controller), watch_stops_(watch_stops) {
   result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
   result_.summary.peak_torques = JointVectord::Zero(robot.n());
 }
 
 void Recorder::observe(double t, const PlantState& state, const PlantTerms& terms,
-                       const JointVectord& tau, bool saturated) {
+                       const ControlCommand& command, bool saturated) {
+  const JointVectord& tau = command.tau;
   SimulationSummary& summary = result_.summary;
   const Momentum<double> momentum =
       compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
@@ -66,6 +68,9 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   summary.peak_joint_rate = std::max(summary.peak_joint_rate, summary.residual_joint_rate);
   summary.peak_joint_rates = summary.peak_joint_rates.cwiseMax(state.phidot.cwiseAbs());
   summary.peak_torques = summary.peak_torques.cwiseMax(tau.cwiseAbs());
+  summary.peak_wheel_torque =
+      std::max(summary.peak_wheel_torque, command.wheel_torque.lpNorm<Eigen::Infinity>());
+  summary.wheel_momentum = state.wheel_momentum;
   watch_momentum(state, momentum);
   if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
   if (saturated) {
@@ -77,7 +82,9 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   watch_limits(t, state);
 
   if (record_now_) {
-    result_.trace.push_back(make_sample(t, state, terms, momentum, tau));
+    result_.trace.push_back(make_sample(t, state, terms, momentum, command));
+    result_.trace.back().target = target_;
+    result_.trace.back().contact_force = contact_force_;
     record_now_ = false;
   }
   started_ = true;
@@ -89,7 +96,7 @@ void Recorder::start(const PlantState& state, const PlantTerms& terms,
                      const Momentum<double>& momentum) {
   first_attitude_ = state.base.orientation;
   first_P_N_ = state.base.orientation * momentum.P;
-  first_L_N_ = state.base.orientation * momentum.L_g;
+  first_L_N_ = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum);
   const double T = kinetic_energy(terms.inertia, state);
   P_scale_ = std::sqrt(2 * terms.inertia.mass * T);
   L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
@@ -98,7 +105,8 @@ void Recorder::start(const PlantState& state, const PlantTerms& terms,
 void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& momentum) {
   SimulationSummary& summary = result_.summary;
   const double P_drift = (state.base.orientation * momentum.P - first_P_N_).norm();
-  const double L_drift = (state.base.orientation * momentum.L_g - first_L_N_).norm();
+  const Vector3d L = momentum.L_g + state.wheel_momentum;
+  const double L_drift = (state.base.orientation * L - first_L_N_).norm();
   summary.linear_momentum_drift = std::max(summary.linear_momentum_drift, P_drift);
   summary.angular_momentum_drift = std::max(summary.angular_momentum_drift, L_drift);
   if (P_scale_ > 0) {
@@ -124,8 +132,19 @@ void Recorder::watch_limits(double t, const PlantState& state) {
   for (int k = 0; k < robot_.n(); ++k) {
     const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
     if (std::abs(state.phidot[k]) > joint.max_velocity) note(k, LimitKind::Rate, t);
-    watch_stops(k, t, state);
+    if (watch_stops_) watch_stops(k, t, state);
   }
+}
+
+void Recorder::observe_target(const TargetPlantState& target, const Vector3d& contact_force) {
+  target_ = target;
+  contact_force_ = contact_force;
+}
+
+void Recorder::stop_met(double t, int joint, LimitKind kind, double rate) {
+  ++result_.summary.stop_hits;
+  result_.summary.hardest_stop = std::max(result_.summary.hardest_stop, std::abs(rate));
+  note(joint, kind, t);
 }
 
 void Recorder::watch_stops(int k, double t, const PlantState& state) {

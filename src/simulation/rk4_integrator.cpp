@@ -8,31 +8,27 @@ namespace {
 
 class Rk4Integrator final : public Integrator {
  public:
-  explicit Rk4Integrator(const SimulationOptions& options) : options_(options) {}
+  explicit Rk4Integrator(const SimulationOptions& options) : Integrator(options) {}
 
-  SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                           StepObserver& observer) override {
+ protected:
+  SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                        StepObserver& observer) override {
+    const SimulationStatus status = check_stop(options_, steps_);
+    if (status != SimulationStatus::Finished) return status;
     // The allowance keeps rounding of the interval from making two steps of one.
-    const double t0 = t;
-    const double count = std::max(1.0, std::ceil((t1 - t0) / options_.step - 1e-6));
-    const double h = (t1 - t0) / count;
-    for (double i = 0; i < count; ++i) {
-      const SimulationStatus status = check_stop(options_, steps_);
-      if (status != SimulationStatus::Finished) return status;
-      const StateVector before = x;
-      rk4_step(loop, t, h, x, &observer);
-      ++steps_;
-      if (!is_bounded(x)) {
-        x = before;
-        return SimulationStatus::Diverged;
-      }
-      t = i + 1 < count ? t0 + (i + 1) * h : t1;
-    }
+    const double count = std::max(1.0, std::ceil((t1 - t) / options_.step - 1e-6));
+    const double h = (t1 - t) / count;
+    StateVector y = x;
+    rk4_step(loop, t, h, y, &observer);
+    ++steps_;
+    if (!is_bounded(y)) return SimulationStatus::Diverged;
+    x = y;
+    t = count > 1 ? t + h : t1;
     return SimulationStatus::Finished;
   }
-
- private:
-  const SimulationOptions& options_;
+  void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) override {
+    rk4_step(loop, t, h, x, nullptr);
+  }
 };
 
 }  // namespace
@@ -48,7 +44,7 @@ void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, StepObserver
   y = x + h * k3;
   loop.derivative(t + h, y, k4, nullptr);
   x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-  normalise_attitude(x);
+  normalise_attitude(x, loop.n());
 }
 
 std::unique_ptr<Integrator> make_rk4_integrator(const SimulationOptions& options) {

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <stillbase/core/error.hpp>
 
-#include "simulation/integrators.hpp"
-#include "simulation/recorder.hpp"
+#include "simulation/run.hpp"
 
 namespace stillbase {
-namespace {
 
-/// Refuses what cannot be run, everything at once.
-void check(const RobotModel& robot, const JointResistance& resistance, const PlantState& initial,
-           const Controller& controller, const SimulationOptions& options) {
+void check_simulation(const RobotModel& robot, const JointResistance& resistance,
+                      const PlantState& initial, const Controller& controller,
+                      const SimulationOptions& options) {
   std::vector<Finding> findings;
   const auto require = [&](bool holds, const char* rule, const char* message) {
     if (!holds) findings.push_back({"simulation", 0, rule, message});
@@ -44,9 +42,31 @@ void check(const RobotModel& robot, const JointResistance& resistance, const Pla
   require(
       options.horizon >= 0 && std::isfinite(options.horizon) && std::isfinite(options.start_time),
       "horizon", "must be finite and not negative");
-  require(options.friction_transition_rate > 0, "friction-transition-rate", "must be above zero");
+  require(controller.friction_transition_rate > 0, "friction-transition-rate",
+          "must be above zero");
+  require(controller.K_handback >= 0 && std::isfinite(controller.K_handback) &&
+              controller.handback_start >= 0,
+          "handback", "gain and start must be finite and not negative");
+  require(options.stop_restitution >= 0 && options.stop_restitution < 1, "stop-restitution",
+          "must lie in [0, 1)");
+  const BaseWheels& wheels = options.wheels;
+  require(wheels.torque_max >= 0 && std::isfinite(wheels.torque_max) && wheels.momentum_max >= 0,
+          "wheels", "torque and momentum must be numbers, not negative");
+  const Sensors& sensors = options.sensors;
+  require(sensors.base_rate_error >= 0 && sensors.joint_position_error >= 0 &&
+              sensors.joint_rate_error >= 0 && sensors.delay >= 0 && std::isfinite(sensors.delay),
+          "sensors", "errors and delay must be finite and not negative");
+  const double periods = sensors.delay / options.control_period;
+  require(sensors.are_exact() || options.control_period > 0, "sensors",
+          "errors and delay need sampled control");
+  require(!(sensors.delay > 0) || std::abs(periods - std::round(periods)) < 1e-6, "sensor-delay",
+          "must be a whole number of control periods");
+  require(!options.controller_robot || options.controller_robot->n() == n, "controller-robot",
+          "must have the robot's joints");
   if (!findings.empty()) throw InputError(std::move(findings));
 }
+
+namespace {
 
 /// Instants start + i * period; none when the period is zero.
 class Ticks {
@@ -99,24 +119,19 @@ std::string to_string(LimitKind kind) {
   return "unknown";
 }
 
-SimulationResult simulate_post_impact(const RobotModel& robot, const JointResistance& resistance,
-                                      const PlantState& initial, const Controller& controller,
-                                      const SimulationOptions& options) {
-  check(robot, resistance, initial, controller, options);
-  const JointVectord rotor_inertia = added_plant_inertia(resistance, robot.n());
-  ClosedLoop loop(robot, rotor_inertia, controller, options);
-  Recorder recorder(robot, controller);
+SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
+                          const Controller& controller, const SimulationOptions& options) {
+  Recorder recorder(robot, controller, !options.joint_stops);
   const std::unique_ptr<Integrator> integrator = options.integrator == IntegratorKind::Rk4
                                                      ? make_rk4_integrator(options)
                                                      : make_adaptive_integrator(options);
-  StateVector x = pack(initial);
-  normalise_attitude(x);
-  double t = options.start_time;
+  normalise_attitude(x, loop.n());
+  t = options.start_time;
   const double end = options.start_time + options.horizon;
   Ticks control(t, options.control_period), output(t, options.output_period);
   SimulationStatus status = SimulationStatus::Finished;
-  while (t < end && status == SimulationStatus::Finished) {
-    if (control.fires_at(t)) loop.sample_next();
+  while (t < end && status == SimulationStatus::Finished && !loop.is_over()) {
+    if (control.fires_at(t)) loop.sample(t, x);
     if (output.fires_at(t)) recorder.record_next();
     double next = std::min({control.next(), output.next(), end});
     if (end - next < 1e-9 * (next - t)) next = end;
@@ -127,6 +142,17 @@ SimulationResult simulate_post_impact(const RobotModel& robot, const JointResist
   StateVector unused;
   loop.derivative(t, x, unused, &recorder);
   return recorder.take(status, integrator->steps());
+}
+
+SimulationResult simulate_post_impact(const RobotModel& robot, const JointResistance& resistance,
+                                      const PlantState& initial, const Controller& controller,
+                                      const SimulationOptions& options) {
+  check_simulation(robot, resistance, initial, controller, options);
+  const JointVectord rotor_inertia = added_plant_inertia(resistance, robot.n());
+  ClosedLoop loop(robot, rotor_inertia, controller, options);
+  StateVector x = pack(initial);
+  double t = 0;
+  return run_loop(loop, x, t, robot, controller, options);
 }
 
 SimulationResult simulate_impact(const RobotModel& robot, const JointResistance& resistance,

@@ -1,7 +1,8 @@
 // Post-impact controllers of the paper's section V.
 //
-// They know the robot exactly (same model as the plant, rotor inertia in H_phi), measure Omega, phi
-// and phidot without error and command joint torques. All of them assume F_h = F_b = 0.
+// They command joint torques from a model of the robot and a measured state; which model and how
+// well measured is the simulation's matter (simulate.hpp). All of them assume F_h = 0, and F_b = 0
+// but for the wheels that they command themselves.
 #pragma once
 
 #include <optional>
@@ -18,10 +19,11 @@ enum class ControllerKind {
   JointDamping,         ///< (19), gain scaled by Hhat_phi
   JointDampingLiteral,  ///< (19) as printed
   Rns,                  ///< (24) without its last term
-  RnsDamped             ///< (24)
+  RnsDamped,            ///< (24)
+  RnsHandback           ///< (24), then the momentum goes to the base's wheels, bit by bit
 };
 
-/// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped".
+/// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped", "rns_handback".
 std::string to_string(ControllerKind kind);
 
 /// The controller with this name; nothing when there is none.
@@ -41,6 +43,21 @@ struct Controller {
   /// angular coupling matrix), the direction is given up gradually, see momentum_edge().
   double rank_edge = 1e-4;     ///< sigma relative to the largest one
   double joint_rate_edge = 3;  ///< joint rate that carrying L_g would take, |L_g| / sigma, rad/s
+  double handback_start = 2;   ///< rns_handback: s of rns_damped alone before it
+  /// rns_handback, 1/s: the wheels take L_g K_handback, as far as they can. The end of the transfer
+  /// is an exponential with this rate, so it has to be slow beside K_omega.
+  double K_handback = 1;
+  /// Adds the torque that the model's joint friction takes: viscous phidot + coulomb
+  /// tanh(phidot / friction_transition_rate). The tanh keeps it from chattering about rest.
+  bool friction_compensation = false;
+  double friction_transition_rate = 0.01;  ///< rad/s or m/s, > 0
+};
+
+/// Reaction wheels of the base, one per axis of B. Off by default: the paper has none.
+struct BaseWheels {
+  double torque_max = 0;            ///< N m per axis
+  double momentum_max = kInfinity;  ///< N m s per axis; a full wheel takes no more
+  bool exist() const { return torque_max > 0; }
 };
 
 /// The singular value below which a direction is given up:
@@ -91,5 +108,25 @@ MomentumTransfer compute_momentum_transfer(const Controller& controller,
 /// Joint coordinates of different units (prismatic beside revolute) are weighed as they stand.
 JointVectord control_torque(const Controller& controller, const RobotModel& robot,
                             const PlantTerms& terms, const PlantState& state);
+
+struct ControlCommand {
+  JointVectord tau;                          ///< n, before any limit, N m or N
+  Vector3d wheel_torque = Vector3d::Zero();  ///< u, on the base, in B, N m; the wheels get -u
+};
+
+/// control_torque(), and for rns_handback the wheels as well.
+///
+/// rns_handback: "The impact momentum, conserved now in manipulator motion with the lowest possible
+/// velocity, can be gradually re-transfered to the base to be then managed by the additional base
+/// actuators" (the paper's last remark in section V). From handback_start on the wheels brake the
+/// system: u = -K_handback L_g, scaled down to what they can give. The arm feeds it to them:
+///     phi'' = -A^+ (Htilde_omega dot_omega + ctilde_omega - t_b) - P_RNSomega K_phi phidot,
+///     t_b = u - omega x h_w (h_w the wheels' momentum),
+///   (9) with the moment t_b on the base, so that the base stays as still as under rns_damped while
+///   A phidot and with it the joint rates run out. A full wheel leaves the rest in the arm.
+/// @param elapsed s since the impact
+ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
+                               const RobotModel& robot, const PlantTerms& terms,
+                               const PlantState& state, double elapsed);
 
 }  // namespace stillbase

@@ -1,7 +1,8 @@
 // The robot as it moves: state, equation of motion (3) and conserved quantities.
 //
-// Assumptions: rigid bodies, no gravity, hand free of contact (F_h = 0). Virtual rotor inertia sits
-// on the joint diagonal of H_phi at all times, so nothing jumps when the impact is over.
+// Assumptions: rigid bodies, no gravity. Virtual rotor inertia sits on the joint diagonal of H_phi
+// at all times, so nothing jumps when the impact is over. The bodies of the base's wheels are part
+// of the base; only their momentum relative to it is a state.
 #pragma once
 
 #include <stillbase/dynamics/bias.hpp>
@@ -12,10 +13,18 @@ namespace stillbase {
 
 /// Everything that changes while the robot moves.
 struct PlantState {
-  Pose base;                          ///< T_NB
-  JointVectord phi;                   ///< joint positions, n, rad or m
-  Vector6d Omega = Vector6d::Zero();  ///< base velocity [v; omega] in B, m/s, rad/s
-  JointVectord phidot;                ///< joint rates, n, rad/s or m/s
+  Pose base;                                   ///< T_NB
+  JointVectord phi;                            ///< joint positions, n, rad or m
+  Vector6d Omega = Vector6d::Zero();           ///< base velocity [v; omega] in B, m/s, rad/s
+  JointVectord phidot;                         ///< joint rates, n, rad/s or m/s
+  Vector3d wheel_momentum = Vector3d::Zero();  ///< of the base's wheels relative to B, in B, N m s
+};
+
+/// The target as it moves.
+struct TargetPlantState {
+  Pose pose;                                     ///< T_NT
+  Vector3d velocity = Vector3d::Zero();          ///< of the centroid in N, m/s
+  Vector3d angular_velocity = Vector3d::Zero();  ///< in T, rad/s
 };
 
 /// The robot at rest in a posture.
@@ -37,18 +46,25 @@ struct PlantAcceleration {
   JointVectord phiddot;  ///< n
 };
 
-/// Solves (3) with F_h = 0: H [dot Omega; phi''] = [F_b; tau] - [c_b; c_phi].
-/// @param F_b wrench on the base [force; moment about the base centroid] in B, N, N m
-/// @param tau all joint torques, friction included (n), N m or N
+/// Solves (3): H [dot Omega; phi''] = [F_b; tau] - [c_b; c_phi].
+/// @param F_b wrench on the base [force; moment about the base centroid] in B, N, N m; a wrench on
+/// the hand goes in as R_bh' F_h
+/// @param tau all joint torques, friction included (n), N m or N; a wrench on the hand adds
+/// J_phi' F_h
+/// @param held n flags, empty: none; held joints have phi'' = 0 (they stick, or rest at a stop)
 PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& F_b,
-                                       const JointVectord& tau);
+                                       const JointVectord& tau, const std::vector<bool>& held = {});
 
-/// Friction torques of the joints (n): -(viscous phidot + coulomb tanh(phidot / transition_rate)).
-/// The tanh stands for the sign: the integrators need a continuous force. Joints therefore creep
-/// instead of sticking, and the equation is stiff with rate coulomb / (inertia * transition_rate).
-/// @param transition_rate rad/s or m/s, > 0
-JointVectord joint_friction(const RobotModel& robot, const JointVectord& phidot,
-                            double transition_rate);
+/// What holds a joint: the torque beside tau with which (3) gives this acceleration,
+///   r = H_bphi' dot Omega + H_phi phi'' + c_phi - tau (n). Zero for joints that are not held.
+JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,
+                            const JointVectord& tau);
+
+/// Gives joint k the rate `rate` by an impulse between its two bodies (a stop, a brake); nothing
+/// else acts, so both momenta of the robot stay.
+/// @param held n flags, empty: none; joints whose rate stays
+void impose_joint_rate(const PlantTerms& terms, int k, double rate, const std::vector<bool>& held,
+                       PlantState& state);
 
 /// Kinetic energy 1/2 [Omega; phidot]' H [Omega; phidot], J; rotors included (each counted with its
 /// rate relative to its own link, as the diagonal term has it).

@@ -5,9 +5,19 @@
 // frame, and bringing back moves q by no more than the step's own error: a method of order 4 stays
 // of order 4 (projection methods; Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
 // Base and joint velocities do not depend on the pose at all.
+//
+// Stops and friction. A joint that meets its stop gets its rate turned around, times a restitution,
+// by an impulse between its two bodies; without rebound it rests there until it is pulled off.
+// Coulomb friction is stick-slip, not smoothed: a joint that comes to rest sticks (its acceleration
+// is zero, not small) for as long as no more than the friction torque is needed to hold it. A
+// smoothed law would let joints creep and make the equation stiff. The instants at which a joint
+// meets a stop, sticks, slips or leaves are located within the integrator's step by bisection, and
+// the step ends there.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +30,19 @@ enum class IntegratorKind {
   Rk4,        ///< classical Runge-Kutta, fixed step; the paper's
   Dopri5,     ///< Dormand-Prince 5(4), adaptive
   Fehlberg78  ///< Runge-Kutta-Fehlberg 7(8), adaptive; the cheapest one for tight tolerances
+};
+
+/// What the controller gets to know. Errors are independent and normal, drawn at each control
+/// instant from (seed, stream); sampled control only.
+struct Sensors {
+  double base_rate_error = 0;       ///< rad/s, standard deviation per axis
+  double joint_position_error = 0;  ///< rad or m
+  double joint_rate_error = 0;      ///< rad/s or m/s
+  double delay = 0;                 ///< s, a whole number of control periods
+  std::uint64_t seed = 0, stream = 0;
+  bool are_exact() const {
+    return base_rate_error <= 0 && joint_position_error <= 0 && joint_rate_error <= 0 && delay <= 0;
+  }
 };
 
 /// Wrench on the base [force; moment about the base centroid] in B at time t.
@@ -37,10 +60,18 @@ struct SimulationOptions {
   double horizon = 10;          ///< s after start_time
   double output_period = 0.01;  ///< s between trace samples; 0: first and last only
   bool torque_limits = true;    ///< clip at the joints' max_effort
-  bool friction = false;        ///< viscous and Coulomb friction of the model, see joint_friction
-  double friction_transition_rate = 0.01;  ///< rad/s or m/s
-  BaseWrench base_wrench;                  ///< empty: none
-  long max_steps = 100'000'000;            ///< of the integrator, failed tries included
+  /// A drive that turns at its max_velocity or faster gives no torque in that direction.
+  bool rate_limits = true;
+  bool joint_stops = true;      ///< enforced; false: passing one is reported only
+  double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, turned around
+  bool friction = false;        ///< viscous and Coulomb friction of the model
+  BaseWheels wheels;            ///< off by default
+  BaseWrench base_wrench;       ///< thrusters or disturbances; empty: none
+  Sensors sensors;              ///< exact by default
+  /// What the controller takes the robot for (same joints); empty: for what it is. Rotor inertia is
+  /// known to it.
+  std::optional<RobotModel> controller_robot;
+  long max_steps = 100'000'000;  ///< of the integrator, failed tries included
   StopCondition stop;
 };
 
@@ -65,7 +96,10 @@ struct TraceSample {
   JointVectord rns;                      ///< n; phidot's part in the angular reaction null space
   JointVectord orthogonal;               ///< n; phidot - rns
   JointVectord tau;                      ///< n; torque of the controller after limits, N m
-  double kinetic_energy = 0;             ///< J
+  Vector3d wheel_torque = Vector3d::Zero();   ///< u of the wheels on the base, in B, N m
+  double kinetic_energy = 0;                  ///< J, of the robot
+  std::optional<TargetPlantState> target;     ///< in runs with one
+  Vector3d contact_force = Vector3d::Zero();  ///< on the hand, in N, N
 };
 
 enum class LimitKind { Torque, Rate, LowerStop, UpperStop };
@@ -75,7 +109,9 @@ std::string to_string(LimitKind kind);
 struct LimitEvent {
   int joint = 0;
   LimitKind kind = LimitKind::Torque;
-  double time = 0;  ///< s; stops: from the cubic through the step's ends, else the step's end
+  /// s; torque and rate: the end of the integrator's step; stops that are not enforced: from the
+  /// cubic through the step's ends
+  double time = 0;
 };
 
 /// What came of the run. Extremes are taken over the integrator's steps.
@@ -89,8 +125,8 @@ struct SimulationSummary {
   JointVectord peak_joint_rates;   ///< n, max |phidot_k|
   double peak_torque = 0;          ///< max over time and joints, N m
   JointVectord peak_torques;       ///< n, max |tau_k|
-  /// Largest |P - P(0)| and |L_g - L_g(0)| in N. With a base wrench this is its doing, not an
-  /// error.
+  /// Largest |P - P(0)| and |L - L(0)| in N, L = L_g and the wheels' momentum. With a base wrench
+  /// this is its doing, not an error.
   double linear_momentum_drift = 0;   ///< N s
   double angular_momentum_drift = 0;  ///< N m s
   /// The larger of both, relative to the most that the initial kinetic energy T could hold:
@@ -102,8 +138,12 @@ struct SimulationSummary {
   Vector3d lost_momentum = Vector3d::Zero();   ///< at the end, in B, N m s
   Vector3d lost_direction = Vector3d::Zero();  ///< its unit vector; zero when nothing is lost
   int lowest_rank = 3;             ///< least number of directions that the arm fully reaches
-  std::vector<LimitEvent> limits;  ///< by time; torque and rate limits, stops (not enforced)
-  long steps = 0;                  ///< of the integrator
+  std::vector<LimitEvent> limits;  ///< by time; the first of each kind and joint
+  int stop_hits = 0;               ///< times that a joint ran into an enforced stop
+  double hardest_stop = 0;         ///< largest rate at which one did, rad/s (m/s)
+  double peak_wheel_torque = 0;    ///< largest |u_i|, N m
+  Vector3d wheel_momentum = Vector3d::Zero();  ///< at the end, in B, N m s
+  long steps = 0;                              ///< of the integrator
 };
 
 struct SimulationResult {
@@ -114,7 +154,6 @@ struct SimulationResult {
 
 /// Runs the closed loop from a state right after the impact (or any other state).
 ///
-/// Joint stops are not enforced: passing one is reported, and what comes later is without them.
 /// @param resistance its rotor inertia stays in plant and controller; the rest ended with the
 /// impact
 /// @throws InputError when sizes or options make no sense.

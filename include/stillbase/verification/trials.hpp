@@ -1,0 +1,100 @@
+// Would you fly this plan? The impact and the time after it, again and again with everything a
+// little different from what the plan assumes.
+//
+// Assumptions. The robot waits in the plan's posture; the hit is not missed. Each trial draws
+// direction (uniform in the cone), closing speed, restitution, mass and inertia of the target,
+// contact point and time, mass properties of the robot's bodies (each evenly within its half range)
+// and sensor errors (normal). A contact at another time meets the target's feature as it is then.
+// The impulse comes from the contact law with what was drawn, by `reference`; the plant after it is
+// the robot as drawn, while the controller knows the robot of the plan. Everything drawn comes from
+// the stream (seed, trial), so that results depend on neither order nor workers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/plan/plan.hpp>
+
+namespace stillbase {
+
+/// Half ranges of what is drawn.
+struct Perturbations {
+  double cone_half_angle = 0;      ///< rad
+  double closing_speed = 0;        ///< fraction of the predicted one
+  double restitution = 0.05;       ///< on e; cut at 0 and 1
+  double target_mass = 0.05;       ///< fraction
+  double target_inertia = 0.05;    ///< fraction
+  double contact_point = 0.01;     ///< m: radius of a disc normal to the direction
+  double contact_time = 0;         ///< s; of predicted targets
+  double robot_mass = 0.02;        ///< fraction, mass and inertia of each body
+  double base_rate_error = 1e-4;   ///< rad/s, standard deviation
+  double joint_rate_error = 1e-4;  ///< rad/s (m/s), standard deviation
+};
+
+/// Sizes for a problem: its cone of directions, 5 % of the closing speed, 0.1 s for a target that
+/// turns, else the defaults.
+Perturbations perturbations_for(const CaptureProblem& problem);
+
+/// What one trial drew (deviations from nominal) and what came of it.
+struct TrialOutcome {
+  std::vector<double> inputs;     ///< as trial_input_names() says
+  bool hit = false;               ///< target and hand close in
+  bool finished = false;          ///< the simulation reached the horizon
+  bool success = false;           ///< hit, and the problem's limits hold after it, no stop was met
+  double impulse = 0;             ///< N s
+  double objective = 0;           ///< of the problem, with what was drawn
+  double base_rate_jump = 0;      ///< |Delta omega|, rad/s
+  double residual_base_rate = 0;  ///< at the horizon, first controller, rad/s
+  double attitude_turned = 0;     ///< rad
+  double peak_rate_part = 0;      ///< largest part of a joint's rate limit; 0 without limits
+  double peak_torque_part = 0;    ///< the same of a torque limit
+  int stop_hits = 0;
+};
+
+std::vector<std::string> trial_input_names();
+
+/// Trials first .. first + count - 1 of the plan, in this order whatever the number of workers.
+/// Fewer when stopped: the ones that were done.
+/// @throws InputError, std::invalid_argument for a plan that verify_plan() would not evaluate
+std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
+                                     std::uint64_t seed, int first, int count, int workers,
+                                     const StopCondition& stop = {});
+
+/// Distribution of one number over the trials. Percentiles by linear interpolation between order
+/// statistics.
+struct Spread {
+  std::string name, unit;
+  double mean = 0;
+  double mean_half_width = 0;  ///< of the 95 % confidence interval of the mean, 1.96 s / sqrt(N)
+  double p5 = 0, p50 = 0, p95 = 0, p99 = 0;
+  double worst = 0;     ///< largest
+  int worst_trial = 0;  ///< where
+};
+
+/// How strongly an input shows in an output: Spearman's rank correlation over the trials.
+struct Sensitivity {
+  std::string output, input;
+  double rank_correlation = 0;
+};
+
+struct TrialReport {
+  int trials = 0, hits = 0, finished = 0, successes = 0;
+  double success_probability = 0;
+  double success_lower = 0, success_upper = 1;  ///< Wilson's score interval, 95 %
+  std::vector<Spread> spreads;
+  std::vector<Sensitivity> sensitivities;  ///< per output, the strongest first
+};
+
+/// @param first number of the first trial
+TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first = 0);
+
+/// Wilson's score interval of a probability from `successes` out of `trials`, z standard deviations
+/// (1.96: 95 %). [0, 1] without trials.
+struct Interval {
+  double lower = 0, upper = 1;
+};
+Interval wilson_interval(int successes, int trials, double z = 1.959963984540054);
+
+}  // namespace stillbase

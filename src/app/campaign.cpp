@@ -1,0 +1,255 @@
+// stillbase campaign: many plans, many trials, on many machines.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/campaign/campaign.hpp>
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
+#include <stillbase/core/sha256.hpp>
+#include <stillbase/io/campaign_file.hpp>
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/io/trials_file.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/verification/verification.hpp>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/interruption.hpp"
+#include "app/output.hpp"
+#include "io/json_trials.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+using io::Json;
+namespace fs = std::filesystem;
+
+// --- make
+
+struct MakeOptions {
+  std::string spec;
+  OutputFile output;
+};
+
+std::string absolute(const std::string& path, const std::string& spec) {
+  return fs::absolute(fs::path(spec).parent_path() / path).lexically_normal().string();
+}
+
+int make(const MakeOptions& options) {
+  options.output.check();
+  const CampaignSpec spec = read_campaign_spec(read_text_file(options.spec), options.spec);
+  std::string text;
+  const auto add = [&](CampaignCase piece) { text += case_to_text(piece) + "\n"; };
+  for (const std::string& name : spec.plans) {
+    CampaignCase piece;
+    piece.plan = absolute(name, options.spec);
+    const std::string content = read_text_file(piece.plan);
+    (void)read_plan(content, piece.plan);  // refused now, not a thousand times later
+    piece.sha256 = sha256_hex(content);
+    for (const std::uint64_t seed : spec.seeds) {
+      piece.seed = seed;
+      for (piece.first = 0; piece.first < spec.trials; piece.first += piece.count) {
+        piece.count = std::min(spec.trials_per_case, spec.trials - piece.first);
+        add(piece);
+      }
+    }
+  }
+  for (const std::string& name : spec.problems) {
+    CampaignCase piece;
+    piece.problem = absolute(name, options.spec);
+    (void)read_problem(piece.problem);
+    piece.sha256 = sha256_hex(read_text_file(piece.problem));
+    piece.count = spec.trials;
+    for (const std::uint64_t seed : spec.seeds) {
+      piece.seed = seed;
+      add(piece);
+    }
+  }
+  const std::size_t count = cases_from_text(text, options.spec).size();
+  options.output.write(text);
+  say(fmt::format("{} cases", count));
+  return kDone;
+}
+
+// --- run
+
+struct RunOptions {
+  std::string cases, shard = "1/1", folder;
+  int jobs = 1;
+  double seconds = 3600;
+};
+
+/// The worker: a case's text in, its result out. What it throws becomes the record of a crash.
+std::string work(const std::string& text) {
+  const CampaignCase piece = case_from_text(text);
+  const std::string path = piece.plan.empty() ? piece.problem : piece.plan;
+  const std::string content = read_text_file(path);
+  if (sha256_hex(content) != piece.sha256) throw FileError(path + ": has changed since `make`");
+  CampaignCaseResult result;
+  Plan plan;
+  if (piece.problem.empty()) {
+    plan = read_plan(content, path).plan;
+    result.plan_status = "given";
+  } else {
+    CaptureProblem problem = read_problem(path);
+    problem.search.seed = piece.seed;
+    plan = make_plan(problem);
+    result.plan_status = to_string(plan.status);
+  }
+  result.verified = verify_plan(plan).pass;
+  std::vector<TrialOutcome> outcomes;
+  if (plan.status != PlanStatus::Infeasible) {
+    outcomes =
+        run_trials(plan, perturbations_for(plan.problem), piece.seed, piece.first, piece.count, 1);
+  }
+  result.outcomes = trial_outcomes_to_text(outcomes);
+  return case_result_to_text(result);
+}
+
+int run(const RunOptions& options) {
+  CampaignOptions campaign;
+  campaign.folder = options.folder;
+  campaign.shard = shard_from_text(options.shard);
+  campaign.jobs = options.jobs;
+  campaign.seconds = options.seconds;
+  campaign.stop = stop_condition();
+  ProgressLine progress;
+  campaign.on_progress = [&](int done, int total) { progress.show("cases", done, total); };
+  const CampaignRun done = run_campaign(read_text_file(options.cases), campaign, work);
+  progress.clear();
+  say(fmt::format("shard {}: {} of {} cases done, {} of them now; {} failed", options.shard,
+                  done.found + done.recorded, done.cases, done.recorded, done.failed));
+  if (signal_exit_code() != 0) return signal_exit_code();
+  return done.is_complete() ? kDone : kCampaignIncomplete;
+}
+
+// --- merge
+
+struct MergeOptions {
+  std::string folder;
+  OutputFile output;
+};
+
+/// Trials of the same plan or problem with the same seed, in order.
+struct Group {
+  CampaignCase piece;
+  std::string plan_status = "given";
+  bool verified = true;
+  std::map<int, std::vector<TrialOutcome>> parts;  ///< by first trial
+};
+
+Json group_json(const Group& group) {
+  std::vector<TrialOutcome> outcomes;
+  for (const auto& part : group.parts) {
+    outcomes.insert(outcomes.end(), part.second.begin(), part.second.end());
+  }
+  const bool is_plan = !group.piece.plan.empty();
+  const std::string path = is_plan ? group.piece.plan : group.piece.problem;
+  const CaptureProblem problem =
+      is_plan ? read_plan(read_text_file(path), path).plan.problem : read_problem(path);
+  TrialSetting setting;
+  setting.sizes = perturbations_for(problem);
+  setting.seed = group.piece.seed;
+  return {{is_plan ? "plan" : "problem", path},
+          {"sha256", group.piece.sha256},
+          {"seed", group.piece.seed},
+          {"plan_status", group.plan_status},
+          {"verified", group.verified},
+          {"trials", io::trials_json(setting, summarize_trials(outcomes))}};
+}
+
+std::string merged_text(const MergedCampaign& merged) {
+  Json records = Json::array();
+  std::map<std::string, Group> groups;
+  std::vector<std::string> order;
+  for (const CaseRecord& record : merged.records) {
+    const CampaignCase piece =
+        case_from_text(merged.cases[static_cast<std::size_t>(record.number)]);
+    Json entry = {{"case", record.number}, {"status", to_string(record.status)}};
+    if (record.status != CaseStatus::Finished) entry["message"] = record.text;
+    records.push_back(std::move(entry));
+    if (record.status != CaseStatus::Finished) continue;
+    CampaignCase key = piece;
+    key.first = key.count = 0;
+    const std::string name = case_to_text(key);
+    if (groups.count(name) == 0) order.push_back(name);
+    Group& group = groups[name];
+    group.piece = piece;
+    const CampaignCaseResult result = case_result_from_text(record.text);
+    group.plan_status = result.plan_status;
+    group.verified = group.verified && result.verified;
+    group.parts[piece.first] = trial_outcomes_from_text(result.outcomes);
+  }
+  Json group_list = Json::array();
+  for (const std::string& name : order) group_list.push_back(group_json(groups[name]));
+  return io::pretty({{"format", "stillbase.campaign_result"},
+                     {"version", 1},
+                     {"cases_sha256", merged.cases_sha256},
+                     {"case_count", merged.cases.size()},
+                     {"complete", merged.is_complete()},
+                     {"missing", merged.missing},
+                     {"contradictory", merged.contradictory},
+                     {"records", records},
+                     {"groups", group_list}});
+}
+
+int merge(const MergeOptions& options) {
+  options.output.check();
+  const MergedCampaign merged = merge_campaign(options.folder);
+  options.output.write(merged_text(merged));
+  say(
+      fmt::format("{} of {} cases, each once; {} missing, {} contradictory, {} repeated alike, {} "
+                  "damaged lines",
+                  merged.records.size(), merged.cases.size(), merged.missing.size(),
+                  merged.contradictory.size(), merged.duplicates, merged.damaged));
+  return merged.is_complete() ? kDone : kCampaignIncomplete;
+}
+
+}  // namespace
+
+void add_campaign(CLI::App& app, Action& action) {
+  CLI::App* campaign = app.add_subcommand(
+      "campaign", "thousands of trials of many plans, none lost, on one or many machines");
+  campaign->require_subcommand(1);
+
+  auto making = std::make_shared<MakeOptions>();
+  CLI::App* make_command = campaign->add_subcommand("make", "the bag of cases, one per line");
+  make_command->add_option("spec", making->spec, "campaign file (YAML)")
+      ->type_name("SPEC.yaml")
+      ->required();
+  add_output(*make_command, making->output, "-o,--output", "cases; without it stdout");
+  make_command->callback([making, &action] { action = [making] { return make(*making); }; });
+
+  auto running = std::make_shared<RunOptions>();
+  CLI::App* run_command = campaign->add_subcommand(
+      "run", "work off the cases that are not in the folder's journals yet");
+  run_command->add_option("cases", running->cases, "bag of cases")
+      ->type_name("CASES.jsonl")
+      ->required();
+  run_command->add_option("--shard", running->shard, "part I of N, from 1")->type_name("I/N");
+  run_command->add_option("--jobs", running->jobs, "worker processes")->check(CLI::Range(1, 1024));
+  run_command->add_option("--case-limit", running->seconds, "time limit of one case")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber);
+  run_command->add_option("-o,--output", running->folder, "folder of the campaign")
+      ->type_name("DIR")
+      ->required();
+  run_command->callback([running, &action] { action = [running] { return run(*running); }; });
+
+  auto merging = std::make_shared<MergeOptions>();
+  CLI::App* merge_command = campaign->add_subcommand(
+      "merge", "prove that every case is there exactly once, and say what came out");
+  merge_command->add_option("folder", merging->folder, "folder of the campaign")
+      ->type_name("DIR")
+      ->required();
+  add_output(*merge_command, merging->output, "-o,--output", "result (JSON); without it stdout");
+  merge_command->callback([merging, &action] { action = [merging] { return merge(*merging); }; });
+}
+
+}  // namespace stillbase::app

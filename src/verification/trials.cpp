@@ -1,0 +1,226 @@
+#include <stillbase/verification/trials.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include <stillbase/core/random.hpp>
+#include <stillbase/simulation/simulate.hpp>
+
+#include "verification/recomputation.hpp"
+
+namespace stillbase {
+namespace {
+
+using namespace verification;
+
+constexpr double kTwoPi = 6.28318530717958647692;
+
+/// What all trials share.
+struct Nominal {
+  const Plan& plan;
+  PostureResponse response;
+  std::optional<TargetMotion> motion;
+  ContactEvent event;
+};
+
+/// A direction of the cone about n: uniform on the cap, or in the wedge.
+Vector3d drawn_direction(const CaptureProblem& problem, const Vector3d& n, double half_angle,
+                         Random& random, double& angle) {
+  const double along = random.uniform(), around = kTwoPi * random.uniform();
+  angle = 0;
+  if (!(half_angle > 0)) return n;
+  if (const auto& plane = problem.uncertainty.cone_plane_normal) {
+    angle = half_angle * (2 * along - 1);
+    return rotation_exp(angle * *plane) * n;
+  }
+  const double cosine = 1 - along * (1 - std::cos(half_angle));
+  angle = std::acos(cosine);
+  const Vector3d e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+  return cosine * n + std::sin(angle) * (std::cos(around) * e1 + std::sin(around) * e2);
+}
+
+double largest_part(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
+  double part = 0;
+  for (int k = 0; k < robot.n(); ++k) {
+    const double most = robot.joints[static_cast<std::size_t>(k)].*limit;
+    if (std::isfinite(most) && most > 0) part = std::max(part, peaks(k) / most);
+  }
+  return part;
+}
+
+void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturbations& sizes,
+              const reference::Impact& impact, std::uint64_t seed, int trial,
+              const StopCondition& stop, TrialOutcome& outcome) {
+  const PostImpactSpec& spec = truth.post_impact;
+  const auto kind = controller_from_name(spec.controllers.front());
+  if (!kind) throw std::invalid_argument("no controller " + spec.controllers.front());
+  PlantState state = state_at_rest(nominal.plan.configuration.base, nominal.plan.configuration.phi);
+  state.Omega = impact.Delta_Omega;
+  state.phidot = impact.Delta_phidot;
+  SimulationOptions options;
+  options.step = std::min(0.01, spec.control_period);
+  options.control_period = spec.control_period;
+  options.horizon = spec.horizon;
+  options.output_period = 0;
+  options.controller_robot = nominal.plan.problem.robot;
+  options.sensors.base_rate_error = sizes.base_rate_error;
+  options.sensors.joint_rate_error = sizes.joint_rate_error;
+  options.sensors.seed = seed;
+  // Streams of the sensors are apart from those that draw the trials.
+  options.sensors.stream = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(trial);
+  options.stop = stop;
+  Controller controller;
+  controller.kind = *kind;
+  controller.K_omega = spec.K_omega;
+  controller.K_phi = spec.K_phi;
+  const SimulationResult run =
+      simulate_post_impact(truth.robot, truth.resistance, state, controller, options);
+  const SimulationSummary& summary = run.summary;
+  outcome.finished = run.status == SimulationStatus::Finished;
+  outcome.residual_base_rate = summary.residual_base_rate;
+  outcome.attitude_turned = summary.attitude_turned;
+  outcome.peak_rate_part =
+      largest_part(truth.robot, summary.peak_joint_rates, &Joint::max_velocity);
+  outcome.peak_torque_part = largest_part(truth.robot, summary.peak_torques, &Joint::max_effort);
+  outcome.stop_hits = summary.stop_hits;
+  outcome.success = outcome.hit && outcome.finished && outcome.stop_hits == 0 &&
+                    outcome.residual_base_rate <= spec.residual_base_rate_max &&
+                    outcome.attitude_turned <= spec.attitude_change_max &&
+                    outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6;
+}
+
+TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::uint64_t seed,
+                       int trial, const StopCondition& stop) {
+  Random random(seed, static_cast<std::uint64_t>(trial));
+  CaptureProblem truth = nominal.plan.problem;
+  Configuration at = nominal.plan.configuration;
+  TrialOutcome outcome;
+  const auto draw = [&](double size) {
+    const double x = size * random.uniform(-1, 1);
+    outcome.inputs.push_back(x);
+    return x;
+  };
+
+  // The order of the draws is that of trial_input_names().
+  double angle = 0;
+  const Vector3d base_n = nominal.event.n;
+  const Vector3d direction = drawn_direction(truth, base_n, sizes.cone_half_angle, random, angle);
+  outcome.inputs.push_back(angle);
+  const double faster = draw(sizes.closing_speed);
+  truth.impulse.restitution =
+      std::clamp(truth.impulse.restitution + draw(sizes.restitution), 0.0, 1.0);
+  const double heavier = draw(sizes.target_mass), stiffer = draw(sizes.target_inertia);
+  if (truth.target) {
+    truth.target->mass *= 1 + heavier;
+    truth.target->inertia *= 1 + stiffer;
+  }
+  const double radius = sizes.contact_point * std::sqrt(random.uniform());
+  const double azimuth = kTwoPi * random.uniform();
+  outcome.inputs.push_back(radius);
+  const double later = draw(sizes.contact_time);
+  double robot_mass = 0;
+  const auto scale_body = [&](Body& body) {
+    const double factor = 1 + sizes.robot_mass * random.uniform(-1, 1);
+    robot_mass += body.mass * (factor - 1);
+    body.mass *= factor;
+    body.inertia *= factor;
+  };
+  scale_body(truth.robot.base);
+  for (Body& body : truth.robot.bodies) scale_body(body);
+  outcome.inputs.push_back(robot_mass / nominal.response.dynamics.mass);
+
+  // What the target shows at that time, turned as far as the direction was turned.
+  if (nominal.motion && !truth.impulse.direction) at.contact_time += later;
+  ContactEvent event = contact_event(truth, nominal.motion ? &*nominal.motion : nullptr, at);
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(base_n, direction);
+  const Vector3d d = (turn * event.n).normalized();
+  truth.impulse.closing_speed *= 1 + faster;
+  truth.impulse.magnitude *= 1 + faster;
+  if (event.velocity) *event.velocity *= 1 + faster;
+
+  // The contact is off the hand's origin: its point on the hand is where the impulse acts.
+  const Vector3d e1 = d.unitOrthogonal(), e2 = d.cross(e1);
+  const Vector3d offset = radius * (std::cos(azimuth) * e1 + std::sin(azimuth) * e2);
+  const Matrix3d R_Bhand = nominal.response.dynamics.hand_rotation;
+  truth.robot.p_hand += truth.robot.R_hand * (R_Bhand.transpose() * offset);
+  event.r += offset;
+
+  const PostureResponse response = posture_response(truth, at.phi);
+  const Vector6d Fbar = impulse_along(truth, event, response, d);
+  outcome.impulse = Fbar.head<3>().norm();
+  outcome.hit = truth.impulse.source == ImpulseSource::Given || closing_speed(truth, event, d) > 0;
+  outcome.objective = objective_value(truth.objective, response, Fbar);
+  const reference::Impact impact = response.impact(Fbar);
+  outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
+  if (truth.post_impact.controllers.empty()) {
+    outcome.finished = true;
+    outcome.success = outcome.hit;
+  } else {
+    simulate(truth, nominal, sizes, impact, seed, trial, stop, outcome);
+  }
+  return outcome;
+}
+
+}  // namespace
+
+Perturbations perturbations_for(const CaptureProblem& problem) {
+  Perturbations sizes;
+  sizes.cone_half_angle = problem.uncertainty.cone_half_angle;
+  sizes.closing_speed = 0.05;
+  const bool is_predicted = problem.target && !problem.impulse.direction;
+  sizes.contact_time = is_predicted ? 0.1 : 0;
+  return sizes;
+}
+
+std::vector<std::string> trial_input_names() {
+  return {"direction_angle", "closing_speed", "restitution",  "target_mass",
+          "target_inertia",  "contact_point", "contact_time", "robot_mass"};
+}
+
+std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
+                                     std::uint64_t seed, int first, int count, int workers,
+                                     const StopCondition& stop) {
+  Nominal nominal{plan, posture_response(plan.problem, plan.configuration.phi), {}, {}};
+  const double earliest = plan.configuration.contact_time - 2 * sizes.contact_time - 1;
+  nominal.motion = target_motion(
+      plan.problem, plan.configuration,
+      plan.configuration.base * Vector3d(nominal.response.dynamics.hand_position), earliest);
+  nominal.event =
+      contact_event(plan.problem, nominal.motion ? &*nominal.motion : nullptr, plan.configuration);
+  if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
+
+  std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(count));
+  std::atomic<int> next{0};
+  std::atomic<bool> failed{false};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
+      try {
+        outcomes[static_cast<std::size_t>(i)] = run_trial(nominal, sizes, seed, first + i, stop);
+      } catch (...) {
+        const std::lock_guard lock(failure_mutex);
+        if (!failure) failure = std::current_exception();
+        failed = true;
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 1; i < std::min(workers, count); ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  if (stop.reached()) {
+    // Trials that were cut off or never begun tell nothing.
+    const auto is_open = [](const TrialOutcome& outcome) { return !outcome.finished; };
+    outcomes.erase(std::remove_if(outcomes.begin(), outcomes.end(), is_open), outcomes.end());
+  }
+  return outcomes;
+}
+
+}  // namespace stillbase

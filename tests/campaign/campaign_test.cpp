@@ -1,0 +1,232 @@
+// No case is lost, whatever dies.
+#include <catch2/catch.hpp>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <stillbase/campaign/campaign.hpp>
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/core/sha256.hpp>
+
+using namespace stillbase;
+
+namespace {
+
+class Folder {
+ public:
+  Folder() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "stillbase_campaign_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string path() const { return path_.string(); }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string bag(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += "case " + std::to_string(i) + "\n";
+  return text;
+}
+
+std::string hashed(const std::string& text) { return sha256_hex(text); }
+
+CampaignOptions in(const Folder& folder, int jobs = 1, Shard shard = {}) {
+  CampaignOptions options;
+  options.folder = folder.path();
+  options.jobs = jobs;
+  options.shard = shard;
+  return options;
+}
+
+/// What a merge says, as one text.
+std::string text_of(const MergedCampaign& merged) {
+  std::string text = merged.cases_sha256 + "\n";
+  for (const CaseRecord& record : merged.records) {
+    text +=
+        std::to_string(record.number) + " " + to_string(record.status) + " " + record.text + "\n";
+  }
+  return text;
+}
+
+/// Runs a campaign in a process that is killed after a while, until it ends by itself.
+int kills_until_done(const Folder& folder, const std::string& cases, int jobs, Random& random,
+                     int most) {
+  for (int kills = 0;; ++kills) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      int code = 1;
+      try {
+        const CampaignRun run = run_campaign(cases, in(folder, jobs), [](const std::string& text) {
+          usleep(3000);
+          return hashed(text);
+        });
+        code = run.is_complete() ? 0 : 1;
+      } catch (...) {
+      }
+      _exit(code);
+    }
+    if (kills < most) {
+      usleep(static_cast<useconds_t>(random.uniform(1e3, 60e3)));
+      kill(pid, SIGKILL);
+    }
+    int status = 0;
+    waitpid(pid, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return kills;
+    if (WIFEXITED(status)) throw std::runtime_error("the campaign failed");
+  }
+}
+
+std::string undisturbed(const std::string& cases) {
+  const Folder folder;
+  run_campaign(cases, in(folder), hashed);
+  return text_of(merge_campaign(folder.path()));
+}
+
+}  // namespace
+
+TEST_CASE("results are the same for every number of workers and shards") {
+  const std::string cases = bag(37);
+  const std::string expected = undisturbed(cases);
+  for (const int jobs : {1, 2, 4}) {
+    const Folder folder;
+    const CampaignRun run = run_campaign(cases, in(folder, jobs), hashed);
+    CHECK(run.is_complete());
+    CHECK(run.recorded == 37);
+    CHECK(text_of(merge_campaign(folder.path())) == expected);
+  }
+  const Folder folder;
+  for (const int i : {2, 0, 1}) run_campaign(cases, in(folder, 2, {i, 3}), hashed);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK(merged.is_complete());
+  CHECK(merged.duplicates == 0);
+  CHECK(text_of(merged) == expected);
+}
+
+TEST_CASE("a case that crashes is a record, not the end") {
+  const std::string cases = bag(6);
+  const Folder folder;
+  const CampaignRun run = run_campaign(cases, in(folder, 2), [](const std::string& text) {
+    if (text == "case 2") std::raise(SIGKILL);
+    if (text == "case 3") throw std::runtime_error("two\nlines");
+    return hashed(text);
+  });
+  CHECK(run.is_complete());
+  CHECK(run.failed == 2);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK(merged.is_complete());
+  CHECK(merged.records[2].status == CaseStatus::Crashed);
+  CHECK(merged.records[3].status == CaseStatus::Crashed);
+  CHECK(merged.records[3].text == "two lines");
+  CHECK(merged.records[4].text == hashed("case 4"));
+}
+
+TEST_CASE("a run that begins again finds what is done and does the rest") {
+  const std::string cases = bag(10);
+  const Folder folder;
+  std::atomic<bool> interrupted = false;
+  CampaignOptions options = in(folder);
+  options.stop.interrupted = &interrupted;
+  options.on_progress = [&](int done, int) { interrupted = done >= 4; };
+  const CampaignRun first = run_campaign(cases, options, hashed);
+  CHECK_FALSE(first.is_complete());
+  const MergedCampaign part = merge_campaign(folder.path());
+  CHECK_FALSE(part.is_complete());
+  CHECK(part.missing.size() == static_cast<std::size_t>(10 - first.recorded));
+  const CampaignRun second = run_campaign(cases, in(folder, 2), hashed);
+  CHECK(second.found == first.recorded);
+  CHECK(second.is_complete());
+  CHECK(text_of(merge_campaign(folder.path())) == undisturbed(cases));
+  // Other shards of the same folder know what is done, too.
+  CHECK(run_campaign(cases, in(folder, 1, {1, 2}), hashed).recorded == 0);
+}
+
+TEST_CASE("killed five times at random, a campaign ends as if undisturbed") {
+  const std::string cases = bag(40);
+  const Folder folder;
+  Random random(1, 77);
+  kills_until_done(folder, cases, 2, random, 5);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK(merged.duplicates == 0);
+  CHECK(text_of(merged) == undisturbed(cases));
+}
+
+TEST_CASE("killed a thousand times at random, a campaign ends as if undisturbed", "[.slow]") {
+  Random random(2, 77);
+  int kills = 0;
+  const std::string cases = bag(60);
+  const std::string expected = undisturbed(cases);
+  while (kills < 1000) {
+    const Folder folder;
+    kills += kills_until_done(folder, cases, 1 + random.index(3), random, 1000);
+    const MergedCampaign merged = merge_campaign(folder.path());
+    REQUIRE(merged.duplicates == 0);
+    REQUIRE(text_of(merged) == expected);
+  }
+}
+
+TEST_CASE("a torn record is cut off, a damaged one is done again") {
+  const std::string cases = bag(5);
+  const Folder folder;
+  run_campaign(cases, in(folder), hashed);
+  const std::filesystem::path journal = folder / "journal-1-of-1.txt";
+  std::string text;
+  {
+    std::ifstream stream(journal, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+  // The last line loses its end, the first one a digit of its result.
+  text.resize(text.size() - 5);
+  const std::size_t end = text.find('\n');
+  text[end - 1] = text[end - 1] == '0' ? '1' : '0';
+  std::ofstream(journal, std::ios::binary) << text;
+  const MergedCampaign broken = merge_campaign(folder.path());
+  CHECK(broken.damaged == 1);
+  CHECK(broken.missing.size() == 2);
+  const CampaignRun again = run_campaign(cases, in(folder), hashed);
+  CHECK(again.recorded == 2);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK(merged.is_complete());
+  CHECK(text_of(merged) == undisturbed(cases));
+}
+
+TEST_CASE("records that contradict each other are no complete campaign") {
+  const std::string cases = bag(2);
+  const Folder folder, other;
+  run_campaign(cases, in(folder, 1, {0, 1}), hashed);
+  run_campaign(cases, in(other, 1, {0, 2}), [](const std::string&) { return "else"; });
+  std::filesystem::copy(other / "journal-1-of-2.txt", folder / "journal-1-of-2.txt");
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK_FALSE(merged.is_complete());
+  CHECK(merged.contradictory == std::vector<int>{0});
+}
+
+TEST_CASE("a folder belongs to one bag, a shard to one run") {
+  const Folder folder;
+  run_campaign(bag(3), in(folder), hashed);
+  CHECK_THROWS_AS(run_campaign(bag(4), in(folder), hashed), InputError);
+  CHECK_THROWS_AS(merge_campaign((folder / "nothing").string()), InputError);
+  CHECK_THROWS_AS(shard_from_text("0/2"), InputError);
+  CHECK_THROWS_AS(shard_from_text("3/2"), InputError);
+  CHECK_THROWS_AS(shard_from_text("2"), InputError);
+  CHECK_THROWS_AS(shard_from_text("1/2x"), InputError);
+  CHECK(shard_from_text("2/4").index == 1);
+  CHECK_THROWS_AS(cases_from_text("a\na\n", "cases"), InputError);
+  CHECK_THROWS_AS(cases_from_text("", "cases"), InputError);
+}

@@ -1,0 +1,136 @@
+// Trials: repeatable, and statistics that are what they say.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include <stillbase/core/random.hpp>
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/verification/trials.hpp>
+
+using namespace stillbase;
+
+namespace {
+
+Plan planar_plan(const std::string& name = "planar_two_link_c2_a") {
+  return make_plan(read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml"));
+}
+
+Perturbations nothing() {
+  Perturbations sizes;
+  sizes.restitution = sizes.target_mass = sizes.target_inertia = sizes.contact_point = 0;
+  sizes.robot_mass = sizes.base_rate_error = sizes.joint_rate_error = 0;
+  return sizes;
+}
+
+bool same(const TrialOutcome& a, const TrialOutcome& b) {
+  return a.inputs == b.inputs && a.objective == b.objective && a.impulse == b.impulse &&
+         a.residual_base_rate == b.residual_base_rate && a.success == b.success;
+}
+
+const Spread& spread_of(const TrialReport& report, const std::string& name) {
+  for (const Spread& s : report.spreads) {
+    if (s.name == name) return s;
+  }
+  throw std::logic_error(name);
+}
+
+}  // namespace
+
+TEST_CASE("a trial depends on its number and the seed alone") {
+  const Plan plan = planar_plan();
+  const Perturbations sizes = perturbations_for(plan.problem);
+  const auto all = run_trials(plan, sizes, 5, 0, 12, 1);
+  REQUIRE(all.size() == 12);
+  for (const int workers : {2, 4}) {
+    const auto again = run_trials(plan, sizes, 5, 0, 12, workers);
+    for (std::size_t i = 0; i < all.size(); ++i) CHECK(same(all[i], again[i]));
+  }
+  const auto part = run_trials(plan, sizes, 5, 7, 3, 2);
+  for (std::size_t i = 0; i < part.size(); ++i) CHECK(same(part[i], all[7 + i]));
+  CHECK_FALSE(same(all[0], all[1]));
+  CHECK_FALSE(same(all[0], run_trials(plan, sizes, 6, 0, 1, 1)[0]));
+}
+
+TEST_CASE("without perturbation a trial is the plan itself") {
+  for (const char* name : {"planar_two_link_c2_a", "iiwa_client_50"}) {
+    const Plan plan = planar_plan(name);
+    const TrialOutcome outcome = run_trials(plan, nothing(), 1, 0, 1, 1)[0];
+    INFO(name);
+    CHECK(outcome.hit);
+    CHECK(outcome.finished);
+    CHECK(outcome.success);
+    CHECK(outcome.impulse == Approx(plan.impact.Fbar.head<3>().norm()).epsilon(1e-10));
+    CHECK(outcome.base_rate_jump ==
+          Approx(plan.impact.Delta_Omega.tail<3>().norm()).epsilon(1e-8).margin(1e-12));
+    for (const double x : outcome.inputs) CHECK(x == 0);
+  }
+}
+
+TEST_CASE("impulses grow with the closing speed, and the sensitivities see it") {
+  const Plan plan = planar_plan();
+  Perturbations sizes = nothing();
+  sizes.closing_speed = 0.2;
+  sizes.target_mass = 0.01;
+  const TrialReport report = summarize_trials(run_trials(plan, sizes, 2, 0, 60, 2));
+  REQUIRE(report.trials == 60);
+  for (const Sensitivity& s : report.sensitivities) {
+    if (s.output != "impulse") continue;
+    CHECK(s.input == "closing_speed");  // the first is the strongest
+    CHECK(s.rank_correlation > 0.95);
+    break;
+  }
+  const double nominal = plan.impact.Fbar.head<3>().norm();
+  const Spread& impulse = spread_of(report, "impulse");
+  CHECK(impulse.worst < 1.22 * nominal);
+  CHECK(impulse.p5 < impulse.p50);
+  CHECK(impulse.p50 < impulse.p95);
+  CHECK(std::abs(impulse.mean - nominal) < 0.1 * nominal);
+}
+
+TEST_CASE("percentiles, mean and worst case are those of the numbers") {
+  std::vector<TrialOutcome> outcomes(101);
+  for (int i = 0; i <= 100; ++i) {
+    TrialOutcome& o = outcomes[static_cast<std::size_t>((i * 37) % 101)];
+    o.inputs.assign(trial_input_names().size(), 0.0);
+    o.inputs[1] = i;
+    o.inputs[2] = -i * i;
+    o.objective = i;
+    o.success = i < 80;
+  }
+  const TrialReport report = summarize_trials(outcomes, 1000);
+  const Spread& s = spread_of(report, "objective");
+  CHECK(s.mean == Approx(50));
+  CHECK(s.p5 == Approx(5));
+  CHECK(s.p50 == Approx(50));
+  CHECK(s.p99 == Approx(99));
+  CHECK(s.worst == 100);
+  CHECK(s.worst_trial == 1000 + (100 * 37) % 101);
+  CHECK(report.successes == 80);
+  std::vector<Sensitivity> of_objective;
+  for (const Sensitivity& x : report.sensitivities) {
+    if (x.output == "objective") of_objective.push_back(x);
+  }
+  CHECK(of_objective[0].rank_correlation == Approx(1));
+  CHECK(of_objective[1].rank_correlation == Approx(-1));
+  CHECK(of_objective[2].rank_correlation == 0);
+}
+
+TEST_CASE("Wilson's interval: published values, edges, and coverage") {
+  // 95 %: 81 of 263 gives 0.2553 to 0.3662 (Newcombe 1998, table I), 0 of 20 gives 0 to 0.1611.
+  CHECK(wilson_interval(81, 263).lower == Approx(0.2553).margin(5e-5));
+  CHECK(wilson_interval(81, 263).upper == Approx(0.3662).margin(5e-5));
+  CHECK(wilson_interval(0, 20).lower == Approx(0).margin(1e-12));
+  CHECK(wilson_interval(0, 20).upper == Approx(0.1611).margin(5e-5));
+  CHECK(wilson_interval(0, 0).upper == 1);
+  Random random(1, 9);
+  int covered = 0;
+  for (int i = 0; i < 1000; ++i) {
+    int successes = 0;
+    for (int k = 0; k < 50; ++k) successes += random.uniform() < 0.9;
+    const Interval interval = wilson_interval(successes, 50);
+    covered += interval.lower <= 0.9 && 0.9 <= interval.upper;
+  }
+  CHECK(covered > 920);
+  CHECK(covered < 990);
+}
