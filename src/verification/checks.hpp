@@ -37,6 +37,9 @@ void check_constraints(const Context& context, const ContactEvent& event,
 /// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 
+/// Bounds of the constraints, list and admissibility of the candidates, record of the search.
+void check_consistency(const Context& context, ClaimList& claims);
+
 void check_approach(const Context& context, ClaimList& claims);
 
 void check_post_impact(const Context& context, const PostureResponse& response,

@@ -155,6 +155,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
+      group("consistency", [&] { check_consistency(context, claims); });
       group("approach", [&] { check_approach(context, claims); });
       if (options.post_impact && !problem.post_impact.controllers.empty()) {
         group("post_impact", [&] {
