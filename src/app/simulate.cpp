@@ -7,7 +7,7 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/simulation/simulate.hpp>
+#include <stillbase/simulation/settings.hpp>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -66,13 +66,11 @@ Run simulate(const Case& subject, const std::string& name, const StopCondition& 
   const PlantState before = state_at_rest(subject.configuration.base, subject.configuration.phi);
   const PlantState after = state_after_impact(subject.problem.robot, subject.problem.resistance,
                                               before, subject.impact.Fbar);
-  SimulationOptions options;
+  SimulationOptions options = plant_options_of(spec);
   options.integrator = IntegratorKind::Fehlberg78;
-  options.control_period = spec.control_period;
-  options.horizon = spec.horizon;
   options.stop = stop;
   return {name, simulate_post_impact(subject.problem.robot, subject.problem.resistance, after,
-                                     Controller{*kind, spec.K_omega, spec.K_phi}, options)};
+                                     controller_of(*kind, spec), options)};
 }
 
 Json run_json(const RobotModel& robot, const Run& run) {

@@ -240,6 +240,12 @@ Json problem_json(const CaptureProblem& problem) {
                          {"joint_rate_gain", number_json(post.K_phi)},
                          {"control_period", number_json(post.control_period)},
                          {"horizon", number_json(post.horizon)},
+                         {"joint_friction", post.joint_friction},
+                         {"stop_restitution", number_json(post.stop_restitution)},
+                         {"wheel_torque", number_json(post.wheel_torque)},
+                         {"wheel_momentum", number_json(post.wheel_momentum)},
+                         {"handback_start", number_json(post.handback_start)},
+                         {"handback_gain", number_json(post.handback_gain)},
                          {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
                          {"attitude_change_max", number_json(post.attitude_change_max)}};
   json["obstacles"] = Json::array();

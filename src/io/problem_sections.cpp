@@ -422,6 +422,13 @@ void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
   fields.number("control_period", spec.control_period, Dimension::Time,
                 {.lower = 1e-4, .upper = 10});
   fields.number("horizon", spec.horizon, Dimension::Time, {.lower = 1e-3, .upper = 3600});
+  fields.flag("joint_friction", spec.joint_friction);
+  fields.number("stop_restitution", spec.stop_restitution, Dimension::None,
+                {.lower = 0, .upper = 0.99});
+  fields.number("wheel_torque", spec.wheel_torque, Dimension::Moment, kNonNegative);
+  fields.number("wheel_momentum", spec.wheel_momentum, Dimension::AngularImpulse, kNonNegative);
+  fields.number("handback_start", spec.handback_start, Dimension::Time, kNonNegative);
+  fields.number("handback_gain", spec.handback_gain, Dimension::Rate, kNonNegative);
   const Need need = spec.controllers.empty() ? Need::Optional : Need::Required;
   fields.number("residual_base_rate_max", spec.residual_base_rate_max, Dimension::AngularVelocity,
                 kNonNegative, need);

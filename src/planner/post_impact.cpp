@@ -1,6 +1,6 @@
 #include "planner/post_impact.hpp"
 
-#include <stillbase/simulation/simulate.hpp>
+#include <stillbase/simulation/settings.hpp>
 
 namespace stillbase {
 
@@ -22,18 +22,16 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   const auto kind = controller_from_name(spec.controllers.front());
   if (!kind) return "no controller " + spec.controllers.front();
   const PlantState before = state_at_rest(configuration.base, configuration.phi);
-  SimulationOptions options;
+  SimulationOptions options = plant_options_of(spec);
   options.integrator = IntegratorKind::Dopri5;
   options.relative_tolerance = 1e-8;
   options.absolute_tolerance = 1e-10;
-  options.control_period = spec.control_period;
-  options.horizon = spec.horizon;
   options.output_period = spec.horizon;
   options.stop = stop;
   const SimulationResult result = simulate_post_impact(
       problem.robot, problem.resistance,
       state_after_impact(problem.robot, problem.resistance, before, impact.Fbar),
-      Controller{*kind, spec.K_omega, spec.K_phi}, options);
+      controller_of(*kind, spec), options);
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
   for (const LimitEvent& event : summary.limits) {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/simulation/simulate.hpp>
+#include <stillbase/simulation/settings.hpp>
 
 #include "verification/checks.hpp"
 
@@ -25,7 +25,8 @@ Drift momentum_drift(const Context& context, const std::vector<TraceSample>& tra
     const PlantState& state = trace[i].state;
     const auto d =
         reference::compute(context.problem.robot, {state.phi, state.phidot, state.Omega});
-    const Vector3d P = state.base.orientation * d.P, L = state.base.orientation * d.L_g;
+    const Vector3d P = state.base.orientation * d.P,
+                   L = state.base.orientation * Vector3d(d.L_g + state.wheel_momentum);
     if (i == 0) {
       Eigen::VectorXd x(6 + state.phi.size());
       x << state.Omega, state.phidot;
@@ -117,18 +118,15 @@ void check_post_impact(const Context& context, const PostureResponse& response,
     if (!kind) {
       report.detail = "no controller of this name";
     } else {
-      SimulationOptions options;
+      SimulationOptions options = plant_options_of(spec);
       options.integrator = IntegratorKind::Fehlberg78;
       options.relative_tolerance = 1e-11;
       options.absolute_tolerance = 1e-13;
-      options.control_period = spec.control_period;
-      options.horizon = spec.horizon;
       options.output_period = spec.horizon / 20;
       options.stop = context.options.stop;
       try {
-        const SimulationResult result =
-            simulate_post_impact(problem.robot, problem.resistance, state,
-                                 Controller{*kind, spec.K_omega, spec.K_phi}, options);
+        const SimulationResult result = simulate_post_impact(
+            problem.robot, problem.resistance, state, controller_of(*kind, spec), options);
         summary = result.summary;
         report.finished = result.status == SimulationStatus::Finished;
         if (!report.finished) report.detail = "simulation: " + to_string(result.status);

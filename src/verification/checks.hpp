@@ -46,6 +46,9 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
 /// Torques along the approach against the effort limits, and as stated.
 void check_torques(const Context& context, ClaimList& claims);
 
+/// Bounds of the constraints, list and admissibility of the candidates, record of the search.
+void check_consistency(const Context& context, ClaimList& claims);
+
 void check_approach(const Context& context, ClaimList& claims);
 
 void check_post_impact(const Context& context, const PostureResponse& response,

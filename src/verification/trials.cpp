@@ -9,7 +9,7 @@
 #include <thread>
 
 #include <stillbase/core/random.hpp>
-#include <stillbase/simulation/simulate.hpp>
+#include <stillbase/simulation/settings.hpp>
 
 #include "verification/recomputation.hpp"
 
@@ -62,10 +62,8 @@ void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturb
   PlantState state = state_at_rest(nominal.plan.configuration.base, nominal.plan.configuration.phi);
   state.Omega = impact.Delta_Omega;
   state.phidot = impact.Delta_phidot;
-  SimulationOptions options;
+  SimulationOptions options = plant_options_of(spec);
   options.step = std::min(0.01, spec.control_period);
-  options.control_period = spec.control_period;
-  options.horizon = spec.horizon;
   options.output_period = 0;
   options.controller_robot = nominal.plan.problem.robot;
   options.sensors.base_rate_error = sizes.base_rate_error;
@@ -74,10 +72,7 @@ void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturb
   // Streams of the sensors are apart from those that draw the trials.
   options.sensors.stream = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(trial);
   options.stop = stop;
-  Controller controller;
-  controller.kind = *kind;
-  controller.K_omega = spec.K_omega;
-  controller.K_phi = spec.K_phi;
+  const Controller controller = controller_of(*kind, spec);
   const SimulationResult run =
       simulate_post_impact(truth.robot, truth.resistance, state, controller, options);
   const SimulationSummary& summary = run.summary;

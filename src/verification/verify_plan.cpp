@@ -166,6 +166,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
       group("proof", [&] { check_proof(context, event, claims); });
+      group("consistency", [&] { check_consistency(context, claims); });
       group("approach", [&] { check_approach(context, claims); });
       if (options.post_impact && !problem.post_impact.controllers.empty()) {
         group("post_impact", [&] {

@@ -324,6 +324,10 @@ inline void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.objective = planned.objective;
   plan.candidates = {{plan.configuration, planned.objective.nominal, planned.objective.worst_case,
                       0, 1, true, "", planned.objective.value}};
+  plan.certificate.starts = 1;
+  plan.certificate.distinct_solutions = 1;
+  plan.optimizer = plan.problem.search.optimizer;
+  plan.solver_calls = {{plan.optimizer, 1}};
   plan.status = PlanStatus::Optimal;
 }
 

@@ -96,6 +96,34 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
   add_components(m, "candidate.objective", 1,
                  [](Plan& p, int) -> double& { return p.candidates[0].objective; });
 
+  add_components(m, "candidate.worst_case", 1,
+                 [](Plan& p, int) -> double& { return p.candidates[0].worst_case; });
+  for (int k = 0; k < 7; ++k) {
+    m.push_back({"candidate.phi[" + std::to_string(k) + "]", [k](Plan& p) {
+                   // Another candidate than the chosen one.
+                   Candidate other = p.candidates[0];
+                   other.configuration.phi(k) *= kFactor;
+                   p.candidates.push_back(other);
+                   p.certificate.distinct_solutions = static_cast<int>(p.candidates.size());
+                   p.certificate.starts += 10;
+                 }});
+  }
+  for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
+    const std::string name = plan.constraints[i].name;
+    m.push_back({name + ".lower", [i](Plan& p) {
+                   ConstraintValue& c = p.constraints[i];
+                   c.lower = std::abs(c.lower) < 1e300 ? c.lower * kFactor - 1e-11 : -10;
+                 }});
+    m.push_back({name + ".upper", [i](Plan& p) {
+                   ConstraintValue& c = p.constraints[i];
+                   c.upper = std::abs(c.upper) < 1e300 ? c.upper * kFactor + 1e-11 : 10;
+                 }});
+  }
+  m.push_back({"certificate.max_violation", [](Plan& p) { p.certificate.max_violation += 1e-10; }});
+  m.push_back({"optimizer", [](Plan& p) { p.optimizer = "nlopt-cobyla"; }});
+  m.push_back({"solver_calls", [](Plan& p) { p.solver_calls.clear(); }});
+  m.push_back({"distinct_solutions", [](Plan& p) { ++p.certificate.distinct_solutions; }});
+
   // The path, at three of its samples.
   for (const std::size_t s : {std::size_t{15}, std::size_t{28}, plan.approach.times.size() - 12}) {
     const std::string at = "sample " + std::to_string(s) + " ";

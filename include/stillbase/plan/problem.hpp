@@ -180,6 +180,12 @@ struct PostImpactSpec {
   double K_phi = 5;                      ///< 1/s
   double control_period = 0.01;          ///< s
   double horizon = 10;                   ///< s after the impact
+  bool joint_friction = false;           ///< the plant has the robot file's joint friction
+  double stop_restitution = 0;           ///< of the joint stops, [0, 1)
+  double wheel_torque = 0;               ///< N m per axis of B; 0: the base has no wheels
+  double wheel_momentum = 1e6;           ///< N m s per axis that the wheels can hold
+  double handback_start = 2;             ///< s after the impact; rns_handback
+  double handback_gain = 1;              ///< 1/s; rns_handback
   double residual_base_rate_max = 0;     ///< rad/s at the horizon under the chosen controller
   double attitude_change_max = 0;        ///< rad over the horizon under the chosen controller
 };

@@ -1,0 +1,204 @@
+// What a plan says beside its numbers: bounds of its constraints, its list of candidates, its
+// status and who found it. All of it is held against the problem, not against itself.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+// Bounds are copied from the problem; those with a margin or a square are computed.
+constexpr double kSameBound = 1e-12;
+
+struct Bounds {
+  double lower, upper;
+};
+
+int axis_of(const std::string& name) { return name.empty() ? -1 : name.back() - 'x'; }
+
+bool begins_with(const std::string& name, const std::string& prefix) {
+  return name.compare(0, prefix.size(), prefix) == 0;
+}
+
+/// The bounds that the problem gives a constraint of this name; empty for an unknown one.
+std::optional<Bounds> bounds_of(const std::string& name, const CaptureProblem& problem) {
+  const double infinity = kInfinity;
+  for (const char* equation : {"hand_position_", "hand_axis_", "hand_rotation_", "case_"}) {
+    if (begins_with(name, equation)) return Bounds{0, 0};
+  }
+  if (name == "hand_facing") {
+    const bool is_pose = problem.hand.constraint == HandConstraint::Pose;
+    return is_pose ? Bounds{0, infinity} : Bounds{-infinity, 0};
+  }
+  if (name == "closing_speed") return Bounds{problem.constraints.closing_speed_min, infinity};
+  const VariableSpec& free = problem.variables;
+  const int axis = axis_of(name);
+  if (begins_with(name, "base_position_") && axis >= 0 && axis < 3) {
+    return Bounds{free.base_position_lower[axis], free.base_position_upper[axis]};
+  }
+  if (name == "base_attitude_squared") {
+    return Bounds{0, free.base_attitude_max * free.base_attitude_max};
+  }
+  if (begins_with(name, "joint_limit_")) {
+    const int k = find_joint(problem.robot, name.substr(12));
+    if (k < 0) return std::nullopt;
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    const bool turns = joint.type == JointType::Continuous;
+    const double margin = turns ? 0 : problem.constraints.joint_limit_margin;
+    return Bounds{joint.lower + margin, joint.upper - margin};
+  }
+  return std::nullopt;
+}
+
+double difference(double stated, double wanted) {
+  if (stated == wanted) return 0;  // infinities included
+  return std::abs(stated - wanted) / (1 + std::abs(wanted));
+}
+
+void check_bounds(const Context& context, ClaimList& claims) {
+  double largest = 0;
+  std::string where = "none";
+  for (const ConstraintValue& c : context.plan.constraints) {
+    const auto bounds = bounds_of(c.name, context.problem);
+    if (!bounds) continue;
+    const double d =
+        std::max(difference(c.lower, bounds->lower), difference(c.upper, bounds->upper));
+    if (!(d <= largest)) {
+      largest = d;
+      where = c.name;
+    }
+  }
+  claims.at_most("constraint_bounds", largest, kSameBound, "1",
+                 "stated bounds from those of the problem: " + where);
+}
+
+/// Relative momentum that the problem's case wants to be zero, at one configuration.
+double case_residual(const CaptureProblem& problem, const PostureResponse& response,
+                     const ContactEvent& event) {
+  Vector6d unit;
+  unit << event.n, event.moment;
+  if (problem.impulse.source == ImpulseSource::Given) unit.tail<3>() /= problem.impulse.magnitude;
+  const reference::Impact impact = response.impact(unit);
+  const double scale = response.momentum_scale(unit);
+  const double total = impact.total.norm() / scale, base = impact.base.norm() / scale,
+               coupling = impact.coupling.norm() / scale;
+  switch (problem.constraints.impact_case) {
+    case CaseConstraint::None:
+      return 0;
+    case CaseConstraint::C:
+    case CaseConstraint::C1:
+      return total;
+    case CaseConstraint::C2:
+      return std::max({total, base, coupling});
+    case CaseConstraint::G2:
+      return base;
+    case CaseConstraint::G3:
+      return coupling;
+  }
+  return 0;
+}
+
+/// Every candidate is a configuration that the problem allows, with the hand where the contact is.
+void check_each_candidate(const Context& context, ClaimList& claims) {
+  std::vector<std::string> objections;
+  for (std::size_t i = 0; i < context.plan.candidates.size(); ++i) {
+    if (context.options.stop.reached()) {
+      claims.not_evaluated("candidates_allowed", 0, "1", "stopped before the last candidate");
+      return;
+    }
+    const Candidate& candidate = context.plan.candidates[i];
+    Plan alone;
+    alone.configuration = candidate.configuration;
+    const Configuration& at = alone.configuration;
+    const PostureResponse response = posture_response(context.problem, at.phi);
+    const auto motion = target_motion(
+        context.problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+    const ContactEvent event = contact_event(context.problem, motion ? &*motion : nullptr, at);
+    const Context one{alone, context.problem, context.options, motion ? &*motion : nullptr};
+    ClaimList own;
+    check_configuration(one, event, response, own);
+    for (const Claim& claim : own.claims()) {
+      // The closing speed is stated for the chosen configuration alone.
+      if (claim.pass || claim.name == "closing_speed") continue;
+      objections.push_back(fmt::format("candidate {}: {}", i, claim.name));
+    }
+    if (!(case_residual(context.problem, response, event) <=
+          context.options.constraint_tolerance)) {
+      objections.push_back(fmt::format("candidate {}: case", i));
+    }
+    if (!(candidate.max_violation >= 0 &&
+          candidate.max_violation <= context.options.constraint_tolerance)) {
+      objections.push_back(fmt::format("candidate {}: stated violation", i));
+    }
+  }
+  claims.none_wrong("candidates_allowed", objections, "candidates that the problem does not allow");
+}
+
+void check_list(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  std::vector<std::string> objections;
+  const auto demand = [&](bool holds, const std::string& what) {
+    if (!holds) objections.push_back(what);
+  };
+  const std::size_t count = plan.candidates.size();
+  const std::size_t most = static_cast<std::size_t>(context.problem.search.max_candidates);
+  demand(count >= 1, "there is none");
+  demand(count <= most, "more than the problem keeps");
+  const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
+  demand(count == std::min(distinct, most),
+         fmt::format("{} listed of {} distinct solutions", count, distinct));
+  int reached = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Candidate& candidate = plan.candidates[i];
+    reached += candidate.starts_reached;
+    demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
+    for (std::size_t j = 0; j < i; ++j) {
+      const Candidate& other = plan.candidates[j];
+      const bool same =
+          candidate.configuration.phi == other.configuration.phi &&
+          candidate.configuration.contact_time == other.configuration.contact_time &&
+          pose_error(candidate.configuration.base, other.configuration.base).largest() == 0;
+      demand(!same, fmt::format("{} is {} again", i, j));
+    }
+  }
+  demand(reached <= plan.certificate.starts, "more starts ended here than were made");
+  claims.none_wrong("candidates_list", objections,
+                    "every distinct solution once, as many as the problem keeps");
+}
+
+void check_search(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  std::vector<std::string> objections;
+  const auto demand = [&](bool holds, const std::string& what) {
+    if (!holds) objections.push_back(what);
+  };
+  demand(plan.optimizer == context.problem.search.optimizer, "the optimizer is " + plan.optimizer +
+                                                                 ", the problem's is " +
+                                                                 context.problem.search.optimizer);
+  demand(plan.status == PlanStatus::Limit || plan.solver_calls.count(plan.optimizer) == 1,
+         "no calls of the optimizer");
+  for (const auto& [name, calls] : plan.solver_calls) {
+    demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
+  }
+  demand(plan.certificate.starts >= 1, "no starts");
+  demand(std::isfinite(plan.certificate.kkt_residual) && plan.certificate.kkt_residual >= 0,
+         "the KKT residual is no number");
+  demand(plan.certificate.max_violation <= context.options.constraint_tolerance,
+         "the status is not infeasible, but the violation is large");
+  claims.none_wrong("search_record", objections, "optimizer, calls, starts and status fit");
+}
+
+}  // namespace
+
+void check_consistency(const Context& context, ClaimList& claims) {
+  check_bounds(context, claims);
+  check_list(context, claims);
+  check_each_candidate(context, claims);
+  check_search(context, claims);
+}
+
+}  // namespace stillbase::verification
