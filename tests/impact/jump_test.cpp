@@ -67,7 +67,7 @@ TEST_CASE("the momentum gained is that of (16), and splits into base and couplin
     const Posture p = random_posture(random, 2 + random.index(8));
     const auto jump = compute_jump(p.at.factor, p.at.jacobian, p.Fbar);
     const Momentum<double> gained =
-        compute_momentum(p.at.inertia, jump.Delta_Omega, jump.Delta_phidot);
+        compute_momentum(p.at.inertia, p.at.tilde, jump.Delta_Omega, jump.Delta_phidot);
     const Vector3d total = momentum_change(p.at.inertia, p.at.jacobian, p.Fbar);
     CHECK((gained.L_g - total).norm() < 1e-10);
     CHECK((gained.P - p.Fbar.head<3>()).norm() < 1e-10);
