@@ -169,6 +169,19 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   sizes.closing_speed = 0.05;
   const bool is_predicted = problem.target && !problem.impulse.direction;
   sizes.contact_time = is_predicted ? 0.1 : 0;
+  // What the problem states itself.
+  const UncertaintySpec& stated = problem.uncertainty;
+  const auto take = [](double from, double& size) {
+    if (from > 0) size = from;
+  };
+  if (problem.impulse.closing_speed > 0) {
+    take(stated.closing_speed / problem.impulse.closing_speed, sizes.closing_speed);
+  }
+  take(stated.restitution, sizes.restitution);
+  take(stated.target_mass, sizes.target_mass);
+  take(stated.target_inertia, sizes.target_inertia);
+  take(stated.contact_point, sizes.contact_point);
+  if (is_predicted) take(stated.contact_time, sizes.contact_time);
   return sizes;
 }
 

@@ -33,8 +33,8 @@ struct Perturbations {
   double joint_rate_error = 1e-4;  ///< rad/s (m/s), standard deviation
 };
 
-/// Sizes for a problem: its cone of directions, 5 % of the closing speed, 0.1 s for a target that
-/// turns, else the defaults.
+/// Sizes for a problem: those that its `uncertainty` states; where it states none, 5 % of the
+/// closing speed, 0.1 s for a target that turns, else the defaults.
 Perturbations perturbations_for(const CaptureProblem& problem);
 
 /// What one trial drew (deviations from nominal) and what came of it.
