@@ -231,21 +231,8 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
            "cone_plane: the direction of the impulse does not lie in this plane");
   }
   const UncertaintySpec& spread = problem.uncertainty;
-  if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
-    refuse("objective", "missing-key",
-           "measure: 'worst_case' needs uncertainty.cone_half_angle > 0");
-  }
-  const bool sampled = problem.measure.kind == RiskMeasure::Expectation ||
-                       problem.measure.kind == RiskMeasure::Cvar;
-  const double widest =
-      std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
-                spread.target_mass, spread.target_inertia, spread.contact_point,
-                spread.contact_time});
-  if (sampled && !(widest > 0)) {
-    refuse("objective", "missing-key",
-           "measure: needs something uncertain in the section 'uncertainty'");
-  }
-  if (impulse.restitution - spread.restitution < 0 || impulse.restitution + spread.restitution > 1) {
+  if (impulse.restitution - spread.restitution < 0 ||
+      impulse.restitution + spread.restitution > 1) {
     refuse("uncertainty", "out-of-range",
            fmt::format("restitution: {} about impact.restitution {} leaves [0, 1]",
                        spread.restitution, impulse.restitution));
@@ -275,6 +262,24 @@ void resolve_cone(MapReader& map, CaptureProblem& problem) {
   }
 }
 
+/// A robust measure needs something to be robust against: asked once the cone is known.
+void check_measure(MapReader& map, const CaptureProblem& problem) {
+  const auto refuse = [&](const std::string& what) {
+    map.context().add(map.line_of("objective"), "missing-key",
+                      fmt::format("{}.measure: {}", map.path_of("objective"), what));
+  };
+  const UncertaintySpec& spread = problem.uncertainty;
+  if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
+    refuse("'worst_case' needs uncertainty.cone_half_angle > 0");
+  }
+  const bool sampled =
+      problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
+  const double widest = std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
+                                  spread.target_mass, spread.target_inertia, spread.contact_point,
+                                  spread.contact_time});
+  if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
+}
+
 }  // namespace
 
 CaptureProblem read_problem_map(const Node& node, ReadContext& context, const std::string& path,
@@ -301,8 +306,11 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   read_obstacles_section(map, problem);
   map.finish();
   // Contradictions between sections mean something only when the sections are good.
-  if (context.findings.empty()) check_problem(map, problem);
+  if (!context.findings.empty()) return problem;
+  check_problem(map, problem);
   if (context.findings.empty()) resolve_cone(map, problem);
+  const bool cone_known = !problem.uncertainty.cone_confidence || context.findings.empty();
+  if (cone_known) check_measure(map, problem);
   return problem;
 }
 

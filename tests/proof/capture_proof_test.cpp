@@ -135,7 +135,7 @@ TEST_CASE("problems of another kind say why there is no proof") {
   CHECK(proof_of("iiwa_client_50").statement.find("no proof: ") == 0);
   CaptureProblem problem = shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::G2;
-  problem.objective = ObjectiveQuantity::BaseAngularMomentum;
+  problem.objective = {{ObjectiveQuantity::BaseAngularMomentum}};
   const Proof curve = prove(problem, wrench_of(problem));
   CHECK(curve.status == ProofStatus::NotApplicable);
   CHECK(curve.statement.find("1 equation for 2 free joints") != std::string::npos);

@@ -32,6 +32,7 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
       problem.impulse.moment = random.unit_vector();
     }
     problem.uncertainty = {.cone_half_angle = 0.3,
+                           .cone_confidence = std::nullopt,
                            .cone_plane_normal = std::nullopt,
                            .closing_speed = 0.01,
                            .restitution = 0.1,
