@@ -56,6 +56,9 @@ double Measure::value(const Eigen::VectorXd& x) const {
 }
 
 double Measure::reported(const Eigen::VectorXd& x) const {
+  if (is_nominal()) {
+    return nominal_value(problem_, formulation_, formulation_.configuration(x));
+  }
   return formulation_.objective_unit() * std::sqrt(2 * value(x));
 }
 
