@@ -56,8 +56,10 @@ double Measure::value(const Eigen::VectorXd& x) const {
 }
 
 double Measure::reported(const Eigen::VectorXd& x) const {
-  if (is_nominal()) {
-    return nominal_value(problem_, formulation_, formulation_.configuration(x));
+  const Configuration configuration = formulation_.configuration(x);
+  if (is_nominal()) return nominal_value(problem_, formulation_, configuration);
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    return worst_case(problem_, formulation_, configuration).value;
   }
   return formulation_.objective_unit() * std::sqrt(2 * value(x));
 }
