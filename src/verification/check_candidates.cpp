@@ -59,6 +59,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
 
   Differences worst;
   double nearest = kInfinity;
+  Candidate chosen;
   std::vector<std::string> hits;
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     if (options.stop.reached()) {
@@ -72,10 +73,13 @@ void check_candidates(const Context& context, ClaimList& claims) {
     worst.objective = std::max(worst.objective, found.objective);
     worst.worst_case = std::max(worst.worst_case, found.worst_case);
     worst.value = std::max(worst.value, found.value);
-    nearest =
-        std::min(nearest, std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
-                                    pose_error(at.base, plan.configuration.base).largest(),
-                                    std::abs(at.contact_time - plan.configuration.contact_time)}));
+    const double distance = std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
+                                      pose_error(at.base, plan.configuration.base).largest(),
+                                      std::abs(at.contact_time - plan.configuration.contact_time)});
+    if (distance < nearest) {
+      nearest = distance;
+      chosen = candidate;
+    }
     if (const auto hit = contact_hit(problem, scene, at); hit && candidate.collision_free) {
       hits.push_back(fmt::format("candidate {}: {}", i, to_string(*hit)));
     }
@@ -93,6 +97,15 @@ void check_candidates(const Context& context, ClaimList& claims) {
                     "candidates said to be free of collision that touch something");
   claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",
                  "the chosen configuration from the nearest candidate");
+  const auto apart = [](double stated, double again) {
+    return stated == again ? 0 : std::abs(stated - again) / std::max(std::abs(again), 1e-300);
+  };
+  claims.at_most("candidate_repeats_objective",
+                 std::max({apart(chosen.objective, plan.objective.nominal),
+                           apart(chosen.worst_case, plan.objective.worst_case),
+                           apart(chosen.value, plan.objective.value)}),
+                 options.recompute_tolerance, "1",
+                 "numbers of the chosen candidate from those of the plan's objective");
 
   std::vector<std::string> touching;
   if (const auto hit = contact_hit(problem, scene, plan.configuration)) {

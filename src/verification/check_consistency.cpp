@@ -14,6 +14,9 @@ namespace {
 // Bounds are copied from the problem; those with a margin or a square are computed.
 constexpr double kSameBound = 1e-12;
 
+// rad, m, s: what lies this close together is one solution.
+constexpr double kSameConfiguration = 5e-6;
+
 struct Bounds {
   double lower, upper;
 };
@@ -157,17 +160,16 @@ void check_list(const Context& context, ClaimList& claims) {
     reached += candidate.starts_reached;
     demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
     for (std::size_t j = 0; j < i; ++j) {
-      const Candidate& other = plan.candidates[j];
-      const bool same =
-          candidate.configuration.phi == other.configuration.phi &&
-          candidate.configuration.contact_time == other.configuration.contact_time &&
-          pose_error(candidate.configuration.base, other.configuration.base).largest() == 0;
+      const Configuration& a = candidate.configuration;
+      const Configuration& b = plan.candidates[j].configuration;
+      const bool same = (a.phi - b.phi).norm() <= kSameConfiguration &&
+                        std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
+                        pose_error(a.base, b.base).largest() <= kSameConfiguration;
       demand(!same, fmt::format("{} is {} again", i, j));
     }
   }
   // The minima of a robust measure are solved from more points than the starts.
-  demand(context.problem.measure.kind != RiskMeasure::Nominal ||
-             reached <= plan.certificate.starts,
+  demand(context.problem.measure.kind != RiskMeasure::Nominal || reached <= plan.certificate.starts,
          "more starts ended here than were made");
   claims.none_wrong("candidates_list", objections,
                     "every distinct solution once, as many as the problem keeps");
