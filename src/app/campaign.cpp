@@ -115,7 +115,11 @@ std::string work(const std::string& text) {
 int run(const RunOptions& options) {
   CampaignOptions campaign;
   campaign.folder = options.folder;
-  campaign.shard = shard_from_text(options.shard);
+  try {
+    campaign.shard = shard_from_text(options.shard);
+  } catch (const std::invalid_argument& error) {
+    throw CommandLineError(error.what());
+  }
   campaign.jobs = options.jobs;
   campaign.seconds = options.seconds;
   campaign.stop = stop_condition();

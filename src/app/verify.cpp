@@ -150,7 +150,8 @@ void add_verify(CLI::App& app, Action& action) {
       ->add_option("--trials", options->trials,
                    "try the impact and the time after it this often, everything a little off")
       ->check(CLI::Range(0, 100'000'000));
-  command->add_option("--seed", options->seed, "of the trials; same seed, same trials");
+  command->add_option("--seed", options->seed, "of the trials; same seed, same trials")
+      ->check(whole_number());
   command->add_option("--jobs", options->jobs, "trials at a time; results do not depend on it")
       ->check(CLI::Range(1, 256));
   command->add_flag("--json", options->json, "print the verification on stdout also with -o");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include <stillbase/core/child_process.hpp>
 #include <stillbase/core/error.hpp>
@@ -92,7 +93,7 @@ Shard shard_from_text(const std::string& text) {
   const auto second = slash < text.size() ? std::from_chars(begin + slash + 1, end, n) : first;
   const bool is_whole = first.ptr == begin + slash && second.ptr == end && slash < text.size();
   if (!is_whole || n < 1 || i < 1 || i > n) {
-    throw InputError({{"--shard", 0, "shard", "'" + text + "' is not I/N with 1 <= I <= N"}});
+    throw std::invalid_argument("shard '" + text + "' is not I/N with 1 <= I <= N");
   }
   return {i - 1, n};
 }

@@ -249,8 +249,7 @@ void read_objective_section(MapReader& map, CaptureProblem& problem) {
       objective.child("quantity");
       objective.context().add(
           objective.line_of("quantity"), "not-used",
-          fmt::format("{}: stands beside terms; state one of them",
-                      objective.path_of("quantity")));
+          fmt::format("{}: stands beside terms; state one of them", objective.path_of("quantity")));
     }
   } else {
     objective.choice("quantity", first.quantity, objective_names(), Need::Required);
@@ -382,12 +381,14 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
                       "approach.polish: paths within the reaction null space are not polished");
   }
   const VariableSpec& variables = problem.variables;
-  if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free &&
+  if (approach.enabled && approach.base != BaseMode::ReactionNull && !approach.station_free &&
       (variables.base_attitude != AttitudeFreedom::Fixed ||
        variables.base_position != PositionFreedom::Fixed)) {
-    map.context().add(fields.line_of("station_free"), "contradiction",
-                      "approach.station_free: false on a floating base: its pose at the contact "
-                      "follows from the path; base_attitude and base_position must be fixed");
+    map.context().add(
+        fields.line_of("station_free"), "contradiction",
+        "approach.station_free: false: the base starts as stated, and its pose at the "
+        "contact follows from the path (held: it stays); base_attitude and "
+        "base_position must be fixed");
   }
   fields.finish();
 }

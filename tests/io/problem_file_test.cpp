@@ -356,6 +356,8 @@ TEST_CASE("an approach that the base mode cannot have is refused") {
   // The problem frees the base's attitude, which a stated start of a floating base decides.
   refuses_approach("{base: floating, station_free: false}", "contradiction",
                    {"approach.station_free", "follows from the path"});
+  refuses_approach("{base: held, station_free: false}", "contradiction",
+                   {"approach.station_free", "must be fixed"});
   refuses_approach("{base: reaction-null, station_free: false}", "not-supported",
                    {"approach.station_free"});
   refuses_approach("{base: reaction-null, polish: time}", "not-supported", {"approach.polish"});

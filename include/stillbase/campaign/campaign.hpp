@@ -24,7 +24,7 @@ struct Shard {
 };
 
 /// "2/4" -> {1, 4}.
-/// @throws InputError unless 1 <= I <= N
+/// @throws std::invalid_argument unless 1 <= I <= N
 Shard shard_from_text(const std::string& text);
 
 /// The lines of a bag of cases.
