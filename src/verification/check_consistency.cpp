@@ -14,6 +14,9 @@ namespace {
 // Bounds are copied from the problem; those with a margin or a square are computed.
 constexpr double kSameBound = 1e-12;
 
+// Largest KKT residual of an optimal plan.
+constexpr double kStationary = 1e-6;
+
 // rad, m, s: what lies this close together is one solution.
 constexpr double kSameConfiguration = 5e-6;
 
@@ -192,6 +195,15 @@ void check_search(const Context& context, ClaimList& claims) {
   demand(plan.certificate.starts >= 1, "no starts");
   demand(std::isfinite(plan.certificate.kkt_residual) && plan.certificate.kkt_residual >= 0,
          "the KKT residual is no number");
+  const bool is_stationary = plan.certificate.kkt_residual <= kStationary;
+  demand(plan.status != PlanStatus::Optimal || is_stationary,
+         "said to be optimal with a large KKT residual");
+  demand(plan.status != PlanStatus::Feasible || !is_stationary,
+         "said to be only feasible with a small KKT residual");
+  const Proof& proof = plan.certificate.proof;
+  demand(!proof.gap || *proof.gap >= 0, "the gap of the proof is negative");
+  demand(proof.found_by_search <= static_cast<int>(proof.solutions.size()),
+         "the search found more solutions than there are");
   demand(plan.certificate.max_violation <= context.options.constraint_tolerance,
          "the status is not infeasible, but the violation is large");
   claims.none_wrong("search_record", objections, "optimizer, calls, starts and status fit");

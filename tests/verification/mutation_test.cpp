@@ -120,6 +120,9 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
                  }});
   }
   m.push_back({"certificate.max_violation", [](Plan& p) { p.certificate.max_violation += 1e-10; }});
+  m.push_back({"kkt_residual", [](Plan& p) { p.certificate.kkt_residual = 0.3; }});
+  m.push_back({"proof.gap", [](Plan& p) { p.certificate.proof.gap = -7; }});
+  m.push_back({"proof.found_by_search", [](Plan& p) { p.certificate.proof.found_by_search = 99; }});
   m.push_back({"optimizer", [](Plan& p) { p.optimizer = "nlopt-cobyla"; }});
   m.push_back({"solver_calls", [](Plan& p) { p.solver_calls.clear(); }});
   m.push_back({"distinct_solutions", [](Plan& p) { ++p.certificate.distinct_solutions; }});
