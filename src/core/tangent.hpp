@@ -1,7 +1,7 @@
 // A number with one directional derivative: forward-mode differentiation of the kernel's own lines.
 //
-// Tangent{v, d} stands for v + d epsilon, epsilon^2 = 0. Comparisons look at v alone, so a branch is
-// differentiated as it was taken.
+// Tangent{v, d} stands for v + d epsilon, epsilon^2 = 0. Comparisons look at v alone, so a branch
+// is differentiated as it was taken.
 #pragma once
 
 #include <cmath>

@@ -66,11 +66,10 @@ std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
     scenario.target_mass_factor = 1 + about_zero(spread.target_mass);
     scenario.target_inertia_factor = 1 + about_zero(spread.target_inertia);
     const double turn = random.uniform(0, 2 * M_PI), reach = random.uniform();
-    scenario.contact_offset =
-        axes.plane_normal
-            ? Vector3d(spread.contact_point * (2 * reach - 1) * side)
-            : Vector3d(spread.contact_point * std::sqrt(reach) *
-                       (std::cos(turn) * side + std::sin(turn) * other));
+    scenario.contact_offset = axes.plane_normal
+                                  ? Vector3d(spread.contact_point * (2 * reach - 1) * side)
+                                  : Vector3d(spread.contact_point * std::sqrt(reach) *
+                                             (std::cos(turn) * side + std::sin(turn) * other));
     scenario.time_offset = about_zero(spread.contact_time);
     out.push_back(scenario);
   }

@@ -6,7 +6,6 @@
 
 #include "verification/checks.hpp"
 #include "verification/clearance.hpp"
-#include "verification/worst_direction.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -17,36 +16,16 @@ struct Differences {
 };
 
 Differences judge(const Context& context, const Candidate& candidate) {
-  const CaptureProblem& problem = context.problem;
-  const Configuration& at = candidate.configuration;
-  const PostureResponse response = posture_response(problem, at.phi);
-  const auto motion = target_motion(
-      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
-  const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
-  auto value = [&](const Vector3d& d) {
-    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+  const ObjectiveNumbers found = objective_numbers(context, candidate.configuration);
+  // A sampled maximum is a little low: relative to itself, not to the scale.
+  const auto relative = [&found](double stated, double sampled) {
+    return std::abs(stated - sampled) / std::max(std::abs(sampled), 1e-6 * found.scale);
   };
-  const double scale = objective_scale(problem.objective, response,
-                                       impulse_along(problem, event, response, event.n));
-  const WorstDirection worst =
-      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
-                      problem.uncertainty.cone_plane_normal, context.options.cone_samples);
-  double measure = value(event.n);
-  if (problem.measure.kind == RiskMeasure::WorstCase) measure = worst.value;
-  if (problem.measure.kind == RiskMeasure::Expectation ||
-      problem.measure.kind == RiskMeasure::Cvar) {
-    measure = sampled_measure(problem, motion ? &*motion : nullptr, at, response);
-  }
-  const auto relative = [scale](double stated, double found) {
-    return std::abs(stated - found) / std::max(std::abs(found), 1e-6 * scale);
-  };
-  if (problem.measure.kind != RiskMeasure::WorstCase) {
-    return {relative_error(candidate.objective, value(event.n), scale),
-            relative(candidate.worst_case, worst.value),
-            relative_error(candidate.value, measure, scale)};
-  }
-  return {relative_error(candidate.objective, value(event.n), scale),
-          relative(candidate.worst_case, worst.value), relative(candidate.value, measure)};
+  const bool is_worst_case = context.problem.measure.kind == RiskMeasure::WorstCase;
+  return {relative_error(candidate.objective, found.nominal, found.scale),
+          relative(candidate.worst_case, found.worst_case),
+          is_worst_case ? relative(candidate.value, found.measure)
+                        : relative_error(candidate.value, found.measure, found.scale)};
 }
 
 }  // namespace

@@ -30,36 +30,43 @@ double measure_value(const CaptureProblem& problem, const TargetMotion* motion,
 /// The posture that the prediction alone would have chosen: its numbers, and that it is one.
 void check_nominal_optimum(const Context& context, ClaimList& claims) {
   if (!context.plan.nominal_optimum) return;
-  const CaptureProblem& problem = context.problem;
   const NominalOptimum& stated = *context.plan.nominal_optimum;
-  const Configuration& at = stated.configuration;
-  const PostureResponse response = posture_response(problem, at.phi);
-  const auto motion = target_motion(
-      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
-  const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
-  auto value = [&](const Vector3d& d) {
-    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
-  };
-  const double scale = objective_scale(problem.objective, response,
-                                       impulse_along(problem, event, response, event.n));
-  const double nominal = value(event.n);
-  const WorstDirection worst =
-      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
-                      problem.uncertainty.cone_plane_normal, context.options.cone_samples);
-  const double measure =
-      measure_value(problem, motion ? &*motion : nullptr, event, response, at, worst.value);
-  claims.same("nominal_optimum_nominal", relative_error(stated.nominal, nominal, scale),
-              context.options.recompute_tolerance, fmt::format("{:.9g}", nominal));
-  claims.same("nominal_optimum_worst_case", relative_error(stated.worst_case, worst.value, scale),
-              context.options.cone_tolerance, fmt::format("{:.9g}", worst.value));
-  claims.same("nominal_optimum_value", relative_error(stated.value, measure, scale),
-              context.options.cone_tolerance, fmt::format("{:.9g} of the measure", measure));
+  const ObjectiveNumbers found = objective_numbers(context, stated.configuration);
+  claims.same("nominal_optimum_nominal", relative_error(stated.nominal, found.nominal, found.scale),
+              context.options.recompute_tolerance, fmt::format("{:.9g}", found.nominal));
+  claims.same("nominal_optimum_worst_case",
+              relative_error(stated.worst_case, found.worst_case, found.scale),
+              context.options.cone_tolerance, fmt::format("{:.9g}", found.worst_case));
+  claims.same("nominal_optimum_value", relative_error(stated.value, found.measure, found.scale),
+              context.options.cone_tolerance, fmt::format("{:.9g} of the measure", found.measure));
   claims.at_most("nominal_optimum_is_lowest",
-                 (nominal - context.plan.objective.nominal) / std::max(scale, 1e-300), 1e-6, "1",
-                 "its nominal value above that of the plan, relative to the scale");
+                 (found.nominal - context.plan.objective.nominal) / std::max(found.scale, 1e-300),
+                 1e-6, "1", "its nominal value above that of the plan, relative to the scale");
 }
 
 }  // namespace
+
+ObjectiveNumbers objective_numbers(const Context& context, const Configuration& at) {
+  const CaptureProblem& problem = context.problem;
+  const PostureResponse response = posture_response(problem, at.phi);
+  const auto motion = target_motion(
+      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+  const TargetMotion* moving = motion ? &*motion : nullptr;
+  const ContactEvent event = contact_event(problem, moving, at);
+  auto value = [&](const Vector3d& d) {
+    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+  };
+  ObjectiveNumbers out;
+  out.scale = objective_scale(problem.objective, response,
+                              impulse_along(problem, event, response, event.n));
+  out.nominal = value(event.n);
+  out.worst_case =
+      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
+                      problem.uncertainty.cone_plane_normal, context.options.cone_samples)
+          .value;
+  out.measure = measure_value(problem, moving, event, response, at, out.worst_case);
+  return out;
+}
 
 void check_objective(const Context& context, const ContactEvent& event,
                      const PostureResponse& response, ClaimList& claims) {

@@ -85,8 +85,10 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   }
   claims.at_most("proof_residual", worst, context.options.constraint_tolerance, "1",
                  "largest relative residual in the middle of an enclosed solution");
-  claims.none_wrong("proof_solutions_listed", unlisted,
-                    "enclosed solutions that no candidate stands for");
+  claims.none_wrong(
+      "proof_solutions_listed", unlisted,
+      "enclosed solutions that no candidate stands for; that there are no others is the "
+      "planner's proof, not repeated here");
   // With freedom left over, candidates may be local minima at which the objective is not zero.
   const bool is_whole_list = proof.status == ProofStatus::Complete && !proof.lower_bound &&
                              context.problem.constraints.impact_case != CaseConstraint::None;

@@ -37,6 +37,15 @@ void check_direction_cone(const Context& context, ClaimList& claims);
 void check_constraints(const Context& context, const ContactEvent& event,
                        const PostureResponse& response, ClaimList& claims);
 
+/// What the objective is worth at a configuration, by `reference`.
+struct ObjectiveNumbers {
+  double nominal = 0;
+  double worst_case = 0;  ///< largest of the sampled directions
+  double measure = 0;     ///< of the problem
+  double scale = 0;       ///< size of the terms that the nominal value is a sum and difference of
+};
+ObjectiveNumbers objective_numbers(const Context& context, const Configuration& at);
+
 /// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 

@@ -11,14 +11,14 @@ namespace stillbase {
 /// predicted direction n never changes: B or N when it is stated there, T (the target's) when it
 /// follows from a contact feature. Hand and posture stay as they are.
 struct Scenario {
-  Vector3d direction = Vector3d::UnitX();       ///< of the impulse on the hand, unit, in E
-  double weight = 1;                            ///< among its kind
-  double closing_speed_offset = 0;              ///< added to the closing speed along n, m/s
-  double restitution = 0;                       ///< e
-  double target_mass_factor = 1;                ///< on the target's mass
-  double target_inertia_factor = 1;             ///< on its inertia
-  Vector3d contact_offset = Vector3d::Zero();   ///< of the contact point, m
-  double time_offset = 0;                       ///< s by which the target is ahead of its prediction
+  Vector3d direction = Vector3d::UnitX();      ///< of the impulse on the hand, unit, in E
+  double weight = 1;                           ///< among its kind
+  double closing_speed_offset = 0;             ///< added to the closing speed along n, m/s
+  double restitution = 0;                      ///< e
+  double target_mass_factor = 1;               ///< on the target's mass
+  double target_inertia_factor = 1;            ///< on its inertia
+  Vector3d contact_offset = Vector3d::Zero();  ///< of the contact point, m
+  double time_offset = 0;                      ///< s by which the target is ahead of its prediction
 };
 
 /// The samples of the problem's uncertainty set, of equal weight: sample k depends on seed and k
