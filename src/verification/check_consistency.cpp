@@ -157,10 +157,11 @@ void check_list(const Context& context, ClaimList& claims) {
   const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
   demand(count == std::min(distinct, most),
          fmt::format("{} listed of {} distinct solutions", count, distinct));
-  int reached = 0;
+  int reached = 0, once = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Candidate& candidate = plan.candidates[i];
     reached += candidate.starts_reached;
+    once += candidate.starts_reached == 1 ? 1 : 0;
     demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
     for (std::size_t j = 0; j < i; ++j) {
       const Configuration& a = candidate.configuration;
@@ -174,6 +175,14 @@ void check_list(const Context& context, ClaimList& claims) {
   // The minima of a robust measure are solved from more points than the starts.
   demand(context.problem.measure.kind != RiskMeasure::Nominal || reached <= plan.certificate.starts,
          "more starts ended here than were made");
+  // Good and Turing's estimate follows from a list that is whole.
+  if (context.problem.measure.kind == RiskMeasure::Nominal && count == distinct &&
+      plan.certificate.proof.found_by_search ==
+          static_cast<int>(plan.certificate.proof.solutions.size())) {
+    const double unseen = static_cast<double>(once) / std::max(reached, 1);
+    demand(std::abs(plan.certificate.unseen - unseen) <= 1e-12,
+           fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
+  }
   claims.none_wrong("candidates_list", objections,
                     "every distinct solution once, as many as the problem keeps");
 }
