@@ -110,6 +110,46 @@ TEST_CASE("a problem reads to SI units with every default in place") {
   CHECK(problem.robot.hand == "hand");
 }
 
+TEST_CASE("margins are read in their units and stay unasked for otherwise") {
+  const CaptureProblem without = read(kProblem);
+  CHECK_FALSE(without.constraints.joint_rate_scale);
+  CHECK(without.constraints.joint_rate_max.size() == 0);
+  CHECK(without.constraints.coupling_singular_value_min == 0);
+  CHECK(without.constraints.jacobian_singular_value_min == 0);
+  CHECK_FALSE(without.constraints.clearance);
+  const std::string line = "  closing_speed_min: 0.01\n";
+  const CaptureProblem with = read(replaced(kProblem, line,
+                                            line + "  joint_rate_max: 5 deg/s\n"
+                                                   "  coupling_singular_value_min: 0.5\n"
+                                                   "  jacobian_singular_value_min: 100 mm\n"
+                                                   "  jacobian_length: 0.5 m\n"
+                                                   "  clearance: 2 cm\n"));
+  CHECK(with.constraints.joint_rate_max.isApprox(Eigen::Vector2d::Constant(5 * M_PI / 180), 1e-15));
+  CHECK(with.constraints.coupling_singular_value_min == 0.5);
+  CHECK(with.constraints.jacobian_singular_value_min == Approx(0.1).epsilon(1e-15));
+  CHECK(with.constraints.jacobian_length == 0.5);
+  CHECK(with.constraints.clearance.value() == Approx(0.02).epsilon(1e-15));
+  const CaptureProblem scaled = read(replaced(kProblem, line, line + "  joint_rate_scale: 0.5\n"));
+  CHECK(scaled.constraints.joint_rate_scale.value() == 0.5);
+}
+
+TEST_CASE("margins that cannot be meant are refused") {
+  const std::string line = "  closing_speed_min: 0.01";
+  const auto refuses_line = [&](const std::string& added, const std::string& rule,
+                                const std::string& part) {
+    refuses(replaced(kProblem, line, line + "\n  " + added), line_of(kProblem, line) + 1, rule,
+            {part});
+  };
+  refuses_line("joint_rate_scale: 0", "out-of-range", "joint_rate_scale");
+  refuses_line("joint_rate_max: [1, -1]", "out-of-range", "joint_rate_max");
+  refuses_line("coupling_singular_value_min: -1", "out-of-range", "coupling_singular_value_min");
+  refuses_line("jacobian_length: 0", "out-of-range", "jacobian_length");
+  refuses_line("clearance: -1 mm", "out-of-range", "clearance");
+  refuses_line("clearance: near", "wrong-type", "clearance");
+  refuses(replaced(kProblem, line, line + "\n  joint_rate_scale: 0.5\n  joint_rate_max: 1"),
+          line_of(kProblem, line) + 2, "not-used", {"joint_rate_scale"});
+}
+
 TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
   std::vector<std::string> texts;
   CaptureProblem own = read(kProblem);
@@ -119,6 +159,11 @@ TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
   own.hand.orientation = rotation_exp({-1, 0.5, 0.7});
   own.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
   own.search.seed = 18446744073709551615u;
+  own.constraints.joint_rate_max = Eigen::Vector2d(0.1, 1.0 / 3);
+  own.constraints.coupling_singular_value_min = 0.7;
+  own.constraints.jacobian_singular_value_min = 0.1;
+  own.constraints.jacobian_length = 2.0 / 3;
+  own.constraints.clearance = 0.0;
   std::vector<CaptureProblem> problems{own};
   for (const std::string& path : shipped_problems()) problems.push_back(read_problem(path));
   REQUIRE(problems.size() >= 9);
@@ -311,9 +356,9 @@ TEST_CASE("a covariance gives the cone, and its normalised copy the same") {
   CHECK(again.target_deviations->orientation == sigma.orientation);
 
   // In a plane only the turn about its normal counts.
-  const CaptureProblem planar = read(replaced(
-      uncertain("{orientation: 1 deg}", "cone_half_angle: from_covariance\n  cone_plane: xy"),
-      "axis: [1, 2, 2]", "axis: [0, 0, 1]"));
+  const CaptureProblem planar =
+      read(replaced(uncertain("{orientation: 1 deg}", "cone_half_angle: from_covariance\n  cone_plane: xy"),
+                    "axis: [1, 2, 2]", "axis: [0, 0, 1]"));
   CHECK(planar.uncertainty.cone_half_angle == Approx(1.959964 * M_PI / 180).epsilon(1e-5));
 }
 
