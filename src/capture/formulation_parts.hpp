@@ -13,7 +13,9 @@
 #include <stillbase/impact/batch.hpp>
 #include <stillbase/target/target.hpp>
 
+#include "capture/clearance_kernel.hpp"
 #include "capture/layout.hpp"
+#include "capture/singular_kernel.hpp"
 
 namespace stillbase {
 
@@ -36,7 +38,11 @@ enum class RowKind {
   CaseCoupling,    // of the coupling part
   CouplingColumn,  // coupling part along a column of the coupling matrix (rank < 3)
   ClosingSpeed,
-  AttitudeAngle  // squared angle from the stated attitude
+  AttitudeAngle,   // squared angle from the stated attitude
+  JointRate,       // of joint `index` right after the predicted impact
+  CouplingMargin,  // least singular value of the coupling matrix, of its generic rank
+  JacobianMargin,  // of the generalized Jacobian
+  Clearance        // signed distance of pair `index`
 };
 
 struct Row {
@@ -105,6 +111,11 @@ struct Formulation::Parts {
   Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
   std::vector<Row> rows;
   std::optional<Vector3d> hand_point;  ///< stated hand position
+  std::vector<ClearancePair> clearances;
+  Matrix3d R_ET = Matrix3d::Identity();  ///< axes of the target where it meets the hand
+  Vector3d r_T = Vector3d::Zero();       ///< in T, from its centroid to where the hand meets it
+  int coupling_rank = 0;                 ///< generic ranks, of what a margin is asked for
+  int jacobian_rank = 0;
   double objective_unit = 1;
   mutable long evaluations = 0;
 
@@ -124,6 +135,8 @@ struct Formulation::Parts {
   // Which rows there are (formulation_rows.cpp).
   void add_rows();
   void add_case_rows();
+  void add_margin_rows();
+  void add_clearance_rows();
   void drop_structural_rows();
 
   // What they are worth (formulation_kernel.hpp, rows_kernel.hpp).
@@ -204,6 +217,22 @@ struct Formulation::Parts {
   /// Wanted hand axes in B for HandConstraint::Pose.
   template <class S>
   Matrix3<S> wanted_hand_axes(const Local<S>& local) const;
+  /// The coupling matrix, or the generalized Jacobian with its angular rows times a length; and its
+  /// smallest singular value of generic rank.
+  template <class S>
+  SingularTriple<S> margin(RowKind kind, const PostureImpact<S>& posture) const;
+  template <class S>
+  ScalarGradient<S> margin_gradient(RowKind kind, const PostureImpact<S>& posture) const;
+  /// A shape in B; the target lies with its contact at the hand.
+  template <class S>
+  PlacedShape<S> placed(const ClearanceShape& shape, const Local<S>& local,
+                        const PostureImpact<S>& posture) const;
+  template <class S>
+  Separation<S> separation(const ClearancePair& pair, const Local<S>& local,
+                           const PostureImpact<S>& posture) const;
+  template <class S>
+  ScalarGradient<S> separation_gradient(const ClearancePair& pair, const Local<S>& local,
+                                        const PostureImpact<S>& posture) const;
 };
 
 /// The vector behind a term of the objective, divided by the term's size, per unit of impulse.

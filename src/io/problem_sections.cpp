@@ -16,21 +16,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kManyTimes = 1'000'000'000;
 
-const Node& empty_map() {
-  static const Node node = [] {
-    Node map;
-    map.kind = Node::Kind::Map;
-    return map;
-  }();
-  return node;
-}
-
-/// A section; absent it is an empty map, so that its keys are known and its defaults stand.
-MapReader section(MapReader& map, const std::string& key) {
-  const Node* node = map.child(key);
-  return {map.context(), node == nullptr ? empty_map() : *node, map.path_of(key)};
-}
-
 bool is_scalar(const Node* node) {
   return node != nullptr && (node->kind == Node::Kind::Plain || node->kind == Node::Kind::Quoted);
 }
@@ -279,16 +264,6 @@ void read_hand_section(MapReader& map, CaptureProblem& problem) {
   fields.choice("frame", hand.frame, frame_names());
   fields.direction("approach_axis", hand.approach_axis);
   fields.number("roll", hand.roll, Dimension::Angle);
-  fields.finish();
-}
-
-void read_constraints_section(MapReader& map, CaptureProblem& problem) {
-  MapReader fields = section(map, "constraints");
-  fields.choice("case", problem.constraints.impact_case, case_constraint_names());
-  fields.number("joint_limit_margin", problem.constraints.joint_limit_margin,
-                Dimension::JointPosition, kNonNegative);
-  fields.number("closing_speed_min", problem.constraints.closing_speed_min, Dimension::Velocity,
-                kPositive);
   fields.finish();
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/margins.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -49,6 +50,19 @@ std::optional<Bounds> bounds_of(const std::string& name, const CaptureProblem& p
   if (name == "base_attitude_squared") {
     return Bounds{0, free.base_attitude_max * free.base_attitude_max};
   }
+  if (begins_with(name, "joint_rate_")) {
+    const int k = find_joint(problem.robot, name.substr(11));
+    if (k < 0) return std::nullopt;
+    return Bounds{-joint_rate_limit(problem, k), joint_rate_limit(problem, k)};
+  }
+  const ConstraintSpec& wanted = problem.constraints;
+  if (name == "coupling_singular_value") {
+    return Bounds{wanted.coupling_singular_value_min, infinity};
+  }
+  if (name == "jacobian_singular_value") {
+    return Bounds{wanted.jacobian_singular_value_min, infinity};
+  }
+  if (clearance_numbers(name)) return Bounds{wanted.clearance.value_or(-infinity), infinity};
   if (begins_with(name, "joint_limit_")) {
     const int k = find_joint(problem.robot, name.substr(12));
     if (k < 0) return std::nullopt;
@@ -127,6 +141,7 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
     const Context one{alone, context.problem, context.options, motion ? &*motion : nullptr};
     ClaimList own;
     check_configuration(one, event, response, own);
+    check_margins(one, event, response, own);
     for (const Claim& claim : own.claims()) {
       // The closing speed is stated for the chosen configuration alone.
       if (claim.pass || claim.name == "closing_speed") continue;

@@ -22,6 +22,22 @@ double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff());
 }
 
+/// A box or capsule, at random, on base and target, alternating ones on the bodies.
+void add_shapes(Random& random, CaptureProblem& problem) {
+  const auto pose = [&random] {
+    const Vector3d position = 0.3 * random.unit_vector();
+    return Pose{position, rotation_exp(random.unit_vector())};
+  };
+  problem.robot.shapes = {{kBase, "base", pose(), Box{{0.8, 0.7, 0.5}}}};
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Geometry geometry = k % 3 == 0   ? Geometry(Capsule{0.05, 0.4})
+                              : k % 3 == 1 ? Geometry(Sphere{0.1})
+                                           : Geometry(Box{{0.1, 0.2, 0.3}});
+    problem.robot.shapes.push_back({k, "link_" + std::to_string(k), pose(), geometry});
+  }
+  problem.target->shapes = {{pose(), Box{{0.6, 0.5, 0.4}}}, {pose(), Cylinder{0.1, 0.5}}};
+}
+
 /// A problem that has every kind of row and of term somewhere among the trials.
 CaptureProblem rich_problem(Random& random, int trial) {
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, trial % 2 == 0));
@@ -34,6 +50,12 @@ CaptureProblem rich_problem(Random& random, int trial) {
   }
   if (trial % 3 == 1) problem.variables.base_attitude_max = 2;
   if (trial % 4 == 3) problem.variables.base_position = PositionFreedom::Fixed;
+  add_shapes(random, problem);
+  problem.constraints.joint_rate_max = JointVectord::Constant(problem.robot.n(), 0.01);
+  problem.constraints.coupling_singular_value_min = 0.1;
+  problem.constraints.jacobian_singular_value_min = 0.1;
+  problem.constraints.jacobian_length = 0.7;
+  problem.constraints.clearance = 0.02;
   problem.objective = {
       {ObjectiveQuantity::BaseAngularMomentum, 0.7}, {ObjectiveQuantity::BaseAngularVelocity, 0.3},
       {ObjectiveQuantity::TotalAngularMomentum, 2},  {ObjectiveQuantity::BaseMomentum, 3, 0.5},
