@@ -181,20 +181,6 @@ JointPath plan_path(const ApproachTask& task, const AttemptOptions& options,
 
 }  // namespace
 
-std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
-                                 double wait) {
-  const double too_early = task.earliest_start - (contact_time - wait - duration);
-  const double too_long = duration + wait - task.problem.approach.max_duration;
-  const double seconds = std::max(too_early, too_long);
-  if (seconds <= 0) return std::nullopt;
-  return Lateness{seconds,
-                  fmt::format("motion {:.3f} s and wait {:.3f} s before the contact at {:.3f} s: "
-                              "{:.3f} s too slow {}",
-                              duration, wait, contact_time, seconds,
-                              too_early >= too_long ? "for a start after the target's estimate"
-                                                    : "for the longest duration allowed")};
-}
-
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result) {
   const ApproachSpec& spec = task.problem.approach;
   result.status = ApproachStatus::GoalUnreachable;
