@@ -30,7 +30,8 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
   for (int attempt = 1; attempt <= kAttempts; ++attempt) {
     if (stop.reached()) return failed(ApproachStatus::TimeOut, "stopped before a path was found");
     options.seed = seeds.next();
-    const AttemptResult result = try_approach(task, options, stop);
+    std::size_t only = 0;
+    const AttemptResult result = try_approach({{&task, options, 1}}, stop, only);
     if (!task.free.empty()) ++solver_calls[planner_name(task.problem)];
     if (result.status == ApproachStatus::Found) {
       return finished(task, result, attempt, options.wait);
