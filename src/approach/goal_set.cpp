@@ -98,7 +98,10 @@ ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
     out.goal = goal.index;
     if (result.status == ApproachStatus::Found) {
       out.approach = finished(goal.task, result, attempt, goal.way.options.wait);
-      out.approach.detail += fmt::format("; goal {} of a set of {}", goal.index + 1, goals.size());
+      if (goals.size() > 1) {
+        out.approach.detail +=
+            fmt::format("; goal {} of a set of {}", goal.index + 1, goals.size());
+      }
       return out;
     }
     if (is_better_news(result, news)) news = result;

@@ -178,6 +178,7 @@ struct NamedPlanner {
   ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed);
   bool improves;      ///< goes on after its first solution
   bool hides_random;  ///< generators that cannot be seeded one by one
+  bool takes_sets;    ///< finds its way among several starts and goals
 };
 
 /// Improving planners get this many of their iterations after the first solution. Simplification
@@ -234,12 +235,12 @@ ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t)
 // PRM* with lazy checks: OMPL's eager one looks for the solution in a second thread, so that what
 // it finds depends on the load of the machine. KPIECE in its bidirectional form.
 constexpr std::array<NamedPlanner, 6> kPlanners = {
-    {{"rrt_connect", make_rrt_connect, false, false},
-     {"rrt_star", make_rrt_star, true, true},
-     {"prm_star", make_plain<og::LazyPRMstar>, true, true},
-     {"bit_star", make_plain<og::BITstar>, true, true},
-     {"ait_star", make_plain<og::AITstar>, true, true},
-     {"kpiece", make_kpiece, false, true}}};
+    {{"rrt_connect", make_rrt_connect, false, false, true},
+     {"rrt_star", make_rrt_star, true, true, true},
+     {"prm_star", make_plain<og::LazyPRMstar>, true, true, false},
+     {"bit_star", make_plain<og::BITstar>, true, true, true},
+     {"ait_star", make_plain<og::AITstar>, true, true, true},
+     {"kpiece", make_kpiece, false, true, true}}};
 
 const NamedPlanner* find_planner(const std::string& name) {
   for (const NamedPlanner& planner : kPlanners) {
@@ -329,12 +330,33 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   return answer;
 }
 
+/// One goal after the other, the iterations shared out, for planners that take one only.
+PathAnswer plan_in_turn(const NamedPlanner& named, const PathQuery& query) {
+  PathAnswer answer;
+  for (std::size_t i = 0; i < query.ends.size(); ++i) {
+    PathQuery one = query;
+    one.ends = {query.ends[i]};
+    one.max_iterations = std::max(1, query.max_iterations / static_cast<int>(query.ends.size()));
+    one.is_valid = [&, i](std::size_t, const JointVectord& phi) { return query.is_valid(i, phi); };
+    one.is_motion_valid = [&, i](std::size_t, const JointVectord& a, const JointVectord& b) {
+      return query.is_motion_valid(i, a, b);
+    };
+    answer = plan_with(named, one);
+    answer.reached = i;
+    if (answer.outcome != PathOutcome::NotFound) break;
+  }
+  return answer;
+}
+
 }  // namespace
 
 PathPlanner find_path_planner(const std::string& name) {
   const NamedPlanner* named = find_planner(name);
   if (named == nullptr) return nullptr;
-  return [named](const PathQuery& query) { return plan_with(*named, query); };
+  return [named](const PathQuery& query) {
+    const bool in_turn = query.ends.size() > 1 && !named->takes_sets;
+    return in_turn ? plan_in_turn(*named, query) : plan_with(*named, query);
+  };
 }
 
 std::vector<std::string> approach_planner_names() {

@@ -13,12 +13,15 @@ namespace {
 constexpr int kIntervals = 16;        ///< between knots
 constexpr int kParts = 2;             ///< places per interval
 constexpr double kSlowest = 1 / 1.5;  ///< v: the attitude may take half as long again
-constexpr double kFastest = 4;        ///< v
-constexpr double kRoom = 1.5;         ///< rad beyond start, end and planned path for control points
-constexpr double kUsable = 0.995;     ///< of limits: between the places there may be a little more
+constexpr double kInside = 0.6;  ///< v to begin with: well inside all limits, else Ipopt gets lost
+constexpr double kFastest = 4;   ///< v
+constexpr double kRoom = 1.5;    ///< rad beyond start, end and planned path for control points
+constexpr double kUsable = 0.995;  ///< of limits: between the places there may be a little more
 constexpr double kExtraClearance = 1.1;  ///< between the places it may be less
 constexpr double kFarAway = 0.2;         ///< m: distances beyond say nothing
 constexpr double kDifference = 1e-6;     ///< rad and what belongs to it
+/// Of an interval: where the base's motion is looked at.
+constexpr double kGaussPoints[] = {0.21132486540518713, 0.7886751345948129};
 constexpr double kSmallTorque =
     0.05;  ///< part of a limit; a quarter of the time makes 16 times that
 
@@ -48,7 +51,7 @@ PolishProblem::PolishProblem(const ApproachTask& task, const AttemptResult& foun
       x_start_[c * m + i] = fitted(task_.free[static_cast<std::size_t>(i)], c);
     }
   }
-  x_start_[num_points()] = is_for_time() ? 0.9 : kSlowest;
+  x_start_[num_points()] = is_for_time() ? kInside : kSlowest;
   const int n = task_.problem.robot.n();
   effort_ = JointVectord::Constant(n, kInfinity);
   if (effort_used(task_.problem, planned_.path) > kSmallTorque) {
@@ -83,7 +86,7 @@ Eigen::VectorXd PolishProblem::lower() const {
       bound[c * m + i] = std::max(least - kRoom, std::min(limit, least));
     }
   }
-  bound[num_points()] = is_for_time() ? kSlowest : kSlowest;
+  bound[num_points()] = is_for_time() ? kInside / 2 : kSlowest;
   return bound;
 }
 
@@ -188,39 +191,98 @@ double PolishProblem::excursion(const State& state) const {
 }
 
 // Q_j the attitude at place j seen from the last one, D_i the turn from i to i + 1. A small turn
-// delta_i behind D_i changes all Q_j, j <= i, by exp(-Q_(i+1) delta_i) from the left, and |log Q|^2
-// by -2 log(Q_j) . Q_(i+1) delta_i. delta_i by differences of the turning rate in the middle.
-void PolishProblem::excursion_gradient(const State& state, const Eigen::VectorXd& x,
-                                       Eigen::VectorXd& gradient) const {
+// delta_i behind D_i changes all Q_j, j <= i, by exp(-Q_(i+1) delta_i) from the left. delta_i by
+// differences of the turning rate at the two points that the integration takes.
+std::vector<TurnSlopes> PolishProblem::turn_slopes(const State& state,
+                                                   const Eigen::VectorXd& x) const {
   const RobotModel& robot = task_.problem.robot;
   const auto m = static_cast<Eigen::Index>(task_.free.size());
   const Eigen::MatrixXd all = points(x);
-  const double scale = 2 / static_cast<double>(places_.size());
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i + 1 < places_.size(); ++i) {
-    const auto seen = [&](std::size_t j) {
-      return Eigen::Quaterniond(state.base.back().orientation.conjugate() *
-                                state.base[j].orientation);
-    };
-    sum += rotation_log(seen(i));
-    const Vector3d pull = -scale * (seen(i + 1).conjugate() * sum);
-    const double h = places_[i + 1].u - places_[i].u, u = places_[i].u + h / 2;
-    const RestSpline::Weights value = spline_.weights(u, 0), first = spline_.weights(u, 1);
-    JointVectord phi = spline_.at(value, all), rate = spline_.at(first, all);
-    const Vector3d here = turning(robot, phi, rate);
-    for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-      if (value.points[c] == 0 && first.points[c] == 0) continue;
-      for (Eigen::Index row = 0; row < m; ++row) {
-        const Eigen::Index k = task_.free[static_cast<std::size_t>(row)];
-        const double phi_k = phi[k], rate_k = rate[k];
-        phi[k] += kDifference * value.points[c];
-        rate[k] += kDifference * first.points[c];
-        gradient[c * m + row] += h / kDifference * pull.dot(turning(robot, phi, rate) - here);
-        phi[k] = phi_k;
-        rate[k] = rate_k;
+  std::vector<TurnSlopes> slopes(places_.size(), TurnSlopes::Zero(3, num_points()));
+  if (task_.problem.approach.base == BaseMode::Held) return slopes;
+  for (std::size_t i = places_.size() - 1; i-- > 0;) {
+    slopes[i] = slopes[i + 1];
+    const Matrix3d seen =
+        (state.base.back().orientation.conjugate() * state.base[i + 1].orientation)
+            .toRotationMatrix();
+    const double h = places_[i + 1].u - places_[i].u;
+    for (const double part : kGaussPoints) {
+      const double u = places_[i].u + part * h;
+      const RestSpline::Weights value = spline_.weights(u, 0), first = spline_.weights(u, 1);
+      JointVectord phi = spline_.at(value, all), rate = spline_.at(first, all);
+      const Vector3d here = turning(robot, phi, rate);
+      for (Eigen::Index c = 0; c < spline_.points(); ++c) {
+        if (value.points[c] == 0 && first.points[c] == 0) continue;
+        for (Eigen::Index row = 0; row < m; ++row) {
+          const Eigen::Index k = task_.free[static_cast<std::size_t>(row)];
+          const double phi_k = phi[k], rate_k = rate[k];
+          phi[k] += kDifference * value.points[c];
+          rate[k] += kDifference * first.points[c];
+          slopes[i].col(c * m + row) -=
+              h / (2 * kDifference) * (seen * (turning(robot, phi, rate) - here));
+          phi[k] = phi_k;
+          rate[k] = rate_k;
+        }
       }
     }
   }
+  return slopes;
+}
+
+// d|log Q|^2 = 2 log(Q) . w for exp(w) Q.
+Eigen::VectorXd PolishProblem::excursion_slope(const State& state,
+                                               const std::vector<TurnSlopes>& turns) const {
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(num_points());
+  for (std::size_t j = 0; j < places_.size(); ++j) {
+    const Vector3d turned =
+        rotation_log(state.base.back().orientation.conjugate() * state.base[j].orientation);
+    slope += 2 / static_cast<double>(places_.size()) * (turns[j].transpose() * turned);
+  }
+  return slope;
+}
+
+// The joints move the base about the system's centroid, which stays where it is.
+Eigen::RowVectorXd PolishProblem::clearance_slope(const State& state, std::size_t j, double v,
+                                                  double here, const TurnSlopes& turns) const {
+  constexpr double kStep = 1e-5;  // rad; distances are less exact than dynamics
+  const auto m = static_cast<Eigen::Index>(task_.free.size());
+  const RobotModel& robot = task_.problem.robot;
+  const bool floats = task_.problem.approach.base != BaseMode::Held;
+  const JointVectord& phi = state.phi[j];
+  const Pose& base = state.base[j];
+  const double time = time_at(places_[j].u, v);
+  const auto centroid_at = [&](const JointVectord& at) {
+    return system_centroid(robot, compute_kinematics<double>(robot, at));
+  };
+  const Vector3d centroid = centroid_at(phi);
+  Eigen::RowVectorXd slope = Eigen::RowVectorXd::Zero(num_variables());
+  for (Eigen::Index i = 0; i < m; ++i) {
+    JointVectord beside = phi;
+    beside[task_.free[static_cast<std::size_t>(i)]] += kStep;
+    Pose moved = base;
+    if (floats) moved.position += base.orientation * Vector3d(centroid - centroid_at(beside));
+    const double d = (clearance(beside, moved, time) - here) / kStep;
+    for (Eigen::Index c = 0; c < spline_.points(); ++c) {
+      slope[c * m + i] = d * places_[j].value.points[c];
+    }
+  }
+  if (floats) {
+    const Eigen::Quaterniond& last = state.base.back().orientation;
+    Vector3d by_turn;
+    for (int axis = 0; axis < 3; ++axis) {
+      Pose moved;
+      moved.orientation =
+          last * rotation_exp(kStep * Vector3d::Unit(axis)) * last.conjugate() * base.orientation;
+      moved.position = base * centroid - moved.orientation * centroid;
+      by_turn[axis] = (clearance(phi, moved, time) - here) / kStep;
+    }
+    slope.head(num_points()) += by_turn.transpose() * turns;
+  }
+  if (target_) {
+    slope[num_points()] =
+        (clearance(phi, base, time_at(places_[j].u, v * (1 + kStep))) - here) / (v * kStep);
+  }
+  return slope;
 }
 
 Eigen::VectorXd PolishProblem::torques(const Place& knot, const Eigen::MatrixXd& points,
@@ -228,13 +290,14 @@ Eigen::VectorXd PolishProblem::torques(const Place& knot, const Eigen::MatrixXd&
   return joint_torques(task_.problem, motion_at(knot, points, v)).cwiseQuotient(effort_);
 }
 
+double PolishProblem::needed() const { return kExtraClearance * task_.problem.approach.clearance; }
+
 double PolishProblem::clearance(const JointVectord& phi, const Pose& base, double time) const {
-  const double needed = kExtraClearance * task_.problem.approach.clearance;
   const Pose target = target_ ? target_->state(time).pose : Pose{};
   const auto nearest = task_.scene.nearest(compute_kinematics<double>(task_.problem.robot, phi),
                                            base, target_ ? &target : nullptr, false);
   const double distance = nearest ? std::min(nearest->distance, kFarAway) : kFarAway;
-  return (distance - needed) / kFarAway;
+  return (distance - needed()) / kFarAway;
 }
 
 void PolishProblem::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
@@ -273,11 +336,12 @@ void PolishProblem::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) con
   const double v = x[num_points()], rate = v / planned_duration_;
   const auto m = static_cast<Eigen::Index>(task_.free.size());
   const Eigen::Index last = num_points();
+  const std::vector<TurnSlopes> turns = turn_slopes(now, x);
   out.gradient = Eigen::VectorXd::Zero(num_variables());
   if (is_for_time()) {
     out.gradient[last] = -1 / (v * v);
   } else {
-    excursion_gradient(now, x, out.gradient);
+    out.gradient.head(num_points()) = excursion_slope(now, turns);
   }
   Eigen::MatrixXd& J = out.jacobian;
   J = Eigen::MatrixXd::Zero(num_constraints(), num_variables());
@@ -318,19 +382,9 @@ void PolishProblem::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) con
     row += effort_.size();
   }
   for (std::size_t j = 1; j + 1 < places_.size(); ++j, ++row) {
-    const double free_of =
-        (1 - 1e-9) - kExtraClearance * task_.problem.approach.clearance / kFarAway;
-    if (out.constraints[row] >= free_of) continue;
-    const double time = time_at(places_[j].u, v);
-    for (Eigen::Index i = 0; i < m; ++i) {
-      constexpr double kStep = 1e-5;  // rad; distances are less exact than dynamics
-      JointVectord beside = now.phi[j];
-      beside[joint(i)] += kStep;
-      const double slope = (clearance(beside, now.base[j], time) - out.constraints[row]) / kStep;
-      for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-        J(row, c * m + i) = slope * places_[j].value.points[c];
-      }
-    }
+    const double far = (kFarAway - needed()) / kFarAway - 1e-9;
+    if (out.constraints[row] >= far) continue;
+    J.row(row) = clearance_slope(now, j, v, out.constraints[row], turns[j]);
   }
 }
 

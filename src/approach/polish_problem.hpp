@@ -21,6 +21,9 @@
 
 namespace stillbase {
 
+/// 3 x any number of unknowns; the joints' Matrix3Xd has no room for control points.
+using TurnSlopes = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
 class PolishProblem final : public nlp::Problem {
  public:
   /// @param found outlives this
@@ -58,8 +61,12 @@ class PolishProblem final : public nlp::Problem {
   State state(const Eigen::VectorXd& x) const;
   double time_at(double u, double v) const;
   double excursion(const State& state) const;
-  void excursion_gradient(const State& state, const Eigen::VectorXd& x,
-                          Eigen::VectorXd& gradient) const;
+  /// How the base at each place is turned, seen from the last one, by the control points (3 x N-1).
+  std::vector<TurnSlopes> turn_slopes(const State& state, const Eigen::VectorXd& x) const;
+  Eigen::VectorXd excursion_slope(const State& state, const std::vector<TurnSlopes>& turns) const;
+  Eigen::RowVectorXd clearance_slope(const State& state, std::size_t j, double v, double here,
+                                     const TurnSlopes& turns) const;
+  double needed() const;
   Eigen::VectorXd torques(const Place& knot, const Eigen::MatrixXd& points, double v) const;
   double clearance(const JointVectord& phi, const Pose& base, double time) const;
 

@@ -113,15 +113,27 @@ class Stage {
     }
   }
 
-  /// All good candidates, and samples of their self-motion, at once.
+  /// All good candidates at once; when none of them is reached, samples of their self-motion as
+  /// well.
   /// @return whether that ends the matter
   bool to_any() {
-    std::list<Goal> goals = goals_of_set();
-    if (goals.size() < 2 || options_.stop.reached()) return false;
+    std::list<Goal> goals = good_candidates();
+    if (goals.empty()) return false;
+    if (goals.size() > 1 && to_any_of(goals)) return true;
+    // Within the null space all candidates were gone for, along all of the contact.
+    if (path_decides(problem_)) return goals.size() > 1 && !has_fallback_;
+    const std::size_t count = goals.size();
+    add_samples(goals);
+    return goals.size() > count && to_any_of(goals);
+  }
+
+  /// @return whether an approach leads to a configuration whose limits hold after the impact
+  bool to_any_of(const std::list<Goal>& goals) {
+    if (options_.stop.reached()) return false;
     progress(0);
     std::vector<ApproachGoal> asked;
     const double most = rank_of(problem_, found_.candidates[order_.order.front()]);
-    for (Goal& goal : goals) {
+    for (const Goal& goal : goals) {
       const Candidate& candidate =
           goal.sample ? goal.sample->candidate : found_.candidates[goal.candidate];
       // Twice as bad is looked for a quarter as often; zeros are all as good.
@@ -136,10 +148,8 @@ class Stage {
     }
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
     if (!arrives(any.approach)) {
-      // Within the null space all candidates were gone for: nothing is left to try.
-      if (!path_decides(problem_)) return false;
-      chosen_.approach = any.approach;
-      return true;
+      if (path_decides(problem_)) chosen_.approach = any.approach;
+      return false;
     }
     const bool holds = take(any.approach, reached.candidate, reached.contact.get());
     if (reached.sample) {
@@ -149,28 +159,33 @@ class Stage {
     return holds;
   }
 
-  std::list<Goal> goals_of_set() const {
+  std::list<Goal> good_candidates() const {
     std::list<Goal> goals;
-    std::vector<Eigen::VectorXd> points;
     const Candidate& best = found_.candidates[order_.order.front()];
-    const bool decides = path_decides(problem_);
     for (std::size_t k = 0; k < order_.holding; ++k) {
       const std::size_t i = order_.order[k];
       const Candidate& candidate = found_.candidates[i];
-      // Within the null space any contact that can be reached is welcome; it is improved on the
+      // Within the null space any contact that can be reached is welcome: it is improved on the
       // way.
-      if (!decides && !is_good(problem_, candidate, best, options_.goal_factor)) continue;
+      const bool is_welcome =
+          path_decides(problem_) || is_good(problem_, candidate, best, options_.goal_factor);
+      if (!is_welcome) continue;
       goals.push_back({i, {}, target_at(problem_, candidate.configuration), contact_at(i)});
-      points.push_back(found_.points[i]);
     }
+    return goals;
+  }
+
+  void add_samples(std::list<Goal>& goals) const {
     // Where every solution is enclosed there is no self-motion.
-    if (decides || goals.empty() || proof_.status != ProofStatus::NotApplicable) return goals;
-    const Formulation formulation(problem_);
+    if (proof_.status != ProofStatus::NotApplicable) return;
+    const std::size_t beside = goals.front().candidate;
+    const Candidate& best = found_.candidates[beside];
+    std::vector<Eigen::VectorXd> points;
+    for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
     for (const Eigen::VectorXd& x :
-         self_motion_samples(problem_, formulation, points, best, options_.goal_factor,
+         self_motion_samples(problem_, Formulation(problem_), points, best, options_.goal_factor,
                              options_.goal_samples, options_.stop)) {
-      const std::size_t beside = goals.front().candidate;
-      Candidate candidate = found_.candidates[beside];
+      Candidate candidate = best;
       candidate.starts_reached = 0;
       Resolved sample = resolve(problem_, x, candidate, found_.certificates[beside]);
       judge_collisions(problem_, scene_, sample.candidate);
@@ -179,7 +194,6 @@ class Stage {
       if (!keeps_limits_after(problem_, at, options_.stop)) continue;
       goals.push_back({beside, std::move(sample), target_at(problem_, at), nullptr});
     }
-    return goals;
   }
 
   void progress(int done) const {

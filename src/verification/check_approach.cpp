@@ -266,9 +266,10 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
   const double stated = context.plan.approach.min_clearance;
   const bool agree_on_none = !found.distance_of_path && std::isinf(stated);
   const double difference = agree_on_none ? 0 : stated - found.distance_of_path.value_or(0);
-  claims.at_most("approach_stated_clearance", std::abs(difference),
-                 std::max(2 * kDistanceError, spec.resolution / 4), "m",
-                 fmt::format("stated smallest clearance, hand from target aside, {:.6g} m", stated));
+  claims.at_most(
+      "approach_stated_clearance", std::abs(difference),
+      std::max(2 * kDistanceError, spec.resolution / 4), "m",
+      fmt::format("stated smallest clearance, hand from target aside, {:.6g} m", stated));
 }
 
 }  // namespace

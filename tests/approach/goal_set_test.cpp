@@ -42,6 +42,7 @@ TEST_CASE("a goal that cannot be reached does not stand in the way of one that c
   CaptureProblem problem = beside_a_ball();
   const Configuration behind = goal_at(posture({60, 10})), beside = goal_at(posture({-30, 60}));
   REQUIRE(plan(problem, behind).status == ApproachStatus::GoalUnreachable);
+  problem.approach.max_iterations = 20000;
   for (const std::string& name : approach_planner_names()) {
     INFO(name);
     problem.approach.planner = name;

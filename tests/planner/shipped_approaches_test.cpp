@@ -73,6 +73,21 @@ TEST_CASE("every shipped approach is flown again by other dynamics and holds", "
   CHECK(2 * colliding >= three_dimensional);
 }
 
+TEST_CASE("the polish is worth while on a captured client", "[.slow]") {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_client_50.yaml");
+  problem.approach.polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
+  const bool is_time = problem.approach.polish == PathPolish::Time;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.approach.status == ApproachStatus::Found);
+  // About 8 % of the time, about half of the turn.
+  CHECK(plan.approach.after_polish < (is_time ? 0.96 : 0.7) * plan.approach.before_polish);
+  for (const Claim& claim : verify_plan(plan).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
+  }
+}
+
 TEST_CASE("a motion without turning the base is found from several starts", "[.slow]") {
   const auto from = [](std::initializer_list<double> degrees) {
     JointVectord phi(static_cast<Eigen::Index>(degrees.size()));

@@ -27,10 +27,11 @@ struct PlannerOptions {
 /// Candidates are ranked by their worst case over the direction cone. A candidate is free of
 /// collision when at the contact, and while the target comes in during the wait, nothing touches
 /// but the hand and the contact feature. The good ones that are free of collision and keep the
-/// problem's post-impact limits under its first controller are gone for at once, together with
-/// samples of their self-motion at the contact (`goal_factor`, `goal_samples`; a sample that is
-/// reached becomes the last candidate, reached by no start, certified as what it is). When none is
-/// reached, candidates are tried one by one: those that keep the limits, then the other ones
+/// problem's post-impact limits under its first controller are gone for at once (`goal_factor`);
+/// when none of them is reached, together with samples of their self-motion at the contact
+/// (`goal_samples`; a sample that is reached becomes the last candidate, reached by no start,
+/// certified as what it is). When none is reached, candidates are tried one by one: those that keep
+/// the limits, then the other ones
 /// (`verify` then says which limit fails); without any, the best one stands with the reason of its
 /// failure. A floating base that starts as stated has its candidates tried one by one.
 /// Without an approach asked for, its status is GoalInvalid when no candidate is free of collision.
