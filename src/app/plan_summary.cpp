@@ -151,7 +151,7 @@ std::string approach_words(const Approach& approach) {
   std::string text =
       fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);
   if (std::isfinite(approach.min_clearance)) {
-    text += fmt::format(", clearance {:.3g} m", approach.min_clearance);
+    text += fmt::format(", clearance {:.3g} m (hand from target aside)", approach.min_clearance);
   }
   text += fmt::format(", base turns by at most {:.3g} deg", approach.attitude_excursion * kDegrees);
   if (approach.effort_used > 0) {

@@ -259,15 +259,17 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
     return;
   }
   claims.at_least("approach_clearance", *found.distance, spec.clearance, kDistanceError, "m",
-                  fmt::format("{} at {:.3f} s is the closest of {} instants", found.detail,
-                              found.time, found.instants));
+                  fmt::format("{} at {:.3f} s is the closest of {} instants, hand and target "
+                              "included until the feature is within reach",
+                              found.detail, found.time, found.instants));
   // Sampled more finely than by the planner, so it may be smaller than stated, hardly larger.
   const double stated = context.plan.approach.min_clearance;
   const bool agree_on_none = !found.distance_of_path && std::isinf(stated);
   const double difference = agree_on_none ? 0 : stated - found.distance_of_path.value_or(0);
-  claims.at_most("approach_stated_clearance", std::abs(difference),
-                 std::max(2 * kDistanceError, spec.resolution / 4), "m",
-                 fmt::format("stated smallest clearance, {:.6g} m", stated));
+  claims.at_most(
+      "approach_stated_clearance", std::abs(difference),
+      std::max(2 * kDistanceError, spec.resolution / 4), "m",
+      fmt::format("stated smallest clearance, hand from target aside, {:.6g} m", stated));
 }
 
 }  // namespace
