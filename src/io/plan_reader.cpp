@@ -334,6 +334,20 @@ void read_approach(MapReader& map, Plan& plan) {
   }
 }
 
+void read_inputs(MapReader& map, PlanFile& file) {
+  read_list(map, "inputs", [&](const Node& item, const std::string& path) {
+    MapReader fields(map.context(), item, path);
+    InputFile input;
+    fields.text("role", input.role, Need::Required);
+    fields.text("path", input.path, Need::Required);
+    fields.text("sha256", input.sha256, Need::Required);
+    fields.finish();
+    check_name(map.context(), item.line, path + ".role", input.role, {"problem", "robot", "target"},
+               "roles");
+    file.inputs.push_back(std::move(input));
+  });
+}
+
 void read_robot(MapReader& map, std::optional<std::string>& urdf, std::string& hand,
                 PlanFile& file) {
   const Node* node = map.child("robot", Need::Required);
@@ -387,6 +401,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   MapReader map(context, root, "");
   read_format(map, "stillbase.plan");
   file.tool = read_tool(map);
+  read_inputs(map, file);
   std::optional<std::string> urdf;
   std::string hand;
   read_robot(map, urdf, hand, file);

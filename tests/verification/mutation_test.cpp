@@ -151,6 +151,8 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
     add_components(m, at + "base_velocity", 6,
                    [s](Plan& p, int i) -> double& { return p.approach.base_velocities[s](i); });
   }
+  m.push_back({"late_by", [](Plan& p) { p.approach.late_by = 1e-6; }});
+  m.push_back({"min_clearance", [](Plan& p) { p.approach.min_clearance += 0.002; }});
   add_components(m, "approach summary", 3, [](Plan& p, int i) -> double& {
     Approach& a = p.approach;
     return i == 0 ? a.duration : i == 1 ? a.path_length : a.attitude_excursion;
