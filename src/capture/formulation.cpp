@@ -59,6 +59,12 @@ int Formulation::num_equations() const {
                                         [](const Row& row) { return row.lower == row.upper; }));
 }
 
+std::vector<std::string> Formulation::constraint_names() const {
+  std::vector<std::string> out;
+  for (const Row& row : parts_->rows) out.push_back(row.name);
+  return out;
+}
+
 void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
                                      const std::vector<Scenario>& scenarios, bool derivatives,
                                      ScenarioEvaluation& out) const {
