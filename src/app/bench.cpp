@@ -1,4 +1,5 @@
 // stillbase bench: which optimizer for which capture problem, at which cost, and how sure is that.
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/benchmark/run.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
@@ -92,22 +94,32 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Values of the instances that have not changed since the file was written.
-std::map<std::string, double> known_values(const BestKnownTable& table,
-                                           const std::vector<RunRequest>& requests) {
-  std::map<std::string, double> out;
-  for (const RunRequest& request : requests) {
-    const auto known = table.find(request.instance);
-    if (known != table.end() && known->second.problem_sha256 == request.problem_sha256) {
-      out[request.instance] = known->second.value;
-    }
+/// The table without the entries of instances that are no longer what they were: whose points are
+/// not worth what the table says.
+BestKnownTable read_known(const std::string& path,
+                          const std::vector<BenchmarkInstance>& instances) {
+  if (path.empty() || !fs::exists(path)) return {};
+  BestKnownTable table = read_best_known(read_text_file(path), path);
+  for (const BenchmarkInstance& instance : instances) {
+    const auto known = table.find(instance.name);
+    if (known == table.end()) continue;
+    const Judged judged = judge_point(instance, known->second.point);
+    const double apart = std::abs(judged.value - known->second.value);
+    if (judged.violation <= kBenchmarkViolation && apart <= 1e-9 * (1 + judged.value)) continue;
+    say(fmt::format("{}: {} has changed; its value is left out", path, instance.name));
+    table.erase(known);
   }
-  return out;
+  return table;
 }
 
-BestKnownTable read_known(const std::string& path) {
-  if (path.empty() || !fs::exists(path)) return {};
-  return read_best_known(read_text_file(path), path);
+std::map<std::string, double> values_of(const BestKnownTable& table,
+                                        const std::vector<BenchmarkInstance>& instances) {
+  std::map<std::string, double> out;
+  for (const BenchmarkInstance& instance : instances) {
+    const auto known = table.find(instance.name);
+    if (known != table.end()) out[instance.name] = known->second.value;
+  }
+  return out;
 }
 
 int run(const Options& options) {
@@ -131,9 +143,9 @@ int run(const Options& options) {
     return bench_planners(planners);
   }
 
-  BestKnownTable best_known = read_known(suite.best_known);
   const std::vector<BenchmarkInstance> instances = select_instances(suite, options.selection);
   const std::vector<RunRequest> requests = requests_of(instances, options.selection);
+  BestKnownTable best_known = read_known(suite.best_known, instances);
   say(fmt::format("{} problems, {} runs, {} at a time", instances.size(), requests.size(), jobs));
   const std::vector<std::string> texts =
       run_all(instances, requests, {(fs::path(folder) / "runs").string(), jobs, stop_condition()});
@@ -147,7 +159,7 @@ int run(const Options& options) {
   BenchFolder content;
   content.gradient_cost = suite.gradient_cost;
   content.records = read_records(lines, "records");
-  content.references = reference_values(content.records, known_values(best_known, requests));
+  content.references = reference_values(content.records, values_of(best_known, instances));
   write_bench_folder(folder, content, texts);
   if (temporary) write_stdout(read_text_file((fs::path(folder) / "report.md").string()));
   const int beaten = improve(best_known, content.records);

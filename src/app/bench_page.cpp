@@ -1,5 +1,6 @@
 #include "app/bench_page.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -64,7 +65,7 @@ PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
   return out;
 }
 
-/// The sentence that names a default.
+/// The sentence that names a default: README.md repeats it.
 PageSection recommendation(const BenchmarkAnalysis& analysis) {
   PageSection out;
   out.heading = "Which one by default";
@@ -74,13 +75,33 @@ PageSection recommendation(const BenchmarkAnalysis& analysis) {
   }
   const OptimizerFigures& first = analysis.optimizers[0];
   const OptimizerFigures& second = analysis.optimizers[1];
-  out.paragraphs.push_back(fmt::format(
-      "{} solves {} of its runs to {}, more than any other; {} follows with {}. {} of {} problems "
-      "were solved by nobody, and random search solved {} of them.",
-      first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
-      second.optimizer, percent(second.solved.back()), analysis.solved_by_nobody.size(),
-      analysis.problems, analysis.problems_by_random_search));
+  out.paragraphs = {
+      fmt::format("By default {}: it solves {} of its runs to {}, more than any other; {} follows "
+                  "with {} ({} problems, {} seeds, {} evaluations).",
+                  first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
+                  second.optimizer, percent(second.solved.back()), analysis.problems,
+                  analysis.seeds, analysis.budget),
+      fmt::format("Nobody solved {} of {} problems; random search solved {}.",
+                  analysis.solved_by_nobody.size(), analysis.problems,
+                  analysis.problems_by_random_search)};
   return out;
+}
+
+/// How the two that solve most compare in time, and who finds most per second.
+std::string speed_words(const BenchmarkAnalysis& analysis) {
+  if (analysis.optimizers.size() < 2) return "One optimizer alone.";
+  const auto words = [](const OptimizerFigures& figures) {
+    return fmt::format("{:.0f}", figures.distinct_per_second);
+  };
+  const OptimizerFigures &first = analysis.optimizers[0], &second = analysis.optimizers[1];
+  const OptimizerFigures& most = *std::max_element(
+      analysis.optimizers.begin(), analysis.optimizers.end(),
+      [](const auto& a, const auto& b) { return a.distinct_per_second < b.distinct_per_second; });
+  std::string out = fmt::format("In a second {} finds {} distinct solutions and {} {}",
+                                first.optimizer, words(first), second.optimizer, words(second));
+  const bool is_named = &most == &first || &most == &second;
+  if (!is_named) out += fmt::format("; {} finds most, {}", most.optimizer, words(most));
+  return out + ".";
 }
 
 PageSection wins(const BenchmarkAnalysis& analysis) {
@@ -216,7 +237,8 @@ Page bench_times_page(const BenchmarkAnalysis& analysis) {
   out.heading = "Seconds";
   out.paragraphs = {
       "Measured, so different on every machine and in every run. Distinct: solutions that are "
-      "feasible and optimal to first order, apart from each other by more than 1e-4."};
+      "feasible and optimal to first order, apart from each other by more than 1e-4.",
+      speed_words(analysis)};
   out.table.header = {"optimizer", "runs", "seconds", "seconds per run", "distinct per second"};
   for (const OptimizerFigures& figures : analysis.optimizers) {
     out.table.rows.push_back(
@@ -224,7 +246,36 @@ Page bench_times_page(const BenchmarkAnalysis& analysis) {
          fmt::format("{:.3f}", figures.seconds / static_cast<double>(figures.runs)),
          fmt::format("{:.0f}", figures.distinct_per_second)});
   }
-  return {"Optimizers on capture problems: time", {out}};
+  PageSection times;
+  times.heading = "Seconds to " + precision_words(kTightestTarget);
+  times.paragraphs = {
+      "Seconds of all runs of a kind of problem up to success or end, over the number of "
+      "successes."};
+  times.table.header = {"problems"};
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    times.table.header.push_back(figures.optimizer);
+  }
+  std::map<std::string, int> fastest;
+  for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
+    std::vector<std::string> row = {analysis.groups[g]};
+    const OptimizerFigures* best = nullptr;
+    for (const OptimizerFigures& figures : analysis.optimizers) {
+      const double seconds = figures.seconds_to_tightest[g];
+      row.push_back(std::isfinite(seconds) ? fmt::format("{:.3g}", seconds) : "never");
+      if (std::isfinite(seconds) && (best == nullptr || seconds < best->seconds_to_tightest[g])) {
+        best = &figures;
+      }
+    }
+    if (best != nullptr) ++fastest[best->optimizer];
+    times.table.rows.push_back(std::move(row));
+  }
+  std::string words;
+  for (const auto& [optimizer, count] : fastest) {
+    words += fmt::format("{}{}: {}", words.empty() ? "" : ", ", optimizer, count);
+  }
+  times.paragraphs.push_back(fmt::format("First of {} kinds of problems: {}.",
+                                         analysis.groups.size(), words.empty() ? "none" : words));
+  return {"Optimizers on capture problems: time", {out, times}};
 }
 
 TextTable bench_table(const std::vector<RunRecord>& records,

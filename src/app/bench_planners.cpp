@@ -100,23 +100,28 @@ std::string now_words() {
   return text;
 }
 
-/// OMPL's word for what became of a run.
-PlannerLogStatus log_status(CaseStatus status, bool found) {
+/// OMPL's word for what became of a run; what it has no word for (hit by the target, too slow) is
+/// unknown to it, and `outcome` says more.
+PlannerLogStatus log_status(CaseStatus status, const std::string& approach) {
   if (status == CaseStatus::TimedOut) return PlannerLogStatus::Timeout;
   if (status != CaseStatus::Finished) return PlannerLogStatus::Crash;
-  return found ? PlannerLogStatus::ExactSolution : PlannerLogStatus::Unknown;
+  if (approach == "found") return PlannerLogStatus::ExactSolution;
+  if (approach == "start_invalid") return PlannerLogStatus::InvalidStart;
+  if (approach == "goal_invalid") return PlannerLogStatus::InvalidGoal;
+  if (approach == "time_out") return PlannerLogStatus::Timeout;
+  return PlannerLogStatus::Unknown;
 }
 
 PlannerLogRun log_run(const CaseRecord& record) {
   PlannerLogRun out;
   if (record.status != CaseStatus::Finished) {
-    out.status = log_status(record.status, false);
+    out.status = log_status(record.status, "");
     return out;
   }
   const Json json = Json::parse(record.text);
   const std::string word = json.at("status").get<std::string>();
   out.solved = word == "found";
-  out.status = log_status(record.status, out.solved);
+  out.status = log_status(record.status, word);
   const auto& names = io::approach_status_names();
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].first == word) out.outcome = static_cast<int>(i);

@@ -19,6 +19,7 @@ struct Run {
   const RunRecord* record;
   Runtime runtime;
   std::string group;
+  double reference;  ///< value of the instance
 
   const std::string& instance() const { return record->request.instance; }
   bool solved(std::size_t target) const { return std::isfinite(runtime.to_target[target]); }
@@ -53,6 +54,32 @@ BootstrapInterval part_solved(const std::vector<Run>& runs, std::size_t target) 
   std::vector<double> parts;
   for (const auto& entry : by_problem) parts.push_back(entry.second.first / entry.second.second);
   return bootstrap_mean(parts, kBootstrapSeed);
+}
+
+/// Seconds until the run reached the tightest target, or ended.
+double seconds_of(const Run& run) {
+  if (!run.solved(kTightestTarget)) return run.record->seconds;
+  const double wanted = run.reference + benchmark_precisions()[kTightestTarget];
+  for (const Improvement& point : run.record->improvements) {
+    if (point.violation <= kBenchmarkViolation && point.value <= wanted) return point.seconds;
+  }
+  return run.record->seconds;
+}
+
+std::vector<double> seconds_by_group(const std::vector<Run>& runs,
+                                     const std::vector<std::string>& groups) {
+  std::vector<double> out;
+  for (const std::string& group : groups) {
+    double seconds = 0;
+    int successes = 0;
+    for (const Run& run : runs) {
+      if (run.group != group) continue;
+      seconds += seconds_of(run);
+      successes += run.solved(kTightestTarget) ? 1 : 0;
+    }
+    out.push_back(successes > 0 ? seconds / successes : kInfinity);
+  }
+  return out;
 }
 
 std::vector<Runtime> runtimes_of_group(const std::vector<Run>& runs, const std::string& group) {
@@ -93,6 +120,7 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
     }
     out.running_time.push_back(std::move(times));
   }
+  out.seconds_to_tightest = seconds_by_group(runs, analysis.groups);
   out.problems_solved = static_cast<int>(solved.size());
   for (const auto& [family, part] : by_family) out.by_family[family] = part.first / part.second;
   out.runtime_ecdf =
@@ -256,11 +284,12 @@ BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
     const auto value = references.find(record.request.instance);
     const double reference = value == references.end() ? -kInfinity : value->second;
     Run run{&record, runtime_of(record, reference, precisions, gradient_cost),
-            record.family + "/" + record.goal};
+            record.family + "/" + record.goal, reference};
     add_once(out.families, record.family);
     add_once(out.groups, run.group);
     add_once(instances, record.request.instance);
     seeds.insert(record.request.seed);
+    out.budget = std::max(out.budget, record.request.budget);
     if (run.solved(kTightestTarget)) solved.insert(record.request.instance);
     (record.request.library_defaults ? with_defaults : tuned)[record.request.optimizer].push_back(
         std::move(run));

@@ -6,6 +6,7 @@
 #include <stillbase/core/random.hpp>
 
 #include "capture/epigraph.hpp"
+#include "capture/projection.hpp"
 
 namespace stillbase {
 
@@ -95,7 +96,8 @@ std::vector<Scenario> fixed_directions(const CaptureProblem& problem,
 struct BenchmarkProgram::Parts {
   BenchmarkGoal goal;
   Formulation formulation;
-  std::unique_ptr<nlp::Problem> program;  ///< null: the formulation itself
+  std::unique_ptr<Formulation> without_case;  ///< Case: for start points; else null
+  std::unique_ptr<nlp::Problem> program;      ///< null: the formulation itself
   Eigen::VectorXd lower, upper;
 
   explicit Parts(const BenchmarkInstance& instance)
@@ -106,7 +108,12 @@ struct BenchmarkProgram::Parts {
       if (!std::isfinite(lower[i])) lower[i] = -M_PI;
       if (!std::isfinite(upper[i])) upper[i] = M_PI;
     }
-    if (goal == BenchmarkGoal::Case) program = std::make_unique<CaseProgram>(formulation);
+    if (goal == BenchmarkGoal::Case) {
+      program = std::make_unique<CaseProgram>(formulation);
+      CaptureProblem problem = instance.problem;
+      problem.constraints.impact_case = CaseConstraint::None;
+      without_case = std::make_unique<Formulation>(problem);
+    }
     if (goal == BenchmarkGoal::WorstCase) {
       program = std::make_unique<EpigraphProgram>(
           formulation, fixed_directions(instance.problem, formulation), 1);
@@ -123,6 +130,7 @@ struct BenchmarkProgram::Parts {
     if (program) return *program;
     return formulation;
   }
+  const Formulation& for_starts() const { return without_case ? *without_case : formulation; }
   Eigen::VectorXd configuration_part(const Eigen::VectorXd& x) const {
     return x.head(formulation.num_variables());
   }
@@ -159,11 +167,25 @@ int BenchmarkProgram::free_variables() const { return parts_->formulation.num_va
 int BenchmarkProgram::equations() const { return parts_->formulation.num_equations(); }
 
 Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed) const {
-  const Formulation& formulation = parts_->formulation;
-  const Eigen::VectorXd x =
-      formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), seed));
-  if (parts_->goal != BenchmarkGoal::WorstCase) return x;
-  return static_cast<const EpigraphProgram&>(parts_->inner()).lifted(x);
+  // As in capture/search.cpp: a random posture that leads nowhere is drawn again.
+  constexpr int kDraws = 9, kSteps = 15, kStride = 1000000;
+  constexpr double kOnConstraints = 1e-3;
+  const Formulation& formulation = parts_->for_starts();
+  ProjectionResult best;
+  best.violation = nlp::kInfinity;
+  for (int draw = 0; draw < kDraws && best.violation > kOnConstraints; ++draw) {
+    const Eigen::VectorXd x = formulation.start_point(
+        low_discrepancy_point(index + draw * kStride, formulation.start_dimension(), seed));
+    const ProjectionResult moved = project_onto_constraints(formulation, x, false, kSteps);
+    if (best.x.size() == 0 || moved.violation < best.violation) best = moved;
+  }
+  if (parts_->goal != BenchmarkGoal::WorstCase) return best.x;
+  return static_cast<const EpigraphProgram&>(parts_->inner()).lifted(best.x);
+}
+
+long BenchmarkProgram::model_evaluations() const {
+  return parts_->formulation.evaluations() +
+         (parts_->without_case ? parts_->without_case->evaluations() : 0);
 }
 
 Judged BenchmarkProgram::judge(const Eigen::VectorXd& x, const nlp::Evaluation& at_x) const {

@@ -1,5 +1,6 @@
 #include <stillbase/benchmark/run.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -111,6 +112,14 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
   const RecordingProgram recorded(program, record);
   std::vector<Eigen::VectorXd> solutions;
   for (int start = 0; record.evaluations < request.budget && !stop.reached(); ++start) {
+    const long before_start = program.model_evaluations();
+    const Eigen::VectorXd x0 = program.start(start, request.seed);
+    // What the budget no longer covers is not charged: the run was over before.
+    const long spent = std::min(program.model_evaluations() - before_start,
+                                request.budget - record.evaluations);
+    record.evaluations += spent;
+    record.gradients += spent;
+    if (record.evaluations >= request.budget) break;
     nlp::OptimizeOptions optimize;
     optimize.max_evaluations = static_cast<int>(request.budget - record.evaluations);
     optimize.stop = stop;
@@ -118,8 +127,7 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
     optimize.explain_infeasibility = false;  // the next start is the better use of the budget
     optimize.library_defaults = request.library_defaults;
     const long before = record.evaluations;
-    const nlp::OptimizeResult result =
-        optimizer->minimize(recorded, program.start(start, request.seed), optimize);
+    const nlp::OptimizeResult result = optimizer->minimize(recorded, x0, optimize);
     ++record.starts;
     record.stop_reason = nlp::to_string(result.stop);
     record.message = result.message;

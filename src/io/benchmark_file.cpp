@@ -169,7 +169,6 @@ BestKnownTable read_best_known(std::string_view text, const std::string& source)
     if (json.at("version") != 1) throw std::invalid_argument("unknown version");
     for (const auto& [instance, entry] : json.at("values").items()) {
       BestKnown& best = out[instance];
-      entry.at("problem_sha256").get_to(best.problem_sha256);
       entry.at("value").get_to(best.value);
       const Json& certificate = entry.at("certificate");
       certificate.at("max_violation").get_to(best.violation);
@@ -196,8 +195,7 @@ std::string best_known_to_json(const BestKnownTable& table) {
   json["version"] = 1;
   json["values"] = Json::object();
   for (const auto& [instance, best] : table) {
-    json["values"][instance] = {{"problem_sha256", best.problem_sha256},
-                                {"value", io::number_json(best.value)},
+    json["values"][instance] = {{"value", io::number_json(best.value)},
                                 {"certificate",
                                  {{"max_violation", io::number_json(best.violation)},
                                   {"kkt_residual", optional_json(best.kkt_residual)},
@@ -219,22 +217,13 @@ int improve(BestKnownTable& table, const std::vector<RunRecord>& records) {
     if (!(last.violation <= kBenchmarkViolation)) continue;
     const RunRequest& request = record.request;
     const auto known = table.find(request.instance);
-    if (known != table.end() && known->second.problem_sha256 == request.problem_sha256 &&
-        !(last.value < known->second.value - kBeaten)) {
-      continue;
-    }
+    if (known != table.end() && !(last.value < known->second.value - kBeaten)) continue;
     const std::string command = fmt::format(
         "stillbase bench --select {} --optimizers {} --first-seed {} --seeds 1 --budget {}",
         request.instance, label_of(request), request.seed, request.budget);
-    table[request.instance] = {request.problem_sha256,
-                               last.value,
-                               last.violation,
-                               record.best_kkt_residual,
-                               record.best_point,
-                               label_of(request),
-                               request.seed,
-                               request.budget,
-                               command};
+    table[request.instance] = {
+        last.value,        last.violation, record.best_kkt_residual, record.best_point,
+        label_of(request), request.seed,   request.budget,           command};
     changed[request.instance] = true;
   }
   return static_cast<int>(changed.size());

@@ -30,6 +30,9 @@ struct OptimizerFigures {
   double distinct_per_1000 = 0;    ///< distinct solutions per 1000 evaluations
   double distinct_per_second = 0;  ///< measured: differs from machine to machine
   double seconds = 0;              ///< measured: all runs together
+  /// Measured: seconds of a group's runs up to success at the tightest target or end, over the
+  /// number of successes; infinity: never.
+  std::vector<double> seconds_to_tightest;
 };
 
 /// The optimizer of least expected running time of a group at a target.
@@ -50,6 +53,7 @@ struct DefaultsComparison {
 struct BenchmarkAnalysis {
   std::vector<std::string> families, groups;  ///< group: family/goal
   int problems = 0, seeds = 0;
+  long budget = 0;  ///< evaluations of a run, the largest
   std::vector<double> log_cost_axis;   ///< log10 of cost per variable: ECDF
   std::vector<double> log_kappa_axis;  ///< log10 of cost / (variables + 1): data profile
   std::vector<double> log_tau_axis;    ///< log10 of cost / cost of the best: performance profile

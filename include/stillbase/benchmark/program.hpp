@@ -38,8 +38,11 @@ class BenchmarkProgram final : public nlp::Problem {
   int free_variables() const;
   int equations() const;
 
-  /// Start point number `index` (from 0) of the sequence that `seed` keys.
+  /// Start point number `index` (from 0) of the sequence that `seed` keys, moved onto the
+  /// constraints as the planner's search does (of a case problem the hand's alone).
   Eigen::VectorXd start(int index, std::uint64_t seed) const;
+  /// Evaluations of the model so far, those for start points included.
+  long model_evaluations() const;
   /// @param at_x evaluation of this program at x
   Judged judge(const Eigen::VectorXd& x, const nlp::Evaluation& at_x) const;
   /// Distance of two points on the configuration manifold.

@@ -31,7 +31,6 @@ std::vector<RunRecord> read_records(std::string_view text, const std::string& so
 
 /// Lowest value seen of an instance, with what proves it.
 struct BestKnown {
-  std::string problem_sha256;
   double value = 0;
   double violation = 0;       ///< at most kBenchmarkViolation
   double kkt_residual = -1;   ///< of the point; negative: not known
@@ -47,8 +46,8 @@ using BestKnownTable = std::map<std::string, BestKnown>;  ///< by instance
 BestKnownTable read_best_known(std::string_view text, const std::string& source);
 std::string best_known_to_json(const BestKnownTable& table);
 
-/// Enters what the records reached where it is lower than the table's value by more than 1e-10, is
-/// new, or belongs to an instance that has changed.
+/// Enters what the records reached where it is new or lower than the table's value by more than
+/// 1e-10.
 /// @return number of entries that changed
 int improve(BestKnownTable& table, const std::vector<RunRecord>& records);
 
