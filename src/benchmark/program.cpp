@@ -16,9 +16,11 @@ namespace {
 class CaseProgram final : public nlp::Problem {
  public:
   explicit CaseProgram(const Formulation& formulation) : formulation_(formulation) {
-    const auto names = formulation.constraint_names();
-    for (int i = 0; i < static_cast<int>(names.size()); ++i) {
-      const bool of_case = names[static_cast<std::size_t>(i)].rfind("case_", 0) == 0;
+    // report() names the constraints in their order, then what is none.
+    const auto values = formulation.report(
+        formulation.start_point(Eigen::VectorXd::Constant(formulation.start_dimension(), 0.5)));
+    for (int i = 0; i < formulation.num_constraints(); ++i) {
+      const bool of_case = values[static_cast<std::size_t>(i)].name.rfind("case_", 0) == 0;
       (of_case ? equations_ : others_).push_back(i);
     }
   }

@@ -59,12 +59,6 @@ int Formulation::num_equations() const {
                                         [](const Row& row) { return row.lower == row.upper; }));
 }
 
-std::vector<std::string> Formulation::constraint_names() const {
-  std::vector<std::string> out;
-  for (const Row& row : parts_->rows) out.push_back(row.name);
-  return out;
-}
-
 void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
                                              const PostureImpact<double>& stated,
                                              const std::vector<Scenario>& scenarios,

@@ -96,8 +96,6 @@ class Formulation final : public nlp::Problem {
   Scenario predicted_scenario() const;
 
   int num_equations() const;
-  /// Names of the constraints in order, as in report().
-  std::vector<std::string> constraint_names() const;
   /// Degrees of freedom that the equations leave.
   int freedom() const { return num_variables() - num_equations(); }
 
