@@ -138,7 +138,26 @@ Json objective_section_json(const CaptureProblem& problem) {
   return json;
 }
 
-Json uncertainty_json(const UncertaintySpec& uncertainty) {
+Json constraints_json(const CaptureProblem& problem) {
+  const ConstraintSpec& constraints = problem.constraints;
+  Json json = {
+      {"case", word_of(case_constraint_names(), constraints.impact_case)},
+      {"joint_limit_margin", number_json(constraints.joint_limit_margin)},
+      {"closing_speed_min", number_json(constraints.closing_speed_min)},
+      {"coupling_singular_value_min", number_json(constraints.coupling_singular_value_min)},
+      {"jacobian_singular_value_min", number_json(constraints.jacobian_singular_value_min)},
+      {"jacobian_length", number_json(constraints.jacobian_length)}};
+  if (constraints.joint_rate_scale) {
+    json["joint_rate_scale"] = number_json(*constraints.joint_rate_scale);
+  }
+  if (constraints.joint_rate_max.size() > 0) {
+    json["joint_rate_max"] = joint_values_json(problem.robot, constraints.joint_rate_max);
+  }
+  if (constraints.clearance) json["clearance"] = number_json(*constraints.clearance);
+  return json;
+}
+
+Json uncertainty_json(const RobotModel& robot, const UncertaintySpec& uncertainty) {
   const auto& plane = uncertainty.cone_plane_normal;
   Json json = {
       {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
@@ -150,6 +169,9 @@ Json uncertainty_json(const UncertaintySpec& uncertainty) {
       {"target_inertia", number_json(uncertainty.target_inertia)},
       {"contact_point", number_json(uncertainty.contact_point)},
       {"contact_time", number_json(uncertainty.contact_time)}};
+  if (uncertainty.joint_position.size() > 0) {
+    json["joint_position"] = joint_values_json(robot, uncertainty.joint_position);
+  }
   if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
   return json;
 }
@@ -262,11 +284,8 @@ Json problem_json(const CaptureProblem& problem) {
       {"frame", word_of(frame_names(), hand.frame)},
       {"approach_axis", array_json(hand.approach_axis)},
       {"roll", number_json(hand.roll)}};
-  json["constraints"] = {
-      {"case", word_of(case_constraint_names(), problem.constraints.impact_case)},
-      {"joint_limit_margin", number_json(problem.constraints.joint_limit_margin)},
-      {"closing_speed_min", number_json(problem.constraints.closing_speed_min)}};
-  json["uncertainty"] = uncertainty_json(problem.uncertainty);
+  json["constraints"] = constraints_json(problem);
+  json["uncertainty"] = uncertainty_json(problem.robot, problem.uncertainty);
   json["search"] = {{"optimizer", problem.search.optimizer},
                     {"starts", problem.search.starts},
                     {"seed", problem.search.seed},

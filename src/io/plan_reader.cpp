@@ -244,6 +244,8 @@ void read_certificate(MapReader& map, const Plan& plan, Certificate& certificate
                 certificate.reduced_hessian_min_eigenvalue);
   fields.integer("starts", certificate.starts, 0, kMany, Need::Required);
   fields.integer("distinct_solutions", certificate.distinct_solutions, 0, kMany, Need::Required);
+  fields.number("unseen", certificate.unseen, Dimension::None, {.lower = 0, .upper = 1},
+                Need::Required);
   read_proof(fields, plan, certificate.proof);
   fields.finish();
 }

@@ -122,6 +122,7 @@ Json certificate_json(const Certificate& certificate) {
       {"reduced_hessian_min_eigenvalue", optional_json(certificate.reduced_hessian_min_eigenvalue)},
       {"starts", certificate.starts},
       {"distinct_solutions", certificate.distinct_solutions},
+      {"unseen", number_json(certificate.unseen)},
       {"proof", proof_json(certificate.proof)}};
 }
 

@@ -12,6 +12,7 @@
 #include <stillbase/simulation/contact.hpp>
 
 #include "io/target_reader.hpp"
+#include "io/wedge_check.hpp"
 
 namespace stillbase::io {
 
@@ -306,10 +307,20 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
   }
   const bool sampled =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
-  const double widest = std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
-                                  spread.target_mass, spread.target_inertia, spread.contact_point,
-                                  spread.contact_time});
+  const JointVectord& joints = spread.joint_position;
+  const double widest =
+      std::max({joints.size() > 0 ? joints.maxCoeff() : 0, spread.cone_half_angle,
+                spread.closing_speed, spread.restitution, spread.target_mass, spread.target_inertia,
+                spread.contact_point, spread.contact_time});
   if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
+  const double tail = (1 - problem.measure.cvar_level) * problem.measure.samples;
+  if (problem.measure.kind == RiskMeasure::Cvar && !(tail >= 2 - 1e-9)) {
+    map.context().add(
+        map.line_of("objective"), "out-of-range",
+        fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
+                    "2 are needed, or a single one decides",
+                    map.path_of("objective"), problem.measure.samples, tail));
+  }
 }
 
 }  // namespace
@@ -340,6 +351,7 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   // Contradictions between sections mean something only when the sections are good.
   if (!context.findings.empty()) return problem;
   check_problem(map, problem);
+  if (context.findings.empty()) check_wedge(map, problem);
   if (context.findings.empty()) resolve_cone(map, problem);
   const bool cone_known = !problem.uncertainty.cone_confidence || context.findings.empty();
   if (cone_known) check_measure(map, problem);

@@ -26,8 +26,7 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
 /// A section; absent it is an empty map, so that its keys are known and its defaults stand.
 MapReader section(MapReader& map, const std::string& key);
 
-// One function per section (problem_sections.cpp, post_impact_section.cpp). `map` is that of the
-// whole problem.
+// One function per section (*_section*.cpp). `map` is that of the whole problem.
 
 void read_impact_section(MapReader& map, CaptureProblem& problem);
 void read_variables_section(MapReader& map, CaptureProblem& problem);

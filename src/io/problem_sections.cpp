@@ -276,16 +276,6 @@ void read_hand_section(MapReader& map, CaptureProblem& problem) {
   fields.finish();
 }
 
-void read_constraints_section(MapReader& map, CaptureProblem& problem) {
-  MapReader fields = section(map, "constraints");
-  fields.choice("case", problem.constraints.impact_case, case_constraint_names());
-  fields.number("joint_limit_margin", problem.constraints.joint_limit_margin,
-                Dimension::JointPosition, kNonNegative);
-  fields.number("closing_speed_min", problem.constraints.closing_speed_min, Dimension::Velocity,
-                kPositive);
-  fields.finish();
-}
-
 void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
   MapReader fields = section(map, "uncertainty");
   const Node* half_angle = fields.child("cone_half_angle");
@@ -323,6 +313,11 @@ void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
                 {.lower = 0, .upper = 0.99});
   fields.number("contact_point", spread.contact_point, Dimension::Length, kNonNegative);
   fields.number("contact_time", spread.contact_time, Dimension::Time, {.lower = 0, .upper = 600});
+  if (fields.child("joint_position") != nullptr) {
+    spread.joint_position = JointVectord::Zero(problem.robot.n());
+    read_joint_values(fields, "joint_position", problem.robot, Dimension::Angle, Dimension::Length,
+                      kNonNegative, true, Need::Optional, spread.joint_position);
+  }
   fields.finish();
 }
 

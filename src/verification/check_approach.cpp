@@ -261,8 +261,9 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
     return;
   }
   claims.at_least("approach_clearance", *found.distance, spec.clearance, kDistanceError, "m",
-                  fmt::format("{} at {:.3f} s is the closest of {} instants", found.detail,
-                              found.time, found.instants));
+                  fmt::format("{} at {:.3f} s is the closest of {} instants, hand and target "
+                              "included until the feature is within reach",
+                              found.detail, found.time, found.instants));
   // A plan states the smallest of the distances half a resolution apart. Looked at more finely it
   // may be smaller, so a stated one is between the two.
   const double stated = context.plan.approach.min_clearance;
@@ -270,11 +271,11 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
   const double fine = found.distance_of_path.value_or(0),
                coarse = found.distance_as_stated.value_or(0);
   const double difference = agree_on_none ? 0 : std::max(fine - stated, stated - coarse);
-  claims.at_most(
-      "approach_stated_clearance", difference, kStatedDistance, "m",
-      fmt::format("stated smallest clearance, {:.6g} m, out of [{:.9g}, {:.9g}], the same "
-                  "at finer steps and at the planner's",
-                  stated, fine, std::max(fine, coarse)));
+  claims.at_most("approach_stated_clearance", difference, kStatedDistance, "m",
+                 fmt::format("stated smallest clearance, hand from target aside, {:.6g} m, out of "
+                             "[{:.9g}, {:.9g}], the same "
+                             "at finer steps and at the planner's",
+                             stated, fine, std::max(fine, coarse)));
 }
 
 }  // namespace

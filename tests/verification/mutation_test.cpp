@@ -123,6 +123,7 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
   m.push_back({"kkt_residual", [](Plan& p) { p.certificate.kkt_residual = 0.3; }});
   m.push_back({"proof.gap", [](Plan& p) { p.certificate.proof.gap = -7; }});
   m.push_back({"proof.found_by_search", [](Plan& p) { p.certificate.proof.found_by_search = 99; }});
+  m.push_back({"unseen", [](Plan& p) { p.certificate.unseen *= kFactor; }});
   m.push_back({"optimizer", [](Plan& p) { p.optimizer = "nlopt-cobyla"; }});
   m.push_back({"solver_calls", [](Plan& p) { p.solver_calls.clear(); }});
   m.push_back({"distinct_solutions", [](Plan& p) { ++p.certificate.distinct_solutions; }});

@@ -109,6 +109,17 @@ struct ConstraintSpec {
   CaseConstraint impact_case = CaseConstraint::None;
   double joint_limit_margin = 0;    ///< rad or m kept from every joint limit
   double closing_speed_min = 1e-3;  ///< m/s, > 0: without it the best plan is to be missed
+  /// Rates of the joints right after the impact, as predicted: part of the robot file's limits, or
+  /// limits of their own (n, rad/s or m/s; empty: none). At most one of the two.
+  std::optional<double> joint_rate_scale;
+  JointVectord joint_rate_max;
+  /// Least singular value of Htilde_omegaphi (of its generic rank), kg m^2; 0: not asked for.
+  double coupling_singular_value_min = 0;
+  /// The same of the generalized Jacobian Jhat, its angular rows times `jacobian_length`, m.
+  double jacobian_singular_value_min = 0;
+  double jacobian_length = 1;  ///< m
+  /// Kept at the contact between bodies that may not touch, m; empty: not a constraint.
+  std::optional<double> clearance;
 };
 
 struct UncertaintySpec {
@@ -119,12 +130,13 @@ struct UncertaintySpec {
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
   // Half ranges of even distributions about the prediction; for samples alone.
-  double closing_speed = 0;   ///< m/s
-  double restitution = 0;     ///< on e
-  double target_mass = 0;     ///< fraction of the mass
-  double target_inertia = 0;  ///< fraction of the inertia
-  double contact_point = 0;   ///< m: radius of a disc normal to the direction
-  double contact_time = 0;    ///< s
+  double closing_speed = 0;     ///< m/s
+  double restitution = 0;       ///< on e
+  double target_mass = 0;       ///< fraction of the mass
+  double target_inertia = 0;    ///< fraction of the inertia
+  double contact_point = 0;     ///< m: radius of a disc normal to the direction
+  double contact_time = 0;      ///< s
+  JointVectord joint_position;  ///< rad (m), n or empty: the posture in which the arm is hit
 };
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
