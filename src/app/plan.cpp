@@ -10,7 +10,9 @@
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
+#include "app/load.hpp"
 #include "app/output.hpp"
+#include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
 
 namespace stillbase::app {
@@ -18,7 +20,7 @@ namespace stillbase::app {
 namespace {
 
 struct Options {
-  std::string problem, optimizer;
+  std::string problem, optimizer, pareto;
   std::optional<std::uint64_t> seed;
   std::optional<int> starts;
   double time_limit = 0;
@@ -49,14 +51,22 @@ int exit_code_of(const Plan& plan) {
 
 int run(const Options& options) {
   options.output.check();
+  if (is_same_file(options.problem, options.output.path)) {
+    throw CommandLineError("--output " + options.output.path + ": is the problem file itself");
+  }
   if (!options.optimizer.empty() && !nlp::make_optimizer(options.optimizer)) {
     throw CommandLineError(fmt::format("--optimizer {}: unknown; there are {}", options.optimizer,
                                        fmt::join(nlp::optimizer_names(), ", ")));
   }
   CaptureProblem problem = read_problem(options.problem);
+  const std::vector<InputFile> inputs = input_files(options.problem);
   if (!options.optimizer.empty()) problem.search.optimizer = options.optimizer;
   if (options.seed) problem.search.seed = *options.seed;
   if (options.starts) problem.search.starts = *options.starts;
+
+  if (!options.pareto.empty()) {
+    return run_pareto(problem, options.pareto, options.time_limit, options.output, options.json);
+  }
 
   PlannerOptions planner;
   planner.stop = stop_condition(options.time_limit);
@@ -72,7 +82,7 @@ int run(const Options& options) {
                             plan.status != PlanStatus::Infeasible && planner.stop.reached();
   if (approach_cut) plan.status = PlanStatus::Limit;
 
-  const std::string text = plan_to_json(plan, tool_versions());
+  const std::string text = plan_to_json(plan, tool_versions(), {}, inputs);
   options.output.write(text);
   if (options.json && options.output.is_given()) write_stdout(text);
   say(plan_summary(plan));
@@ -98,6 +108,11 @@ void add_plan(CLI::App& app, Action& action) {
   command->add_option("--time-limit", options->time_limit, "seconds after which the search stops")
       ->type_name("S")
       ->check(positive_number());
+  command
+      ->add_option("--pareto", options->pareto,
+                   "no plan, but the front of two quantities, e.g. "
+                   "base_angular_momentum,joint_rate_norm (.json, .csv or .svg)")
+      ->type_name("A,B");
   command->add_flag("--json", options->json, "print the plan on stdout also with -o");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -10,9 +10,12 @@
 #include <vector>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/impact/batch.hpp>
 #include <stillbase/target/target.hpp>
 
+#include "capture/clearance_kernel.hpp"
 #include "capture/layout.hpp"
+#include "capture/singular_kernel.hpp"
 
 namespace stillbase {
 
@@ -35,7 +38,11 @@ enum class RowKind {
   CaseCoupling,    // of the coupling part
   CouplingColumn,  // coupling part along a column of the coupling matrix (rank < 3)
   ClosingSpeed,
-  AttitudeAngle  // squared angle from the stated attitude
+  AttitudeAngle,   // squared angle from the stated attitude
+  JointRate,       // of joint `index` right after the predicted impact
+  CouplingMargin,  // least singular value of the coupling matrix, of its generic rank
+  JacobianMargin,  // of the generalized Jacobian
+  Clearance        // signed distance of pair `index`
 };
 
 struct Row {
@@ -104,6 +111,11 @@ struct Formulation::Parts {
   Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
   std::vector<Row> rows;
   std::optional<Vector3d> hand_point;  ///< stated hand position
+  std::vector<ClearancePair> clearances;
+  Matrix3d R_ET = Matrix3d::Identity();  ///< axes of the target where it meets the hand
+  Vector3d r_T = Vector3d::Zero();       ///< in T, from its centroid to where the hand meets it
+  int coupling_rank = 0;                 ///< generic ranks, of what a margin is asked for
+  int jacobian_rank = 0;
   double objective_unit = 1;
   mutable long evaluations = 0;
 
@@ -123,6 +135,8 @@ struct Formulation::Parts {
   // Which rows there are (formulation_rows.cpp).
   void add_rows();
   void add_case_rows();
+  void add_margin_rows();
+  void add_clearance_rows();
   void drop_structural_rows();
 
   // What they are worth (formulation_kernel.hpp, rows_kernel.hpp).
@@ -132,6 +146,12 @@ struct Formulation::Parts {
   ContactView<S> view_at(const Matrix3<S>& R_NB, const S& time) const;
   template <class S>
   PostureImpact<S> posture(const Local<S>& local) const;
+  /// The same with the joints displaced by the scenario's errors.
+  template <class S>
+  PostureImpact<S> posture(const Local<S>& local, const Scenario& scenario) const;
+  /// All of a hit that does not depend on the posture: response (but its F) and p are still open.
+  template <class S>
+  Hit<S> meet(const Local<S>& local, const Scenario& scenario) const;
   template <class S>
   Hit<S> hit(const Local<S>& local, const PostureImpact<S>& posture,
              const Scenario& scenario) const;
@@ -154,6 +174,23 @@ struct Formulation::Parts {
                                  const Eigen::VectorXd& weights,
                                  const Eigen::VectorXd& multipliers) const;
 
+  void evaluate_one_by_one(const Local<double>& local, const PostureImpact<double>& stated,
+                           const std::vector<Scenario>& scenarios, bool derivatives,
+                           ScenarioEvaluation& out) const;
+
+  // Scenarios in the lanes of wide registers (formulation_batch.cpp).
+  /// Fewer scenarios at one posture than this are evaluated one by one.
+  static constexpr int kWorthPacks = 3;
+  bool in_packs(const std::vector<Scenario>& scenarios) const;
+  void resize_batch(Eigen::Index count) const;
+  void put_in_batch(const Local<double>& local, const Hit<double>& hit, const Scenario& scenario,
+                    Eigen::Index row) const;
+  void evaluate_batch(bool derivatives) const;
+  void evaluate_in_packs(const Local<double>& local, const std::vector<Scenario>& scenarios,
+                         bool derivatives, ScenarioEvaluation& out) const;
+  mutable ImpactBatch batch;
+  mutable BatchObjectiveValues batch_values;
+
   /// What the user's terms add to a scenario's 1/2 |y|^2 / unit^2 (user_terms.cpp).
   double user_objective(const Eigen::VectorXd& x, const Scenario& scenario) const;
   Eigen::VectorXd user_gradient(const Eigen::VectorXd& x, const Scenario& scenario) const;
@@ -167,12 +204,35 @@ struct Formulation::Parts {
   template <class S>
   void add_contact_turn(const ContactView<S>& view, const Vector3<S>& g,
                         ScalarGradient<S>& gradient) const;
+  /// d value / dF acts through the turn of B, in which F is fixed to the contact frame.
+  template <class S>
+  void add_wrench_turn(const Hit<S>& hit, const Vector6<S>& by_F,
+                       ScalarGradient<S>& gradient) const;
+  /// along_p = p d value / dp acts through the closing speed's change in time.
+  template <class S>
+  void add_speed_rate(const Hit<S>& hit, const S& along_p, ScalarGradient<S>& gradient) const;
   template <class S>
   ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
                                     const ResponseWeights<S>& weights) const;
   /// Wanted hand axes in B for HandConstraint::Pose.
   template <class S>
   Matrix3<S> wanted_hand_axes(const Local<S>& local) const;
+  /// The coupling matrix, or the generalized Jacobian with its angular rows times a length; and its
+  /// smallest singular value of generic rank.
+  template <class S>
+  SingularTriple<S> margin(RowKind kind, const PostureImpact<S>& posture) const;
+  template <class S>
+  ScalarGradient<S> margin_gradient(RowKind kind, const PostureImpact<S>& posture) const;
+  /// A shape in B; the target lies with its contact at the hand.
+  template <class S>
+  PlacedShape<S> placed(const ClearanceShape& shape, const Local<S>& local,
+                        const PostureImpact<S>& posture) const;
+  template <class S>
+  Separation<S> separation(const ClearancePair& pair, const Local<S>& local,
+                           const PostureImpact<S>& posture) const;
+  template <class S>
+  ScalarGradient<S> separation_gradient(const ClearancePair& pair, const Local<S>& local,
+                                        const PostureImpact<S>& posture) const;
 };
 
 /// The vector behind a term of the objective, divided by the term's size, per unit of impulse.

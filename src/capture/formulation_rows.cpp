@@ -94,6 +94,8 @@ void Formulation::Parts::add_rows() {
     rows.push_back({RowKind::PoseFacing, 0, "hand_facing", 0, kInfinity});
   }
   add_case_rows();
+  add_margin_rows();
+  add_clearance_rows();
   if (layout.time >= 0 && motion) {
     rows.push_back({RowKind::ClosingSpeed, 0, "closing_speed",
                     problem.constraints.closing_speed_min, kInfinity});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capture/formulation_kernel.hpp"
+#include "capture/margins_kernel.hpp"
 
 namespace stillbase {
 
@@ -82,6 +83,14 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
       return hit.closing_speed;
     case RowKind::AttitudeAngle:
       return local.x.template segment<3>(layout.attitude).squaredNorm();
+    case RowKind::JointRate:
+      return hit.p * response.d.Delta_phidot[row.index];
+    case RowKind::CouplingMargin:
+    case RowKind::JacobianMargin:
+      return margin<S>(row.kind, posture).sigma;
+    case RowKind::Clearance:
+      return separation<S>(clearances[static_cast<std::size_t>(row.index)], local, posture)
+          .distance;
   }
   return S(0);
 }
@@ -177,6 +186,18 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
       // The rotation vector a is its own image under its right Jacobian: J_r(a)' 2 a = 2 a.
       out.theta = local.x.template segment<3>(layout.attitude) * S(2);
       return out;
+    case RowKind::JointRate: {
+      ResponseWeights<S> weights;
+      weights.phidot.setZero(n());
+      weights.phidot[row.index] = hit.p;
+      return scaled_gradient<S>(posture, hit, weights, hit.p * response.d.Delta_phidot[row.index]);
+    }
+    case RowKind::CouplingMargin:
+    case RowKind::JacobianMargin:
+      return margin_gradient<S>(row.kind, posture);
+    case RowKind::Clearance:
+      return separation_gradient<S>(clearances[static_cast<std::size_t>(row.index)], local,
+                                    posture);
   }
   return out;
 }

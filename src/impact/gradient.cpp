@@ -17,5 +17,11 @@ template ResponseGradient<double> response_gradient(const RobotModel&, const Pos
 template JointVector<double> coupling_column_gradient(const RobotModel&,
                                                       const PostureImpact<double>&, int,
                                                       const Vector3<double>&);
+template JointVector<double> coupling_gradient(const RobotModel&, const PostureImpact<double>&,
+                                               const JointVector<double>&, const Vector3<double>&);
+template JointVector<double> generalized_jacobian_gradient(const RobotModel&,
+                                                           const PostureImpact<double>&,
+                                                           const JointVector<double>&,
+                                                           const Vector6<double>&);
 
 }  // namespace stillbase

@@ -3,6 +3,8 @@
 
 #include <stillbase/impact/gradient.hpp>
 
+#include "dynamics/cholesky.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -246,19 +248,59 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
 }
 
 template <class S>
-JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                                        int i, const Vector3<S>& y) {
+JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                 const JointVector<S>& w, const Vector3<S>& y) {
   // Both motions carry no linear momentum, so the translation drops out of the derivative.
-  Motion<S> x;
-  x.Omega.setZero();
-  x.Omega.template head<3>() =
-      -posture.inertia.H_bphi.template block<3, 1>(0, i) / posture.inertia.mass;
-  x.phidot.setZero(posture.kinematics.n);
-  x.phidot[i] = S(1);
+  Motion<S> x{Vector6<S>::Zero(), w};
+  for (Eigen::Index k = 0; k < w.size(); ++k) {
+    x.Omega.template head<3>() -=
+        posture.inertia.H_bphi.template block<3, 1>(0, k) * (w[k] / posture.inertia.mass);
+  }
   JointVector<S> gradient;
   gradient.setZero(posture.kinematics.n);
   add_inertia_gradient(robot, posture, joint_axes(robot, posture.kinematics),
                        locked_rotation(posture, y), x, S(1), gradient);
+  return gradient;
+}
+
+template <class S>
+JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                        int i, const Vector3<S>& y) {
+  JointVector<S> w;
+  w.setZero(posture.kinematics.n);
+  w[i] = S(1);
+  return coupling_gradient<S>(robot, posture, w, y);
+}
+
+template <class S>
+JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
+                                             const PostureImpact<S>& posture,
+                                             const JointVector<S>& w, const Vector6<S>& y) {
+  const InertiaMatrices<S>& inertia = posture.inertia;
+  Matrix3<S> L = posture.tilde.Htilde_omega;
+  factorize_cholesky(L);
+  // H_b^-1 [p; l].
+  const auto base_motion = [&](const Vector3<S>& p, const Vector3<S>& l) {
+    Vector3<S> omega = l - inertia.r_bg.cross(p);
+    solve_cholesky(L, omega);
+    Vector6<S> out;
+    out.template head<3>() = p / inertia.mass - omega.cross(inertia.r_bg);
+    out.template tail<3>() = omega;
+    return out;
+  };
+  // y . Jhat w = y . J x with x the motion of the joints w at zero momentum. x moves with the
+  // posture by -H_b^-1 (dH x)_b, which y sees through mu = H_b^-1 R_bh' y.
+  Vector6<S> momentum = Vector6<S>::Zero();
+  for (Eigen::Index k = 0; k < w.size(); ++k) momentum += inertia.H_bphi.col(k) * w[k];
+  const Motion<S> x{-base_motion(momentum.template head<3>(), momentum.template tail<3>()), w};
+  const Vector3<S> f = y.template head<3>();
+  const Vector3<S> t = y.template tail<3>() + posture.kinematics.r_bh.cross(f);
+  const Motion<S> mu{base_motion(f, t), JointVector<S>::Zero(posture.kinematics.n)};
+  const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
+  JointVector<S> gradient;
+  gradient.setZero(posture.kinematics.n);
+  add_hand_gradient(robot, posture, axes, x, y, gradient);
+  add_inertia_gradient(robot, posture, axes, mu, x, S(-1), gradient);
   return gradient;
 }
 

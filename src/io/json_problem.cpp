@@ -138,7 +138,26 @@ Json objective_section_json(const CaptureProblem& problem) {
   return json;
 }
 
-Json uncertainty_json(const UncertaintySpec& uncertainty) {
+Json constraints_json(const CaptureProblem& problem) {
+  const ConstraintSpec& constraints = problem.constraints;
+  Json json = {
+      {"case", word_of(case_constraint_names(), constraints.impact_case)},
+      {"joint_limit_margin", number_json(constraints.joint_limit_margin)},
+      {"closing_speed_min", number_json(constraints.closing_speed_min)},
+      {"coupling_singular_value_min", number_json(constraints.coupling_singular_value_min)},
+      {"jacobian_singular_value_min", number_json(constraints.jacobian_singular_value_min)},
+      {"jacobian_length", number_json(constraints.jacobian_length)}};
+  if (constraints.joint_rate_scale) {
+    json["joint_rate_scale"] = number_json(*constraints.joint_rate_scale);
+  }
+  if (constraints.joint_rate_max.size() > 0) {
+    json["joint_rate_max"] = joint_values_json(problem.robot, constraints.joint_rate_max);
+  }
+  if (constraints.clearance) json["clearance"] = number_json(*constraints.clearance);
+  return json;
+}
+
+Json uncertainty_json(const RobotModel& robot, const UncertaintySpec& uncertainty) {
   const auto& plane = uncertainty.cone_plane_normal;
   Json json = {
       {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
@@ -150,6 +169,9 @@ Json uncertainty_json(const UncertaintySpec& uncertainty) {
       {"target_inertia", number_json(uncertainty.target_inertia)},
       {"contact_point", number_json(uncertainty.contact_point)},
       {"contact_time", number_json(uncertainty.contact_time)}};
+  if (uncertainty.joint_position.size() > 0) {
+    json["joint_position"] = joint_values_json(robot, uncertainty.joint_position);
+  }
   if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
   return json;
 }
@@ -170,6 +192,44 @@ Json approach_section_json(const CaptureProblem& problem) {
           {"max_iterations", approach.max_iterations},
           {"polish", word_of(path_polish_names(), approach.polish)},
           {"attitude_tolerance", number_json(approach.attitude_tolerance)}};
+}
+
+Json post_impact_json(const PostImpactSpec& post) {
+  const ContactSpec& contact = post.contact;
+  const SensorSpec& sensor = post.sensor;
+  return {{"controllers", post.controllers},
+          {"base_rate_gain", number_json(post.K_omega)},
+          {"joint_rate_gain", number_json(post.K_phi)},
+          {"control_period", number_json(post.control_period)},
+          {"horizon", number_json(post.horizon)},
+          {"joint_friction", post.joint_friction},
+          {"stop_restitution", number_json(post.stop_restitution)},
+          {"wheel_torque", number_json(post.wheel_torque)},
+          {"wheel_momentum", number_json(post.wheel_momentum)},
+          {"handback_start", number_json(post.handback_start)},
+          {"handback_gain", number_json(post.handback_gain)},
+          {"contact",
+           {{"model", word_of(contact_model_names(), contact.model)},
+            {"stiffness", number_json(contact.stiffness)},
+            {"damping", contact.damping ? number_json(*contact.damping) : Json("from_restitution")},
+            {"friction", number_json(contact.friction)}}},
+          {"sensor",
+           {{"base_rate_error", number_json(sensor.base_rate_error)},
+            {"joint_position_error", number_json(sensor.joint_position_error)},
+            {"joint_rate_error", number_json(sensor.joint_rate_error)},
+            {"delay", number_json(sensor.delay)},
+            {"seed", sensor.seed}}},
+          {"model",
+           {{"base_mass_scale", number_json(post.model.base_mass_scale)},
+            {"arm_mass_scale", number_json(post.model.arm_mass_scale)},
+            {"target_mass_scale", number_json(post.model.target_mass_scale)},
+            {"friction_scale", number_json(post.model.friction_scale)}}},
+          {"thrusters",
+           {{"torque", number_json(post.thrusters.torque)},
+            {"gain", number_json(post.thrusters.gain)},
+            {"dead_band", number_json(post.thrusters.dead_band)}}},
+          {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
+          {"attitude_change_max", number_json(post.attitude_change_max)}};
 }
 
 }  // namespace
@@ -224,30 +284,14 @@ Json problem_json(const CaptureProblem& problem) {
       {"frame", word_of(frame_names(), hand.frame)},
       {"approach_axis", array_json(hand.approach_axis)},
       {"roll", number_json(hand.roll)}};
-  json["constraints"] = {
-      {"case", word_of(case_constraint_names(), problem.constraints.impact_case)},
-      {"joint_limit_margin", number_json(problem.constraints.joint_limit_margin)},
-      {"closing_speed_min", number_json(problem.constraints.closing_speed_min)}};
-  json["uncertainty"] = uncertainty_json(problem.uncertainty);
+  json["constraints"] = constraints_json(problem);
+  json["uncertainty"] = uncertainty_json(problem.robot, problem.uncertainty);
   json["search"] = {{"optimizer", problem.search.optimizer},
                     {"starts", problem.search.starts},
                     {"seed", problem.search.seed},
                     {"max_candidates", problem.search.max_candidates}};
   json["approach"] = approach_section_json(problem);
-  const PostImpactSpec& post = problem.post_impact;
-  json["post_impact"] = {{"controllers", post.controllers},
-                         {"base_rate_gain", number_json(post.K_omega)},
-                         {"joint_rate_gain", number_json(post.K_phi)},
-                         {"control_period", number_json(post.control_period)},
-                         {"horizon", number_json(post.horizon)},
-                         {"joint_friction", post.joint_friction},
-                         {"stop_restitution", number_json(post.stop_restitution)},
-                         {"wheel_torque", number_json(post.wheel_torque)},
-                         {"wheel_momentum", number_json(post.wheel_momentum)},
-                         {"handback_start", number_json(post.handback_start)},
-                         {"handback_gain", number_json(post.handback_gain)},
-                         {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
-                         {"attitude_change_max", number_json(post.attitude_change_max)}};
+  json["post_impact"] = post_impact_json(problem.post_impact);
   json["obstacles"] = Json::array();
   for (const Obstacle& obstacle : problem.obstacles) {
     json["obstacles"].push_back({{"name", obstacle.name},

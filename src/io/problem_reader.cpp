@@ -9,8 +9,10 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/plan/direction_cone.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
+#include <stillbase/simulation/contact.hpp>
 
 #include "io/target_reader.hpp"
+#include "io/wedge_check.hpp"
 
 namespace stillbase::io {
 
@@ -224,6 +226,37 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("target", "not-used", "state.covariance.moments: a point mass has none");
   }
 
+  const ContactModel contact = problem.post_impact.contact.model;
+  if (contact != ContactModel::Jump &&
+      (!problem.target || impulse.source == ImpulseSource::Given)) {
+    refuse("post_impact", "missing-key",
+           "contact: this model needs a target and a contact law, impact.source point_mass or "
+           "rigid_body");
+  }
+  if (contact == ContactModel::Latch &&
+      (impulse.source != ImpulseSource::RigidBody || impulse.restitution != 0)) {
+    refuse("post_impact", "contradiction",
+           "contact: a latch closes as it touches; it needs impact.source rigid_body with "
+           "restitution 0, whose impulse is then the latch's along the normal");
+  }
+  if (contact == ContactModel::Compliant && impulse.source == ImpulseSource::PointMass) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact needs a rigid body; a point mass that slides along the "
+           "hand would have to take a moment");
+  }
+  if (contact == ContactModel::Compliant && problem.resistance.model == ResistanceModel::Locked) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact takes time, in which locked joints mean nothing; use "
+           "joint_resistance servo");
+  }
+  if (contact == ContactModel::Compliant && !problem.post_impact.contact.damping &&
+      !(impulse.restitution >= kLeastRestitution)) {
+    refuse("post_impact", "out-of-range",
+           fmt::format("contact: a spring-damper always leaves a little: impact.restitution must "
+                       "be at least {}, or damping stated",
+                       kLeastRestitution));
+  }
+
   const auto& plane = problem.uncertainty.cone_plane_normal;
   if (plane && impulse.direction && impulse.direction_frame == Frame::Base &&
       !(std::abs(plane->dot(*impulse.direction)) <= 1e-9)) {
@@ -274,10 +307,20 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
   }
   const bool sampled =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
-  const double widest = std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
-                                  spread.target_mass, spread.target_inertia, spread.contact_point,
-                                  spread.contact_time});
+  const JointVectord& joints = spread.joint_position;
+  const double widest =
+      std::max({joints.size() > 0 ? joints.maxCoeff() : 0, spread.cone_half_angle,
+                spread.closing_speed, spread.restitution, spread.target_mass, spread.target_inertia,
+                spread.contact_point, spread.contact_time});
   if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
+  const double tail = (1 - problem.measure.cvar_level) * problem.measure.samples;
+  if (problem.measure.kind == RiskMeasure::Cvar && !(tail >= 2 - 1e-9)) {
+    map.context().add(
+        map.line_of("objective"), "out-of-range",
+        fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
+                    "2 are needed, or a single one decides",
+                    map.path_of("objective"), problem.measure.samples, tail));
+  }
 }
 
 }  // namespace
@@ -308,6 +351,7 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   // Contradictions between sections mean something only when the sections are good.
   if (!context.findings.empty()) return problem;
   check_problem(map, problem);
+  if (context.findings.empty()) check_wedge(map, problem);
   if (context.findings.empty()) resolve_cone(map, problem);
   const bool cone_known = !problem.uncertainty.cone_confidence || context.findings.empty();
   if (cone_known) check_measure(map, problem);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/margins.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -49,6 +50,19 @@ std::optional<Bounds> bounds_of(const std::string& name, const CaptureProblem& p
   if (name == "base_attitude_squared") {
     return Bounds{0, free.base_attitude_max * free.base_attitude_max};
   }
+  if (begins_with(name, "joint_rate_")) {
+    const int k = find_joint(problem.robot, name.substr(11));
+    if (k < 0) return std::nullopt;
+    return Bounds{-joint_rate_limit(problem, k), joint_rate_limit(problem, k)};
+  }
+  const ConstraintSpec& wanted = problem.constraints;
+  if (name == "coupling_singular_value") {
+    return Bounds{wanted.coupling_singular_value_min, infinity};
+  }
+  if (name == "jacobian_singular_value") {
+    return Bounds{wanted.jacobian_singular_value_min, infinity};
+  }
+  if (clearance_numbers(name)) return Bounds{wanted.clearance.value_or(-infinity), infinity};
   if (begins_with(name, "joint_limit_")) {
     const int k = find_joint(problem.robot, name.substr(12));
     if (k < 0) return std::nullopt;
@@ -127,6 +141,7 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
     const Context one{alone, context.problem, context.options, motion ? &*motion : nullptr};
     ClaimList own;
     check_configuration(one, event, response, own);
+    check_margins(one, event, response, own);
     for (const Claim& claim : own.claims()) {
       // The closing speed is stated for the chosen configuration alone.
       if (claim.pass || claim.name == "closing_speed") continue;
@@ -167,10 +182,11 @@ void check_list(const Context& context, ClaimList& claims) {
   const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
   demand(count == std::min(distinct, most),
          fmt::format("{} listed of {} distinct solutions", count, distinct));
-  int reached = 0;
+  int reached = 0, once = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Candidate& candidate = plan.candidates[i];
     reached += candidate.starts_reached;
+    once += candidate.starts_reached == 1 ? 1 : 0;
     demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
   }
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
@@ -182,6 +198,14 @@ void check_list(const Context& context, ClaimList& claims) {
   // The minima of a robust measure are solved from more points than the starts.
   demand(context.problem.measure.kind != RiskMeasure::Nominal || reached <= plan.certificate.starts,
          "more starts ended here than were made");
+  // Good and Turing's estimate follows from a list that is whole.
+  if (context.problem.measure.kind == RiskMeasure::Nominal && count == distinct &&
+      plan.certificate.proof.found_by_search ==
+          static_cast<int>(plan.certificate.proof.solutions.size())) {
+    const double unseen = static_cast<double>(once) / std::max(reached, 1);
+    demand(std::abs(plan.certificate.unseen - unseen) <= 1e-12,
+           fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
+  }
   claims.none_wrong("candidates_list", objections,
                     "every distinct solution once, as many as the problem keeps, and the sample of "
                     "self-motion that the approach leads to");

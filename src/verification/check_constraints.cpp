@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/margins.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -30,13 +31,21 @@ int axis_of(const std::string& name) {
 class Recomputation {
  public:
   Recomputation(const Context& context, const ContactEvent& event, const PostureResponse& response)
-      : context_(context), event_(event), response_(response) {
+      : context_(context),
+        event_(event),
+        response_(response),
+        target_(context.motion == nullptr
+                    ? std::nullopt
+                    : std::optional(
+                          context.motion->state(context.plan.configuration.contact_time).pose)),
+        shapes_(context.problem, context.plan.configuration, target_ ? &*target_ : nullptr) {
     const ImpulseSpec& impulse = context.problem.impulse;
     Vector6d unit;  // wrench per unit of impulse
     unit << event.n, event.moment;
     if (impulse.source == ImpulseSource::Given) unit.tail<3>() /= impulse.magnitude;
     impact_ = response.impact(unit);
     scale_ = response.momentum_scale(unit);
+    rates_ = response.impact(impulse_along(context.problem, event, response, event.n)).Delta_phidot;
     const Pose& base = context.plan.configuration.base;
     R_NB_ = base.orientation.toRotationMatrix();
     hand_N_ = base * Vector3d(response.dynamics.hand_position);
@@ -74,6 +83,17 @@ class Recomputation {
           return context_.plan.configuration.phi(k);
         }
       }
+    }
+    if (begins_with(name, "joint_rate_")) {
+      const int k = find_joint(problem.robot, name.substr(11));
+      return k < 0 ? std::nullopt : std::optional(rates_[k]);
+    }
+    if (name == "coupling_singular_value") return coupling_singular_value(response_);
+    if (name == "jacobian_singular_value") {
+      return jacobian_singular_value(response_, problem.constraints.jacobian_length);
+    }
+    if (const auto pair = clearance_numbers(name)) {
+      return shapes_.distance(pair->first, pair->second);
     }
     if (name == "hand_facing" && hand_error_) return 1 + 2 * std::cos(*hand_error_);
     if (name == "hand_facing" && problem.hand.constraint == HandConstraint::Axis) {
@@ -120,7 +140,10 @@ class Recomputation {
   const Context& context_;
   const ContactEvent& event_;
   const PostureResponse& response_;
+  std::optional<Pose> target_;
+  ContactShapes shapes_;
   reference::Impact impact_;
+  Eigen::VectorXd rates_;  // of the joints after the impact
   double scale_ = 1;
   Matrix3d R_NB_;
   Vector3d hand_N_;
@@ -172,6 +195,7 @@ void check_constraints(const Context& context, const ContactEvent& event,
                  "largest violation by the stated values: " + broken);
   claims.at_most("constraint_stated_violations", inconsistent, 1e-12, "1",
                  "stated violations from those of the stated values and bounds");
+  check_margins(context, event, response, claims);
   claims.at_most("certificate_violation", std::abs(plan.certificate.max_violation - largest), 1e-12,
                  "1", "largest violation of the certificate from that of the list");
 }

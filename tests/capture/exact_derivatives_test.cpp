@@ -22,6 +22,22 @@ double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff());
 }
 
+/// A box or capsule, at random, on base and target, alternating ones on the bodies.
+void add_shapes(Random& random, CaptureProblem& problem) {
+  const auto pose = [&random] {
+    const Vector3d position = 0.3 * random.unit_vector();
+    return Pose{position, rotation_exp(random.unit_vector())};
+  };
+  problem.robot.shapes = {{kBase, "base", pose(), Box{{0.8, 0.7, 0.5}}}};
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Geometry geometry = k % 3 == 0   ? Geometry(Capsule{0.05, 0.4})
+                              : k % 3 == 1 ? Geometry(Sphere{0.1})
+                                           : Geometry(Box{{0.1, 0.2, 0.3}});
+    problem.robot.shapes.push_back({k, "link_" + std::to_string(k), pose(), geometry});
+  }
+  problem.target->shapes = {{pose(), Box{{0.6, 0.5, 0.4}}}, {pose(), Cylinder{0.1, 0.5}}};
+}
+
 /// A problem that has every kind of row and of term somewhere among the trials.
 CaptureProblem rich_problem(Random& random, int trial) {
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, trial % 2 == 0));
@@ -34,6 +50,12 @@ CaptureProblem rich_problem(Random& random, int trial) {
   }
   if (trial % 3 == 1) problem.variables.base_attitude_max = 2;
   if (trial % 4 == 3) problem.variables.base_position = PositionFreedom::Fixed;
+  add_shapes(random, problem);
+  problem.constraints.joint_rate_max = JointVectord::Constant(problem.robot.n(), 0.01);
+  problem.constraints.coupling_singular_value_min = 0.1;
+  problem.constraints.jacobian_singular_value_min = 0.1;
+  problem.constraints.jacobian_length = 0.7;
+  problem.constraints.clearance = 0.02;
   problem.objective = {
       {ObjectiveQuantity::BaseAngularMomentum, 0.7}, {ObjectiveQuantity::BaseAngularVelocity, 0.3},
       {ObjectiveQuantity::TotalAngularMomentum, 2},  {ObjectiveQuantity::BaseMomentum, 3, 0.5},
@@ -45,6 +67,7 @@ CaptureProblem rich_problem(Random& random, int trial) {
   problem.uncertainty.target_inertia = 0.2;
   problem.uncertainty.contact_point = 0.05;
   problem.uncertainty.contact_time = 2;
+  if (trial % 2 == 1) problem.uncertainty.joint_position = JointVectord::Constant(6, 0.1);
   problem.measure.samples = 5;
   return problem;
 }
@@ -71,11 +94,21 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     const double unit = formulation.objective_unit();
     for (std::size_t k = 0; k < scenarios.size(); ++k) {
       const int row = static_cast<int>(k);
-      const Dual f = parts.objective(posture, parts.hit(local, posture, scenarios[k]));
+      const PostureImpact<Dual> at = parts.posture(local, scenarios[k]);
+      const Dual f = parts.objective(at, parts.hit(local, at, scenarios[k]));
       INFO("trial " << trial << ", scenario " << k);
       CHECK(here.values[row] * unit * unit == Approx(f.value()).epsilon(1e-12));
       CHECK(relative(here.gradients.row(row) * unit * unit, derivatives(f, x.size())) < 1e-11);
     }
+    CHECK(formulation.evaluate_points({x}, scenarios)
+              .row(0)
+              .transpose()
+              .isApprox(here.values, 1e-14));
+    ScenarioEvaluation alone;
+    formulation.evaluate_scenarios(x, {scenarios[0]}, true, alone);  // too few for packs
+    CHECK(alone.values[0] == Approx(here.values[0]).epsilon(1e-12));
+    CHECK(relative(alone.gradients.row(0), here.gradients.row(0)) < 1e-11);
+
     const Hit<Dual> hit = parts.hit(local, posture, parts.predicted());
     REQUIRE(here.constraints.size() == static_cast<int>(parts.rows.size()));
     for (std::size_t i = 0; i < parts.rows.size(); ++i) {

@@ -110,15 +110,108 @@ TEST_CASE("a problem reads to SI units with every default in place") {
   CHECK(problem.robot.hand == "hand");
 }
 
+TEST_CASE("margins are read in their units and stay unasked for otherwise") {
+  const CaptureProblem without = read(kProblem);
+  CHECK_FALSE(without.constraints.joint_rate_scale);
+  CHECK(without.constraints.joint_rate_max.size() == 0);
+  CHECK(without.constraints.coupling_singular_value_min == 0);
+  CHECK(without.constraints.jacobian_singular_value_min == 0);
+  CHECK_FALSE(without.constraints.clearance);
+  const std::string line = "  closing_speed_min: 0.01\n";
+  const CaptureProblem with = read(replaced(kProblem, line,
+                                            line + "  joint_rate_max: 5 deg/s\n"
+                                                   "  coupling_singular_value_min: 0.5\n"
+                                                   "  jacobian_singular_value_min: 100 mm\n"
+                                                   "  jacobian_length: 0.5 m\n"
+                                                   "  clearance: 2 cm\n"));
+  CHECK(with.constraints.joint_rate_max.isApprox(Eigen::Vector2d::Constant(5 * M_PI / 180), 1e-15));
+  CHECK(with.constraints.coupling_singular_value_min == 0.5);
+  CHECK(with.constraints.jacobian_singular_value_min == Approx(0.1).epsilon(1e-15));
+  CHECK(with.constraints.jacobian_length == 0.5);
+  CHECK(with.constraints.clearance.value() == Approx(0.02).epsilon(1e-15));
+  const CaptureProblem scaled = read(replaced(kProblem, line, line + "  joint_rate_scale: 0.5\n"));
+  CHECK(scaled.constraints.joint_rate_scale.value() == 0.5);
+}
+
+TEST_CASE("a wedge is refused where something leaves its plane") {
+  const std::string flat =
+      replaced(replaced(kProblem, "axis: [1, 2, 2], rate", "axis: [0, 0, 1], rate"),
+               "  cone_half_angle: 10 deg", "  cone_half_angle: 10 deg\n  cone_plane: xy");
+  CHECK(read(flat).uncertainty.cone_plane_normal);
+  const int line = line_of(flat, "uncertainty:");
+  const auto refuses_wedge = [&](const std::string& from, const std::string& to,
+                                 const std::string& part) {
+    INFO(from << " -> " << to);
+    const auto findings = findings_of([&] { read(replaced(flat, from, to)); });
+    INFO(text_of(findings));
+    REQUIRE(findings.size() == 1);
+    CHECK(findings[0].rule == "not-planar");
+    CHECK_THAT(findings[0].message, Catch::Contains(part));
+  };
+  CHECK(line > 0);
+  refuses_wedge("cone_plane: xy", "cone_plane: yz", "joint_1");
+  refuses_wedge("axis: [0, 0, 1], rate", "axis: [0, 1, 1], rate", "target turns");
+  refuses_wedge("freedom: axis, axis: [0, 0, 2]", "freedom: axis, axis: [0, 1, 2]",
+                "base may turn");
+  refuses_wedge("base_attitude: {freedom: axis, axis: [0, 0, 2], max: 30 deg}",
+                "base_attitude: free", "base may turn");
+  refuses_wedge("ixx: 3, iyy: 3, izz: 3", "ixx: 3, iyy: 3, izz: 3, ixz: 0.5", "symmetry");
+  refuses_wedge("normal: [1, 0, 0]", "normal: [0.6, 0, 0.8]", "feature looks");
+
+  const std::string covariance = replaced(
+      replaced(flat, "cone_half_angle: 10 deg", "cone_half_angle: from_covariance"),
+      "rate: 5 deg/s}\n", "rate: 5 deg/s}\n    covariance: {orientation: [0, 0, 1 deg]}\n");
+  CHECK(read(covariance).uncertainty.cone_half_angle > 0);
+  const auto tilted =
+      findings_of([&] { read(replaced(covariance, "[0, 0, 1 deg]", "[0, 0.1 deg, 1 deg]")); });
+  REQUIRE(tilted.size() == 1);
+  CHECK(tilted[0].rule == "not-planar");
+  CHECK_THAT(tilted[0].message, Catch::Contains("covariance.orientation"));
+}
+
+TEST_CASE("a tail of fewer than two samples is refused") {
+  const auto with = [](const std::string& level, const std::string& samples) {
+    return replaced(kProblem, "objective: base_angular_momentum",
+                    "objective: {quantity: base_angular_momentum, measure: cvar, cvar_level: " +
+                        level + ", samples: " + samples + "}");
+  };
+  CHECK(read(with("0.9", "20")).measure.samples == 20);
+  CHECK(read(with("0", "2")).measure.samples == 2);
+  refuses(with("0.9", "19"), line_of(kProblem, "objective:"), "out-of-range", {"samples"});
+  refuses(with("0.999", "1000"), line_of(kProblem, "objective:"), "out-of-range", {"samples"});
+}
+
+TEST_CASE("margins that cannot be meant are refused") {
+  const std::string line = "  closing_speed_min: 0.01";
+  const auto refuses_line = [&](const std::string& added, const std::string& rule,
+                                const std::string& part) {
+    refuses(replaced(kProblem, line, line + "\n  " + added), line_of(kProblem, line) + 1, rule,
+            {part});
+  };
+  refuses_line("joint_rate_scale: 0", "out-of-range", "joint_rate_scale");
+  refuses_line("joint_rate_max: [1, -1]", "out-of-range", "joint_rate_max");
+  refuses_line("coupling_singular_value_min: -1", "out-of-range", "coupling_singular_value_min");
+  refuses_line("jacobian_length: 0", "out-of-range", "jacobian_length");
+  refuses_line("clearance: -1 mm", "out-of-range", "clearance");
+  refuses_line("clearance: near", "wrong-type", "clearance");
+  refuses(replaced(kProblem, line, line + "\n  joint_rate_scale: 0.5\n  joint_rate_max: 1"),
+          line_of(kProblem, line) + 2, "not-used", {"joint_rate_scale"});
+}
+
 TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
   std::vector<std::string> texts;
   CaptureProblem own = read(kProblem);
   own.target_state.pose.orientation = rotation_exp({0.1, 0.2, 0.3});
-  own.uncertainty.cone_plane_normal = Vector3d(1, 2, 2) / 3;
+  own.uncertainty.joint_position = Eigen::Vector2d(0.01, 0.02);
   own.hand.constraint = HandConstraint::Pose;
   own.hand.orientation = rotation_exp({-1, 0.5, 0.7});
   own.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
   own.search.seed = 18446744073709551615u;
+  own.constraints.joint_rate_max = Eigen::Vector2d(0.1, 1.0 / 3);
+  own.constraints.coupling_singular_value_min = 0.7;
+  own.constraints.jacobian_singular_value_min = 0.1;
+  own.constraints.jacobian_length = 2.0 / 3;
+  own.constraints.clearance = 0.0;
   std::vector<CaptureProblem> problems{own};
   for (const std::string& path : shipped_problems()) problems.push_back(read_problem(path));
   REQUIRE(problems.size() >= 9);
@@ -133,6 +226,7 @@ TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
     CHECK(again.target_state.pose.orientation.coeffs() ==
           problem.target_state.pose.orientation.coeffs());
     CHECK(again.impulse.direction == problem.impulse.direction);
+    CHECK(again.uncertainty.joint_position == problem.uncertainty.joint_position);
     CHECK(again.hand.position == problem.hand.position);
     CHECK(again.search.seed == problem.search.seed);
     CHECK(again.robot.n() == problem.robot.n());
@@ -311,9 +405,10 @@ TEST_CASE("a covariance gives the cone, and its normalised copy the same") {
   CHECK(again.target_deviations->orientation == sigma.orientation);
 
   // In a plane only the turn about its normal counts.
-  const CaptureProblem planar = read(replaced(
-      uncertain("{orientation: 1 deg}", "cone_half_angle: from_covariance\n  cone_plane: xy"),
-      "axis: [1, 2, 2]", "axis: [0, 0, 1]"));
+  const CaptureProblem planar =
+      read(replaced(uncertain("{orientation: [0, 0, 1 deg]}",
+                              "cone_half_angle: from_covariance\n  cone_plane: xy"),
+                    "axis: [1, 2, 2]", "axis: [0, 0, 1]"));
   CHECK(planar.uncertainty.cone_half_angle == Approx(1.959964 * M_PI / 180).epsilon(1e-5));
 }
 

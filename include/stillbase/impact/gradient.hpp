@@ -78,4 +78,16 @@ template <class S>
 JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                         int i, const Vector3<S>& y);
 
+/// d/dphi of y . Htilde_omegaphi w, w (n) and y fixed, in B (n).
+template <class S>
+JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                 const JointVector<S>& w, const Vector3<S>& y);
+
+/// d/dphi of y . Jhat_phi w, w (n) and y = [linear; angular] fixed, in B (n): how the hand's motion
+/// with the base floating turns with the posture.
+template <class S>
+JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
+                                             const PostureImpact<S>& posture,
+                                             const JointVector<S>& w, const Vector6<S>& y);
+
 }  // namespace stillbase

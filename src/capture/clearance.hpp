@@ -1,0 +1,39 @@
+// Which shapes a clearance constraint keeps apart at the contact, in closed form.
+//
+// Exact between spheres, capsules and boxes but for two boxes: their gap along the best of the 15
+// separating axes is the distance where a face decides, a lower bound of it elsewhere, and has the
+// right sign everywhere. A cylinder counts as the capsule about it, which is longer by its radius
+// at both ends. Left to the judgement of `planner` alone: convex meshes and obstacles fixed in N.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+inline constexpr int kTargetBody = -2;  ///< carrier of the target's shapes
+
+/// A box, or everything within `radius` of a segment along z (a point for a sphere).
+struct ClearanceShape {
+  int body = kBase;                   ///< index of a body, kBase or kTargetBody
+  std::string name;                   ///< link, obstacle or "target"
+  Matrix3d R = Matrix3d::Identity();  ///< axes of the shape in its body's frame
+  Vector3d p = Vector3d::Zero();      ///< origin there, m
+  bool is_box = false;
+  Vector3d half = Vector3d::Zero();  ///< half edges of the box; z: half length of the segment, m
+  double radius = 0;                 ///< m
+};
+
+struct ClearancePair {
+  ClearanceShape first, second;
+  std::string name;  ///< of the constraint
+};
+
+/// The pairs that may not touch at the contact: shapes of different bodies, without those named in
+/// allowed_contacts, the hand's body with the target, and neighbours that overlap at their joint by
+/// construction. Shapes are numbered from 1: the robot's, the obstacles, the target's.
+std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem);
+
+}  // namespace stillbase

@@ -1,0 +1,62 @@
+// A singular value and its vectors, for any number type.
+//
+// Values come from a decomposition; what S carries along follows from one Newton step in S on the
+// equations of the eigenvector, exact for first derivatives. Where the singular value is multiple
+// it has no derivative: what is returned belongs to one of its vectors, and the directions in which
+// the vectors are undetermined count as still.
+#pragma once
+
+#include <type_traits>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "core/tangent.hpp"
+
+namespace stillbase {
+
+template <class S>
+struct SingularTriple {
+  S sigma = S(0);
+  Eigen::Matrix<S, Eigen::Dynamic, 1> u, v;  ///< A v = sigma u, A' u = sigma v
+};
+
+/// The r-th largest singular value of A, r from 1 to its smaller dimension; positive.
+template <class S>
+SingularTriple<S> singular_triple(const Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>& A,
+                                  int r) {
+  using std::sqrt;
+  Eigen::MatrixXd plain(A.rows(), A.cols());
+  for (Eigen::Index i = 0; i < A.size(); ++i) plain(i) = value_of_number(A(i));
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(plain, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const double sigma = svd.singularValues()[r - 1];
+  const Eigen::VectorXd u = svd.matrixU().col(r - 1);
+  SingularTriple<S> out;
+  if constexpr (std::is_same_v<S, double>) {
+    out.sigma = sigma;
+    out.u = u;
+    out.v = svd.matrixV().col(r - 1);
+  } else {
+    // (A A' - lambda) u = 0, (u'u - 1) / 2 = 0 in lambda and u.
+    const Eigen::Index m = A.rows();
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(m + 1, m + 1);
+    jacobian.topLeftCorner(m, m) = plain * plain.transpose();
+    jacobian.diagonal().head(m).array() -= sigma * sigma;
+    jacobian.topRightCorner(m, 1) = -u;
+    jacobian.bottomLeftCorner(1, m) = u.transpose();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(1e-10);
+    const Eigen::MatrixXd inverse = solver.compute(jacobian).pseudoInverse();
+    Eigen::Matrix<S, Eigen::Dynamic, 1> residual(m + 1), step(m + 1);
+    const Eigen::Matrix<S, Eigen::Dynamic, 1> u_S = u.template cast<S>();
+    residual.head(m) = A * (A.transpose() * u_S) - u_S * S(sigma * sigma);
+    residual[m] = S(0);
+    step = inverse.template cast<S>() * residual;
+    out.u = u_S - step.head(m);
+    out.sigma = sqrt(S(sigma * sigma) - step[m]);
+    out.v = A.transpose() * out.u / out.sigma;
+  }
+  return out;
+}
+
+}  // namespace stillbase

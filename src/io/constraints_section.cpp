@@ -1,0 +1,57 @@
+// The section `constraints`, and sections that may be left out.
+#include <fmt/format.h>
+
+#include "io/problem_reader.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+const Node& empty_map() {
+  static const Node node = [] {
+    Node map;
+    map.kind = Node::Kind::Map;
+    return map;
+  }();
+  return node;
+}
+
+}  // namespace
+
+MapReader section(MapReader& map, const std::string& key) {
+  const Node* node = map.child(key);
+  return {map.context(), node == nullptr ? empty_map() : *node, map.path_of(key)};
+}
+
+void read_constraints_section(MapReader& map, CaptureProblem& problem) {
+  MapReader fields = section(map, "constraints");
+  ConstraintSpec& constraints = problem.constraints;
+  fields.choice("case", constraints.impact_case, case_constraint_names());
+  fields.number("joint_limit_margin", constraints.joint_limit_margin, Dimension::JointPosition,
+                kNonNegative);
+  fields.number("closing_speed_min", constraints.closing_speed_min, Dimension::Velocity, kPositive);
+  double scale = 1;
+  if (fields.number("joint_rate_scale", scale, Dimension::None, kPositive)) {
+    constraints.joint_rate_scale = scale;
+  }
+  read_joint_values(fields, "joint_rate_max", problem.robot, Dimension::AngularVelocity,
+                    Dimension::Velocity, kPositive, true, Need::Optional,
+                    constraints.joint_rate_max);
+  if (constraints.joint_rate_scale && fields.has("joint_rate_max")) {
+    map.context().add(fields.line_of("joint_rate_max"), "not-used",
+                      fmt::format("{}: stands beside joint_rate_scale; state one of them",
+                                  fields.path_of("joint_rate_max")));
+  }
+  fields.number("coupling_singular_value_min", constraints.coupling_singular_value_min,
+                Dimension::Inertia, kNonNegative);
+  fields.number("jacobian_singular_value_min", constraints.jacobian_singular_value_min,
+                Dimension::Length, kNonNegative);
+  fields.number("jacobian_length", constraints.jacobian_length, Dimension::Length, kPositive);
+  double clearance = 0;
+  if (fields.number("clearance", clearance, Dimension::Length, kNonNegative)) {
+    constraints.clearance = clearance;
+  }
+  fields.finish();
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,68 @@
+// Margins that a problem may ask for at the contact, by `reference`: joint rates, singular values,
+// distances of shapes. Written apart from the planner's own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+
+/// Limit of a joint's rate right after the impact; infinite without one.
+double joint_rate_limit(const CaptureProblem& problem, int joint);
+
+/// Smallest singular value of the coupling matrix, without those that are zero by rank. kg m^2
+double coupling_singular_value(const PostureResponse& response);
+
+/// The same of Jhat_phi, its angular rows times a length. m
+double jacobian_singular_value(const PostureResponse& response, double length);
+
+/// The shapes of robot, obstacles and target at the contact, numbered from 1 in this order.
+class ContactShapes {
+ public:
+  /// @param target T_NT, or null
+  ContactShapes(const CaptureProblem& problem, const Configuration& at, const Pose* target);
+
+  /// Signed distance of two shapes, m: by a search along the segment of a sphere or capsule (a
+  /// cylinder counts as the capsule about it), between boxes the widest gap along a separating
+  /// axis. Empty for numbers that do not exist and for shapes that no constraint looks at.
+  std::optional<double> distance(int i, int j) const;
+  /// Whether a problem that asks for clearances asks for that of these two, neighbours in the tree
+  /// left out: some of them overlap by construction.
+  bool must_be_apart(int i, int j) const;
+  int count() const { return static_cast<int>(shapes_.size()); }
+  std::string name(int i) const { return shapes_[static_cast<std::size_t>(i - 1)].name; }
+
+ private:
+  struct Shape {
+    int body;  ///< kBase, a body, or kTarget
+    std::string name;
+    bool is_obstacle = false;
+    Pose pose;  ///< in B
+    const Geometry* geometry;
+  };
+  const CaptureProblem& problem_;
+  std::vector<Shape> shapes_;
+};
+
+/// The two numbers in clearance_<i>_<j>_<names>; empty for another name.
+std::optional<std::pair<int, int>> clearance_numbers(const std::string& name);
+
+/// What the margins of the problem are worth at one configuration.
+struct MarginNumbers {
+  double rate_excess = -kInfinity;  ///< largest |rate| less its limit, rad/s (m/s)
+  std::string fastest;              ///< that joint
+  std::optional<double> coupling, jacobian;
+  std::optional<double> distance;  ///< smallest of pairs that must be apart, m
+  std::string nearest;             ///< that pair
+};
+MarginNumbers margin_numbers(const Context& context, const ContactEvent& event,
+                             const PostureResponse& response);
+
+/// One claim for each margin that the problem asks for.
+void check_margins(const Context& context, const ContactEvent& event,
+                   const PostureResponse& response, ClaimList& claims);
+
+}  // namespace stillbase::verification
