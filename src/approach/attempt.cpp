@@ -164,6 +164,18 @@ std::vector<JointVectord> plan_points(const std::vector<Way>& ways,
   return points;
 }
 
+/// Whether nothing touches while the robot waits at a configuration.
+bool can_wait(const ApproachTask& task, const Configuration& end, double wait) {
+  TimedMotion waiting;
+  waiting.contact_time = end.contact_time;
+  waiting.path.times = {end.contact_time - wait};
+  waiting.path.phi = {end.phi};
+  waiting.path.phidot = {JointVectord::Zero(end.phi.size())};
+  waiting.base_poses = {end.base};
+  const std::optional<TargetMotion> target = target_for(task, end);
+  return !first_hit(task.problem, task.scene, waiting, target ? &*target : nullptr);
+}
+
 /// The same within the reaction null space, as a motion from time 0.
 JointPath plan_within_null_space(const std::vector<Way>& ways,
                                  const std::vector<StillScene>& scenes, const StopCondition& stop,
@@ -183,6 +195,8 @@ JointPath plan_within_null_space(const std::vector<Way>& ways,
     goal.measure = [&task](const Configuration& end) {
       return task.contact.measure ? task.contact.measure(end) : 0.0;
     };
+    const double wait = ways[i].options.wait;
+    goal.can_wait = [&task, wait](const Configuration& end) { return can_wait(task, end, wait); };
     query.goals.push_back(std::move(goal));
   }
   query.free = first.free;

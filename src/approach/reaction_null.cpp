@@ -108,7 +108,7 @@ class Search {
     ++arrived_;
     if (!keeps_limits(problem_.robot, curve)) return;
     ++within_limits_;
-    if (!is_clear(*goal.scene, curve)) return;
+    if (!is_clear(*goal.scene, curve) || !goal.can_wait(*end)) return;
     ++clear_;
     improve(goal, knots, curve, *end);
     JointPath path = over_length(curve);
@@ -160,6 +160,7 @@ class Search {
         tracker_.reach(near, NullTracker::GoalKind::Smooth, kFineSteps, bent, there);
     if (!reached || !(goal.measure(*reached) < goal.measure(end) - kSameMeasure)) return false;
     if (!keeps_limits(problem_.robot, there) || !is_clear(*goal.scene, there)) return false;
+    if (!goal.can_wait(*reached)) return false;
     knots = std::move(bent);
     curve = std::move(there);
     end = *reached;

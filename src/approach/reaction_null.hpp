@@ -26,6 +26,8 @@ struct NullGoal {
   /// better).
   std::function<std::optional<Configuration>(const JointVectord&, ContactSolve)> near;
   std::function<double(const Configuration&)> measure;
+  /// Whether the robot can wait there while the target comes in.
+  std::function<bool(const Configuration&)> can_wait;
   const StillScene* scene = nullptr;
 };
 
