@@ -11,6 +11,7 @@
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
 #include "app/output.hpp"
+#include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
 
 namespace stillbase::app {
@@ -18,7 +19,7 @@ namespace stillbase::app {
 namespace {
 
 struct Options {
-  std::string problem, optimizer;
+  std::string problem, optimizer, pareto;
   std::optional<std::uint64_t> seed;
   std::optional<int> starts;
   double time_limit = 0;
@@ -57,6 +58,10 @@ int run(const Options& options) {
   if (!options.optimizer.empty()) problem.search.optimizer = options.optimizer;
   if (options.seed) problem.search.seed = *options.seed;
   if (options.starts) problem.search.starts = *options.starts;
+
+  if (!options.pareto.empty()) {
+    return run_pareto(problem, options.pareto, options.time_limit, options.output, options.json);
+  }
 
   PlannerOptions planner;
   planner.stop = stop_condition(options.time_limit);
@@ -98,6 +103,11 @@ void add_plan(CLI::App& app, Action& action) {
   command->add_option("--time-limit", options->time_limit, "seconds after which the search stops")
       ->type_name("S")
       ->check(positive_number());
+  command
+      ->add_option("--pareto", options->pareto,
+                   "no plan, but the front of two quantities, e.g. "
+                   "base_angular_momentum,joint_rate_norm (.json, .csv or .svg)")
+      ->type_name("A,B");
   command->add_flag("--json", options->json, "print the plan on stdout also with -o");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -59,6 +59,25 @@ int Formulation::num_equations() const {
                                         [](const Row& row) { return row.lower == row.upper; }));
 }
 
+void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
+                                             const PostureImpact<double>& stated,
+                                             const std::vector<Scenario>& scenarios,
+                                             bool derivatives, ScenarioEvaluation& out) const {
+  for (std::size_t k = 0; k < scenarios.size(); ++k) {
+    const Scenario& scenario = scenarios[k];
+    const auto row = static_cast<Eigen::Index>(k);
+    std::optional<PostureImpact<double>> displaced;
+    if (scenario.joint_offset.size() > 0) displaced = posture(local, scenario);
+    const PostureImpact<double>& at = displaced ? *displaced : stated;
+    const auto hit_k = hit(local, at, scenario);
+    out.values[row] = objective(at, hit_k);
+    if (derivatives) out.gradients.row(row) = compress(local, objective_gradient(at, hit_k));
+    if (user_terms.empty()) continue;
+    out.values[row] += user_objective(local.x, scenario);
+    if (derivatives) out.gradients.row(row) += user_gradient(local.x, scenario);
+  }
+}
+
 void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
                                      const std::vector<Scenario>& scenarios, bool derivatives,
                                      ScenarioEvaluation& out) const {
@@ -73,17 +92,10 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
     out.gradients.resize(count, num_variables());
     out.jacobian.resize(m, num_variables());
   }
-  for (int k = 0; k < count; ++k) {
-    const auto hit = parts.hit(local, posture, scenarios[static_cast<std::size_t>(k)]);
-    out.values[k] = parts.objective(posture, hit);
-    if (derivatives) {
-      out.gradients.row(k) = parts.compress(local, parts.objective_gradient(posture, hit));
-    }
-    if (parts.user_terms.empty()) continue;
-    out.values[k] += parts.user_objective(x, scenarios[static_cast<std::size_t>(k)]);
-    if (derivatives) {
-      out.gradients.row(k) += parts.user_gradient(x, scenarios[static_cast<std::size_t>(k)]);
-    }
+  if (parts.in_packs(scenarios)) {
+    parts.evaluate_in_packs(local, scenarios, derivatives, out);
+  } else {
+    parts.evaluate_one_by_one(local, posture, scenarios, derivatives, out);
   }
   if (m == 0) return;
   const auto hit = parts.hit(local, posture, parts.predicted());

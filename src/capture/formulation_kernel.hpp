@@ -127,8 +127,15 @@ PostureImpact<S> Formulation::Parts::posture(const Local<S>& local) const {
 }
 
 template <class S>
-Hit<S> Formulation::Parts::hit(const Local<S>& local, const PostureImpact<S>& posture,
-                               const Scenario& scenario) const {
+PostureImpact<S> Formulation::Parts::posture(const Local<S>& local,
+                                             const Scenario& scenario) const {
+  if (scenario.joint_offset.size() == 0) return posture(local);
+  const JointVector<S> phi = local.phi + scenario.joint_offset.template cast<S>();
+  return evaluate_posture<S>(problem.robot, resistance, phi);
+}
+
+template <class S>
+Hit<S> Formulation::Parts::meet(const Local<S>& local, const Scenario& scenario) const {
   Hit<S> out;
   out.view = scenario.time_offset != 0 && motion
                  ? view_at<S>(local.R_NB, local.time + S(scenario.time_offset))
@@ -156,12 +163,20 @@ Hit<S> Formulation::Parts::hit(const Local<S>& local, const PostureImpact<S>& po
   }
 
   const Matrix3<S> R_BE = out.view.R_EB.transpose();
-  Vector6<S> F;
+  Vector6<S>& F = out.response.F;
   F.template head<3>() = R_BE * d.cast<S>();
   F.template tail<3>() = R_BE * Vector3d(moment_E + scenario.contact_offset.cross(d)).cast<S>();
+  return out;
+}
+
+template <class S>
+Hit<S> Formulation::Parts::hit(const Local<S>& local, const PostureImpact<S>& posture,
+                               const Scenario& scenario) const {
+  Hit<S> out = meet<S>(local, scenario);
+  const Vector6<S> F = out.response.F;
   out.response = respond<S>(posture, F);
   if (out.magnitude_given) {
-    out.p = S(impulse.magnitude);
+    out.p = S(problem.impulse.magnitude);
   } else if (out.closing_speed > S(0)) {
     out.p = out.closing_speed * S(1 + scenario.restitution) /
             (out.response.hand_inverse_mass + S(out.target_inverse_mass));
@@ -228,16 +243,29 @@ void Formulation::Parts::add_contact_turn(const ContactView<S>& view, const Vect
 }
 
 template <class S>
+void Formulation::Parts::add_wrench_turn(const Hit<S>& hit, const Vector6<S>& by_F,
+                                         ScalarGradient<S>& gradient) const {
+  // Turning B by theta (in B) changes the wrench in B by F x theta.
+  const Vector3<S> by_f = by_F.template head<3>(), by_t = by_F.template tail<3>();
+  const Vector3<S> f = hit.response.F.template head<3>(), t = hit.response.F.template tail<3>();
+  add_contact_turn<S>(hit.view, by_f.cross(f) + by_t.cross(t), gradient);
+}
+
+template <class S>
+void Formulation::Parts::add_speed_rate(const Hit<S>& hit, const S& along_p,
+                                        ScalarGradient<S>& gradient) const {
+  if (hit.magnitude_given || !(hit.closing_speed > S(0))) return;
+  gradient.t += along_p / hit.closing_speed * hit.closing_speed_rate;
+}
+
+template <class S>
 ScalarGradient<S> Formulation::Parts::impact_gradient(const PostureImpact<S>& posture,
                                                       const Hit<S>& hit,
                                                       const ResponseWeights<S>& weights) const {
   const auto raw = response_gradient<S>(problem.robot, posture, hit.response, weights);
   ScalarGradient<S> out(n());
   out.phi = raw.phi;
-  // Turning B by theta (in B) changes the wrench in B by F x theta.
-  const Vector3<S> raw_f = raw.F.template head<3>(), raw_t = raw.F.template tail<3>();
-  const Vector3<S> f = hit.response.F.template head<3>(), t = hit.response.F.template tail<3>();
-  add_contact_turn<S>(hit.view, raw_f.cross(f) + raw_t.cross(t), out);
+  add_wrench_turn<S>(hit, raw.F, out);
   return out;
 }
 
@@ -246,13 +274,12 @@ ScalarGradient<S> Formulation::Parts::scaled_gradient(const PostureImpact<S>& po
                                                       const Hit<S>& hit, ResponseWeights<S> weights,
                                                       const S& along_p) const {
   // p = (1+e) v_n / (F' W_h F + n' W_t n), along_p = p d psi / d p.
-  const bool by_law = !hit.magnitude_given && hit.p > S(0);
-  if (by_law) {
+  if (!hit.magnitude_given && hit.p > S(0)) {
     weights.hand_inverse_mass =
         -along_p / (hit.response.hand_inverse_mass + S(hit.target_inverse_mass));
   }
   ScalarGradient<S> out = impact_gradient<S>(posture, hit, weights);
-  if (by_law) out.t += along_p / hit.closing_speed * hit.closing_speed_rate;
+  add_speed_rate<S>(hit, along_p, out);
   return out;
 }
 
@@ -306,8 +333,11 @@ VectorX<S> Formulation::Parts::lagrangian_gradient(const VectorX<S>& x,
   for (std::size_t k = 0; k < scenarios.size(); ++k) {
     const double weight = weights[static_cast<int>(k)];
     if (weight == 0) continue;
-    const Hit<S> hit_k = hit<S>(local, at, scenarios[k]);
-    out += compress<S>(local, objective_gradient<S>(at, hit_k)) * S(weight);
+    const bool displaced = scenarios[k].joint_offset.size() > 0;
+    const PostureImpact<S> own = displaced ? posture<S>(local, scenarios[k]) : PostureImpact<S>();
+    const PostureImpact<S>& posture_k = displaced ? own : at;
+    const Hit<S> hit_k = hit<S>(local, posture_k, scenarios[k]);
+    out += compress<S>(local, objective_gradient<S>(posture_k, hit_k)) * S(weight);
   }
   const Hit<S> nominal = hit<S>(local, at, predicted());
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/impact/batch.hpp>
 #include <stillbase/target/target.hpp>
 
 #include "capture/clearance_kernel.hpp"
@@ -145,6 +146,12 @@ struct Formulation::Parts {
   ContactView<S> view_at(const Matrix3<S>& R_NB, const S& time) const;
   template <class S>
   PostureImpact<S> posture(const Local<S>& local) const;
+  /// The same with the joints displaced by the scenario's errors.
+  template <class S>
+  PostureImpact<S> posture(const Local<S>& local, const Scenario& scenario) const;
+  /// All of a hit that does not depend on the posture: response (but its F) and p are still open.
+  template <class S>
+  Hit<S> meet(const Local<S>& local, const Scenario& scenario) const;
   template <class S>
   Hit<S> hit(const Local<S>& local, const PostureImpact<S>& posture,
              const Scenario& scenario) const;
@@ -167,6 +174,23 @@ struct Formulation::Parts {
                                  const Eigen::VectorXd& weights,
                                  const Eigen::VectorXd& multipliers) const;
 
+  void evaluate_one_by_one(const Local<double>& local, const PostureImpact<double>& stated,
+                           const std::vector<Scenario>& scenarios, bool derivatives,
+                           ScenarioEvaluation& out) const;
+
+  // Scenarios in the lanes of wide registers (formulation_batch.cpp).
+  /// Fewer scenarios at one posture than this are evaluated one by one.
+  static constexpr int kWorthPacks = 3;
+  bool in_packs(const std::vector<Scenario>& scenarios) const;
+  void resize_batch(Eigen::Index count) const;
+  void put_in_batch(const Local<double>& local, const Hit<double>& hit, const Scenario& scenario,
+                    Eigen::Index row) const;
+  void evaluate_batch(bool derivatives) const;
+  void evaluate_in_packs(const Local<double>& local, const std::vector<Scenario>& scenarios,
+                         bool derivatives, ScenarioEvaluation& out) const;
+  mutable ImpactBatch batch;
+  mutable BatchObjectiveValues batch_values;
+
   /// What the user's terms add to a scenario's 1/2 |y|^2 / unit^2 (user_terms.cpp).
   double user_objective(const Eigen::VectorXd& x, const Scenario& scenario) const;
   Eigen::VectorXd user_gradient(const Eigen::VectorXd& x, const Scenario& scenario) const;
@@ -180,6 +204,13 @@ struct Formulation::Parts {
   template <class S>
   void add_contact_turn(const ContactView<S>& view, const Vector3<S>& g,
                         ScalarGradient<S>& gradient) const;
+  /// d value / dF acts through the turn of B, in which F is fixed to the contact frame.
+  template <class S>
+  void add_wrench_turn(const Hit<S>& hit, const Vector6<S>& by_F,
+                       ScalarGradient<S>& gradient) const;
+  /// along_p = p d value / dp acts through the closing speed's change in time.
+  template <class S>
+  void add_speed_rate(const Hit<S>& hit, const S& along_p, ScalarGradient<S>& gradient) const;
   template <class S>
   ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
                                     const ResponseWeights<S>& weights) const;

@@ -4,113 +4,11 @@
 #include <cmath>
 #include <vector>
 
-#include <stillbase/impact/contact.hpp>
-
-#include "capture/formulation_kernel.hpp"
+#include "capture/direction_model.hpp"
 
 namespace stillbase {
 
 namespace {
-
-/// |y| as a function of the direction at one posture: y and W_h are linear and quadratic in it, so
-/// a direction costs a few small products.
-struct DirectionModel {
-  static constexpr int kMaxRows = 3 + 3 + 3 + 6 + 1 + kMaxJoints;  // one term of each quantity
-
-  const CaptureProblem* problem;
-  Encounter encounter;
-  /// y = p Y [d; 1]: all terms below each other, and what a stated moment adds.
-  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::ColMajor, kMaxRows, 4> Y;
-  Matrix3d W;        ///< d' W d: inverse mass of hand and target together
-  Vector3d n, u, v;  ///< predicted direction and tangents
-  double half_angle = 0;
-  bool planar = false;
-  // For terms of the user, which may be any function of the direction.
-  const std::vector<UserTerm>* user_terms;
-  Configuration configuration;
-
-  DirectionModel(const CaptureProblem& p, const Formulation& formulation, const Configuration& at)
-      : problem(&p),
-        encounter(formulation.encounter(at)),
-        user_terms(&formulation.user_terms()),
-        configuration(at) {
-    const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
-    const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
-    Vector6d moment = Vector6d::Zero();
-    moment.tail<3>() = encounter.F.tail<3>();
-    ImpactResponse<double> unit[4] = {
-        respond<double>(posture, Vector6d::Unit(0)), respond<double>(posture, Vector6d::Unit(1)),
-        respond<double>(posture, Vector6d::Unit(2)), respond<double>(posture, moment)};
-    Y.resize(0, 4);
-    for (const ObjectiveTerm& term : p.objective) {
-      JointVectord y[4];
-      for (int i = 0; i < 4; ++i) y[i] = term_quantity<double>(term, posture, unit[i]);
-      // The impulse itself is no linear image of the direction: 1 per unit, whatever it is.
-      if (term.quantity == ObjectiveQuantity::ImpulseMagnitude) {
-        for (int i = 0; i < 3; ++i) y[i].setZero();
-      }
-      const Eigen::Index first = Y.rows();
-      Y.conservativeResize(first + y[0].size(), 4);
-      for (int i = 0; i < 4; ++i) Y.col(i).tail(y[i].size()) = y[i];
-    }
-    W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
-    const Matrix3d lever = skew<double>(encounter.r);
-    W += lever.transpose() * encounter.target_inverse_inertia * lever;
-    W.diagonal().array() += 1 / encounter.target_mass;
-    n = encounter.F.head<3>();
-    half_angle = p.uncertainty.cone_half_angle;
-    planar = p.uncertainty.cone_plane_normal.has_value();
-    if (planar) {
-      u = p.uncertainty.cone_plane_normal->cross(n).normalized();
-      v.setZero();
-    } else {
-      std::tie(u, v) = tangent_basis(n);
-    }
-  }
-
-  /// Direction at angle |c| from n towards (c_1, c_2).
-  Vector3d direction(const Eigen::Vector2d& c) const {
-    const double angle = c.norm();
-    if (angle == 0) return n;
-    return std::cos(angle) * n + std::sin(angle) / angle * (c[0] * u + c[1] * v);
-  }
-
-  /// The inverse of direction(), inside the cone.
-  Eigen::Vector2d coordinates(const Vector3d& d) const {
-    const Eigen::Vector2d side(d.dot(u), d.dot(v));
-    const double sine = side.norm();
-    if (sine == 0) return side;
-    return project(side * (std::atan2(sine, d.dot(n)) / sine));
-  }
-
-  double value(const Eigen::Vector2d& c) const {
-    const Vector3d d = direction(c);
-    const double speed =
-        encounter.speed_stated ? encounter.closing_speed : d.dot(encounter.velocity);
-    const double p = encounter.magnitude_given
-                         ? problem->impulse.magnitude
-                         : normal_impulse(problem->impulse.restitution, speed, d.dot(W * d), 0);
-    const Eigen::Vector4d d1(d.x(), d.y(), d.z(), 1);
-    double square = 0;
-    for (Eigen::Index i = 0; i < Y.rows(); ++i) square += std::pow(p * Y.row(i).dot(d1), 2);
-    for (const UserTerm& term : *user_terms) square += user_square(term, p, d, speed);
-    return std::sqrt(square);
-  }
-
-  double user_square(const UserTerm& term, double p, const Vector3d& d, double speed) const {
-    Vector6d F;
-    F << d, encounter.F.tail<3>();
-    const ImpactSummary impact =
-        summarize_impact(problem->robot, configuration.phi, problem->resistance, p * F, speed);
-    return std::pow(term.value(configuration, impact) / term.size, 2);
-  }
-
-  Eigen::Vector2d project(Eigen::Vector2d c) const {
-    if (planar) c[1] = 0;
-    const double angle = c.norm();
-    return angle > half_angle ? Eigen::Vector2d(c * (half_angle / angle)) : c;
-  }
-};
 
 /// A place in the cone and its |y|.
 struct Place {
@@ -124,62 +22,107 @@ std::vector<Place> scan(const DirectionModel& model) {
   constexpr int kSpokes = 36;
   constexpr int kRow = 97;  // a wedge is one-dimensional: finer for less
   const double alpha = model.half_angle;
-  std::vector<Place> places;
-  const auto add = [&](const Eigen::Vector2d& c) { places.push_back({c, model.value(c)}); };
-  add(Eigen::Vector2d::Zero());
-  if (!(alpha > 0)) return places;
-  if (model.planar) {
-    for (int i = 0; i < kRow; ++i) add({alpha * (2.0 * i / (kRow - 1) - 1), 0});
-    return places;
-  }
-  for (int ring = 1; ring <= kRings; ++ring) {
-    const double radius = alpha * ring / kRings;
+  std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
+  if (alpha > 0 && model.planar) {
+    for (int i = 0; i < kRow; ++i) grid.emplace_back(alpha * (2.0 * i / (kRow - 1) - 1), 0);
+  } else if (alpha > 0) {
+    grid.reserve(1 + kRings * kSpokes);
     for (int spoke = 0; spoke < kSpokes; ++spoke) {
       const double angle = 2 * M_PI * spoke / kSpokes;
-      add({radius * std::cos(angle), radius * std::sin(angle)});
+      const Eigen::Vector2d end(alpha * std::cos(angle), alpha * std::sin(angle));
+      for (int ring = 1; ring <= kRings; ++ring) grid.emplace_back(end * ring / kRings);
     }
   }
-  return places;
+  std::vector<double> values;
+  model.values(grid, values);
+  std::vector<Place> out(grid.size());
+  for (std::size_t i = 0; i < grid.size(); ++i) out[i] = {grid[i], values[i]};
+  return out;
 }
 
-/// Compass search for the maximum that a place belongs to. The value is flat there: a step of 1e-8
-/// rad leaves an error of about 1e-16.
-Place refine(const DirectionModel& model, Place place) {
+/// Compass search: steps of one size while they lead up.
+Place ascend(const DirectionModel& model, Place place, double step) {
   const int compass = model.planar ? 2 : 8;
-  for (double step = model.half_angle / 12; step > 1e-9; step /= 3) {
-    bool moved = true;
-    while (moved) {
-      moved = false;
-      for (int i = 0; i < compass; ++i) {
-        const double angle = 2 * M_PI / compass * i;
-        const Eigen::Vector2d c =
-            model.project(place.c + step * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-        const double value = model.value(c);
-        if (value > place.value * (1 + 1e-14)) {
-          place = {c, value};
-          moved = true;
-        }
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (int i = 0; i < compass; ++i) {
+      const double angle = 2 * M_PI / compass * i;
+      const Eigen::Vector2d c =
+          model.project(place.c + step * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const double value = model.value(c);
+      if (value > place.value * (1 + 1e-14)) {
+        place = {c, value};
+        moved = true;
       }
     }
   }
   return place;
 }
 
+/// To the top of the parabola through the values at distances `step` about a place: within the
+/// cone, or along its rim.
+Place jump_to_top(const DirectionModel& model, const Place& place, double step) {
+  const double radius = place.c.norm();
+  const bool at_rim = radius > model.half_angle - step;
+  if (at_rim && model.planar) return place;
+  const Eigen::Vector2d outward =
+      at_rim ? Eigen::Vector2d(place.c / radius) : Eigen::Vector2d(1, 0);
+  const Eigen::Vector2d across(-outward.y(), outward.x());
+  const auto value = [&](double a, double b) {
+    return model.value(model.project(place.c + step * (a * outward + b * across)));
+  };
+  // Gradient and Hessian in steps.
+  const auto slope = [](double minus, double plus) { return (plus - minus) / 2; };
+  const auto bend = [&](double minus, double plus) { return plus - 2 * place.value + minus; };
+  Eigen::Vector2d move = Eigen::Vector2d::Zero();
+  if (at_rim || model.planar) {
+    const double minus = at_rim ? value(0, -1) : value(-1, 0);
+    const double plus = at_rim ? value(0, 1) : value(1, 0);
+    if (!(bend(minus, plus) < 0)) return place;
+    move[at_rim ? 1 : 0] = -slope(minus, plus) / bend(minus, plus);
+  } else {
+    const double w = value(-1, 0), e = value(1, 0), s = value(0, -1), n = value(0, 1);
+    const double twist = (value(1, 1) - value(1, -1) - value(-1, 1) + value(-1, -1)) / 4;
+    Eigen::Matrix2d H;
+    H << bend(w, e), twist, twist, bend(s, n);
+    if (!(H(0, 0) < 0) || !(H.determinant() > 0)) return place;
+    move = -H.inverse() * Eigen::Vector2d(slope(w, e), slope(s, n));
+  }
+  if (!(move.norm() < 4)) return place;  // outside of what the parabola knows
+  const Eigen::Vector2d c = model.project(place.c + step * (move[0] * outward + move[1] * across));
+  const Place top{c, model.value(c)};
+  return top.value > place.value ? top : place;
+}
+
+/// The maximum that a place belongs to. The value is flat there: a step of 1e-8 rad leaves an error
+/// of about 1e-16.
+Place refine(const DirectionModel& model, Place place) {
+  const double alpha = model.half_angle;
+  if (!(alpha > 0)) return place;
+  for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
+  for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
+  // Hardly anything is left to do; where the parabolas failed, everything.
+  for (const double step : {1e-5, 1e-7, 1e-9}) place = ascend(model, place, step);
+  return place;
+}
+
 /// The maxima over the cone, largest first.
 std::vector<Place> maxima(const DirectionModel& model) {
-  std::vector<Place> places = scan(model);
-  std::stable_sort(places.begin(), places.end(),
-                   [](const Place& a, const Place& b) { return a.value > b.value; });
+  const std::vector<Place> places = scan(model);
   constexpr std::size_t kMost = 6;
   // Places apart from each other, so that equal maxima are all found.
   std::vector<Place> seeds;
-  for (const Place& place : places) {
-    bool apart = true;
-    for (const Place& seed : seeds) {
-      apart = apart && (seed.c - place.c).norm() > model.half_angle / 4;
+  while (seeds.size() < kMost) {
+    const Place* best = nullptr;
+    for (const Place& place : places) {
+      const auto near = [&](const Place& seed) {
+        return (seed.c - place.c).squaredNorm() <= std::pow(model.half_angle / 4, 2);
+      };
+      if (best != nullptr && !(place.value > best->value)) continue;
+      if (std::none_of(seeds.begin(), seeds.end(), near)) best = &place;
     }
-    if (apart) seeds.push_back(place);
-    if (seeds.size() == kMost) break;
+    if (best == nullptr) break;
+    seeds.push_back(*best);
   }
   std::vector<Place> out;
   for (const Place& seed : seeds) {

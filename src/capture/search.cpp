@@ -10,6 +10,7 @@
 
 #include "capture/measure_search.hpp"
 #include "capture/projection.hpp"
+#include "capture/screening.hpp"
 
 namespace stillbase {
 
@@ -18,7 +19,10 @@ namespace {
 constexpr double kFeasible = 1e-9;  ///< largest violation of a feasible plan
 constexpr double kOptimal = 1e-6;   ///< largest KKT residual of an optimal plan
 constexpr double kSameConfiguration = 1e-5;
-constexpr int kMoreDraws = 8;            ///< of a start point that the constraints refuse
+constexpr int kMoreDraws = 8;       ///< of a start point that the constraints refuse
+constexpr int kDrawn = 256;         ///< more postures for the measure, of which the best are kept:
+constexpr int kKept = 16;           ///< they count where few starts are asked for
+constexpr double kSameStart = 0.1;  ///< rad between two of them
 constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
 
 struct Solution {
@@ -107,6 +111,20 @@ NominalOptimum nominal_optimum(const CaptureProblem& problem, const Formulation&
   return best;
 }
 
+/// Postures on the constraints that look best for the measure, out of many draws.
+std::vector<Eigen::VectorXd> screened_starts(const CaptureProblem& problem,
+                                             const Formulation& formulation,
+                                             const SearchOptions& options, int first_draw) {
+  std::vector<Eigen::VectorXd> drawn;
+  for (int draw = first_draw; draw < first_draw + kDrawn && !options.stop.reached(); ++draw) {
+    const Eigen::VectorXd x0 = formulation.start_point(
+        low_discrepancy_point(draw, formulation.start_dimension(), options.seed));
+    const ProjectionResult projected = project_onto_constraints(formulation, x0, false, 15);
+    if (projected.violation <= kOnConstraints) drawn.push_back(projected.x);
+  }
+  return best_by_screening(problem, formulation, drawn, kKept, kSameStart);
+}
+
 }  // namespace
 
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
@@ -173,6 +191,10 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
     if (!measure.is_nominal() && !isolated) {
       std::vector<Eigen::VectorXd> from = std::move(projected_starts);
       for (const Solution& solution : solutions) from.push_back(solution.x);
+      const int used = own_starts * (1 + kMoreDraws);
+      for (Eigen::VectorXd& start : screened_starts(problem, formulation, options, used)) {
+        from.push_back(std::move(start));
+      }
       // A long list is asked for where much of it may touch something.
       MeasureSearchOptions effort;
       effort.finished = std::max(effort.finished, options.max_candidates / 4);

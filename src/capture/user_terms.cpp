@@ -7,9 +7,10 @@ double Formulation::Parts::user_objective(const Eigen::VectorXd& x,
                                           const Scenario& scenario) const {
   if (user_terms.empty()) return 0;
   const Local<double> local = localise<double>(x);
-  const auto at = posture(local);
+  const auto at = posture(local, scenario);
   const auto hit_here = hit(local, at, scenario);
-  const Configuration where = configuration(x);
+  Configuration where = configuration(x);
+  if (scenario.joint_offset.size() > 0) where.phi += scenario.joint_offset;
   const ImpactSummary impact =
       summarize_impact(problem.robot, where.phi, problem.resistance,
                        hit_here.p * hit_here.response.F, hit_here.closing_speed);

@@ -83,6 +83,8 @@ class Pack {
     for (int i = 0; i < N; ++i) out.v[i] = std::sqrt(a.v[i]);
     return out;
   }
+  /// max(a, 0) per lane.
+  friend Pack positive_part(const Pack& a) { return Pack(a.v > 0 ? a.v : Lanes{}); }
   friend Pack sin(const Pack& x) { return sin_of_quadrant(x, 0); }
   friend Pack cos(const Pack& x) { return sin_of_quadrant(x, 1); }
 

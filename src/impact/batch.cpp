@@ -50,13 +50,21 @@ BatchColumns columns_of(const ImpactBatch& batch) {
   return columns;
 }
 
-void run(const RobotModel& robot, const ImpactResistance& resistance, const BatchColumns& columns) {
+/// The widest one for n joints.
+const BatchKernel& kernel_for(int n) {
   for (const BatchKernel* kernel : batch_kernels()) {
-    if (robot.n() <= kernel->max_joints) return kernel->run(robot, resistance, columns);
+    if (n <= kernel->max_joints) return *kernel;
   }
+  return *batch_kernel_plain();
+}
+
+void run(const RobotModel& robot, const ImpactResistance& resistance, const BatchColumns& columns) {
+  kernel_for(robot.n()).run(robot, resistance, columns);
 }
 
 }  // namespace
+
+int batch_lanes(int n) { return kernel_for(n).lanes; }
 
 void evaluate_postures(const RobotModel& robot, const ImpactResistance& resistance,
                        const ImpactBatch& batch, ImpactBatchValues& out) {
@@ -75,14 +83,18 @@ void evaluate_postures(const RobotModel& robot, const ImpactResistance& resistan
 }
 
 void evaluate_objective(const RobotModel& robot, const ImpactResistance& resistance,
-                        const ImpactBatch& batch, const BatchObjective& objective,
+                        const ImpactBatch& batch, const BatchObjective& objective, bool derivatives,
                         BatchObjectiveValues& out) {
   BatchColumns columns = columns_of(batch);
-  out.psi.resize(columns.count);
-  out.gradient.resize(columns.count, robot.n());
   columns.objective = objective;
+  out.psi.resize(columns.count);
   columns.psi = out.psi.data();
-  columns.gradient = out.gradient.data();
+  if (derivatives) {
+    out.gradient.resize(columns.count, robot.n());
+    out.gradient_F.resize(columns.count, 6);
+    columns.gradient = out.gradient.data();
+    columns.gradient_F = out.gradient_F.data();
+  }
   run(robot, resistance, columns);
 }
 

@@ -23,6 +23,7 @@ struct BatchColumns {
   BatchObjective objective;
   double* psi = nullptr;
   double* gradient = nullptr;
+  double* gradient_F = nullptr;
 };
 
 struct BatchKernel {

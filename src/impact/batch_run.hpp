@@ -77,11 +77,31 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     weights.omega = response.omega() * (p2 * S(objective.omega));
     weights.base = response.base * (p2 * S(objective.base));
     weights.total = response.total * (p2 * S(objective.total));
-    const S twice_psi = weights.omega.dot(response.omega()) + weights.base.dot(response.base) +
-                        weights.total.dot(response.total);
-    if (columns.approach != nullptr) weights.hand_inverse_mass = -(twice_psi * yield);
+    S twice_psi = weights.omega.dot(response.omega()) + weights.base.dot(response.base) +
+                  weights.total.dot(response.total) + p2 * S(objective.impulse);
+    if (objective.linear != 0 || objective.angular != 0) {
+      const Vector6<S> momentum = posture.inertia.H_b * response.d.Delta_Omega;
+      weights.momentum.template head<3>() =
+          momentum.template head<3>() * (p2 * S(objective.linear));
+      weights.momentum.template tail<3>() =
+          momentum.template tail<3>() * (p2 * S(objective.angular));
+      twice_psi += weights.momentum.dot(momentum);
+    }
+    if (objective.joint_rates != 0) {
+      const S weight = p2 * S(objective.joint_rates);
+      weights.phidot.setZero(robot.n());
+      for (int k = 0; k < robot.n(); ++k) {
+        const S rate = response.d.Delta_phidot[k];
+        weights.phidot[k] = rate * weight;
+        twice_psi += rate * rate * weight;
+      }
+    }
     put_number(twice_psi * S(0.5), columns.psi);
-    put(response_gradient<S>(robot, posture, response, weights).phi, columns.gradient);
+    if (columns.gradient == nullptr) continue;
+    if (columns.approach != nullptr) weights.hand_inverse_mass = -(twice_psi * yield);
+    const ResponseGradient<S> gradient = response_gradient<S>(robot, posture, response, weights);
+    put(gradient.phi, columns.gradient);
+    put(gradient.F, columns.gradient_F);
   }
 }
 

@@ -157,7 +157,7 @@ Json constraints_json(const CaptureProblem& problem) {
   return json;
 }
 
-Json uncertainty_json(const UncertaintySpec& uncertainty) {
+Json uncertainty_json(const RobotModel& robot, const UncertaintySpec& uncertainty) {
   const auto& plane = uncertainty.cone_plane_normal;
   Json json = {
       {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
@@ -169,6 +169,9 @@ Json uncertainty_json(const UncertaintySpec& uncertainty) {
       {"target_inertia", number_json(uncertainty.target_inertia)},
       {"contact_point", number_json(uncertainty.contact_point)},
       {"contact_time", number_json(uncertainty.contact_time)}};
+  if (uncertainty.joint_position.size() > 0) {
+    json["joint_position"] = joint_values_json(robot, uncertainty.joint_position);
+  }
   if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
   return json;
 }
@@ -244,7 +247,7 @@ Json problem_json(const CaptureProblem& problem) {
       {"approach_axis", array_json(hand.approach_axis)},
       {"roll", number_json(hand.roll)}};
   json["constraints"] = constraints_json(problem);
-  json["uncertainty"] = uncertainty_json(problem.uncertainty);
+  json["uncertainty"] = uncertainty_json(problem.robot, problem.uncertainty);
   json["search"] = {{"optimizer", problem.search.optimizer},
                     {"starts", problem.search.starts},
                     {"seed", problem.search.seed},

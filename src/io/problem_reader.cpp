@@ -275,9 +275,11 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
   }
   const bool sampled =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
-  const double widest = std::max({spread.cone_half_angle, spread.closing_speed, spread.restitution,
-                                  spread.target_mass, spread.target_inertia, spread.contact_point,
-                                  spread.contact_time});
+  const JointVectord& joints = spread.joint_position;
+  const double widest =
+      std::max({joints.size() > 0 ? joints.maxCoeff() : 0, spread.cone_half_angle,
+                spread.closing_speed, spread.restitution, spread.target_mass, spread.target_inertia,
+                spread.contact_point, spread.contact_time});
   if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
   const double tail = (1 - problem.measure.cvar_level) * problem.measure.samples;
   if (problem.measure.kind == RiskMeasure::Cvar && !(tail >= 2 - 1e-9)) {

@@ -304,6 +304,11 @@ void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
                 {.lower = 0, .upper = 0.99});
   fields.number("contact_point", spread.contact_point, Dimension::Length, kNonNegative);
   fields.number("contact_time", spread.contact_time, Dimension::Time, {.lower = 0, .upper = 600});
+  if (fields.child("joint_position") != nullptr) {
+    spread.joint_position = JointVectord::Zero(problem.robot.n());
+    read_joint_values(fields, "joint_position", problem.robot, Dimension::Angle, Dimension::Length,
+                      kNonNegative, true, Need::Optional, spread.joint_position);
+  }
   fields.finish();
 }
 

@@ -34,14 +34,39 @@ ContactAxes contact_axes(const CaptureProblem& problem) {
   return out;
 }
 
+/// Unit vectors normal to n; the first is in the wedge's plane.
+std::pair<Vector3d, Vector3d> sides_of(const ContactAxes& axes) {
+  const Vector3d side = axes.plane_normal ? Vector3d(axes.plane_normal->cross(axes.n).normalized())
+                                          : Vector3d(axes.n.unitOrthogonal());
+  return {side, axes.n.cross(side)};
+}
+
 }  // namespace
+
+std::vector<Scenario> rim_scenarios(const CaptureProblem& problem, int count) {
+  const ContactAxes axes = contact_axes(problem);
+  const auto [side, other] = sides_of(axes);
+  const double half_angle = problem.uncertainty.cone_half_angle;
+  Scenario scenario;
+  scenario.restitution = problem.impulse.restitution;
+  scenario.direction = axes.n;
+  std::vector<Scenario> out = {scenario};
+  const int places = axes.plane_normal ? 2 : count;
+  for (int i = 0; i < places && half_angle > 0; ++i) {
+    const double azimuth = 2 * M_PI * i / places;
+    scenario.direction =
+        (std::cos(half_angle) * axes.n +
+         std::sin(half_angle) * (std::cos(azimuth) * side + std::sin(azimuth) * other))
+            .normalized();
+    out.push_back(scenario);
+  }
+  return out;
+}
 
 std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
   const UncertaintySpec& spread = problem.uncertainty;
   const ContactAxes axes = contact_axes(problem);
-  const Vector3d side = axes.plane_normal ? Vector3d(axes.plane_normal->cross(axes.n).normalized())
-                                          : Vector3d(axes.n.unitOrthogonal());
-  const Vector3d other = axes.n.cross(side);
+  const auto [side, other] = sides_of(axes);
   std::vector<Scenario> out;
   for (int k = 0; k < problem.measure.samples; ++k) {
     Random random(problem.measure.seed, static_cast<std::uint64_t>(k));
@@ -71,6 +96,12 @@ std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
                                   : Vector3d(spread.contact_point * std::sqrt(reach) *
                                              (std::cos(turn) * side + std::sin(turn) * other));
     scenario.time_offset = about_zero(spread.contact_time);
+    if (spread.joint_position.size() > 0) {
+      scenario.joint_offset.resize(spread.joint_position.size());
+      for (Eigen::Index i = 0; i < spread.joint_position.size(); ++i) {
+        scenario.joint_offset[i] = about_zero(spread.joint_position[i]);
+      }
+    }
     out.push_back(scenario);
   }
   return out;

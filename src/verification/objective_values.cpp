@@ -114,8 +114,13 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
                        const Configuration& configuration, const PostureResponse& response) {
   std::vector<std::pair<double, double>> squares;  // |y|^2 and weight
   for (const Scenario& scenario : draw_scenarios(problem)) {
-    const Vector6d Fbar = scenario_impulse(problem, motion, configuration, response, scenario);
-    squares.emplace_back(std::pow(objective_value(problem.objective, response, Fbar), 2),
+    std::optional<PostureResponse> displaced;
+    if (scenario.joint_offset.size() > 0) {
+      displaced = posture_response(problem, configuration.phi + scenario.joint_offset);
+    }
+    const PostureResponse& at = displaced ? *displaced : response;
+    const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
+    squares.emplace_back(std::pow(objective_value(problem.objective, at, Fbar), 2),
                          scenario.weight);
   }
   // The mean of the worst share of the weight; of all of it for the expectation.

@@ -67,6 +67,7 @@ CaptureProblem rich_problem(Random& random, int trial) {
   problem.uncertainty.target_inertia = 0.2;
   problem.uncertainty.contact_point = 0.05;
   problem.uncertainty.contact_time = 2;
+  if (trial % 2 == 1) problem.uncertainty.joint_position = JointVectord::Constant(6, 0.1);
   problem.measure.samples = 5;
   return problem;
 }
@@ -93,11 +94,21 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     const double unit = formulation.objective_unit();
     for (std::size_t k = 0; k < scenarios.size(); ++k) {
       const int row = static_cast<int>(k);
-      const Dual f = parts.objective(posture, parts.hit(local, posture, scenarios[k]));
+      const PostureImpact<Dual> at = parts.posture(local, scenarios[k]);
+      const Dual f = parts.objective(at, parts.hit(local, at, scenarios[k]));
       INFO("trial " << trial << ", scenario " << k);
       CHECK(here.values[row] * unit * unit == Approx(f.value()).epsilon(1e-12));
       CHECK(relative(here.gradients.row(row) * unit * unit, derivatives(f, x.size())) < 1e-11);
     }
+    CHECK(formulation.evaluate_points({x}, scenarios)
+              .row(0)
+              .transpose()
+              .isApprox(here.values, 1e-14));
+    ScenarioEvaluation alone;
+    formulation.evaluate_scenarios(x, {scenarios[0]}, true, alone);  // too few for packs
+    CHECK(alone.values[0] == Approx(here.values[0]).epsilon(1e-12));
+    CHECK(relative(alone.gradients.row(0), here.gradients.row(0)) < 1e-11);
+
     const Hit<Dual> hit = parts.hit(local, posture, parts.predicted());
     REQUIRE(here.constraints.size() == static_cast<int>(parts.rows.size()));
     for (std::size_t i = 0; i < parts.rows.size(); ++i) {

@@ -98,7 +98,7 @@ TEST_CASE("a batch does not allocate when its results have their size") {
     BatchObjectiveValues objective;
     const auto evaluate = [&] {
       evaluate_postures(robot, free_joints, batch, values);
-      evaluate_objective(robot, free_joints, batch, {.base = 1}, objective);
+      evaluate_objective(robot, free_joints, batch, {.base = 1}, true, objective);
     };
     evaluate();
     CHECK(allocations_in(evaluate) == 0);

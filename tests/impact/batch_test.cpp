@@ -91,6 +91,7 @@ struct Columns {
     values.p.resize(count);
     objective.psi.resize(count);
     objective.gradient.resize(count, batch.phi.cols());
+    objective.gradient_F.resize(count, 6);
     columns.count = count;
     columns.phi = batch.phi.data();
     columns.F = batch.F.data();
@@ -106,6 +107,7 @@ struct Columns {
     columns.objective = wanted;
     columns.psi = objective.psi.data();
     columns.gradient = objective.gradient.data();
+    columns.gradient_F = objective.gradient_F.data();
   }
 };
 
@@ -171,7 +173,9 @@ TEST_CASE("every width of register gives the values and gradients of one posture
     const ImpactResistance resistance = random_resistance(random, n);
     const ImpactBatch batch = random_batch(random, n, 1 + random.index(19), trial % 3 > 0);
     const BatchObjective objective{trial % 4 == 0 ? 1.0 : 0.0, trial % 4 == 1 ? 1.0 : 0.3,
-                                   trial % 4 == 2 ? 1.0 : 0.2};
+                                   trial % 4 == 2 ? 1.0 : 0.2, trial % 5 == 0 ? 0.7 : 0.0,
+                                   trial % 5 <= 1 ? 0.4 : 0.0, trial % 7 <= 1 ? 0.6 : 0.0,
+                                   trial % 2 == 0 ? 0.5 : 0.0};
     for (const BatchKernel* kernel : batch_kernels()) {
       Columns got(batch, objective);
       kernel->run(robot, resistance, got.columns);
@@ -188,11 +192,19 @@ TEST_CASE("every width of register gives the values and gradients of one posture
         weights.omega = objective.omega * p * p * response.omega();
         weights.base = objective.base * p * p * response.base;
         weights.total = objective.total * p * p * response.total;
-        const double psi = p * p *
-                           (objective.omega * response.omega().squaredNorm() +
-                            objective.base * response.base.squaredNorm() +
-                            objective.total * response.total.squaredNorm()) /
-                           2;
+        const Vector6d received = posture.inertia.H_b * response.d.Delta_Omega;
+        weights.momentum << objective.linear * p * p * received.head<3>(),
+            objective.angular * p * p * received.tail<3>();
+        weights.phidot = objective.joint_rates * p * p * response.d.Delta_phidot;
+        const double psi =
+            p * p *
+            (objective.omega * response.omega().squaredNorm() +
+             objective.base * response.base.squaredNorm() +
+             objective.total * response.total.squaredNorm() +
+             objective.linear * received.head<3>().squaredNorm() +
+             objective.angular * received.tail<3>().squaredNorm() +
+             objective.joint_rates * response.d.Delta_phidot.squaredNorm() + objective.impulse) /
+            2;
         if (trial % 3 > 0) {
           weights.hand_inverse_mass =
               -2 * psi / (response.hand_inverse_mass + batch.target_inverse_mass[i]);
@@ -212,12 +224,18 @@ TEST_CASE("every width of register gives the values and gradients of one posture
         value.add(number(got.values.hand_inverse_mass[i] - response.hand_inverse_mass),
                   response.hand_inverse_mass, limit);
         value.add(number(got.values.p[i] - p), p, limit);
-        const double size = p * p *
-                            (objective.omega * speed * speed +
-                             (objective.base + objective.total) * momentum * momentum);
+        const double received_size = posture.inertia.H_b.norm() * speed;
+        const double size =
+            p * p *
+            ((objective.omega + objective.joint_rates) * speed * speed +
+             (objective.base + objective.total) * momentum * momentum +
+             (objective.linear + objective.angular) * received_size * received_size +
+             objective.impulse);
         value.add(number(got.objective.psi[i] - psi), size, limit);
         gradient.add(JointVectord(got.objective.gradient.row(i)) - slope.phi,
                      std::max(size, slope.phi.cwiseAbs().maxCoeff()), limit);
+        gradient.add(Vector6d(got.objective.gradient_F.row(i)) - slope.F,
+                     std::max(size, slope.F.cwiseAbs().maxCoeff()), limit);
       }
     }
   }
@@ -234,7 +252,7 @@ TEST_CASE("a batch of any size takes robots of any size") {
     ImpactBatchValues values;
     BatchObjectiveValues objective;
     evaluate_postures(robot, free_joints, batch, values);
-    evaluate_objective(robot, free_joints, batch, {0, 1, 0}, objective);
+    evaluate_objective(robot, free_joints, batch, {.base = 1}, true, objective);
     for (int i = 0; i < 11; ++i) {
       const auto response = respond<double>(
           evaluate_posture<double>(robot, free_joints, JointVectord(batch.phi.row(i))),
@@ -243,6 +261,11 @@ TEST_CASE("a batch of any size takes robots of any size") {
       const double p = values.p[i];
       CHECK(objective.psi[i] == Approx(p * p * response.base.squaredNorm() / 2).epsilon(1e-11));
     }
+    const Eigen::VectorXd with_gradients = objective.psi;
+    const Eigen::MatrixXd untouched = objective.gradient;
+    evaluate_objective(robot, free_joints, batch, {.base = 1}, false, objective);
+    CHECK(objective.psi == with_gradients);
+    CHECK(objective.gradient == untouched);
   }
   ImpactBatchValues nothing;
   const RobotModel robot = random_robot(random, 3, false);

@@ -202,6 +202,7 @@ TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
   std::vector<std::string> texts;
   CaptureProblem own = read(kProblem);
   own.target_state.pose.orientation = rotation_exp({0.1, 0.2, 0.3});
+  own.uncertainty.joint_position = Eigen::Vector2d(0.01, 0.02);
   own.hand.constraint = HandConstraint::Pose;
   own.hand.orientation = rotation_exp({-1, 0.5, 0.7});
   own.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
@@ -225,6 +226,7 @@ TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
     CHECK(again.target_state.pose.orientation.coeffs() ==
           problem.target_state.pose.orientation.coeffs());
     CHECK(again.impulse.direction == problem.impulse.direction);
+    CHECK(again.uncertainty.joint_position == problem.uncertainty.joint_position);
     CHECK(again.hand.position == problem.hand.position);
     CHECK(again.search.seed == problem.search.seed);
     CHECK(again.robot.n() == problem.robot.n());

@@ -39,7 +39,11 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
                            .target_mass = 0.2,
                            .target_inertia = 0.3,
                            .contact_point = 0.05,
-                           .contact_time = 2};
+                           .contact_time = 2,
+                           .joint_position = {}};
+    if (trial % 2 == 1) {
+      problem.uncertainty.joint_position = JointVectord::Constant(problem.robot.n(), 0.1);
+    }
     problem.measure.samples = 20;
     problem.measure.cvar_level = 0.73;
     const Formulation formulation(problem);

@@ -10,6 +10,9 @@
 
 namespace stillbase {
 
+/// Postures per step for a robot of n joints on this processor; 1: no faster than one by one.
+int batch_lanes(int n);
+
 /// What hits the robot in which posture.
 struct ImpactBatch {
   Eigen::MatrixXd phi;  ///< joint positions, count x n; finite
@@ -33,21 +36,31 @@ struct ImpactBatchValues {
 void evaluate_postures(const RobotModel& robot, const ImpactResistance& resistance,
                        const ImpactBatch& batch, ImpactBatchValues& out);
 
-/// psi = 1/2 p^2 (omega |Delta omega|^2 + base |base|^2 + total |total|^2), per unit of p inside.
+/// Weights of psi = 1/2 p^2 (omega |Delta omega|^2 + base |base|^2 + total |total|^2
+///   + linear |P|^2 + angular |L|^2 + joint_rates |Delta phidot|^2 + impulse),
+/// all per unit of p inside; [P; L] = H_b Delta Omega is the momentum that the base receives (1).
 struct BatchObjective {
   double omega = 0;
   double base = 0;
   double total = 0;
+  double linear = 0;
+  double angular = 0;
+  double joint_rates = 0;
+  double impulse = 0;
 };
 
 struct BatchObjectiveValues {
-  Eigen::VectorXd psi;       ///< count
-  Eigen::MatrixXd gradient;  ///< d psi / d phi with F and the target's part of p fixed, count x n
+  Eigen::VectorXd psi;  ///< count
+  /// d psi / d phi with F and the target's part of p fixed, count x n.
+  Eigen::MatrixXd gradient;
+  /// d psi / d F with approach and target_inverse_mass fixed, count x 6.
+  Eigen::MatrixXd gradient_F;
 };
 
+/// @param derivatives false: psi alone, the gradients stay as they are
 /// @param out resized; allocates only when its sizes change
 void evaluate_objective(const RobotModel& robot, const ImpactResistance& resistance,
-                        const ImpactBatch& batch, const BatchObjective& objective,
+                        const ImpactBatch& batch, const BatchObjective& objective, bool derivatives,
                         BatchObjectiveValues& out);
 
 }  // namespace stillbase

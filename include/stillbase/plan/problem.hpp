@@ -129,12 +129,13 @@ struct UncertaintySpec {
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
   // Half ranges of even distributions about the prediction; for samples alone.
-  double closing_speed = 0;   ///< m/s
-  double restitution = 0;     ///< on e
-  double target_mass = 0;     ///< fraction of the mass
-  double target_inertia = 0;  ///< fraction of the inertia
-  double contact_point = 0;   ///< m: radius of a disc normal to the direction
-  double contact_time = 0;    ///< s
+  double closing_speed = 0;     ///< m/s
+  double restitution = 0;       ///< on e
+  double target_mass = 0;       ///< fraction of the mass
+  double target_inertia = 0;    ///< fraction of the inertia
+  double contact_point = 0;     ///< m: radius of a disc normal to the direction
+  double contact_time = 0;      ///< s
+  JointVectord joint_position;  ///< rad (m), n or empty: the posture in which the arm is hit
 };
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line

@@ -1,0 +1,44 @@
+// |y| as a function of the impulse direction at one posture: y and W_h are linear and quadratic in
+// it, so a direction costs a few small products.
+#pragma once
+
+#include <vector>
+
+#include <stillbase/capture/formulation.hpp>
+
+namespace stillbase {
+
+struct DirectionModel {
+  static constexpr int kMaxRows = 3 + 3 + 3 + 6 + 1 + kMaxJoints;  // one term of each quantity
+
+  const CaptureProblem* problem;
+  Encounter encounter;
+  /// y = p Y [d; 1]: all terms below each other, and what a stated moment adds.
+  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::ColMajor, kMaxRows, 4> Y;
+  Matrix3d W;        ///< d' W d: inverse mass of hand and target together
+  Vector3d n, u, v;  ///< predicted direction and tangents
+  double half_angle = 0;
+  bool planar = false;
+  // For terms of the user, which may be any function of the direction.
+  const std::vector<UserTerm>* user_terms;
+  Configuration configuration;
+
+  DirectionModel(const CaptureProblem& p, const Formulation& formulation, const Configuration& at);
+
+  /// Direction at angle |c| from n towards (c_1, c_2).
+  Vector3d direction(const Eigen::Vector2d& c) const;
+  /// The inverse of direction(), inside the cone.
+  Eigen::Vector2d coordinates(const Vector3d& d) const;
+  /// The place itself, or the nearest on the cone's rim.
+  Eigen::Vector2d project(Eigen::Vector2d c) const;
+  double value(const Eigen::Vector2d& c) const;
+  /// values[i] = value(places[i]), two at a time.
+  void values(const std::vector<Eigen::Vector2d>& places, std::vector<double>& values) const;
+
+ private:
+  template <class S>
+  S square(const Vector3<S>& d) const;
+  double user_square(const Vector3d& d) const;
+};
+
+}  // namespace stillbase

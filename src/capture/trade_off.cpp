@@ -1,0 +1,270 @@
+#include <stillbase/capture/trade_off.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/capture/search.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/nlp/certificate.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kFeasible = 1e-9;
+constexpr std::size_t kStartsOfAKind = 6;
+constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
+
+CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
+  problem.objective = {{quantity}};
+  problem.measure = {};
+  return problem;
+}
+
+/// Least second quantity while the first is at most `level`.
+class LimitedProgram final : public nlp::Problem {
+ public:
+  LimitedProgram(const Formulation& first, const Formulation& second, double level)
+      : first_(first),
+        second_(second),
+        limit_(std::pow(level / first.objective_unit(), 2) / 2),
+        m_(second.num_constraints()) {}
+
+  int num_variables() const override { return second_.num_variables(); }
+  int num_constraints() const override { return m_ + 1; }
+  Eigen::VectorXd lower() const override { return second_.lower(); }
+  Eigen::VectorXd upper() const override { return second_.upper(); }
+  Eigen::VectorXd constraint_lower() const override {
+    return joined(second_.constraint_lower(), -nlp::kInfinity);
+  }
+  Eigen::VectorXd constraint_upper() const override {
+    return joined(second_.constraint_upper(), 1);
+  }
+  void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    second_.evaluate(x, out);
+    first_.evaluate(x, first_here_);
+    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+    out.jacobian.conservativeResize(m_ + 1, x.size());
+    out.jacobian.row(m_) = first_here_.gradient.transpose() / limit_;
+  }
+  void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    second_.evaluate_value(x, out);
+    first_.evaluate_value(x, first_here_);
+    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+  }
+  bool has_hessian() const override { return first_.has_hessian() && second_.has_hessian(); }
+  void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
+                          const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(first_.num_constraints());
+    Eigen::MatrixXd of_first;
+    first_.lagrangian_hessian(x, multipliers[m_] / limit_, none, of_first);
+    second_.lagrangian_hessian(x, sigma, multipliers.head(m_), out);
+    out += of_first;
+  }
+
+ private:
+  static Eigen::VectorXd joined(const Eigen::VectorXd& a, double b) {
+    Eigen::VectorXd out(a.size() + 1);
+    out << a, b;
+    return out;
+  }
+
+  const Formulation& first_;
+  const Formulation& second_;
+  double limit_;
+  int m_;
+  mutable nlp::Evaluation first_here_;
+};
+
+/// What is asked, and what every part of the search needs.
+class FrontSearch {
+ public:
+  FrontSearch(const CaptureProblem& problem, ObjectiveQuantity first, ObjectiveQuantity second,
+              const TradeOffOptions& options, TradeOff& out)
+      : first_problem_(with_objective(problem, first)),
+        second_problem_(with_objective(problem, second)),
+        first_(first_problem_),
+        second_(second_problem_),
+        options_(options),
+        out_(out),
+        optimizer_(nlp::make_optimizer(options.optimizer)) {
+    if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    solve_.max_evaluations = 1000;
+    solve_.stop = options.stop;
+    solve_.feasibility_tolerance = kFeasible;
+    solve_.optimality_tolerance = 1e-6;
+  }
+
+  void run() {
+    // The extremes, and the other good postures on the way to them as starts.
+    for (const auto& [problem, formulation] :
+         {std::pair(&first_problem_, &first_), std::pair(&second_problem_, &second_)}) {
+      SearchOptions search_options;
+      search_options.optimizer = options_.optimizer;
+      search_options.starts = options_.starts;
+      search_options.seed = options_.seed;
+      search_options.stop = options_.stop;
+      const SearchResult found = search(*problem, *formulation, search_options);
+      for (const auto& [name, calls] : found.solver_calls) out_.solver_calls[name] += calls;
+      out_.stopped = out_.stopped || found.stopped;
+      for (std::size_t i = 0; i < found.points.size(); ++i) {
+        if (found.candidates[i].max_violation <= kFeasible) add(found.points[i]);
+      }
+    }
+    // A front may jump from one family of postures to another: starts from everywhere.
+    for (int draw = 0; draw < kDrawn * options_.starts && !stopped(); ++draw) {
+      const Eigen::VectorXd x0 = second_.start_point(
+          low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
+      const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
+      if (projected.violation <= kFeasible) add(second_.normalised(projected.x));
+    }
+    if (points_.empty()) return;
+    // Upwards from the least first quantity, then downwards: each level starts from what its
+    // neighbours found.
+    const auto [least, most] = range();
+    const int total = 2 * options_.levels;
+    for (int step = 0; step < total && !stopped(); ++step) {
+      const int k = step < options_.levels ? step : total - 1 - step;
+      // Denser where the first quantity is small: there the second one falls fastest. Never zero:
+      // there the square of the first quantity has no gradient to hold it.
+      const double part = std::pow(static_cast<double>(k) / (options_.levels - 1), 3);
+      const double level = std::max(least + (most - least) * part, 1e-5 * most);
+      if (level > 0) improve(level);
+      if (options_.on_progress) options_.on_progress(step + 1, total);
+    }
+  }
+
+  /// Those that no other one beats, with certificates.
+  std::vector<TradeOffPoint> front() {
+    std::vector<TradeOffPoint> out;
+    const std::vector<Point> points = sorted();
+    if (points.empty()) return {};
+    const auto [least, most] = range();
+    const double same = 1e-6 * (most - least);
+    std::vector<Point> best;
+    for (const Point& point : points) {
+      // Where nothing was solved for, a point may look good only because no other one is near.
+      if (!point.solved && point.first > least + same && point.first != most) continue;
+      if (!best.empty() && !(point.second < best.back().second * (1 - 1e-9))) continue;
+      // Of two that differ by rounding in the first quantity, the one with less of the second.
+      if (!best.empty() && point.first <= best.back().first + same) best.pop_back();
+      best.push_back(point);
+    }
+    for (const Point& point : best) {
+      TradeOffPoint entry;
+      entry.configuration = first_.configuration(point.x);
+      entry.first = point.first;
+      entry.second = point.second;
+      for (const ConstraintValue& value : first_.report(point.x)) {
+        entry.max_violation = std::max(entry.max_violation, value.violation);
+      }
+      const double level = std::max(point.first, 1e-12 * first_.objective_unit());
+      entry.kkt_residual =
+          nlp::certify(LimitedProgram(first_, second_, level), point.x).kkt_residual;
+      out.push_back(entry);
+    }
+    return out;
+  }
+
+ private:
+  struct Point {
+    Eigen::VectorXd x;
+    double first, second;
+    bool solved;  ///< least second at a level; the others are starts
+  };
+
+  bool stopped() {
+    out_.stopped = out_.stopped || options_.stop.reached();
+    return out_.stopped;
+  }
+
+  void add(const Eigen::VectorXd& x, bool solved = false) {
+    const Configuration at = first_.configuration(x);
+    points_.push_back({x, nominal_value(first_problem_, first_, at),
+                       nominal_value(second_problem_, second_, at), solved});
+  }
+
+  /// By rising first, then second.
+  std::vector<Point> sorted() const {
+    std::vector<Point> out = points_;
+    std::stable_sort(out.begin(), out.end(), [](const Point& a, const Point& b) {
+      return a.first < b.first || (a.first == b.first && a.second < b.second);
+    });
+    return out;
+  }
+
+  /// From the least first quantity to that of the point with the least second one.
+  std::pair<double, double> range() const {
+    const std::vector<Point> points = sorted();
+    const auto end =
+        std::min_element(points.begin(), points.end(),
+                         [](const Point& a, const Point& b) { return a.second < b.second; });
+    return {points.front().first, end->first};
+  }
+
+  void improve(double level) {
+    // The best of those that keep the level, and the nearest of those that are better but do not.
+    std::vector<Point> kept, beyond;
+    double best = kInfinity;
+    for (const Point& point : points_) {
+      if (point.first > level) continue;
+      kept.push_back(point);
+      best = std::min(best, point.second);
+    }
+    for (const Point& point : points_) {
+      if (point.first > level && point.second < best) beyond.push_back(point);
+    }
+    std::stable_sort(kept.begin(), kept.end(),
+                     [](const Point& a, const Point& b) { return a.second < b.second; });
+    std::stable_sort(beyond.begin(), beyond.end(),
+                     [](const Point& a, const Point& b) { return a.first < b.first; });
+    std::vector<Eigen::VectorXd> starts;
+    for (const std::vector<Point>& points : {kept, beyond}) {
+      const std::size_t most = starts.size() + kStartsOfAKind;
+      for (const Point& point : points) {
+        const bool known = std::any_of(starts.begin(), starts.end(), [&](const auto& other) {
+          return first_.distance(other, point.x) < 0.05;
+        });
+        if (!known) starts.push_back(point.x);
+        if (starts.size() >= most) break;
+      }
+    }
+    const LimitedProgram program(first_, second_, level);
+    for (const Eigen::VectorXd& start : starts) {
+      if (stopped()) return;
+      const nlp::OptimizeResult found = optimizer_->minimize(program, start, solve_);
+      ++out_.solver_calls[options_.optimizer];
+      const ProjectionResult exact =
+          project_onto_constraints(second_, second_.normalised(found.x), false, 8);
+      if (exact.violation <= kFeasible) add(exact.x, true);
+    }
+  }
+
+  CaptureProblem first_problem_, second_problem_;
+  Formulation first_, second_;
+  const TradeOffOptions& options_;
+  TradeOff& out_;
+  std::unique_ptr<nlp::Optimizer> optimizer_;
+  nlp::OptimizeOptions solve_;
+  std::vector<Point> points_;
+};
+
+}  // namespace
+
+TradeOff trade_off(const CaptureProblem& problem, ObjectiveQuantity first, ObjectiveQuantity second,
+                   const TradeOffOptions& options) {
+  if (first == second) throw std::invalid_argument("a trade-off needs two quantities");
+  if (options.levels < 2) throw std::invalid_argument("a trade-off needs two levels at least");
+  TradeOff out{first, second, {}, false, {}};
+  FrontSearch search(problem, first, second, options, out);
+  search.run();
+  out.points = search.front();
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,87 @@
+#include <catch2/catch.hpp>
+
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/capture/trade_off.hpp>
+#include <stillbase/io/problem_file.hpp>
+
+#include "capture/capture_problems.hpp"
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+TEST_CASE("a front holds no point that another one beats, and both extremes") {
+  const CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  TradeOffOptions options;
+  options.starts = 24;
+  options.levels = 12;
+  const TradeOff front = trade_off(problem, ObjectiveQuantity::BaseAngularMomentum,
+                                   ObjectiveQuantity::JointRateNorm, options);
+  REQUIRE(front.points.size() >= 8);
+  CHECK_FALSE(front.stopped);
+  for (std::size_t i = 0; i < front.points.size(); ++i) {
+    const TradeOffPoint& point = front.points[i];
+    CHECK(point.max_violation <= 1e-9);
+    if (i == 0) continue;
+    CHECK(point.first > front.points[i - 1].first);
+    CHECK(point.second < front.points[i - 1].second);
+  }
+
+  // Against every posture of the arm that holds the hand's point, sampled densely: no posture lies
+  // below the front by more than the distance of its points explains.
+  CaptureProblem of_first = problem, of_second = problem;
+  of_first.measure = of_second.measure = {};
+  of_first.objective = {{ObjectiveQuantity::BaseAngularMomentum}};
+  of_second.objective = {{ObjectiveQuantity::JointRateNorm}};
+  const Formulation first(of_first), second(of_second);
+  double least_first = kInfinity, least_second = kInfinity;
+  for (int i = 0; i < 4000; ++i) {
+    const ProjectionResult on = project_onto_constraints(
+        first, first.start_point(low_discrepancy_point(i, first.start_dimension(), 5)), false, 30);
+    if (!(on.violation < 1e-10)) continue;
+    const Configuration at = first.configuration(on.x);
+    const double a = nominal_value(of_first, first, at), b = nominal_value(of_second, second, at);
+    least_first = std::min(least_first, a);
+    least_second = std::min(least_second, b);
+    // The front's value at a: of the last point whose first quantity is at most a.
+    double reachable = kInfinity;
+    for (const TradeOffPoint& point : front.points) {
+      if (point.first <= a) reachable = point.second;
+    }
+    if (a >= front.points[1].first) {
+      // Levels are steps: the point of the next lower level is at most one step worse.
+      double next = front.points.back().second;
+      for (const TradeOffPoint& point : front.points) {
+        if (point.first > a) {
+          next = point.second;
+          break;
+        }
+      }
+      INFO("first " << a << ", joints " << at.phi.transpose());
+      CHECK(b >= next * (1 - 1e-6));
+      CHECK(next <= reachable);
+    }
+  }
+  CHECK(front.points.front().first <= least_first * (1 + 1e-9));
+  CHECK(front.points.back().second <= least_second * (1 + 1e-9));
+}
+
+TEST_CASE("a trade-off of a quantity with itself makes no sense") {
+  const CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CHECK_THROWS_AS(
+      trade_off(problem, ObjectiveQuantity::JointRateNorm, ObjectiveQuantity::JointRateNorm, {}),
+      std::invalid_argument);
+}
+
+TEST_CASE("a stopped trade-off says so") {
+  const CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  TradeOffOptions options;
+  options.stop.deadline = std::chrono::steady_clock::now();
+  CHECK(trade_off(problem, ObjectiveQuantity::BaseAngularMomentum, ObjectiveQuantity::JointRateNorm,
+                  options)
+            .stopped);
+}
+
+}  // namespace stillbase
