@@ -20,6 +20,7 @@
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
+#include "app/load.hpp"
 #include "app/output.hpp"
 #include "io/json_trials.hpp"
 
@@ -50,7 +51,7 @@ int make(const MakeOptions& options) {
     CampaignCase piece;
     piece.plan = absolute(name, options.spec);
     const std::string content = read_text_file(piece.plan);
-    (void)read_plan(content, piece.plan);  // refused now, not a thousand times later
+    (void)load_plan(piece.plan);  // refused now, not a thousand times later
     piece.sha256 = sha256_hex(content);
     for (const std::uint64_t seed : spec.seeds) {
       piece.seed = seed;
@@ -71,7 +72,15 @@ int make(const MakeOptions& options) {
       add(piece);
     }
   }
-  const std::size_t count = cases_from_text(text, options.spec).size();
+  std::size_t count = 0;
+  try {
+    count = cases_from_text(text, options.spec).size();
+  } catch (const InputError& error) {
+    // The lines are those of the cases, which nobody has written: a file goes by two names.
+    throw InputError({{options.spec, 0, "duplicate-case",
+                       fmt::format("plans and problems: the same file may be named once ({})",
+                                   error.findings().front().message)}});
+  }
   options.output.write(text);
   say(fmt::format("{} cases", count));
   return kDone;

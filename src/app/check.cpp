@@ -5,6 +5,7 @@
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
+#include <stillbase/io/campaign_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/target_file.hpp>
 
@@ -42,21 +43,23 @@ Report report_on(const std::string& path, const std::string& hand,
   }
   const std::string text = read_text_file(path);
   const std::string format = stated_format(text, path);
-  if (format == "stillbase.plan") return {"plan", plan_report(read_plan(text, path))};
+  if (format == "stillbase.plan") return {"plan", plan_report(load_plan(path))};
   if (format == "stillbase.target") return {"target", target_report(read_target_text(text, path))};
   if (format.empty() && extension == ".json") {
-    if (!robot) {
-      throw CommandLineError(path +
-                             ": says no format; a state is checked with its robot, named "
-                             "before it: check ROBOT.urdf STATE.json");
-    }
+    if (!robot) return {"state", lone_state_report(read_state(text, path))};
     return {"state", state_report(read_state(text, path, *robot), *robot)};
+  }
+  if (format == "stillbase.campaign") {
+    const CampaignSpec spec = read_campaign_spec(text, path);
+    return {"campaign",
+            fmt::format("{} plans, {} problems, {} seeds, {} trials each", spec.plans.size(),
+                        spec.problems.size(), spec.seeds.size(), spec.trials)};
   }
   if (!format.empty() && format != "stillbase.problem") {
     throw InputError({{path, 0, "format",
                        "format: is '" + format +
-                           "'; known are stillbase.problem, "
-                           "stillbase.target, stillbase.plan"}});
+                           "'; known are stillbase.problem, stillbase.target, stillbase.plan and "
+                           "stillbase.campaign; a state and a robot say none"}});
   }
   return {"problem", problem_report(read_problem(path))};
 }
@@ -91,7 +94,8 @@ void add_check(CLI::App& app, Action& action) {
   command
       ->add_option(
           "files", options->files,
-          "robots (.urdf), problems, targets (.yaml), plans, states (.json, after their robot)")
+          "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
+          "robot one of it)")
       ->type_name("FILE...")
       ->required();
   command->add_option("--hand", options->hand, "hand link of the robots that have several ends")

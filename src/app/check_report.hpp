@@ -14,6 +14,8 @@ std::string target_report(const TargetBody& target);
 std::string problem_report(const CaptureProblem& problem);
 std::string plan_report(const PlanFile& file);
 std::string state_report(const RobotState& state, const RobotModel& robot);
+/// Of a state that no robot was named for.
+std::string lone_state_report(const RobotState& state);
 
 /// "suspicious:" and one line each, or nothing when there are none.
 std::string remark_lines(const std::vector<std::string>& remarks);

@@ -144,6 +144,14 @@ std::string robot_report(const RobotModel& robot) {
   return text + remark_lines(remarks);
 }
 
+std::string lone_state_report(const RobotState& state) {
+  return fmt::format(
+      "state of a robot that was not named; joints and limits are judged after it: check "
+      "ROBOT.urdf STATE.json\n{} joint positions, {} joint rates; base velocity {} m/s, {} rad/s\n",
+      state.phi.size(), state.phidot.size(), vector_words(state.Omega.head<3>()),
+      vector_words(state.Omega.tail<3>()));
+}
+
 std::string state_report(const RobotState& state, const RobotModel& robot) {
   std::string text =
       fmt::format("state of {}\nposture: {}\n", robot.name, posture_words(robot, state.phi));

@@ -32,4 +32,22 @@ RobotModel load_robot(const std::string& path, const std::string& hand) {
   }
 }
 
+PlanFile load_plan(const std::string& path) {
+  PlanFile file = read_plan(read_text_file(path), path);
+  if (!file.is_as_written()) {
+    throw InputError({{path, 0, "fingerprint",
+                       "content_sha256: the plan was changed after it was written; `stillbase "
+                       "verify` says what does not hold"}});
+  }
+  return file;
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code ignored;
+  if (std::filesystem::equivalent(a, b, ignored)) return true;
+  return std::filesystem::weakly_canonical(a, ignored) ==
+         std::filesystem::weakly_canonical(b, ignored);
+}
+
 }  // namespace stillbase::app

@@ -87,6 +87,8 @@ int main(int argc, char** argv) {
   add_simulate(app, action);
   add_verify(app, action);
   add_campaign(app, action);
+  add_bench(app, action);
+  add_report(app, action);
   return run([&] {
     check_arguments(app, argc, argv);
     try {

@@ -10,6 +10,7 @@
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
+#include "app/load.hpp"
 #include "app/output.hpp"
 #include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
@@ -50,11 +51,15 @@ int exit_code_of(const Plan& plan) {
 
 int run(const Options& options) {
   options.output.check();
+  if (is_same_file(options.problem, options.output.path)) {
+    throw CommandLineError("--output " + options.output.path + ": is the problem file itself");
+  }
   if (!options.optimizer.empty() && !nlp::make_optimizer(options.optimizer)) {
     throw CommandLineError(fmt::format("--optimizer {}: unknown; there are {}", options.optimizer,
                                        fmt::join(nlp::optimizer_names(), ", ")));
   }
   CaptureProblem problem = read_problem(options.problem);
+  const std::vector<InputFile> inputs = input_files(options.problem);
   if (!options.optimizer.empty()) problem.search.optimizer = options.optimizer;
   if (options.seed) problem.search.seed = *options.seed;
   if (options.starts) problem.search.starts = *options.starts;
@@ -77,7 +82,7 @@ int run(const Options& options) {
                             plan.status != PlanStatus::Infeasible && planner.stop.reached();
   if (approach_cut) plan.status = PlanStatus::Limit;
 
-  const std::string text = plan_to_json(plan, tool_versions());
+  const std::string text = plan_to_json(plan, tool_versions(), {}, inputs);
   options.output.write(text);
   if (options.json && options.output.is_given()) write_stdout(text);
   say(plan_summary(plan));

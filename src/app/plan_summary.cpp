@@ -69,6 +69,19 @@ std::string curvature_words(double smallest) {
   return fmt::format("{:.3g} in some direction: not a minimum", smallest);
 }
 
+std::string unseen_words(const Certificate& certificate) {
+  if (certificate.unseen > 0.9) {
+    return fmt::format("nearly every start ended at a solution of its own: they form families");
+  }
+  if (certificate.unseen == 0) {
+    return fmt::format("every solution was reached by several of the {} starts",
+                       certificate.starts);
+  }
+  return fmt::format(
+      "one more start would end at a new solution with a probability of about {:.2g}",
+      certificate.unseen);
+}
+
 std::string proof_words(const Proof& proof) {
   std::string text = proof.statement;
   if (proof.gap)
@@ -138,7 +151,7 @@ std::string approach_words(const Approach& approach) {
   std::string text =
       fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);
   if (std::isfinite(approach.min_clearance)) {
-    text += fmt::format(", clearance {:.3g} m", approach.min_clearance);
+    text += fmt::format(", clearance {:.3g} m (hand from target aside)", approach.min_clearance);
   }
   text += fmt::format(", base turns by at most {:.3g} deg", approach.attitude_excursion * kDegrees);
   if (approach.effort_used > 0) {
@@ -189,6 +202,10 @@ std::string plan_summary(const Plan& plan) {
     const auto& curvature = plan.certificate.reduced_hessian_min_eigenvalue;
     if (plan.status != PlanStatus::Infeasible && curvature) {
       text += line("curvature", curvature_words(*curvature));
+    }
+    if (plan.status != PlanStatus::Infeasible &&
+        plan.certificate.proof.status != ProofStatus::Complete) {
+      text += line("unseen", unseen_words(plan.certificate));
     }
     if (plan.status != PlanStatus::Infeasible) {
       text += line("approach", approach_words(plan.approach));

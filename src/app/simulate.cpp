@@ -10,6 +10,7 @@
 #include <stillbase/simulation/settings.hpp>
 
 #include "app/commands.hpp"
+#include "app/contact_table.hpp"
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
 #include "app/load.hpp"
@@ -18,6 +19,7 @@
 #include "app/start_impact.hpp"
 #include "app/words.hpp"
 #include "io/json.hpp"
+#include "planner/post_impact.hpp"
 
 namespace stillbase::app {
 
@@ -29,7 +31,8 @@ using io::number_json;
 struct Options {
   std::string input, controller;
   OutputFile trace, plot;
-  bool json = false;
+  bool json = false, contact_table = false;
+  std::vector<double> servo;
 };
 
 /// A problem and the state right after its impact.
@@ -42,7 +45,7 @@ struct Case {
 Case load_case(const std::string& path) {
   Case result;
   if (extension_of(path) == ".json") {
-    Plan plan = read_plan(read_text_file(path), path).plan;
+    Plan plan = load_plan(path).plan;
     return {plan.problem, plan.configuration, plan.impact};
   }
   result.problem = read_problem(path);
@@ -54,7 +57,49 @@ Case load_case(const std::string& path) {
 struct Run {
   std::string controller;
   SimulationResult result;
+  AfterContact contact;  ///< its `simulation` has gone to `result`
 };
+
+/// What the contact was, beyond an instantaneous impact; null for that.
+Json contact_json(const Run& run) {
+  if (run.contact.is_held) {
+    const Vector6d& Fbar = run.contact.latch_impulse;
+    return {{"model", "latch"},
+            {"impulse",
+             {{"force", io::array_json(Vector3d(Fbar.head<3>()))},
+              {"moment", io::array_json(Vector3d(Fbar.tail<3>()))}}}};
+  }
+  if (!run.contact.encounter) return nullptr;
+  const EncounterResult& encounter = *run.contact.encounter;
+  const ContactHistory& contact = encounter.contact;
+  return {{"model", "compliant"},
+          {"contacts", contact.contacts},
+          {"begin", number_json(contact.first_begin)},
+          {"duration", number_json(contact.first_end - contact.first_begin)},
+          {"peak_force", number_json(run.result.summary.peak_contact_force)},
+          {"impulse_inertial", io::array_json(encounter.impulse_N)},
+          {"separation_speed", number_json(encounter.separation_speed)},
+          {"momentum_error", number_json(encounter.momentum_error)}};
+}
+
+std::string contact_words(const Run& run) {
+  if (run.contact.is_held) {
+    const Vector6d& Fbar = run.contact.latch_impulse;
+    return fmt::format(
+        "  contact         latched by {:.4g} N s and {:.4g} N m s; the target is held\n",
+        Fbar.head<3>().norm(), Fbar.tail<3>().norm());
+  }
+  if (!run.contact.encounter) return "";
+  const EncounterResult& encounter = *run.contact.encounter;
+  const ContactHistory& contact = encounter.contact;
+  if (contact.contacts == 0) return "  contact         none within the horizon\n";
+  return fmt::format(
+      "  contact         {} time{}, {:.3g} ms at first, up to {:.4g} N, {:.4g} N s, apart at "
+      "{:.4g} m/s\n",
+      contact.contacts, contact.contacts == 1 ? "" : "s",
+      1e3 * (contact.first_end - contact.first_begin), run.result.summary.peak_contact_force,
+      encounter.impulse_N.norm(), encounter.separation_speed);
+}
 
 Run simulate(const Case& subject, const std::string& name, const StopCondition& stop) {
   const PostImpactSpec& spec = subject.problem.post_impact;
@@ -63,14 +108,14 @@ Run simulate(const Case& subject, const std::string& name, const StopCondition& 
     throw CommandLineError(fmt::format("--controller {}: unknown; there are {}", name,
                                        fmt::join(controller_names(), ", ")));
   }
-  const PlantState before = state_at_rest(subject.configuration.base, subject.configuration.phi);
-  const PlantState after = state_after_impact(subject.problem.robot, subject.problem.resistance,
-                                              before, subject.impact.Fbar);
-  SimulationOptions options = plant_options_of(spec);
+  SimulationOptions options = plant_options_of(spec, subject.problem.robot);
   options.integrator = IntegratorKind::Fehlberg78;
   options.stop = stop;
-  return {name, simulate_post_impact(subject.problem.robot, subject.problem.resistance, after,
-                                     controller_of(*kind, spec), options)};
+  AfterContact run =
+      simulate_after_contact(contact_case(subject.problem, subject.configuration, subject.impact),
+                             contact_choice_of(spec), controller_of(*kind, spec), options);
+  SimulationResult result = std::move(run.simulation);
+  return {name, std::move(result), std::move(run)};
 }
 
 Json run_json(const RobotModel& robot, const Run& run) {
@@ -100,6 +145,8 @@ Json run_json(const RobotModel& robot, const Run& run) {
           {"peak_torque", number_json(summary.peak_torque)},
           {"stop_hits", summary.stop_hits},
           {"wheel_momentum", io::array_json(summary.wheel_momentum)},
+          {"thruster_impulse_inertial", io::array_json(last.state.thruster_impulse)},
+          {"contact", contact_json(run)},
           {"relative_momentum_drift", number_json(summary.relative_momentum_drift)},
           {"peak_lost_momentum", number_json(summary.peak_lost_momentum)},
           {"limits", limits}};
@@ -118,7 +165,11 @@ std::string run_words(const RobotModel& robot, const Run& run) {
                       summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
   text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m\n",
                       first.state.phidot.norm(), summary.residual_joint_rate, summary.peak_torque);
-  text += fmt::format("  momentum drift  {:.2g} (relative)\n", summary.relative_momentum_drift);
+  text += contact_words(run);
+  // A contact that takes time changes the momentum of the robot: that of the pair stays.
+  text += fmt::format("  momentum drift  {:.2g} (relative)\n",
+                      run.contact.encounter ? run.contact.encounter->momentum_error
+                                            : summary.relative_momentum_drift);
   for (const LimitEvent& event : summary.limits) {
     text += fmt::format("  limit met       {} {} at {:.3f} s\n",
                         robot.joints[static_cast<std::size_t>(event.joint)].name,
@@ -130,7 +181,28 @@ std::string run_words(const RobotModel& robot, const Run& run) {
 int run(const Options& options) {
   options.trace.check();
   options.plot.check();
+  for (const OutputFile* output : {&options.trace, &options.plot}) {
+    if (is_same_file(options.input, output->path)) {
+      throw CommandLineError(output->path + ": is the input itself");
+    }
+  }
+  if (is_same_file(options.trace.path, options.plot.path)) {
+    throw CommandLineError("--trace and --plot name the same file, " + options.plot.path);
+  }
   const Case subject = load_case(options.input);
+  if (options.contact_table) {
+    ContactCase contact = contact_case(subject.problem, subject.configuration, subject.impact);
+    if (!options.servo.empty()) {
+      const int n = subject.problem.robot.n();
+      contact.resistance = {};
+      contact.resistance.model = ResistanceModel::Servo;
+      contact.resistance.stiffness = JointVectord::Constant(n, options.servo[0]);
+      contact.resistance.damping = JointVectord::Constant(n, options.servo[1]);
+    }
+    write_stdout(
+        contact_table(contact, subject.problem.post_impact.contact.friction, options.json));
+    return kDone;
+  }
   std::vector<std::string> names = subject.problem.post_impact.controllers;
   if (!options.controller.empty()) names = {options.controller};
   if (names.empty()) throw CommandLineError("the problem names no controller: --controller NAME");
@@ -184,6 +256,18 @@ void add_simulate(CLI::App& app, Action& action) {
       ->add_option("--plot", options->plot.path,
                    "the paper's Figs. 6 to 8 for every controller, as SVG")
       ->type_name("OUT.svg");
+  command->add_flag("--contact-table", options->contact_table,
+                    "instead: how good is the instantaneous impact? Contacts that take time, from "
+                    "1e3 to 1e9 N/m, beside it, with the problem's joint resistance and with free "
+                    "joints");
+  command
+      ->add_option(
+          "--servo", options->servo,
+          "of the table: every joint held by a servo of this stiffness (N m/rad) and damping "
+          "(N m s/rad) during the contact, in place of the problem's joint resistance")
+      ->expected(2)
+      ->check(CLI::Range(0.0, 1e12))
+      ->type_name("K D");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &action] {
     options->plot.force = options->trace.force;

@@ -1,11 +1,14 @@
 // stillbase verify: the verdict on a plan file, claim by claim.
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/verification_file.hpp>
 #include <stillbase/verification/trials.hpp>
 #include <stillbase/verification/verification.hpp>
@@ -15,13 +18,14 @@
 #include "app/interruption.hpp"
 #include "app/output.hpp"
 #include "app/words.hpp"
+#include "io/json.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
 struct Options {
-  std::string plan;
+  std::string plan, problem;
   OutputFile output;
   bool json = false;
   int trials = 0;
@@ -41,6 +45,83 @@ Claim fingerprint_claim(const std::string& name, const std::string& stated,
   claim.pass = is_same;
   claim.detail = is_same ? "SHA-256 of what was read, as stated: " + stated
                          : "stated " + stated + ", of what was read " + computed;
+  return claim;
+}
+
+/// Where the problem file of a plan is: as the user says, as the plan says, or beside the plan.
+std::optional<std::string> problem_file_of(const PlanFile& file, const Options& options) {
+  if (!options.problem.empty()) return options.problem;
+  for (const InputFile& input : file.inputs) {
+    if (input.role != "problem") continue;
+    const std::filesystem::path stated(input.path);
+    const auto beside = std::filesystem::path(options.plan).parent_path() / stated;
+    for (const std::filesystem::path& path : {stated, beside}) {
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+    }
+  }
+  return std::nullopt;
+}
+
+/// What a plan's problem says other than its file. The command line may choose optimizer, seed and
+/// starts, and a file may have been given another name.
+std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
+                                            const std::string& path) {
+  std::vector<std::string> changes;
+  CaptureProblem problem = read_problem(path);
+  if (problem.urdf != planned.urdf) changes.push_back("the robot is another one");
+  problem.name = planned.name;
+  problem.search.optimizer = planned.search.optimizer;
+  problem.search.seed = planned.search.seed;
+  problem.search.starts = planned.search.starts;
+  const io::Json of_file = io::Json::parse(problem_to_json(problem));
+  const io::Json of_plan = io::Json::parse(problem_to_json(planned));
+  for (const auto& entry : of_file.items()) {
+    if (!of_plan.contains(entry.key()) || of_plan.at(entry.key()) != entry.value()) {
+      changes.push_back("'" + entry.key() + "' is not that of the file");
+    }
+  }
+  for (const auto& entry : of_plan.items()) {
+    if (!of_file.contains(entry.key()))
+      changes.push_back("'" + entry.key() + "' is not in the file");
+  }
+  return changes;
+}
+
+/// The files that the plan was made from are the ones that it names, and its problem is theirs.
+Claim inputs_claim(const PlanFile& file, const Options& options) {
+  Claim claim;
+  claim.name = "inputs_unchanged";
+  claim.value = 0;
+  claim.unit = "1";
+  claim.pass = true;
+  const auto path = problem_file_of(file, options);
+  if (!path) {
+    claim.detail = file.inputs.empty()
+                       ? "not compared: the plan names no files"
+                       : "not compared: " + file.inputs.front().path + " is not here (--problem)";
+    return claim;
+  }
+  std::vector<std::string> changes;
+  try {
+    const std::vector<InputFile> found = input_files(*path);
+    for (const InputFile& stated : file.inputs) {
+      const auto same = [&stated](const InputFile& input) {
+        return input.role == stated.role && input.sha256 == stated.sha256;
+      };
+      if (std::none_of(found.begin(), found.end(), same)) {
+        changes.push_back("the " + stated.role + " file has another SHA-256");
+      }
+    }
+    const auto more = changes_of_problem(file.plan.problem, *path);
+    changes.insert(changes.end(), more.begin(), more.end());
+  } catch (const std::exception& error) {
+    changes.push_back(error.what());
+  }
+  claim.value = static_cast<double>(changes.size());
+  claim.pass = changes.empty();
+  claim.detail = claim.pass ? "the problem is that of " + *path + ", files as named"
+                            : fmt::format("{}: {}", *path, fmt::join(changes, "; "));
   return claim;
 }
 
@@ -103,6 +184,7 @@ std::optional<Trials> trials_of(const Plan& plan, const Options& options) {
   Trials trials;
   trials.first.sizes = perturbations_for(plan.problem);
   trials.first.seed = options.seed;
+  trials.first.wanted = options.trials;
   trials.second = summarize_trials(run_trials(plan, trials.first.sizes, options.seed, 0,
                                               options.trials, options.jobs, stop_condition()));
   return trials;
@@ -116,7 +198,8 @@ int run(const Options& options) {
   Verification verification = verify_plan(file.plan, verify);
   const Claim fingerprints[] = {
       fingerprint_claim("content_fingerprint", file.stated_sha256, file.computed_sha256),
-      fingerprint_claim("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256)};
+      fingerprint_claim("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256),
+      inputs_claim(file, options)};
   verification.claims.insert(verification.claims.begin(), std::begin(fingerprints),
                              std::end(fingerprints));
   for (const Claim& claim : fingerprints) verification.pass = verification.pass && claim.pass;
@@ -130,6 +213,9 @@ int run(const Options& options) {
   if (options.json && options.output.is_given()) write_stdout(text);
   print_summary(file.plan, verification);
   if (trials) print_trials(trials->second);
+  if (trials && trials->second.trials < options.trials) {
+    say(fmt::format("interrupted after {} of {} trials", trials->second.trials, options.trials));
+  }
   if (options.trials > 0 && !trials) say("no trials: the plan does not pass its claims");
   if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
@@ -145,6 +231,11 @@ void add_verify(CLI::App& app, Action& action) {
   command->add_option("plan", options->plan, "plan file (JSON)")
       ->type_name("PLAN.json")
       ->required();
+  command
+      ->add_option("--problem", options->problem,
+                   "problem file that the plan must be made from; without it the one that the plan "
+                   "names, where it is")
+      ->type_name("PROBLEM.yaml");
   add_output(*command, options->output, "-o,--output", "verification file (JSON); else stdout");
   command
       ->add_option("--trials", options->trials,

@@ -102,36 +102,61 @@ bool is_on_base(const CaptureProblem& problem, const std::string& name) {
                      });
 }
 
-/// Way points from start to goal by the planner of the task, or what went wrong.
-std::vector<JointVectord> plan_points(const ApproachTask& task, const AttemptOptions& options,
-                                      const StillScene& still, const StopCondition& stop,
-                                      AttemptResult& result) {
-  if (task.free.empty()) return {task.start, task.goal.phi};
+/// The scenes of the ways, each as its options say.
+std::vector<StillScene> scenes_of(const std::vector<Way>& ways) {
+  std::vector<StillScene> scenes;
+  scenes.reserve(ways.size());
+  for (const Way& way : ways) {
+    const ApproachTask& task = *way.task;
+    scenes.emplace_back(task.problem, task.scene, task.goal,
+                        avoidable(task, way.options.targets, way.options.resolution),
+                        way.options.resolution);
+  }
+  return scenes;
+}
+
+/// Way points from a start to its goal by the planner of the task, or what went wrong.
+std::vector<JointVectord> plan_points(const std::vector<Way>& ways,
+                                      const std::vector<StillScene>& scenes,
+                                      const StopCondition& stop, AttemptResult& result,
+                                      std::size_t& reached) {
+  const ApproachTask& first = *ways.front().task;
+  if (first.free.empty()) return {first.start, first.goal.phi};
   PathQuery query;
-  query.start = free_part(task, task.start);
-  query.goal = free_part(task, task.goal.phi);
-  set_bounds(task, query.lower, query.upper);
-  query.resolution = options.resolution;
-  query.seed = options.seed;
-  query.max_iterations = options.max_iterations;
+  query.resolution = ways.front().options.resolution;
+  query.seed = ways.front().options.seed;
+  query.max_iterations = 1;
+  for (const Way& way : ways) {
+    query.ends.push_back({free_part(*way.task, way.task->start),
+                          free_part(*way.task, way.task->goal.phi), way.weight});
+    JointVectord lower, upper;
+    set_bounds(*way.task, lower, upper);
+    const bool is_first = query.ends.size() == 1;
+    query.lower = is_first ? lower : JointVectord(query.lower.cwiseMin(lower));
+    query.upper = is_first ? upper : JointVectord(query.upper.cwiseMax(upper));
+    query.max_iterations = std::max(query.max_iterations, way.options.max_iterations);
+  }
   query.stop = stop;
-  query.is_valid = [&](const JointVectord& part) {
-    return !still.first_hit(full_posture(task, part));
+  query.is_valid = [&](std::size_t i, const JointVectord& part) {
+    return !scenes[i].first_hit(full_posture(*ways[i].task, part));
   };
-  query.is_motion_valid = [&](const JointVectord& a, const JointVectord& b) {
-    return still.is_motion_clear(full_posture(task, a), full_posture(task, b));
+  query.is_motion_valid = [&](std::size_t i, const JointVectord& a, const JointVectord& b) {
+    return scenes[i].is_motion_clear(full_posture(*ways[i].task, a),
+                                     full_posture(*ways[i].task, b));
   };
-  const PathAnswer answer = task.planner(query);
+  const PathAnswer answer = first.planner(query);
   if (answer.outcome == PathOutcome::Stopped) {
     result.status = ApproachStatus::TimeOut;
     result.detail = "stopped while the path was planned";
     return {};
   }
   if (answer.outcome == PathOutcome::NotFound) {
-    result.detail = fmt::format("{} found no path in {} iterations", task.problem.approach.planner,
-                                task.problem.approach.max_iterations);
+    result.detail = fmt::format("{} found no path in {} iterations", first.problem.approach.planner,
+                                query.max_iterations);
     return {};
   }
+  reached = answer.reached;
+  const ApproachTask& task = *ways[reached].task;
   std::vector<JointVectord> points;
   for (const JointVectord& part : answer.points) points.push_back(full_posture(task, part));
   points.front() = task.start;
@@ -139,61 +164,64 @@ std::vector<JointVectord> plan_points(const ApproachTask& task, const AttemptOpt
   return points;
 }
 
-/// The path with its time law, from time 0. Empty: see result.
-JointPath plan_path(const ApproachTask& task, const AttemptOptions& options,
-                    const StillScene& still, const StopCondition& stop, AttemptResult& result) {
-  const ApproachSpec& spec = task.problem.approach;
-  if (spec.base == BaseMode::ReactionNull) {
-    NullPathQuery query;
-    query.start = task.start;
-    query.goal = task.goal.phi;
-    query.goal_near = [&](const JointVectord& phi, ContactSolve how) {
+/// The same within the reaction null space, as a motion from time 0.
+JointPath plan_within_null_space(const std::vector<Way>& ways,
+                                 const std::vector<StillScene>& scenes, const StopCondition& stop,
+                                 AttemptResult& result, std::size_t& reached) {
+  const ApproachTask& first = *ways.front().task;
+  NullPathQuery query;
+  query.start = first.start;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const ApproachTask& task = *ways[i].task;
+    NullGoal goal;
+    goal.posture = task.goal.phi;
+    goal.scene = &scenes[i];
+    goal.near = [&task](const JointVectord& phi, ContactSolve how) {
       return task.contact.near_posture ? task.contact.near_posture(phi, how)
                                        : std::optional<Configuration>(task.goal);
     };
-    query.measure = [&](const Configuration& end) {
+    goal.measure = [&task](const Configuration& end) {
       return task.contact.measure ? task.contact.measure(end) : 0.0;
     };
-    query.free = task.free;
-    set_bounds(task, query.lower, query.upper);
-    query.seed = options.seed;
-    query.max_iterations = options.max_iterations;
-    query.stop = stop;
-    const NullPathAnswer answer = plan_null_path(query, task.problem, still);
-    result.way_points = answer.curve.times.size();
-    if (answer.curve.times.empty()) {
-      result.status =
-          answer.stopped ? ApproachStatus::TimeOut : ApproachStatus::UnreachableInBaseMode;
-      result.detail = answer.detail;
-      return {};
-    }
-    result.end = answer.end;
-    result.has_end = true;
-    return time_curve(answer.curve, task.max_rate, spec.acceleration_limit);
+    query.goals.push_back(std::move(goal));
   }
-  const std::vector<JointVectord> points = plan_points(task, options, still, stop, result);
+  query.free = first.free;
+  set_bounds(first, query.lower, query.upper);
+  query.seed = ways.front().options.seed;
+  query.max_iterations = ways.front().options.max_iterations;
+  query.stop = stop;
+  const NullPathAnswer answer = plan_null_path(query, first.problem);
+  result.way_points = answer.curve.times.size();
+  if (answer.curve.times.empty()) {
+    result.status =
+        answer.stopped ? ApproachStatus::TimeOut : ApproachStatus::UnreachableInBaseMode;
+    result.detail = answer.detail;
+    return {};
+  }
+  reached = answer.goal;
+  result.end = answer.end;
+  result.has_end = true;
+  return time_curve(answer.curve, first.max_rate, first.problem.approach.acceleration_limit);
+}
+
+/// The path with its time law, from time 0. Empty: see result.
+JointPath plan_path(const std::vector<Way>& ways, const StopCondition& stop, AttemptResult& result,
+                    std::size_t& reached) {
+  const std::vector<StillScene> scenes = scenes_of(ways);
+  const ApproachTask& first = *ways.front().task;
+  if (first.problem.approach.base == BaseMode::ReactionNull) {
+    return plan_within_null_space(ways, scenes, stop, result, reached);
+  }
+  const std::vector<JointVectord> points = plan_points(ways, scenes, stop, result, reached);
   result.way_points = points.size();
   if (points.empty()) return {};
+  const StillScene& scene = scenes[reached];
   return time_path(
-      points, task.max_rate, spec.acceleration_limit,
-      [&](const JointVectord& a, const JointVectord& b) { return still.is_motion_clear(a, b); });
+      points, first.max_rate, first.problem.approach.acceleration_limit,
+      [&](const JointVectord& a, const JointVectord& b) { return scene.is_motion_clear(a, b); });
 }
 
 }  // namespace
-
-std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
-                                 double wait) {
-  const double too_early = task.earliest_start - (contact_time - wait - duration);
-  const double too_long = duration + wait - task.problem.approach.max_duration;
-  const double seconds = std::max(too_early, too_long);
-  if (seconds <= 0) return std::nullopt;
-  return Lateness{seconds,
-                  fmt::format("motion {:.3f} s and wait {:.3f} s before the contact at {:.3f} s: "
-                              "{:.3f} s too slow {}",
-                              duration, wait, contact_time, seconds,
-                              too_early >= too_long ? "for a start after the target's estimate"
-                                                    : "for the longest duration allowed")};
-}
 
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result) {
   const ApproachSpec& spec = task.problem.approach;
@@ -257,15 +285,15 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   result.status = ApproachStatus::Found;
 }
 
-AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& options,
-                           const StopCondition& stop) {
+AttemptResult try_approach(const std::vector<Way>& ways, const StopCondition& stop,
+                           std::size_t& reached) {
   AttemptResult result;
-  const StillScene still(task.problem, task.scene, task.goal,
-                         avoidable(task, options.targets, options.resolution), options.resolution);
-  const JointPath path = plan_path(task, options, still, stop, result);
+  reached = 0;
+  const JointPath path = plan_path(ways, stop, result, reached);
   if (path.times.empty()) return result;
-  finish_motion(task, path, options.wait, result);
-  if (result.status == ApproachStatus::Found) polish(task, options.wait, stop, result);
+  const Way& way = ways[reached];
+  finish_motion(*way.task, path, way.options.wait, result);
+  if (result.status == ApproachStatus::Found) polish(*way.task, way.options.wait, stop, result);
   return result;
 }
 

@@ -1,43 +1,14 @@
-// One approach in the making: what is asked, in the form that the attempts work on.
+// One attempt at an approach: way points, time law, base motion, check in time.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <stillbase/approach/approach.hpp>
-#include <stillbase/collision/scene.hpp>
-
 #include "approach/motion_check.hpp"
-#include "approach/path_planner.hpp"
+#include "approach/task.hpp"
 
 namespace stillbase {
-
-/// The task after its input was checked.
-struct ApproachTask {
-  const CaptureProblem& problem;
-  Configuration goal;
-  const TargetMotion* target;
-  CollisionScene scene;
-  PathPlanner planner;
-  JointVectord start;              ///< continuous joints whole turns away from problem.start
-  JointVectord max_rate;           ///< scaled
-  std::vector<Eigen::Index> free;  ///< joints that may move
-  double earliest_start;           ///< s; -infinity when nothing is predicted
-  const ContactSolver& contact;    ///< for a base that starts where it stands
-
-  bool starts_where_it_stands() const {
-    return problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
-  }
-};
-
-/// By how much a motion of this duration and the wait come too late, if they do.
-struct Lateness {
-  double seconds = 0;
-  std::string text;
-};
-std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
-                                 double wait);
 
 /// How one attempt differs from the next.
 struct AttemptOptions {
@@ -68,8 +39,17 @@ struct AttemptResult {
 /// limits, check in time. Sets everything of `result` but way_points and the polish.
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result);
 
-/// Path, time law, base motion, check in time.
-AttemptResult try_approach(const ApproachTask& task, const AttemptOptions& options,
-                           const StopCondition& stop);
+/// A goal of an attempt, and how it is gone for.
+struct Way {
+  const ApproachTask* task = nullptr;
+  AttemptOptions options;
+  double weight = 1;  ///< how often it is tried, relative to the others
+};
+
+/// Path, time law, base motion, check in time, polish: to the goal that the planner reaches first.
+/// @param ways at least one, of the same problem; random numbers follow from the first one's seed
+/// @param reached index in `ways` of the goal that the result is about
+AttemptResult try_approach(const std::vector<Way>& ways, const StopCondition& stop,
+                           std::size_t& reached);
 
 }  // namespace stillbase

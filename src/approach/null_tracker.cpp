@@ -16,12 +16,13 @@ namespace {
 constexpr double kPull = 4;
 /// Squares of singular values of the coupling matrix below this part of the largest count as zero.
 constexpr double kRankSquared = 1e-12;
-constexpr int kCoarseSteps = 6;         ///< between knots, for Newton's matrix
-constexpr double kDifference = 1e-6;    ///< rad
-constexpr double kReached = 1e-9;       ///< rad
-constexpr double kLargestShift = 0.7;   ///< rad of a knot in one step
-constexpr double kFirstDamping = 1e-2;  ///< beside squares of sensitivities of about 1
-constexpr double kLimitMargin = 0.1;    ///< rad that knots keep from the limits
+constexpr int kCoarseSteps = 6;           ///< between knots, for Newton's matrix
+constexpr double kDifference = 1e-6;      ///< rad
+constexpr double kGoalDifference = 1e-5;  ///< rad
+constexpr double kReached = 1e-9;         ///< rad
+constexpr double kLargestShift = 0.7;     ///< rad of a knot in one step
+constexpr double kFirstDamping = 1e-2;    ///< beside squares of sensitivities of about 1
+constexpr double kLimitMargin = 0.1;      ///< rad that knots keep from the limits
 constexpr int kNewtonSteps = 60, kDampings = 10;
 
 struct Reference {
@@ -140,9 +141,46 @@ Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& c
   return J;
 }
 
-std::optional<Configuration> NullTracker::reach(const GoalNear& goal, int fine_steps, Knots& knots,
-                                                JointPath& curve) const {
+// A goal that moves along with the posture asks for nothing in those directions: I - d goal / d
+// end.
+Eigen::MatrixXd NullTracker::directions_asked(const GoalNear& goal, const JointVectord& end) const {
+  const auto m = static_cast<Eigen::Index>(free_.size());
+  Eigen::MatrixXd asked = Eigen::MatrixXd::Identity(m, m);
+  const auto here = goal(end);
+  if (!here) return asked;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    JointVectord beside = end;
+    beside[free_[static_cast<std::size_t>(i)]] += kGoalDifference;
+    const auto there = goal(beside);
+    // A jump to another goal says nothing about this one.
+    if (!there || (there->phi - here->phi).norm() > 10 * kGoalDifference) continue;
+    asked.col(i) -= (free_part(there->phi) - free_part(here->phi)) / kGoalDifference;
+  }
+  return asked;
+}
+
+Knots NullTracker::bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
+                        double stride) const {
+  const auto steps = static_cast<int>((curve.times.size() - 1) / (knots.cols() - 1));
+  const JointPath coarse = steps == kCoarseSteps ? curve : follow(knots, kCoarseSteps);
+  const Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+  const Eigen::VectorXd change = J.transpose() * push;
+  const double size = (J * change).norm();
+  return size > 0 ? shifted_knots(knots, stride / size * change) : knots;
+}
+
+// The curve keeps to its reference: a reference within the limits keeps it off them.
+Knots NullTracker::shifted_knots(const Knots& knots, const Eigen::VectorXd& shift) const {
   const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
+  const double part = std::min(1.0, kLargestShift / shift.cwiseAbs().maxCoeff());
+  Knots there = knots;
+  there.rightCols(count) += part * Eigen::Map<const Eigen::MatrixXd>(shift.data(), m, count);
+  return there.cwiseMax(lower_.replicate(1, count + 1)).cwiseMin(upper_.replicate(1, count + 1));
+}
+
+std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind kind, int fine_steps,
+                                                Knots& knots, JointPath& curve) const {
+  const Eigen::Index m = knots.rows();
   std::optional<Configuration> wanted;
   const auto missing = [&](const JointPath& path) -> Eigen::VectorXd {
     const JointVectord& end = path.phi.back();
@@ -166,18 +204,14 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, int fine_s
       continue;
     }
     const JointPath coarse = steps == kCoarseSteps ? curve : follow(knots, kCoarseSteps);
-    const Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+    Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+    if (kind == GoalKind::Smooth) J = (directions_asked(goal, curve.phi.back()) * J).eval();
     const Eigen::MatrixXd square = J * J.transpose();
     bool better = false;
     for (int trial = 0; trial < kDampings && !better; ++trial) {
       const Eigen::MatrixXd damped = square + damping * Eigen::MatrixXd::Identity(m, m);
-      Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
-      shift *= std::min(1.0, kLargestShift / shift.cwiseAbs().maxCoeff());
-      Knots there = knots;
-      there.rightCols(count) += Eigen::Map<const Eigen::MatrixXd>(shift.data(), m, count);
-      // The curve keeps to its reference: a reference within the limits keeps it off them.
-      there =
-          there.cwiseMax(lower_.replicate(1, count + 1)).cwiseMin(upper_.replicate(1, count + 1));
+      const Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
+      Knots there = shifted_knots(knots, shift);
       JointPath moved = follow(there, steps);
       better = missing(moved).norm() < error.norm();
       damping = better ? damping / 8 : damping * 6;

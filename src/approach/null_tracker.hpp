@@ -30,10 +30,21 @@ class NullTracker {
   /// A goal near a posture (n); nothing when there is none.
   using GoalNear = std::function<std::optional<Configuration>(const JointVectord&)>;
 
+  /// How goals near neighbouring postures belong together.
+  enum class GoalKind {
+    Smooth,    ///< one family: the nearest of it, which moves along as the posture does
+    Scattered  ///< each on its own
+  };
+
   /// Shifts the knots until the curve ends at a goal, to 1e-9 rad; its last posture is then made
   /// that of the goal. Nothing: it does not get there.
-  std::optional<Configuration> reach(const GoalNear& goal, int fine_steps, Knots& knots,
-                                     JointPath& curve) const;
+  std::optional<Configuration> reach(const GoalNear& goal, GoalKind kind, int fine_steps,
+                                     Knots& knots, JointPath& curve) const;
+
+  /// Knots shifted so that the end of the curve moves by about `stride` (rad) in the direction that
+  /// a push on its end (m) gives: not against the null space, but as it allows.
+  Knots bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
+             double stride) const;
 
   Eigen::VectorXd free_part(const JointVectord& phi) const;
 
@@ -44,6 +55,9 @@ class NullTracker {
                     const JointVectord& slope_here) const;
   /// d(end) / d(knots after the first, column by column), by differences.
   Eigen::MatrixXd end_jacobian(const Knots& knots, const JointPath& curve, int steps) const;
+
+  Knots shifted_knots(const Knots& knots, const Eigen::VectorXd& shift) const;
+  Eigen::MatrixXd directions_asked(const GoalNear& goal, const JointVectord& end) const;
 
   const RobotModel& robot_;
   JointVectord start_;

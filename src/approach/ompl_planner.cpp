@@ -14,6 +14,7 @@
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/SpaceInformation.h>
+#include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
@@ -26,6 +27,7 @@
 
 #include <stillbase/approach/approach.hpp>
 
+#include "approach/ompl_layers.hpp"
 #include "approach/ompl_support.hpp"
 #include "approach/path_planner.hpp"
 
@@ -39,13 +41,6 @@ using Space = ob::RealVectorStateSpace;
 
 /// Edge length of the trees, rad: small beside a joint's range, large beside the resolution.
 constexpr double kTreeRange = 0.5;
-
-JointVectord to_joints(const ob::State* state, unsigned dimension) {
-  JointVectord phi(static_cast<Eigen::Index>(dimension));
-  const double* values = state->as<Space::StateType>()->values;
-  for (unsigned k = 0; k < dimension; ++k) phi[k] = values[k];
-  return phi;
-}
 
 class SeededRrtConnect : public og::RRTConnect {
  public:
@@ -63,14 +58,92 @@ class SeededSimplifier : public og::PathSimplifier {
   }
 };
 
+/// The query's worlds as OMPL sees them: one goal as it is, several in layers.
+class Worlds {
+ public:
+  explicit Worlds(const PathQuery& query)
+      : query_(query), joints_(static_cast<unsigned>(query.lower.size())) {
+    const unsigned layers = static_cast<unsigned>(query.ends.size());
+    if (layers > 1) {
+      layered_ = std::make_shared<LayeredSpace>(joints_);
+      space_ = layered_;
+    } else {
+      space_ = std::make_shared<Space>(joints_);
+    }
+    ob::RealVectorBounds bounds(space_->getDimension());
+    for (unsigned k = 0; k < joints_; ++k) {
+      bounds.setLow(k, query.lower[k]);
+      bounds.setHigh(k, query.upper[k]);
+    }
+    if (layered_) {
+      bounds.setLow(joints_, -kLayerHeight / 4);
+      bounds.setHigh(joints_, (layers - 0.75) * kLayerHeight);
+    }
+    space_->setBounds(bounds);
+  }
+
+  const std::shared_ptr<Space>& space() const { return space_; }
+
+  void seed_samplers(Random& seeds) {
+    std::vector<double> weights;
+    for (const PathEnds& ends : query_.ends) weights.push_back(ends.weight);
+    space_->setStateSamplerAllocator(
+        [&seeds, weights](const ob::StateSpace* s) -> ob::StateSamplerPtr {
+          if (weights.size() > 1) {
+            return std::make_shared<LayeredSampler>(s, local_seed(seeds), weights);
+          }
+          return std::make_shared<SeededSampler>(s, local_seed(seeds));
+        });
+  }
+
+  void add_ends(const ob::SpaceInformationPtr& si, ob::ProblemDefinition& definition) const {
+    auto goals = std::make_shared<ob::GoalStates>(si);
+    ob::ScopedState<Space> start(space_), goal(space_);
+    for (std::size_t i = 0; i < query_.ends.size(); ++i) {
+      for (unsigned k = 0; k < joints_; ++k) {
+        start[k] = query_.ends[i].start[k];
+        goal[k] = query_.ends[i].goal[k];
+      }
+      if (layered_) start[joints_] = goal[joints_] = kLayerHeight * static_cast<double>(i);
+      definition.addStartState(start);
+      goals->addState(goal);
+    }
+    definition.setGoal(goals);
+  }
+
+  JointVectord posture(const ob::State* state) const {
+    JointVectord phi(static_cast<Eigen::Index>(joints_));
+    const double* values = state->as<Space::StateType>()->values;
+    for (unsigned k = 0; k < joints_; ++k) phi[k] = values[k];
+    return phi;
+  }
+  /// Index in the query's ends; negative: in no world.
+  long world(const ob::State* state) const { return layered_ ? layered_->layer_of(state) : 0; }
+
+  bool is_valid(const ob::State* state) const {
+    const long at = world(state);
+    return at >= 0 && query_.is_valid(static_cast<std::size_t>(at), posture(state));
+  }
+  bool is_motion_valid(const ob::State* a, const ob::State* b) const {
+    const long at = world(a);
+    return at >= 0 && at == world(b) && is_valid(b) &&
+           query_.is_motion_valid(static_cast<std::size_t>(at), posture(a), posture(b));
+  }
+
+ private:
+  const PathQuery& query_;
+  unsigned joints_;
+  std::shared_ptr<LayeredSpace> layered_;
+  std::shared_ptr<Space> space_;
+};
+
 class MotionCheck : public ob::MotionValidator {
  public:
-  MotionCheck(const ob::SpaceInformationPtr& si, const PathQuery& query)
-      : ob::MotionValidator(si), query_(query), dimension_(si->getStateDimension()) {}
+  MotionCheck(const ob::SpaceInformationPtr& si, const Worlds& worlds)
+      : ob::MotionValidator(si), worlds_(worlds) {}
 
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
-    return query_.is_valid(to_joints(b, dimension_)) &&
-           query_.is_motion_valid(to_joints(a, dimension_), to_joints(b, dimension_));
+    return worlds_.is_motion_valid(a, b);
   }
   // How far one could go is not known; none of the planners used here asks.
   bool checkMotion(const ob::State* a, const ob::State* b,
@@ -82,8 +155,7 @@ class MotionCheck : public ob::MotionValidator {
   }
 
  private:
-  const PathQuery& query_;
-  unsigned dimension_;
+  const Worlds& worlds_;
 };
 
 /// Alternates OMPL's simplification steps until they no longer shorten the path.
@@ -106,6 +178,7 @@ struct NamedPlanner {
   ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed);
   bool improves;      ///< goes on after its first solution
   bool hides_random;  ///< generators that cannot be seeded one by one
+  bool takes_sets;    ///< finds its way among several starts and goals
 };
 
 /// Improving planners get this many of their iterations after the first solution. Simplification
@@ -124,17 +197,27 @@ ob::PlannerPtr make_rrt_star(const ob::SpaceInformationPtr& si, std::uint_fast32
   return planner;
 }
 
-/// Cells of half a radian in the first three joints: those move the most of the arm.
+/// Cells of half a radian in the first three joints, which move the most of the arm, in each layer.
 class ShoulderProjection : public ob::ProjectionEvaluator {
  public:
-  explicit ShoulderProjection(const ob::StateSpacePtr& space) : ob::ProjectionEvaluator(space) {
-    setCellSizes(std::vector<double>(getDimension(), kTreeRange));
+  explicit ShoulderProjection(const ob::StateSpacePtr& space)
+      : ob::ProjectionEvaluator(space),
+        layered_(dynamic_cast<const LayeredSpace*>(space.get()) != nullptr),
+        shoulder_(std::min(3u, space->getDimension() - (layered_ ? 1u : 0u))) {
+    std::vector<double> sizes(shoulder_, kTreeRange);
+    if (layered_) sizes.push_back(kLayerHeight / 2);
+    setCellSizes(sizes);
   }
-  unsigned int getDimension() const override { return std::min(3u, space_->getDimension()); }
+  unsigned int getDimension() const override { return shoulder_ + (layered_ ? 1u : 0u); }
   void project(const ob::State* state, Eigen::Ref<Eigen::VectorXd> out) const override {
     const double* values = state->as<Space::StateType>()->values;
-    for (unsigned k = 0; k < getDimension(); ++k) out[k] = values[k];
+    for (unsigned k = 0; k < shoulder_; ++k) out[k] = values[k];
+    if (layered_) out[shoulder_] = values[space_->getDimension() - 1];
   }
+
+ private:
+  bool layered_;
+  unsigned shoulder_;
 };
 
 ob::PlannerPtr make_kpiece(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
@@ -152,12 +235,12 @@ ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t)
 // PRM* with lazy checks: OMPL's eager one looks for the solution in a second thread, so that what
 // it finds depends on the load of the machine. KPIECE in its bidirectional form.
 constexpr std::array<NamedPlanner, 6> kPlanners = {
-    {{"rrt_connect", make_rrt_connect, false, false},
-     {"rrt_star", make_rrt_star, true, true},
-     {"prm_star", make_plain<og::LazyPRMstar>, true, true},
-     {"bit_star", make_plain<og::BITstar>, true, true},
-     {"ait_star", make_plain<og::AITstar>, true, true},
-     {"kpiece", make_kpiece, false, true}}};
+    {{"rrt_connect", make_rrt_connect, false, false, true},
+     {"rrt_star", make_rrt_star, true, true, true},
+     {"prm_star", make_plain<og::LazyPRMstar>, true, true, false},
+     {"bit_star", make_plain<og::BITstar>, true, true, true},
+     {"ait_star", make_plain<og::AITstar>, true, true, true},
+     {"kpiece", make_kpiece, false, true, true}}};
 
 const NamedPlanner* find_planner(const std::string& name) {
   for (const NamedPlanner& planner : kPlanners) {
@@ -176,10 +259,13 @@ bool states_cost(const ob::Planner& planner) {
 }
 
 PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
-  const auto n = static_cast<unsigned>(query.start.size());
   // The gate: OMPL takes NaN for a valid state, and NaN bounds end the process.
-  if (!query.start.allFinite() || !query.goal.allFinite() || !query.lower.allFinite() ||
-      !query.upper.allFinite() || !(query.lower.array() < query.upper.array()).all()) {
+  bool sound = !query.ends.empty() && query.lower.allFinite() && query.upper.allFinite() &&
+               (query.lower.array() < query.upper.array()).all();
+  for (const PathEnds& ends : query.ends) {
+    sound = sound && ends.start.allFinite() && ends.goal.allFinite() && ends.weight > 0;
+  }
+  if (!sound) {
     throw std::invalid_argument("path query with numbers that are not finite or empty bounds");
   }
   Random seeds(query.seed);
@@ -191,32 +277,19 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   } else {
     shared = share_ompl();
   }
-  auto space = std::make_shared<Space>(n);
-  ob::RealVectorBounds bounds(n);
-  for (unsigned k = 0; k < n; ++k) {
-    bounds.setLow(k, query.lower[k]);
-    bounds.setHigh(k, query.upper[k]);
-  }
-  space->setBounds(bounds);
-  space->setStateSamplerAllocator([&seeds](const ob::StateSpace* s) {
-    return std::make_shared<SeededSampler>(s, local_seed(seeds));
-  });
+  Worlds worlds(query);
+  worlds.seed_samplers(seeds);
+  const std::shared_ptr<Space>& space = worlds.space();
   space->setLongestValidSegmentFraction(
       std::min(query.resolution / space->getMaximumExtent(), 1.0));
 
   auto si = std::make_shared<ob::SpaceInformation>(space);
-  si->setStateValidityChecker(
-      [&](const ob::State* state) { return query.is_valid(to_joints(state, n)); });
-  si->setMotionValidator(std::make_shared<MotionCheck>(si, query));
+  si->setStateValidityChecker([&](const ob::State* state) { return worlds.is_valid(state); });
+  si->setMotionValidator(std::make_shared<MotionCheck>(si, worlds));
   si->setup();
 
-  ob::ScopedState<Space> start(space), goal(space);
-  for (unsigned k = 0; k < n; ++k) {
-    start[k] = query.start[k];
-    goal[k] = query.goal[k];
-  }
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
-  definition->setStartAndGoalStates(start, goal);
+  worlds.add_ends(si, *definition);
   definition->setOptimizationObjective(std::make_shared<ob::PathLengthOptimizationObjective>(si));
   bool solved = false;  // planners tell it in one of three ways before they end
   definition->setIntermediateSolutionCallback([&](const ob::Planner*,
@@ -250,7 +323,28 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
     return answer;
   }
   answer.outcome = PathOutcome::Found;
-  for (const ob::State* state : path.getStates()) answer.points.push_back(to_joints(state, n));
+  for (const ob::State* state : path.getStates()) {
+    answer.points.push_back(worlds.posture(state));
+  }
+  answer.reached = static_cast<std::size_t>(worlds.world(path.getStates().front()));
+  return answer;
+}
+
+/// One goal after the other, the iterations shared out, for planners that take one only.
+PathAnswer plan_in_turn(const NamedPlanner& named, const PathQuery& query) {
+  PathAnswer answer;
+  for (std::size_t i = 0; i < query.ends.size(); ++i) {
+    PathQuery one = query;
+    one.ends = {query.ends[i]};
+    one.max_iterations = std::max(1, query.max_iterations / static_cast<int>(query.ends.size()));
+    one.is_valid = [&, i](std::size_t, const JointVectord& phi) { return query.is_valid(i, phi); };
+    one.is_motion_valid = [&, i](std::size_t, const JointVectord& a, const JointVectord& b) {
+      return query.is_motion_valid(i, a, b);
+    };
+    answer = plan_with(named, one);
+    answer.reached = i;
+    if (answer.outcome != PathOutcome::NotFound) break;
+  }
   return answer;
 }
 
@@ -259,7 +353,10 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
 PathPlanner find_path_planner(const std::string& name) {
   const NamedPlanner* named = find_planner(name);
   if (named == nullptr) return nullptr;
-  return [named](const PathQuery& query) { return plan_with(*named, query); };
+  return [named](const PathQuery& query) {
+    const bool in_turn = query.ends.size() > 1 && !named->takes_sets;
+    return in_turn ? plan_in_turn(*named, query) : plan_with(*named, query);
+  };
 }
 
 std::vector<std::string> approach_planner_names() {

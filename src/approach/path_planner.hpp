@@ -1,4 +1,8 @@
-// Geometric planning between two postures, by name. Knows neither robots nor scenes.
+// Geometric planning from a start to any of several goals, by name. Knows neither robots nor
+// scenes.
+//
+// Every goal has a world of its own: what is in the way depends on where one is going. A path leads
+// through the world of the goal that it ends at.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +15,21 @@
 
 namespace stillbase {
 
+struct PathEnds {
+  JointVectord start, goal;  ///< inside the bounds, valid, finite
+  double weight = 1;  ///< > 0; how often this goal's world is sampled, relative to the others
+};
+
 struct PathQuery {
-  JointVectord start, goal;   ///< inside the bounds, valid, finite
-  JointVectord lower, upper;  ///< lower < upper, finite
-  double resolution = 0.02;   ///< rad between checked postures
+  std::vector<PathEnds> ends;  ///< at least one; the best one first
+  JointVectord lower, upper;   ///< lower < upper, finite
+  double resolution = 0.02;    ///< rad between checked postures
   std::uint64_t seed = 1;
   int max_iterations = 20000;
   StopCondition stop;
-  std::function<bool(const JointVectord&)> is_valid;
-  std::function<bool(const JointVectord&, const JointVectord&)>
+  /// In the world of a goal (index in `ends`).
+  std::function<bool(std::size_t, const JointVectord&)> is_valid;
+  std::function<bool(std::size_t, const JointVectord&, const JointVectord&)>
       is_motion_valid;  ///< on the straight line between two valid postures
 };
 
@@ -27,6 +37,7 @@ enum class PathOutcome { Found, NotFound, Stopped };
 
 struct PathAnswer {
   PathOutcome outcome = PathOutcome::NotFound;
+  std::size_t reached = 0;           ///< index in `ends`
   std::vector<JointVectord> points;  ///< way points with start and goal, joined by straight lines
 };
 

@@ -15,13 +15,16 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kKnots = 8;       ///< beside the start
-constexpr int kFineSteps = 40;  ///< between knots, of the curve that is kept
-constexpr int kTries = 8;       ///< references, the straight line first
-constexpr int kEnough = 2;      ///< curves of which the one with the best end is taken
-constexpr int kImprovements = 4;
-constexpr double kSameMeasure = 1e-9;  ///< in the unit of the objective
-constexpr int kGuides = 2;             ///< ways around obstacles, when no such curve is clear
+constexpr int kKnots = 8;        ///< beside the start
+constexpr int kFineSteps = 40;   ///< between knots, of the curve that is kept
+constexpr int kTries = 8;        ///< references to one goal, the straight line first
+constexpr int kTriesOfSet = 32;  ///< to several goals
+constexpr int kEnough = 2;       ///< curves of which the one with the best end is taken
+constexpr int kImprovements = 12;
+constexpr double kFirstStride = 0.2, kLastStride = 0.01;  ///< rad of the end in one improvement
+constexpr double kSlopeDifference = 1e-4;                 ///< rad
+constexpr double kSameMeasure = 1e-9;                     ///< in the unit of the objective
+constexpr std::size_t kGuides = 2;     ///< ways around obstacles, when no such curve is clear
 constexpr int kGuideEffort = 10;       ///< part of the planner's iterations for each
 constexpr double kGuideSpacing = 0.4;  ///< rad between the knots along those
 
@@ -87,29 +90,34 @@ Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& go
 /// Curves tried one after the other; the one with the best end is kept, of equals the shortest.
 class Search {
  public:
-  Search(const NullPathQuery& query, const CaptureProblem& problem, const NullTracker& tracker,
-         const StillScene& scene)
-      : query_(query), problem_(problem), tracker_(tracker), scene_(scene) {}
+  Search(const NullPathQuery& query, const CaptureProblem& problem, const NullTracker& tracker)
+      : query_(query), problem_(problem), tracker_(tracker) {}
 
-  void look(Knots knots) {
+  void look(std::size_t number, Knots knots) {
+    const NullGoal& goal = query_.goals[number];
     ++tried_;
     JointPath curve;
+    // Too far off for the contact to be found: head for the goal itself.
     auto end = tracker_.reach(
-        [&](const JointVectord& phi) { return query_.goal_near(phi, ContactSolve::Nearest); },
-        kFineSteps, knots, curve);
+        [&](const JointVectord& phi) {
+          auto near = goal.near(phi, ContactSolve::Nearest);
+          return near ? near : goal.near(goal.posture, ContactSolve::Nearest);
+        },
+        NullTracker::GoalKind::Smooth, kFineSteps, knots, curve);
     if (!end) return;
     ++arrived_;
     if (!keeps_limits(problem_.robot, curve)) return;
     ++within_limits_;
-    if (!is_clear(scene_, curve)) return;
+    if (!is_clear(*goal.scene, curve)) return;
     ++clear_;
-    improve(knots, curve, *end);
+    improve(goal, knots, curve, *end);
     JointPath path = over_length(curve);
-    const double measure = query_.measure(*end);
+    const double measure = goal.measure(*end);
     if (measure < measure_ - kSameMeasure ||
         (measure < measure_ + kSameMeasure && path.times.back() < best_.times.back())) {
       best_ = std::move(path);
       end_ = *end;
+      goal_ = number;
       measure_ = measure;
     }
   }
@@ -118,7 +126,7 @@ class Search {
   bool is_done() const { return clear_ >= kEnough || measure_ <= kSameMeasure; }
   NullPathAnswer answer() const {
     return {
-        best_, end_,
+        best_, end_, goal_,
         fmt::format("of {} curves within the reaction null space {} end at the goal, {} of them "
                     "within the joint limits, {} of these clear of bodies",
                     tried_, arrived_, within_limits_, clear_),
@@ -126,58 +134,65 @@ class Search {
   }
 
  private:
-  /// Bends the curve on to a best posture near its end, a part of the way where all of it does not
-  /// go.
-  void improve(Knots& knots, JointPath& curve, Configuration& end) const {
-    double part = 1;
-    for (int round = 0; round < kImprovements && !query_.stop.reached(); ++round) {
-      Knots bent = knots;
-      JointPath there;
-      std::optional<Configuration> reached;
-      if (part == 1) {
-        reached = tracker_.reach(
-            [&](const JointVectord& phi) { return query_.goal_near(phi, ContactSolve::Best); },
-            kFineSteps, bent, there);
-      } else if (const auto best = query_.goal_near(end.phi, ContactSolve::Best)) {
-        const auto goal =
-            query_.goal_near(end.phi + part * (best->phi - end.phi), ContactSolve::Nearest);
-        reached =
-            tracker_.reach([&](const JointVectord&) { return goal; }, kFineSteps, bent, there);
-      }
-      const bool better = reached &&
-                          query_.measure(*reached) < query_.measure(end) - kSameMeasure &&
-                          keeps_limits(problem_.robot, there) && is_clear(scene_, there);
-      if (!better) {
-        part /= 2;
-        continue;
-      }
-      knots = std::move(bent);
-      curve = std::move(there);
-      end = *reached;
-      if (part == 1) return;
+  /// Bends the curve on to a best posture near its end; when it does not go there, downhill as far
+  /// as it can be bent.
+  void improve(const NullGoal& goal, Knots& knots, JointPath& curve, Configuration& end) const {
+    const auto best = [&](const JointVectord& phi) { return goal.near(phi, ContactSolve::Best); };
+    if (bend(goal, best, knots, knots, curve, end) || query_.stop.reached()) return;
+    double stride = kFirstStride;
+    for (int round = 0; round < kImprovements && stride > kLastStride; ++round) {
+      if (query_.stop.reached()) return;
+      const Eigen::VectorXd slope = measure_slope(goal, end);
+      if (!(slope.norm() > 0)) return;
+      const Knots bent = tracker_.bent(knots, curve, -slope, stride);
+      const auto nearest = [&](const JointVectord& phi) {
+        return goal.near(phi, ContactSolve::Nearest);
+      };
+      stride = bend(goal, nearest, bent, knots, curve, end) ? 2 * stride : stride / 3;
     }
+  }
+
+  /// Takes the curve along other knots to a goal, when it is better, within limits and clear.
+  bool bend(const NullGoal& goal, const NullTracker::GoalNear& near, Knots bent, Knots& knots,
+            JointPath& curve, Configuration& end) const {
+    JointPath there;
+    const auto reached =
+        tracker_.reach(near, NullTracker::GoalKind::Smooth, kFineSteps, bent, there);
+    if (!reached || !(goal.measure(*reached) < goal.measure(end) - kSameMeasure)) return false;
+    if (!keeps_limits(problem_.robot, there) || !is_clear(*goal.scene, there)) return false;
+    knots = std::move(bent);
+    curve = std::move(there);
+    end = *reached;
+    return true;
+  }
+
+  /// d measure / d free joints of the end, along the contact: by differences.
+  Eigen::VectorXd measure_slope(const NullGoal& goal, const Configuration& end) const {
+    const double here = goal.measure(end);
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(query_.free.size()));
+    for (std::size_t i = 0; i < query_.free.size(); ++i) {
+      JointVectord beside = end.phi;
+      beside[query_.free[i]] += kSlopeDifference;
+      const auto there = goal.near(beside, ContactSolve::Nearest);
+      if (!there) continue;
+      slope[static_cast<Eigen::Index>(i)] = (goal.measure(*there) - here) / kSlopeDifference;
+    }
+    return slope;
   }
 
   const NullPathQuery& query_;
   const CaptureProblem& problem_;
   const NullTracker& tracker_;
-  const StillScene& scene_;
   JointPath best_;
   Configuration end_;
+  std::size_t goal_ = 0;
   double measure_ = kInfinity;
   int tried_ = 0, arrived_ = 0, within_limits_ = 0, clear_ = 0;
 };
 
-}  // namespace
-
-NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem,
-                              const StillScene& scene) {
-  const NullTracker tracker(problem.robot, query.start, query.free);
-  Random random(query.seed);
-  Search search(query, problem, tracker, scene);
-  for (int number = 0; number < kTries && !search.is_done() && !query.stop.reached(); ++number) {
-    search.look(reference(tracker, query.start, query.goal, number, random));
-  }
+/// A rough way around what is in the way to a goal.
+std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTracker& tracker,
+                                      const NullGoal& goal, std::uint64_t seed) {
   const auto full = [&](const Eigen::VectorXd& part) {
     JointVectord phi = query.start;
     for (std::size_t i = 0; i < query.free.size(); ++i) {
@@ -187,19 +202,38 @@ NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& 
   };
   GuideQuery rough;
   rough.start = tracker.free_part(query.start);
-  rough.goal = tracker.free_part(query.goal);
+  rough.goal = tracker.free_part(goal.posture);
   rough.lower = query.lower;
   rough.upper = query.upper;
+  rough.seed = seed;
   rough.max_iterations = query.max_iterations / kGuideEffort;
   rough.stop = query.stop;
-  rough.is_valid = [&](const Eigen::VectorXd& part) { return !scene.first_hit(full(part)); };
+  rough.is_valid = [&](const Eigen::VectorXd& part) { return !goal.scene->first_hit(full(part)); };
   rough.projected = [&](const Eigen::VectorXd& part, const Eigen::VectorXd& wanted) {
     return tracker.projected(full(part), wanted);
   };
-  for (int i = 0; i < kGuides && search.clear() == 0 && !query.stop.reached(); ++i) {
-    rough.seed = random.next();
-    const std::vector<Eigen::VectorXd> guide = find_guide(rough);
-    if (guide.size() >= 2) search.look(along(guide, rough.goal));
+  return find_guide(rough);
+}
+
+}  // namespace
+
+NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem) {
+  const NullTracker tracker(problem.robot, query.start, query.free);
+  Random random(query.seed);
+  Search search(query, problem, tracker);
+  // The straight lines to all goals first: what is near in the null space is reached by one of
+  // them.
+  const std::size_t count = query.goals.size();
+  const auto tries = static_cast<std::size_t>(count > 1 ? kTriesOfSet : kTries);
+  for (std::size_t i = 0; i < tries && !search.is_done() && !query.stop.reached(); ++i) {
+    const JointVectord& goal = query.goals[i % count].posture;
+    search.look(i % count,
+                reference(tracker, query.start, goal, static_cast<int>(i / count), random));
+  }
+  for (std::size_t i = 0; i < kGuides && search.clear() == 0 && !query.stop.reached(); ++i) {
+    const Eigen::VectorXd goal = tracker.free_part(query.goals[i % count].posture);
+    const auto guide = guide_to(query, tracker, query.goals[i % count], random.next());
+    if (guide.size() >= 2) search.look(i % count, along(guide, goal));
   }
   NullPathAnswer answer = search.answer();
   answer.stopped = answer.curve.times.empty() && query.stop.reached();

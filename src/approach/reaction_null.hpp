@@ -19,11 +19,19 @@
 
 namespace stillbase {
 
-struct NullPathQuery {
-  JointVectord start, goal;  ///< n
-  /// Configurations that solve the contact, and how good they are (smaller is better).
-  std::function<std::optional<Configuration>(const JointVectord&, ContactSolve)> goal_near;
+/// One of the goals. What is in the way depends on where one is going.
+struct NullGoal {
+  JointVectord posture;  ///< n: where the curve first heads
+  /// Configurations that solve the contact near a posture, and how good they are (smaller is
+  /// better).
+  std::function<std::optional<Configuration>(const JointVectord&, ContactSolve)> near;
   std::function<double(const Configuration&)> measure;
+  const StillScene* scene = nullptr;
+};
+
+struct NullPathQuery {
+  JointVectord start;              ///< n
+  std::vector<NullGoal> goals;     ///< at least one, the best one first
   std::vector<Eigen::Index> free;  ///< joints that may move; the others keep still
   JointVectord lower, upper;       ///< of the free joints, finite
   std::uint64_t seed = 1;
@@ -34,7 +42,8 @@ struct NullPathQuery {
 struct NullPathAnswer {
   JointPath curve;    ///< over its length (rad), slopes of norm 1, to one of the goals. Empty: none
   Configuration end;  ///< where it ends
-  std::string detail;  ///< what was tried
+  std::size_t goal = 0;  ///< index of the goal that it headed for
+  std::string detail;    ///< what was tried
   bool stopped = false;
 };
 
@@ -42,7 +51,6 @@ struct NullPathAnswer {
 /// as far as it can be bent; of several the one with the best end is kept. References are first the
 /// straight line and ever wider detours; when what comes of them collides, ways around the
 /// obstacles that OMPL finds over joint velocities within the null space.
-NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem,
-                              const StillScene& scene);
+NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem);
 
 }  // namespace stillbase

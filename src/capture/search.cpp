@@ -111,149 +111,239 @@ NominalOptimum nominal_optimum(const CaptureProblem& problem, const Formulation&
   return best;
 }
 
-/// Postures on the constraints that look best for the measure, out of many draws.
-std::vector<Eigen::VectorXd> screened_starts(const CaptureProblem& problem,
-                                             const Formulation& formulation,
-                                             const SearchOptions& options, int first_draw) {
-  std::vector<Eigen::VectorXd> drawn;
-  for (int draw = first_draw; draw < first_draw + kDrawn && !options.stop.reached(); ++draw) {
-    const Eigen::VectorXd x0 = formulation.start_point(
-        low_discrepancy_point(draw, formulation.start_dimension(), options.seed));
-    const ProjectionResult projected = project_onto_constraints(formulation, x0, false, 15);
-    if (projected.violation <= kOnConstraints) drawn.push_back(projected.x);
-  }
-  return best_by_screening(problem, formulation, drawn, kKept, kSameStart);
+/// The solver that goes on where another one stopped short of a minimum: equations whose gradients
+/// nearly depend on each other stop sequential quadratic programming, an interior point seldom.
+constexpr const char* kRescuer = "ipopt";
+
+/// Whether what a solver leaves is meant to be a minimum.
+bool ends_at_minima(const nlp::OptimizerInfo& info) {
+  return info.uses_gradient && !info.global && info.name != "gradient-projection";
 }
+
+class Search {
+ public:
+  Search(const CaptureProblem& problem, const Formulation& formulation,
+         const SearchOptions& options)
+      : problem_(problem),
+        formulation_(formulation),
+        options_(options),
+        measure_(problem, formulation),
+        optimizer_(nlp::make_optimizer(options.optimizer)),
+        rescuer_(nlp::make_optimizer(kRescuer)),
+        isolated_(formulation.freedom() == 0),
+        own_starts_(isolated_ ? 16 * options.starts : options.starts) {
+    if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
+    solve_.max_evaluations = 1000;  // a local solve needs about 40; creeping is cut off
+    solve_.stop = options.stop;
+    solve_.feasibility_tolerance = kFeasible;
+    solve_.optimality_tolerance = kOptimal;
+  }
+
+  SearchResult run() {
+    find_solutions();
+    out_.unseen = unseen();
+    if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
+    const bool feasible = nearest_.violation <= kFeasible;
+    if (feasible) {
+      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+      if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
+    }
+    out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
+    rank();
+    out_.evaluations = formulation_.evaluations();
+    out_.status = out_.stopped ? PlanStatus::Limit
+                  : feasible   ? PlanStatus::Feasible
+                               : PlanStatus::Infeasible;
+    return std::move(out_);
+  }
+
+ private:
+  /// A start point on the constraints, or as near to them as a few draws come.
+  ProjectionResult posture_of(int start) const {
+    if (start >= own_starts_) {
+      return projected(options_.more_starts[static_cast<std::size_t>(start - own_starts_)]);
+    }
+    ProjectionResult best = projected(drawn(start));
+    // Many random postures lead nowhere: another one costs far less than a solve from there.
+    for (int again = 1; again <= kMoreDraws && !isolated_ && best.violation > kOnConstraints;
+         ++again) {
+      const ProjectionResult trial = projected(drawn(start + again * own_starts_));
+      if (trial.violation < best.violation) best = trial;
+    }
+    return best;
+  }
+  Eigen::VectorXd drawn(int index) const {
+    return formulation_.start_point(
+        low_discrepancy_point(index, formulation_.start_dimension(), options_.seed));
+  }
+  ProjectionResult projected(const Eigen::VectorXd& x) const {
+    return project_onto_constraints(formulation_, x, false, isolated_ ? 60 : 15);
+  }
+
+  Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0) {
+    const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve_);
+    ++out_.solver_calls[optimizer.info().name];
+    return polish(formulation_, judge(formulation_, formulation_.normalised(result.x)));
+  }
+
+  Solution local_minimum(const Eigen::VectorXd& x0) {
+    Solution found = solved(*optimizer_, x0);
+    if (rescuer_ && found.violation <= kFeasible && !options_.stop.reached() &&
+        nlp::certify(formulation_, found.x).kkt_residual > kOptimal) {
+      const Solution further = solved(*rescuer_, found.x);
+      if (better(further, found)) found = further;
+    }
+    return found;
+  }
+
+  /// The nominal problem from every start.
+  ///
+  /// With as many equations as variables the solutions are isolated points and there is nothing to
+  /// minimise: Newton steps from many more starts find them, and cost less than one local solve.
+  void find_solutions() {
+    const int starts = own_starts_ + static_cast<int>(options_.more_starts.size());
+    for (int start = 0; start < starts; ++start) {
+      if (options_.stop.reached() && start > 0) {
+        out_.stopped = true;
+        return;
+      }
+      const ProjectionResult posture = posture_of(start);
+      if (posture.violation <= kOnConstraints) on_constraints_.push_back(posture.x);
+      solve_.seed = options_.seed + static_cast<std::uint64_t>(start);
+      Solution found = isolated_ && start >= options_.starts
+                           ? judge(formulation_, formulation_.normalised(posture.x))
+                           : local_minimum(posture.x);
+      found.x = formulation_.normalised(found.x);
+      ++out_.starts;
+      if (better(found, nearest_)) nearest_ = found;
+      if (found.violation <= kFeasible) keep_distinct(formulation_, found, solutions_);
+      if (options_.on_progress) options_.on_progress(start + 1, starts);
+    }
+  }
+
+  /// Good and Turing's estimate: the share of the starts whose solution no other start reached.
+  double unseen() const {
+    int reached = 0, once = 0;
+    for (const Solution& solution : solutions_) {
+      reached += solution.reached;
+      once += solution.reached == 1 ? 1 : 0;
+    }
+    return reached > 0 ? static_cast<double>(once) / reached : 1;
+  }
+
+  /// The local minima of the problem's measure, beside the solutions of the nominal problem.
+  void find_minima_of_measure() {
+    std::vector<Eigen::VectorXd> from = std::move(on_constraints_);
+    for (const Solution& solution : solutions_) from.push_back(solution.x);
+    for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
+    // A long list is asked for where much of it may touch something.
+    MeasureSearchOptions effort;
+    effort.finished = std::max(effort.finished, options_.max_candidates / 4);
+    const MeasureMinima found =
+        measure_minima(formulation_, measure_, *optimizer_, solve_, from, effort);
+    out_.solver_calls[options_.optimizer] += found.solver_calls;
+    out_.stopped = out_.stopped || found.stopped;
+    std::vector<Solution> minima;
+    for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
+    rescue_best(minima);
+    // What the prediction alone would choose stays in the list: another choice when the minima
+    // of the measure touch something.
+    for (Solution& solution : solutions_) {
+      solution.objective = measure_.value(solution.x);
+      keep_distinct(formulation_, solution, minima);
+    }
+    solutions_ = std::move(minima);
+  }
+
+  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
+    keep_distinct(formulation_, {x, measure_.value(x), largest_violation(formulation_, x), 1},
+                  minima);
+  }
+
+  /// Goes on from the best minima where the solver stopped short.
+  void rescue_best(std::vector<Solution>& minima) {
+    constexpr int kRescued = 3;
+    for (int i = 0; i < kRescued && rescuer_ && !minima.empty() && !options_.stop.reached(); ++i) {
+      const Eigen::VectorXd best =
+          std::min_element(minima.begin(), minima.end(), [](const Solution& a, const Solution& b) {
+            return better(a, b);
+          })->x;
+      if (measure_.certify(best).kkt_residual <= kOptimal) return;
+      const MeasureSolution further = measure_.finish(*rescuer_, solve_, best);
+      out_.solver_calls[kRescuer] += further.solver_calls;
+      const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
+      if (!(exact.violation <= kFeasible)) return;
+      if (!(measure_.value(exact.x) < measure_.value(best))) return;
+      keep_minimum(formulation_.normalised(exact.x), minima);
+    }
+  }
+
+  /// Postures on the constraints that look best for the measure, out of many draws.
+  std::vector<Eigen::VectorXd> screened_starts() const {
+    const int first = own_starts_ * (1 + kMoreDraws);
+    std::vector<Eigen::VectorXd> postures;
+    for (int draw = first; draw < first + kDrawn && !options_.stop.reached(); ++draw) {
+      const ProjectionResult posture = projected(drawn(draw));
+      if (posture.violation <= kOnConstraints) postures.push_back(posture.x);
+    }
+    return best_by_screening(problem_, formulation_, postures, kKept, kSameStart);
+  }
+
+  /// Candidates by the measure (the nominal one: by their worst case), with certificates.
+  void rank() {
+    std::vector<std::pair<Candidate, Eigen::VectorXd>> ranked;
+    for (const Solution& solution : solutions_) {
+      Candidate candidate;
+      candidate.configuration = formulation_.configuration(solution.x);
+      candidate.objective = nominal_value(problem_, formulation_, candidate.configuration);
+      candidate.worst_case = worst_case(problem_, formulation_, candidate.configuration).value;
+      candidate.max_violation = solution.violation;
+      candidate.starts_reached = solution.reached;
+      candidate.value = reported(measure_, solution.x, candidate.objective, candidate.worst_case);
+      ranked.emplace_back(candidate, solution.x);
+    }
+    std::stable_sort(ranked.begin(), ranked.end(), [this](const auto& a, const auto& b) {
+      return measure_.is_nominal() ? a.first.worst_case < b.first.worst_case
+                                   : a.first.value < b.first.value;
+    });
+    if (static_cast<int>(ranked.size()) > options_.max_candidates) {
+      ranked.resize(static_cast<std::size_t>(options_.max_candidates));
+    }
+    for (const auto& [candidate, x] : ranked) {
+      const nlp::Certificate kkt = measure_.certify(x);
+      Certificate certificate;
+      certificate.kkt_residual = kkt.kkt_residual;
+      certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
+      certificate.max_violation = candidate.max_violation;
+      certificate.starts = out_.starts;
+      certificate.distinct_solutions = out_.distinct_solutions;
+      certificate.unseen = out_.unseen;
+      out_.candidates.push_back(candidate);
+      out_.certificates.push_back(certificate);
+      out_.points.push_back(x);
+    }
+  }
+
+  const CaptureProblem& problem_;
+  const Formulation& formulation_;
+  const SearchOptions& options_;
+  const Measure measure_;
+  std::unique_ptr<nlp::Optimizer> optimizer_, rescuer_;
+  nlp::OptimizeOptions solve_;
+  const bool isolated_;
+  const int own_starts_;
+  std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
+  std::vector<Solution> solutions_;
+  Solution nearest_;  ///< the best of all that was found
+  SearchResult out_;
+};
 
 }  // namespace
 
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
                     const SearchOptions& options) {
-  const auto optimizer = nlp::make_optimizer(options.optimizer);
-  if (!optimizer) throw std::invalid_argument("no optimizer named " + options.optimizer);
-  nlp::OptimizeOptions optimize;
-  optimize.max_evaluations = 1000;  // a local solve needs about 40; creeping is cut off
-  optimize.stop = options.stop;
-  optimize.feasibility_tolerance = kFeasible;
-  optimize.optimality_tolerance = kOptimal;
-
-  SearchResult out;
-  std::vector<Solution> solutions;
-  Solution nearest;
-  // With as many equations as variables the solutions are isolated points and there is nothing to
-  // minimise: Newton steps from many more starts find them, and cost less than one local solve.
-  const bool isolated = formulation.freedom() == 0;
-  const Measure measure(problem, formulation);
-  std::vector<Eigen::VectorXd> projected_starts;
-  const int own_starts = isolated ? 16 * options.starts : options.starts;
-  const int starts = own_starts + static_cast<int>(options.more_starts.size());
-  for (int start = 0; start < starts; ++start) {
-    if (options.stop.reached() && start > 0) {
-      out.stopped = true;
-      break;
-    }
-    const Eigen::VectorXd x0 =
-        start < own_starts ? formulation.start_point(low_discrepancy_point(
-                                 start, formulation.start_dimension(), options.seed))
-                           : options.more_starts[static_cast<std::size_t>(start - own_starts)];
-    ProjectionResult projected =
-        project_onto_constraints(formulation, x0, false, isolated ? 60 : 15);
-    // Many random postures lead nowhere: another one costs far less than a solve from there.
-    const bool may_draw = start < own_starts && !isolated;
-    for (int again = 1; again <= kMoreDraws && may_draw && projected.violation > kOnConstraints;
-         ++again) {
-      const Eigen::VectorXd other = formulation.start_point(low_discrepancy_point(
-          start + again * own_starts, formulation.start_dimension(), options.seed));
-      const ProjectionResult trial = project_onto_constraints(formulation, other, false, 15);
-      if (trial.violation < projected.violation) projected = trial;
-    }
-    if (projected.violation <= kOnConstraints) projected_starts.push_back(projected.x);
-    Solution found;
-    if (isolated && start >= options.starts) {
-      found = judge(formulation, formulation.normalised(projected.x));
-    } else {
-      optimize.seed = options.seed + static_cast<std::uint64_t>(start);
-      const nlp::OptimizeResult result = optimizer->minimize(formulation, projected.x, optimize);
-      ++out.solver_calls[options.optimizer];
-      found = polish(formulation, judge(formulation, formulation.normalised(result.x)));
-    }
-    found.x = formulation.normalised(found.x);
-    ++out.starts;
-    if (better(found, nearest)) nearest = found;
-    if (found.violation <= kFeasible) keep_distinct(formulation, found, solutions);
-    if (options.on_progress) options.on_progress(start + 1, starts);
-  }
-
-  if (solutions.empty() && nearest.x.size() > 0) solutions.push_back(nearest);
-  out.distinct_solutions = nearest.violation <= kFeasible ? static_cast<int>(solutions.size()) : 0;
-  if (out.distinct_solutions > 0) {
-    out.nominal_optimum = nominal_optimum(problem, formulation, measure, solutions);
-    if (!measure.is_nominal() && !isolated) {
-      std::vector<Eigen::VectorXd> from = std::move(projected_starts);
-      for (const Solution& solution : solutions) from.push_back(solution.x);
-      const int used = own_starts * (1 + kMoreDraws);
-      for (Eigen::VectorXd& start : screened_starts(problem, formulation, options, used)) {
-        from.push_back(std::move(start));
-      }
-      // A long list is asked for where much of it may touch something.
-      MeasureSearchOptions effort;
-      effort.finished = std::max(effort.finished, options.max_candidates / 4);
-      const MeasureMinima found =
-          measure_minima(formulation, measure, *optimizer, optimize, from, effort);
-      out.solver_calls[options.optimizer] += found.solver_calls;
-      out.stopped = out.stopped || found.stopped;
-      std::vector<Solution> minima;
-      for (const Eigen::VectorXd& x : found.points) {
-        keep_distinct(formulation, {x, measure.value(x), largest_violation(formulation, x), 1},
-                      minima);
-      }
-      // What the prediction alone would choose stays in the list: another choice when the minima
-      // of the measure touch something.
-      for (Solution& solution : solutions) {
-        solution.objective = measure.value(solution.x);
-        keep_distinct(formulation, solution, minima);
-      }
-      solutions = std::move(minima);
-      out.distinct_solutions = static_cast<int>(solutions.size());
-    }
-  }
-  std::vector<std::pair<Candidate, Eigen::VectorXd>> ranked;
-  for (const Solution& solution : solutions) {
-    Candidate candidate;
-    candidate.configuration = formulation.configuration(solution.x);
-    candidate.objective = nominal_value(problem, formulation, candidate.configuration);
-    candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
-    candidate.max_violation = solution.violation;
-    candidate.starts_reached = solution.reached;
-    candidate.value = reported(measure, solution.x, candidate.objective, candidate.worst_case);
-    ranked.emplace_back(candidate, solution.x);
-  }
-  std::stable_sort(ranked.begin(), ranked.end(), [&measure](const auto& a, const auto& b) {
-    return measure.is_nominal() ? a.first.worst_case < b.first.worst_case
-                                : a.first.value < b.first.value;
-  });
-  if (static_cast<int>(ranked.size()) > options.max_candidates) {
-    ranked.resize(static_cast<std::size_t>(options.max_candidates));
-  }
-  for (const auto& [candidate, x] : ranked) {
-    const nlp::Certificate kkt = measure.certify(x);
-    Certificate certificate;
-    certificate.kkt_residual = kkt.kkt_residual;
-    certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
-    certificate.max_violation = candidate.max_violation;
-    certificate.starts = out.starts;
-    certificate.distinct_solutions = out.distinct_solutions;
-    out.candidates.push_back(candidate);
-    out.certificates.push_back(certificate);
-    out.points.push_back(x);
-  }
-  out.evaluations = formulation.evaluations();
-  if (out.candidates.empty() || nearest.violation > kFeasible) {
-    out.status = out.stopped ? PlanStatus::Limit : PlanStatus::Infeasible;
-  } else {
-    out.status = out.stopped ? PlanStatus::Limit : PlanStatus::Feasible;
-  }
-  return out;
+  return Search(problem, formulation, options).run();
 }
 
 PlanStatus status_of(const Certificate& certificate) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -22,7 +23,12 @@ std::vector<std::string> read_paths(io::MapReader& map, const std::string& key) 
     return paths;
   }
   for (const io::Node& item : list->items) {
-    if (const auto path = io::read_text(map.context(), item, key)) paths.push_back(*path);
+    const auto path = io::read_text(map.context(), item, key);
+    if (!path) continue;
+    if (std::find(paths.begin(), paths.end(), *path) != paths.end()) {
+      map.context().add(item.line, "duplicate-name", key + ": '" + *path + "' is already named");
+    }
+    paths.push_back(*path);
   }
   return paths;
 }
@@ -38,7 +44,12 @@ std::vector<std::uint64_t> read_seeds(io::MapReader& map) {
     if (number != std::floor(number)) {
       map.context().add(list->line, "not-an-integer", "seeds: must be whole numbers");
     }
-    seeds.push_back(static_cast<std::uint64_t>(number));
+    const auto seed = static_cast<std::uint64_t>(number);
+    if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) {
+      map.context().add(list->line, "duplicate-name",
+                        "seeds: " + std::to_string(seed) + " is already named");
+    }
+    seeds.push_back(seed);
   }
   return seeds;
 }

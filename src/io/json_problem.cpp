@@ -194,6 +194,44 @@ Json approach_section_json(const CaptureProblem& problem) {
           {"attitude_tolerance", number_json(approach.attitude_tolerance)}};
 }
 
+Json post_impact_json(const PostImpactSpec& post) {
+  const ContactSpec& contact = post.contact;
+  const SensorSpec& sensor = post.sensor;
+  return {{"controllers", post.controllers},
+          {"base_rate_gain", number_json(post.K_omega)},
+          {"joint_rate_gain", number_json(post.K_phi)},
+          {"control_period", number_json(post.control_period)},
+          {"horizon", number_json(post.horizon)},
+          {"joint_friction", post.joint_friction},
+          {"stop_restitution", number_json(post.stop_restitution)},
+          {"wheel_torque", number_json(post.wheel_torque)},
+          {"wheel_momentum", number_json(post.wheel_momentum)},
+          {"handback_start", number_json(post.handback_start)},
+          {"handback_gain", number_json(post.handback_gain)},
+          {"contact",
+           {{"model", word_of(contact_model_names(), contact.model)},
+            {"stiffness", number_json(contact.stiffness)},
+            {"damping", contact.damping ? number_json(*contact.damping) : Json("from_restitution")},
+            {"friction", number_json(contact.friction)}}},
+          {"sensor",
+           {{"base_rate_error", number_json(sensor.base_rate_error)},
+            {"joint_position_error", number_json(sensor.joint_position_error)},
+            {"joint_rate_error", number_json(sensor.joint_rate_error)},
+            {"delay", number_json(sensor.delay)},
+            {"seed", sensor.seed}}},
+          {"model",
+           {{"base_mass_scale", number_json(post.model.base_mass_scale)},
+            {"arm_mass_scale", number_json(post.model.arm_mass_scale)},
+            {"target_mass_scale", number_json(post.model.target_mass_scale)},
+            {"friction_scale", number_json(post.model.friction_scale)}}},
+          {"thrusters",
+           {{"torque", number_json(post.thrusters.torque)},
+            {"gain", number_json(post.thrusters.gain)},
+            {"dead_band", number_json(post.thrusters.dead_band)}}},
+          {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
+          {"attitude_change_max", number_json(post.attitude_change_max)}};
+}
+
 }  // namespace
 
 Json resistance_json(const JointResistance& resistance, const RobotModel& robot) {
@@ -253,20 +291,7 @@ Json problem_json(const CaptureProblem& problem) {
                     {"seed", problem.search.seed},
                     {"max_candidates", problem.search.max_candidates}};
   json["approach"] = approach_section_json(problem);
-  const PostImpactSpec& post = problem.post_impact;
-  json["post_impact"] = {{"controllers", post.controllers},
-                         {"base_rate_gain", number_json(post.K_omega)},
-                         {"joint_rate_gain", number_json(post.K_phi)},
-                         {"control_period", number_json(post.control_period)},
-                         {"horizon", number_json(post.horizon)},
-                         {"joint_friction", post.joint_friction},
-                         {"stop_restitution", number_json(post.stop_restitution)},
-                         {"wheel_torque", number_json(post.wheel_torque)},
-                         {"wheel_momentum", number_json(post.wheel_momentum)},
-                         {"handback_start", number_json(post.handback_start)},
-                         {"handback_gain", number_json(post.handback_gain)},
-                         {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
-                         {"attitude_change_max", number_json(post.attitude_change_max)}};
+  json["post_impact"] = post_impact_json(problem.post_impact);
   json["obstacles"] = Json::array();
   for (const Obstacle& obstacle : problem.obstacles) {
     json["obstacles"].push_back({{"name", obstacle.name},

@@ -27,7 +27,10 @@ Json trials_json(const TrialSetting& setting, const TrialReport& report) {
     sensitivities[s.output].push_back(
         {{"input", s.input}, {"rank_correlation", number_json(s.rank_correlation)}});
   }
+  const int wanted = setting.wanted < 0 ? report.trials : setting.wanted;
   return {{"count", report.trials},
+          {"wanted", wanted},
+          {"interrupted", report.trials < wanted},
           {"seed", setting.seed},
           {"perturbations",
            {{"cone_half_angle", number_json(sizes.cone_half_angle)},

@@ -100,6 +100,13 @@ const Names<PlanStatus>& plan_status_names() {
   return names;
 }
 
+const Names<ContactModel>& contact_model_names() {
+  static const Names<ContactModel> names{{"jump", ContactModel::Jump},
+                                         {"compliant", ContactModel::Compliant},
+                                         {"latch", ContactModel::Latch}};
+  return names;
+}
+
 const Names<ProofStatus>& proof_status_names() {
   static const Names<ProofStatus> names{{"not_applicable", ProofStatus::NotApplicable},
                                         {"complete", ProofStatus::Complete},

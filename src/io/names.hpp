@@ -52,5 +52,6 @@ const Names<ImpactCase>& impact_case_names();
 const Names<PlanStatus>& plan_status_names();
 const Names<ApproachStatus>& approach_status_names();
 const Names<ProofStatus>& proof_status_names();
+const Names<ContactModel>& contact_model_names();
 
 }  // namespace stillbase::io

@@ -244,6 +244,8 @@ void read_certificate(MapReader& map, const Plan& plan, Certificate& certificate
                 certificate.reduced_hessian_min_eigenvalue);
   fields.integer("starts", certificate.starts, 0, kMany, Need::Required);
   fields.integer("distinct_solutions", certificate.distinct_solutions, 0, kMany, Need::Required);
+  fields.number("unseen", certificate.unseen, Dimension::None, {.lower = 0, .upper = 1},
+                Need::Required);
   read_proof(fields, plan, certificate.proof);
   fields.finish();
 }
@@ -332,6 +334,20 @@ void read_approach(MapReader& map, Plan& plan) {
   }
 }
 
+void read_inputs(MapReader& map, PlanFile& file) {
+  read_list(map, "inputs", [&](const Node& item, const std::string& path) {
+    MapReader fields(map.context(), item, path);
+    InputFile input;
+    fields.text("role", input.role, Need::Required);
+    fields.text("path", input.path, Need::Required);
+    fields.text("sha256", input.sha256, Need::Required);
+    fields.finish();
+    check_name(map.context(), item.line, path + ".role", input.role, {"problem", "robot", "target"},
+               "roles");
+    file.inputs.push_back(std::move(input));
+  });
+}
+
 void read_robot(MapReader& map, std::optional<std::string>& urdf, std::string& hand,
                 PlanFile& file) {
   const Node* node = map.child("robot", Need::Required);
@@ -385,6 +401,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   MapReader map(context, root, "");
   read_format(map, "stillbase.plan");
   file.tool = read_tool(map);
+  read_inputs(map, file);
   std::optional<std::string> urdf;
   std::string hand;
   read_robot(map, urdf, hand, file);

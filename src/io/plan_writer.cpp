@@ -122,15 +122,21 @@ Json certificate_json(const Certificate& certificate) {
       {"reduced_hessian_min_eigenvalue", optional_json(certificate.reduced_hessian_min_eigenvalue)},
       {"starts", certificate.starts},
       {"distinct_solutions", certificate.distinct_solutions},
+      {"unseen", number_json(certificate.unseen)},
       {"proof", proof_json(certificate.proof)}};
 }
 
-Json plan_json(const Plan& plan, const ToolVersions& tool) {
+Json input_json(const InputFile& file) {
+  return {{"role", file.role}, {"path", file.path}, {"sha256", file.sha256}};
+}
+
+Json plan_json(const Plan& plan, const ToolVersions& tool, const std::vector<InputFile>& inputs) {
   const CaptureProblem& problem = plan.problem;
   Json json;
   json["format"] = "stillbase.plan";
   json["version"] = 1;
   json["tool"] = tool;
+  json["inputs"] = list_json(inputs, input_json);
   json["problem"] = problem_json(problem);
   json["robot"] = {
       {"urdf", problem.urdf}, {"sha256", sha256_hex(problem.urdf)}, {"hand", problem.robot.hand}};
@@ -164,8 +170,9 @@ std::string content_sha256(Json document) {
 }  // namespace io
 
 std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
-                         const std::string& verification_json) {
-  io::Json json = io::plan_json(plan, tool);
+                         const std::string& verification_json,
+                         const std::vector<InputFile>& inputs) {
+  io::Json json = io::plan_json(plan, tool, inputs);
   json["content_sha256"] = io::content_sha256(json);
   if (!verification_json.empty()) json["verification"] = io::Json::parse(verification_json);
   json["timing"] = io::Json::object();

@@ -9,6 +9,7 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/plan/direction_cone.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
+#include <stillbase/simulation/contact.hpp>
 
 #include "io/target_reader.hpp"
 #include "io/wedge_check.hpp"
@@ -223,6 +224,37 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
   if (problem.target && problem.target->is_point_mass && problem.target_deviations &&
       !problem.target_deviations->moments.isZero(0)) {
     refuse("target", "not-used", "state.covariance.moments: a point mass has none");
+  }
+
+  const ContactModel contact = problem.post_impact.contact.model;
+  if (contact != ContactModel::Jump &&
+      (!problem.target || impulse.source == ImpulseSource::Given)) {
+    refuse("post_impact", "missing-key",
+           "contact: this model needs a target and a contact law, impact.source point_mass or "
+           "rigid_body");
+  }
+  if (contact == ContactModel::Latch &&
+      (impulse.source != ImpulseSource::RigidBody || impulse.restitution != 0)) {
+    refuse("post_impact", "contradiction",
+           "contact: a latch closes as it touches; it needs impact.source rigid_body with "
+           "restitution 0, whose impulse is then the latch's along the normal");
+  }
+  if (contact == ContactModel::Compliant && impulse.source == ImpulseSource::PointMass) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact needs a rigid body; a point mass that slides along the "
+           "hand would have to take a moment");
+  }
+  if (contact == ContactModel::Compliant && problem.resistance.model == ResistanceModel::Locked) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact takes time, in which locked joints mean nothing; use "
+           "joint_resistance servo");
+  }
+  if (contact == ContactModel::Compliant && !problem.post_impact.contact.damping &&
+      !(impulse.restitution >= kLeastRestitution)) {
+    refuse("post_impact", "out-of-range",
+           fmt::format("contact: a spring-damper always leaves a little: impact.restitution must "
+                       "be at least {}, or damping stated",
+                       kLeastRestitution));
   }
 
   const auto& plane = problem.uncertainty.cone_plane_normal;

@@ -23,10 +23,10 @@ struct ProblemSources {
 CaptureProblem read_problem_map(const Node& node, ReadContext& context, const std::string& path,
                                 const ProblemSources& sources);
 
-// One function per section (*_section*.cpp). `map` is that of the whole problem.
-
 /// A section; absent it is an empty map, so that its keys are known and its defaults stand.
 MapReader section(MapReader& map, const std::string& key);
+
+// One function per section (*_section*.cpp). `map` is that of the whole problem.
 
 void read_impact_section(MapReader& map, CaptureProblem& problem);
 void read_variables_section(MapReader& map, CaptureProblem& problem);

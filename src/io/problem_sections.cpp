@@ -4,7 +4,6 @@
 
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/nlp/optimizer.hpp>
-#include <stillbase/simulation/controllers.hpp>
 
 #include "io/problem_reader.hpp"
 #include "io/target_reader.hpp"
@@ -60,6 +59,16 @@ void read_impulse_direction(MapReader& map, ImpulseSpec& impulse) {
 }
 
 }  // namespace
+
+MapReader section(MapReader& map, const std::string& key) {
+  static const Node empty = [] {
+    Node node;
+    node.kind = Node::Kind::Map;
+    return node;
+  }();
+  const Node* node = map.child(key);
+  return {map.context(), node == nullptr ? empty : *node, map.path_of(key)};
+}
 
 void read_resistance_values(MapReader& map, const RobotModel& robot, JointResistance& resistance) {
   switch (resistance.model) {
@@ -370,51 +379,6 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
         "contact follows from the path (held: it stays); base_attitude and "
         "base_position must be fixed");
   }
-  fields.finish();
-}
-
-void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
-  MapReader fields = section(map, "post_impact");
-  ReadContext& context = map.context();
-  PostImpactSpec& spec = problem.post_impact;
-  const Node* list = fields.child("controllers");
-  if (list != nullptr && list->kind != Node::Kind::Sequence) {
-    context.add(list->line, "wrong-type",
-                fmt::format("{}: must be a list of names", fields.path_of("controllers")));
-  } else if (list != nullptr) {
-    for (std::size_t i = 0; i < list->items.size(); ++i) {
-      const std::string path = fmt::format("{}[{}]", fields.path_of("controllers"), i);
-      const auto name = read_text(context, list->items[i], path);
-      if (!name || !check_name(context, list->items[i].line, path, *name, controller_names(),
-                               "controllers")) {
-        continue;
-      }
-      if (std::find(spec.controllers.begin(), spec.controllers.end(), *name) !=
-          spec.controllers.end()) {
-        context.add(list->items[i].line, "duplicate-name",
-                    fmt::format("{}: '{}' is already named", path, *name));
-      }
-      spec.controllers.push_back(*name);
-    }
-  }
-  fields.number("base_rate_gain", spec.K_omega, Dimension::Rate, kNonNegative);
-  fields.number("joint_rate_gain", spec.K_phi, Dimension::Rate, kNonNegative);
-  // Bounds that keep a simulation within minutes.
-  fields.number("control_period", spec.control_period, Dimension::Time,
-                {.lower = 1e-4, .upper = 10});
-  fields.number("horizon", spec.horizon, Dimension::Time, {.lower = 1e-3, .upper = 3600});
-  fields.flag("joint_friction", spec.joint_friction);
-  fields.number("stop_restitution", spec.stop_restitution, Dimension::None,
-                {.lower = 0, .upper = 0.99});
-  fields.number("wheel_torque", spec.wheel_torque, Dimension::Moment, kNonNegative);
-  fields.number("wheel_momentum", spec.wheel_momentum, Dimension::AngularImpulse, kNonNegative);
-  fields.number("handback_start", spec.handback_start, Dimension::Time, kNonNegative);
-  fields.number("handback_gain", spec.handback_gain, Dimension::Rate, kNonNegative);
-  const Need need = spec.controllers.empty() ? Need::Optional : Need::Required;
-  fields.number("residual_base_rate_max", spec.residual_base_rate_max, Dimension::AngularVelocity,
-                kNonNegative, need);
-  fields.number("attitude_change_max", spec.attitude_change_max, Dimension::Angle, kNonNegative,
-                need);
   fields.finish();
 }
 

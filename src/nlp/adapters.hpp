@@ -1,4 +1,4 @@
-// The registry's view of the adapters: a new optimizer is one file and one line in registry.cpp.
+// The registry's view of the adapters.
 #pragma once
 
 #include <memory>
@@ -7,18 +7,21 @@
 #include <string_view>
 #include <vector>
 
+/// A new optimizer is one file that defines ADAPTER_names() and make_ADAPTER(), and one line here;
+/// bench/README.md shows one. Order of the documentation.
+#define STILLBASE_ADAPTERS(ADAPTER) \
+  ADAPTER(nlopt_optimizer)          \
+  ADAPTER(ipopt_optimizer)          \
+  ADAPTER(gradient_projection)      \
+  ADAPTER(random_search)
+
 namespace stillbase::nlp {
 
-std::vector<std::string> nlopt_optimizer_names();
-std::unique_ptr<Optimizer> make_nlopt_optimizer(std::string_view name);  // null: not one of them
-
-std::vector<std::string> ipopt_optimizer_names();
-std::unique_ptr<Optimizer> make_ipopt_optimizer(std::string_view name);
-
-std::vector<std::string> gradient_projection_names();
-std::unique_ptr<Optimizer> make_gradient_projection(std::string_view name);
-
-std::vector<std::string> random_search_names();
-std::unique_ptr<Optimizer> make_random_search(std::string_view name);
+/// Names that the adapter knows, and the optimizer of a name; null: not one of them.
+#define STILLBASE_DECLARE(adapter)            \
+  std::vector<std::string> adapter##_names(); \
+  std::unique_ptr<Optimizer> make_##adapter(std::string_view name);
+STILLBASE_ADAPTERS(STILLBASE_DECLARE)
+#undef STILLBASE_DECLARE
 
 }  // namespace stillbase::nlp

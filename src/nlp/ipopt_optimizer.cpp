@@ -172,13 +172,18 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
   return "unknown";
 }
 
+constexpr const char* kTuning =
+    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0";
+
 class IpoptOptimizer final : public Optimizer {
  public:
   IpoptOptimizer(std::string name, std::string about, bool exact_hessian)
       : Optimizer({.name = std::move(name),
                    .about = std::move(about),
                    .uses_gradient = true,
-                   .uses_hessian = exact_hessian}) {}
+                   .uses_hessian = exact_hessian,
+                   .library = "Ipopt " IPOPT_VERSION,
+                   .tuning = kTuning}) {}
 
  private:
   NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
@@ -209,6 +214,9 @@ class IpoptOptimizer final : public Optimizer {
     ok = list.SetStringValue("linear_solver", "mumps") && ok;
     ok = list.SetStringValue("hessian_approximation", exact_hessian ? "exact" : "limited-memory") &&
          ok;
+    // Each iteration evaluates at least one point, so that the monitor's budget ends first.
+    ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
+    if (options.library_defaults) return ok;
     // Below our own tolerance, because it is measured on the scaled problem and because the
     // distance from an active bound is about this over the multiplier.
     ok = list.SetNumericValue("tol", 1e-4 * options.optimality_tolerance) && ok;
@@ -217,8 +225,6 @@ class IpoptOptimizer final : public Optimizer {
     ok = list.SetIntegerValue("acceptable_iter", 0) && ok;
     // Relaxed bounds (default 1e-8) would be violated bounds.
     ok = list.SetNumericValue("bound_relax_factor", 0.0) && ok;
-    // Each iteration evaluates at least one point, so that the monitor's budget ends first.
-    ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
     return ok;
   }
 };

@@ -123,6 +123,20 @@ void set_tolerances(nlopt_opt opt) {
   nlopt_set_xtol_abs1(opt, 1e-12);  // for variables that go to zero
   // The default takes as many pairs as fit in 10 MB, which costs milliseconds for a small problem.
   nlopt_set_vector_storage(opt, 20);
+  // MMA and CCSAQ solve a dual problem per step, at no evaluation; the default of 100000 steps
+  // there lets one evaluation take seconds where rows are nearly parallel.
+  nlopt_set_param(opt, "dual_maxeval", 300);
+}
+
+constexpr const char* kTuning =
+    "ftol_rel 1e-15, xtol_rel 1e-11, xtol_abs 1e-12, vector_storage 20, dual_maxeval 300; in an "
+    "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9";
+
+std::string library_version() {
+  int major = 0, minor = 0, bugfix = 0;
+  nlopt_version(&major, &minor, &bugfix);
+  return "NLopt " + std::to_string(major) + "." + std::to_string(minor) + "." +
+         std::to_string(bugfix);
 }
 
 // Inside an augmented Lagrangian: the limited-memory BFGS answers a step lost in rounding with a
@@ -144,7 +158,9 @@ class NloptOptimizer final : public Optimizer {
                    .uses_hessian = false,
                    .global = row.global,
                    .stochastic = row.stochastic,
-                   .min_variables = row.min_variables}),
+                   .min_variables = row.min_variables,
+                   .library = library_version(),
+                   .tuning = kTuning}),
         row_(row) {}
 
  private:
@@ -191,12 +207,14 @@ class NloptOptimizer final : public Optimizer {
           opt.get(), static_cast<unsigned>(inequalities.rows.size()), constraints, &inequalities,
           tolerances(inequalities).data()));
     }
-    set_tolerances(opt.get());
+    if (!options.library_defaults) set_tolerances(opt.get());
 
     const Opt lbfgs(nlopt_create(NLOPT_LD_LBFGS, n));
-    set_inner_tolerances(lbfgs.get());
     const Opt inner(nlopt_create(row_.algorithm, n));
-    set_inner_tolerances(inner.get());
+    if (!options.library_defaults) {
+      set_inner_tolerances(lbfgs.get());
+      set_inner_tolerances(inner.get());
+    }
     if (wrapped) {
       if (row_.algorithm == NLOPT_G_MLSL_LDS) nlopt_set_local_optimizer(inner.get(), lbfgs.get());
       // A global inner solver never ends by itself: without a cap the multipliers would stay zero.

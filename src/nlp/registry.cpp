@@ -8,12 +8,9 @@ struct Family {
   std::unique_ptr<Optimizer> (*make)(std::string_view);
 };
 
-constexpr Family kFamilies[] = {
-    {nlopt_optimizer_names, make_nlopt_optimizer},
-    {ipopt_optimizer_names, make_ipopt_optimizer},
-    {gradient_projection_names, make_gradient_projection},
-    {random_search_names, make_random_search},
-};
+#define STILLBASE_FAMILY(adapter) {adapter##_names, make_##adapter},
+constexpr Family kFamilies[] = {STILLBASE_ADAPTERS(STILLBASE_FAMILY)};
+#undef STILLBASE_FAMILY
 
 }  // namespace
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <stillbase/capture/robust.hpp>
-#include <stillbase/nlp/certificate.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "capture/measure.hpp"
@@ -118,30 +116,14 @@ std::optional<Configuration> ContactAgain::near_posture(const JointVectord& phi,
   return found;
 }
 
-ContactAgain::Resolved ContactAgain::resolve(const JointVectord& phi, const Pose& base) const {
+Resolved ContactAgain::resolve(const JointVectord& phi, const Pose& base) const {
   const auto at = std::find_if(returned_.rbegin(), returned_.rend(),
                                [&](const auto& pair) { return pair.first == phi; });
   if (at == returned_.rend()) throw std::logic_error("the path ends where no contact was solved");
   const Eigen::VectorXd& x = at->second;
   const bool follows = problem_.approach.base == BaseMode::Floating;
   const CaptureProblem problem = follows ? stated_at(base) : problem_;
-  const Formulation formulation(problem);
-  Resolved out{candidate_, certificate_, formulation.report(x)};
-  Candidate& candidate = out.candidate;
-  candidate.configuration = formulation.configuration(x);
-  candidate.objective = nominal_value(problem, formulation, candidate.configuration);
-  candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
-  const Measure measure(problem, formulation);
-  candidate.value = measure.reported(x);
-  candidate.max_violation = 0;
-  for (const ConstraintValue& value : out.constraints) {
-    candidate.max_violation = std::max(candidate.max_violation, value.violation);
-  }
-  out.certificate.max_violation = candidate.max_violation;
-  const nlp::Certificate kkt = measure.certify(x);
-  out.certificate.kkt_residual = kkt.kkt_residual;
-  out.certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
-  return out;
+  return stillbase::resolve(problem, x, candidate_, certificate_);
 }
 
 }  // namespace stillbase

@@ -11,6 +11,7 @@
 #include <stillbase/core/interrupt.hpp>
 
 #include "capture/projection.hpp"
+#include "planner/resolved.hpp"
 
 namespace stillbase {
 
@@ -25,11 +26,6 @@ class ContactAgain {
   ContactSolver solver();
 
   /// A configuration that was returned, with all that a plan says about it.
-  struct Resolved {
-    Candidate candidate;
-    Certificate certificate;
-    std::vector<ConstraintValue> constraints;
-  };
   /// @param phi its posture, to the last bit; @param base T_NB where the path really leaves the
   /// base
   Resolved resolve(const JointVectord& phi, const Pose& base) const;

@@ -1,5 +1,6 @@
 #include "planner/post_impact.hpp"
 
+#include <stillbase/plan/encounter.hpp>
 #include <stillbase/simulation/settings.hpp>
 
 namespace stillbase {
@@ -15,23 +16,56 @@ bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*
 
 }  // namespace
 
+ContactCase contact_case(const CaptureProblem& problem, const Configuration& configuration,
+                         const ImpactSummary& impact) {
+  const Eigen::Quaterniond& R_NB = configuration.base.orientation;
+  ContactCase subject;
+  subject.robot = problem.robot;
+  subject.resistance = problem.resistance;
+  subject.before = state_at_rest(configuration.base, configuration.phi);
+  subject.after =
+      state_after_impact(problem.robot, problem.resistance, subject.before, impact.Fbar);
+  const Vector3d f = impact.Fbar.head<3>();
+  subject.impulse = f.norm();
+  subject.closing_speed = impact.closing_speed;
+  subject.restitution = problem.impulse.restitution;
+  if (subject.impulse > 0) subject.normal_N = R_NB * (f / subject.impulse);
+
+  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
+  const auto motion = encounter_motion(problem, configuration.base * Vector3d(kinematics.r_bh),
+                                       R_NB, configuration.contact_time);
+  if (!motion || problem.impulse.source == ImpulseSource::Given) return subject;
+  const TargetState state = motion->state(configuration.contact_time);
+  MetTarget target{*problem.target, {}};
+  if (problem.impulse.source == ImpulseSource::PointMass) target.body.inertia.setZero();
+  target.state.pose = state.pose;
+  if (!problem.variables.feature.empty()) {
+    // A posture that is not that of a plan has its hand elsewhere: the contact is at the hand.
+    const Vector3d hand_N = configuration.base * Vector3d(kinematics.r_bh);
+    target.state.pose.position = hand_N - state.pose.orientation * chosen_feature(problem).point;
+  }
+  target.state.velocity = state.linear_velocity;
+  target.state.angular_velocity = state.pose.orientation.conjugate() * state.angular_velocity;
+  subject.target = target;
+  return subject;
+}
+
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
   if (spec.controllers.empty()) return "";
   const auto kind = controller_from_name(spec.controllers.front());
   if (!kind) return "no controller " + spec.controllers.front();
-  const PlantState before = state_at_rest(configuration.base, configuration.phi);
-  SimulationOptions options = plant_options_of(spec);
+  SimulationOptions options = plant_options_of(spec, problem.robot);
   options.integrator = IntegratorKind::Dopri5;
   options.relative_tolerance = 1e-8;
   options.absolute_tolerance = 1e-10;
   options.output_period = spec.horizon;
   options.stop = stop;
-  const SimulationResult result = simulate_post_impact(
-      problem.robot, problem.resistance,
-      state_after_impact(problem.robot, problem.resistance, before, impact.Fbar),
-      controller_of(*kind, spec), options);
+  const SimulationResult result =
+      simulate_after_contact(contact_case(problem, configuration, impact), contact_choice_of(spec),
+                             controller_of(*kind, spec), options)
+          .simulation;
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
   for (const LimitEvent& event : summary.limits) {

@@ -5,6 +5,7 @@
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/simulation/after_contact.hpp>
 
 namespace stillbase {
 
@@ -13,5 +14,9 @@ namespace stillbase {
 /// problem names no controller.
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop);
+
+/// The contact in a posture as the simulation takes it.
+ContactCase contact_case(const CaptureProblem& problem, const Configuration& configuration,
+                         const ImpactSummary& impact);
 
 }  // namespace stillbase

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "report/escape.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -13,30 +15,22 @@ namespace {
 constexpr int kWidth = 760;
 constexpr int kPanelHeight = 300;
 constexpr int kLeft = 78, kRight = 176, kTop = 34, kBottom = 52;
-/// Distinguishable for colour-blind readers (Okabe and Ito, 2008), in this order.
+/// Distinguishable for colour-blind readers (Okabe and Ito, 2008), in this order; further series
+/// repeat them with dashes.
 const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+const char* kDashes[] = {"", " stroke-dasharray=\"7 4\"", " stroke-dasharray=\"2 3\""};
+constexpr std::size_t kMostSeries = std::size(kColours) * std::size(kDashes);
+constexpr int kLegendRow = 22;
 
-std::string escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
+std::string stroke(std::size_t series) {
+  return fmt::format("stroke=\"{}\"{}", kColours[series % std::size(kColours)],
+                     kDashes[series / std::size(kColours)]);
+}
+
+/// A panel grows with its legend.
+int height_of(const PlotPanel& panel) {
+  const int legend = kTop + kBottom + kLegendRow * static_cast<int>(panel.series.size());
+  return std::max(kPanelHeight, legend);
 }
 
 /// Step of 1, 2 or 5 times a power of ten that cuts the range into at most `most` parts.
@@ -72,8 +66,8 @@ void check(const PlotPanel& panel) {
   const auto finite = [](const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   };
-  if (panel.x.size() < 2 || panel.series.empty() || panel.series.size() > std::size(kColours)) {
-    throw std::invalid_argument("a panel needs two points and one to six series");
+  if (panel.x.size() < 2 || panel.series.empty() || panel.series.size() > kMostSeries) {
+    throw std::invalid_argument("a panel needs two points and one to 18 series");
   }
   bool good = finite(panel.x);
   for (const PlotSeries& series : panel.series) {
@@ -93,11 +87,12 @@ std::string panel_svg(const PlotPanel& panel, int top) {
   const double margin = 0.05 * (high - low);
   const Axis x{panel.x.front(), panel.x.back(), kLeft, kWidth - kRight};
   const Axis y{low < 0 ? low - margin : 0, high + margin,
-               static_cast<double>(top + kPanelHeight - kBottom), static_cast<double>(top + kTop)};
+               static_cast<double>(top + height_of(panel) - kBottom),
+               static_cast<double>(top + kTop)};
 
   std::string out;
   out += fmt::format("<text class=\"title\" x=\"{}\" y=\"{}\">{}</text>\n", kLeft, top + 20,
-                     escape(panel.title));
+                     escape_markup(panel.title));
   for (const double tick : ticks(y, tick_step(y.high - y.low, 6))) {
     const double py = y.pixel(tick);
     out += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\"/>\n",
@@ -121,29 +116,28 @@ std::string panel_svg(const PlotPanel& panel, int top) {
         "<line class=\"mark\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>\n", px,
         y.from, y.to);
     out += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", px + 3,
-                       y.to + 12, escape(mark.label));
+                       y.to + 12, escape_markup(mark.label));
   }
   out +=
       fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  (x.from + x.to) / 2, top + kPanelHeight - 14, escape(panel.x_label));
+                  (x.from + x.to) / 2, top + height_of(panel) - 14, escape_markup(panel.x_label));
   out += fmt::format(
       "<text class=\"label\" transform=\"translate(18,{:.1f}) rotate(-90)\" "
       "text-anchor=\"middle\">{}</text>\n",
-      (y.from + y.to) / 2, escape(panel.y_label));
+      (y.from + y.to) / 2, escape_markup(panel.y_label));
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
-    out += fmt::format("<polyline stroke=\"{}\" points=\"", kColours[i]);
+    out += fmt::format("<polyline {} points=\"", stroke(i));
     for (std::size_t k = 0; k < series.y.size(); ++k) {
       out += fmt::format("{}{:.1f},{:.1f}", k == 0 ? "" : " ", x.pixel(panel.x[k]),
                          y.pixel(series.y[k]));
     }
     out += "\"/>\n";
-    const int row = top + kTop + 14 + 22 * static_cast<int>(i);
-    out +=
-        fmt::format("<line stroke=\"{}\" class=\"key\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
-                    kColours[i], kWidth - kRight + 16, row, kWidth - kRight + 40, row);
+    const int row = top + kTop + 14 + kLegendRow * static_cast<int>(i);
+    out += fmt::format("<line {} class=\"key\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
+                       stroke(i), kWidth - kRight + 16, row, kWidth - kRight + 40, row);
     out += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", kWidth - kRight + 46,
-                       row + 4, escape(series.name));
+                       row + 4, escape_markup(series.name));
   }
   return out;
 }
@@ -151,7 +145,8 @@ std::string panel_svg(const PlotPanel& panel, int top) {
 }  // namespace
 
 std::string plot_svg(const std::vector<PlotPanel>& panels) {
-  const int height = kPanelHeight * static_cast<int>(panels.size());
+  int height = 0;
+  for (const PlotPanel& panel : panels) height += height_of(panel);
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
       "{1}\">\n"
@@ -161,8 +156,10 @@ std::string plot_svg(const std::vector<PlotPanel>& panels) {
       ".key{{stroke-width:2}}</style>\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
       kWidth, height);
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    out += panel_svg(panels[i], kPanelHeight * static_cast<int>(i));
+  int top = 0;
+  for (const PlotPanel& panel : panels) {
+    out += panel_svg(panel, top);
+    top += height_of(panel);
   }
   return out + "</svg>\n";
 }

@@ -15,19 +15,20 @@ Eigen::Vector4d quaternion_rate(const StateVector& x, Eigen::Index at, const Vec
   return 0.5 * (q * Eigen::Quaterniond(0, omega.x(), omega.y(), omega.z())).coeffs();
 }
 
-Eigen::Index target_at(int n) { return 16 + 2 * n; }
+Eigen::Index target_at(int n) { return 19 + 2 * n; }
 
 }  // namespace
 
 StateVector pack(const PlantState& state) {
   const Eigen::Index n = state.phi.size();
-  StateVector x(16 + 2 * n);
+  StateVector x(19 + 2 * n);
   x.segment<3>(0) = state.base.position;
   x.segment<4>(3) = state.base.orientation.coeffs();
   x.segment(7, n) = state.phi;
   x.segment<6>(7 + n) = state.Omega;
   x.segment(13 + n, n) = state.phidot;
   x.segment<3>(13 + 2 * n) = state.wheel_momentum;
+  x.segment<3>(16 + 2 * n) = state.thruster_impulse;
   return x;
 }
 
@@ -51,6 +52,7 @@ PlantState unpack(const StateVector& x, int n) {
   state.Omega = x.segment<6>(7 + n);
   state.phidot = x.segment(13 + n, n);
   state.wheel_momentum = x.segment<3>(13 + 2 * n);
+  state.thruster_impulse = x.segment<3>(16 + 2 * n);
   return state;
 }
 
@@ -107,13 +109,12 @@ void ClosedLoop::sample(double t, const StateVector& x) {
 }
 
 void ClosedLoop::command(const PlantState& state, const PlantTerms& terms, double elapsed) {
-  if (!options_.controller_robot) {
-    command_ = control_command(controller_, options_.wheels, robot_, terms, state, elapsed);
-    return;
-  }
-  const RobotModel& model = *options_.controller_robot;
-  const PlantTerms own(model, rotor_inertia_, state);
-  command_ = control_command(controller_, options_.wheels, model, own, state, elapsed);
+  const auto decide = [&](const RobotModel& model, const PlantTerms& own) {
+    command_ = control_command(controller_, options_.wheels, model, own, state, elapsed);
+    command_.thruster_torque = thruster_torque(options_.thrusters, own, state);
+  };
+  if (!options_.controller_robot) return decide(robot_, terms);
+  decide(*options_.controller_robot, PlantTerms(*options_.controller_robot, rotor_inertia_, state));
 }
 
 void ClosedLoop::limit(const JointVectord& phidot) {
@@ -149,6 +150,7 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
     const Vector3d omega = state.Omega.tail<3>();
     load.F_b.tail<3>() += command_.wheel_torque - omega.cross(state.wheel_momentum);
   }
+  load.F_b.tail<3>() += command_.thruster_torque;
   if (options_.base_wrench) load.F_b += options_.base_wrench(t, state);
   if (encounter_ == nullptr) return load;
   if (contact_.phase == ContactPhase::Touching) {
@@ -196,6 +198,7 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt,
   dxdt.segment<6>(7 + N) = acceleration.dot_Omega;
   dxdt.segment(13 + N, N) = acceleration.phiddot;
   dxdt.segment<3>(13 + 2 * N) = -command_.wheel_torque;
+  dxdt.segment<3>(16 + 2 * N) = state.base.orientation * command_.thruster_torque;
   if (encounter_ == nullptr) return;
 
   const Eigen::Index at = target_at(n());

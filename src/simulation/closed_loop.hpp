@@ -11,11 +11,12 @@
 
 namespace stillbase {
 
-/// [position (3), quaternion xyzw (4), phi (n), Omega (6), phidot (n), wheel momentum (3)], and
-/// with a target [position (3), quaternion xyzw (4), velocity in N (3), rate in T (3)].
+/// [position (3), quaternion xyzw (4), phi (n), Omega (6), phidot (n), wheel momentum (3),
+/// thruster impulse (3)], and with a target [position (3), quaternion xyzw (4), velocity in N (3),
+/// rate in T (3)].
 inline constexpr int kTargetSize = 13;
 using StateVector =
-    Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 16 + 2 * kMaxJoints + kTargetSize, 1>;
+    Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 19 + 2 * kMaxJoints + kTargetSize, 1>;
 
 StateVector pack(const PlantState& state);
 StateVector pack(const PlantState& state, const TargetPlantState& target);

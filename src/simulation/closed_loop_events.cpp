@@ -107,7 +107,10 @@ bool ClosedLoop::handle_contact(double t, StateVector& x) {
   } else if (contact_.phase == ContactPhase::Touching && hand.normal_force < 0 &&
              hand.gap_rate > 0) {
     next = ContactPhase::Leaving;
-    if (contact_.contacts == 1) contact_.first_end = t;
+    if (contact_.contacts == 1) {
+      contact_.first_end = t;
+      contact_.first_separation_speed = hand.gap_rate;
+    }
   } else if (contact_.phase == ContactPhase::Leaving && hand.gap > 0) {
     next = ContactPhase::Apart;
   }

@@ -156,6 +156,14 @@ JointVectord control_torque(const Controller& controller, const RobotModel& robo
   return joint_torque(controller, robot, terms, state, Vector3d::Zero());
 }
 
+Vector3d thruster_torque(const BaseThrusters& thrusters, const PlantTerms& terms,
+                         const PlantState& state) {
+  const Vector3d omega = state.Omega.tail<3>();
+  if (!thrusters.exist() || omega.norm() < thrusters.dead_band) return Vector3d::Zero();
+  const Vector3d wanted = -thrusters.gain * (terms.tilde.Htilde_omega * omega);
+  return wanted.cwiseMax(-thrusters.torque_max).cwiseMin(thrusters.torque_max);
+}
+
 ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
                                const RobotModel& robot, const PlantTerms& terms,
                                const PlantState& state, double elapsed) {

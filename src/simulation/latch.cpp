@@ -22,9 +22,9 @@ LatchedRobot latch_target(const RobotModel& robot, const JointResistance& resist
   const ContactOutcome outcome =
       apply_contact(robot, before.phi, before.Omega, before.phidot, resistance, contact, body);
 
-  LatchedRobot latched{robot, before, outcome.impulse};
-  if (outcome.impulse.status != ContactStatus::Hit) return latched;
   const Pose hand_target = hand_N.inverse() * target_before.pose;
+  LatchedRobot latched{robot, before, hand_target, outcome.impulse};
+  if (outcome.impulse.status != ContactStatus::Hit) return latched;
   latched.robot = attach_target(robot, target, hand_target);
   latched.state.Omega = outcome.after.Omega;
   latched.state.phidot = outcome.after.phidot;

@@ -26,6 +26,7 @@ TraceSample make_sample(double t, const PlantState& state, const PlantTerms& ter
   sample.orthogonal = parts.orthogonal;
   sample.tau = command.tau;
   sample.wheel_torque = command.wheel_torque;
+  sample.thruster_torque = command.thruster_torque;
   sample.kinetic_energy = kinetic_energy(terms.inertia, state);
   return sample;
 }
@@ -96,7 +97,8 @@ void Recorder::start(const PlantState& state, const PlantTerms& terms,
                      const Momentum<double>& momentum) {
   first_attitude_ = state.base.orientation;
   first_P_N_ = state.base.orientation * momentum.P;
-  first_L_N_ = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum);
+  first_L_N_ = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum) -
+               state.thruster_impulse;
   const double T = kinetic_energy(terms.inertia, state);
   P_scale_ = std::sqrt(2 * terms.inertia.mass * T);
   L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
@@ -105,8 +107,9 @@ void Recorder::start(const PlantState& state, const PlantTerms& terms,
 void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& momentum) {
   SimulationSummary& summary = result_.summary;
   const double P_drift = (state.base.orientation * momentum.P - first_P_N_).norm();
-  const Vector3d L = momentum.L_g + state.wheel_momentum;
-  const double L_drift = (state.base.orientation * L - first_L_N_).norm();
+  const Vector3d L_N = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum) -
+                       state.thruster_impulse;
+  const double L_drift = (L_N - first_L_N_).norm();
   summary.linear_momentum_drift = std::max(summary.linear_momentum_drift, P_drift);
   summary.angular_momentum_drift = std::max(summary.angular_momentum_drift, L_drift);
   if (P_scale_ > 0) {
@@ -139,6 +142,8 @@ void Recorder::watch_limits(double t, const PlantState& state) {
 void Recorder::observe_target(const TargetPlantState& target, const Vector3d& contact_force) {
   target_ = target;
   contact_force_ = contact_force;
+  double& peak = result_.summary.peak_contact_force;
+  peak = std::max(peak, contact_force.norm());
 }
 
 void Recorder::stop_met(double t, int joint, LimitKind kind, double rate) {

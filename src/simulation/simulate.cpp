@@ -52,6 +52,10 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
   const BaseWheels& wheels = options.wheels;
   require(wheels.torque_max >= 0 && std::isfinite(wheels.torque_max) && wheels.momentum_max >= 0,
           "wheels", "torque and momentum must be numbers, not negative");
+  const BaseThrusters& thrusters = options.thrusters;
+  require(thrusters.torque_max >= 0 && std::isfinite(thrusters.torque_max) && thrusters.gain >= 0 &&
+              std::isfinite(thrusters.gain) && thrusters.dead_band >= 0,
+          "thrusters", "torque, gain and dead band must be numbers, not negative");
   const Sensors& sensors = options.sensors;
   require(sensors.base_rate_error >= 0 && sensors.joint_position_error >= 0 &&
               sensors.joint_rate_error >= 0 && sensors.delay >= 0 && std::isfinite(sensors.delay),

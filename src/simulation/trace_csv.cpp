@@ -56,6 +56,10 @@ std::string header(const RobotModel& robot) {
   h.add_vector("angular_momentum_total_inertial", "Nms");
   h.add_vector("linear_momentum_inertial", "Ns");
   h.add("kinetic_energy_J");
+  h.add_vector("wheel_torque", "Nm");
+  h.add_vector("wheel_momentum", "Nms");
+  h.add_vector("thruster_torque", "Nm");
+  h.add_vector("contact_force_inertial", "N");
   return h.text();
 }
 
@@ -88,7 +92,12 @@ std::string trace_csv(const RobotModel& robot, const std::vector<TraceSample>& t
     append(text, sample.total);
     append(text, sample.total_N);
     append(text, sample.P_N);
-    text += fmt::format(",{}\n", sample.kinetic_energy);
+    text += fmt::format(",{}", sample.kinetic_energy);
+    append(text, sample.wheel_torque);
+    append(text, state.wheel_momentum);
+    append(text, sample.thruster_torque);
+    append(text, sample.contact_force);
+    text += '\n';
   }
   return text;
 }

@@ -39,7 +39,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
   Differences worst;
   double nearest = kInfinity;
   Candidate chosen;
-  std::vector<std::string> hits;
+  std::vector<std::string> hits, unsaid;
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     if (options.stop.reached()) {
       claims.not_evaluated("candidates_objective", options.recompute_tolerance, "1",
@@ -59,6 +59,9 @@ void check_candidates(const Context& context, ClaimList& claims) {
       nearest = distance;
       chosen = candidate;
     }
+    if (candidate.collision_free != candidate.collision.empty()) {
+      unsaid.push_back(fmt::format("candidate {}", i));
+    }
     if (const auto hit = contact_hit(problem, scene, at); hit && candidate.collision_free) {
       hits.push_back(fmt::format("candidate {}: {}", i, to_string(*hit)));
     }
@@ -66,14 +69,16 @@ void check_candidates(const Context& context, ClaimList& claims) {
   claims.at_most(
       "candidates_objective", worst.objective, options.recompute_tolerance, "1",
       fmt::format("largest relative difference over {} candidates", plan.candidates.size()));
-  claims.at_most("candidates_worst_case", worst.worst_case, options.cone_tolerance, "1",
+  claims.at_most("candidates_worst_case", worst.worst_case, options.worst_case_tolerance, "1",
                  "largest relative difference to the sampled worst case over the candidates");
   claims.at_most("candidates_value", worst.value,
-                 problem.measure.kind == RiskMeasure::WorstCase ? options.cone_tolerance
+                 problem.measure.kind == RiskMeasure::WorstCase ? options.worst_case_tolerance
                                                                 : options.recompute_tolerance,
                  "1", "largest relative difference to the measure over the candidates");
   claims.none_wrong("candidates_collision_free", hits,
                     "candidates said to be free of collision that touch something");
+  claims.none_wrong("candidates_collision_named", unsaid,
+                    "candidates whose collision is named though they are free of it, or not named");
   claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",
                  "the chosen configuration from the nearest candidate");
   const auto apart = [](double stated, double again) {

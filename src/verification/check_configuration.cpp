@@ -45,8 +45,10 @@ void check_base(const Context& context, ClaimList& claims) {
 
   // Turn from the stated attitude, in N; its part off the allowed axis and its size.
   const Vector3d turn = rotation_log(base.orientation * stated.orientation.conjugate());
-  double excess = std::max(0.0, turn.norm() - free.base_attitude_max);
-  std::string rule = "free up to a largest turn";
+  // Squares: what the search is held to is the square of the turn.
+  const double most = free.base_attitude_max;
+  double excess = std::max(0.0, turn.squaredNorm() - most * most);
+  std::string rule = "free up to a largest turn (squares compared)";
   if (follows) {
     excess = 0;
     rule = "follows from the path: see approach_base_arrival";

@@ -159,38 +159,56 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
   claims.none_wrong("candidates_allowed", objections, "candidates that the problem does not allow");
 }
 
+bool is_same(const Configuration& a, const Configuration& b) {
+  return (a.phi - b.phi).norm() <= kSameConfiguration &&
+         std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
+         pose_error(a.base, b.base).largest() <= kSameConfiguration;
+}
+
 void check_list(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   std::vector<std::string> objections;
   const auto demand = [&](bool holds, const std::string& what) {
     if (!holds) objections.push_back(what);
   };
-  const std::size_t count = plan.candidates.size();
+  // A sample of the self-motion that the approach leads to stands behind those that were found.
+  const bool has_sample = plan.candidates.size() > 1 &&
+                          plan.candidates.back().starts_reached == 0 &&
+                          is_same(plan.candidates.back().configuration, plan.configuration);
+  const std::size_t count = plan.candidates.size() - (has_sample ? 1 : 0);
   const std::size_t most = static_cast<std::size_t>(context.problem.search.max_candidates);
   demand(count >= 1, "there is none");
   demand(count <= most, "more than the problem keeps");
   const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
   demand(count == std::min(distinct, most),
          fmt::format("{} listed of {} distinct solutions", count, distinct));
-  int reached = 0;
+  int reached = 0, once = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Candidate& candidate = plan.candidates[i];
     reached += candidate.starts_reached;
+    once += candidate.starts_reached == 1 ? 1 : 0;
     demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
+  }
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Configuration& a = candidate.configuration;
-      const Configuration& b = plan.candidates[j].configuration;
-      const bool same = (a.phi - b.phi).norm() <= kSameConfiguration &&
-                        std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
-                        pose_error(a.base, b.base).largest() <= kSameConfiguration;
-      demand(!same, fmt::format("{} is {} again", i, j));
+      demand(!is_same(plan.candidates[i].configuration, plan.candidates[j].configuration),
+             fmt::format("{} is {} again", i, j));
     }
   }
   // The minima of a robust measure are solved from more points than the starts.
   demand(context.problem.measure.kind != RiskMeasure::Nominal || reached <= plan.certificate.starts,
          "more starts ended here than were made");
+  // Good and Turing's estimate follows from a list that is whole.
+  if (context.problem.measure.kind == RiskMeasure::Nominal && count == distinct &&
+      plan.certificate.proof.found_by_search ==
+          static_cast<int>(plan.certificate.proof.solutions.size())) {
+    const double unseen = static_cast<double>(once) / std::max(reached, 1);
+    demand(std::abs(plan.certificate.unseen - unseen) <= 1e-12,
+           fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
+  }
   claims.none_wrong("candidates_list", objections,
-                    "every distinct solution once, as many as the problem keeps");
+                    "every distinct solution once, as many as the problem keeps, and the sample of "
+                    "self-motion that the approach leads to");
 }
 
 void check_search(const Context& context, ClaimList& claims) {

@@ -7,8 +7,9 @@ namespace stillbase::verification {
 namespace {
 
 // The tolerance of a case may be tightened by a plan, never widened.
-constexpr double kWidestCaseTolerance = 1e-6;
-constexpr double kWidestRankTolerance = 1e-6;
+// The tolerances of a plan are those that its format names; another one is another statement.
+constexpr double kCaseToleranceOfPlans = 1e-6;
+constexpr double kRankToleranceOfPlans = 1e-10;
 
 struct Residuals {
   double total, base, coupling;
@@ -125,8 +126,11 @@ void check_impact(const Context& context, const ContactEvent& event,
               fmt::format("{:.6g} rad/s", impact.Delta_phidot.norm()));
 
   const double rank_tolerance = stated.rank_tolerance;
-  claims.at_most("rank_tolerance", rank_tolerance, kWidestRankTolerance, "1",
-                 "singular values below this part of the largest count as zero");
+  claims.at_most(
+      "rank_tolerance", std::abs(rank_tolerance / kRankToleranceOfPlans - 1), 1e-12, "1",
+      fmt::format("singular values below {:.3g} of the largest count as zero: the stated "
+                  "tolerance from that",
+                  kRankToleranceOfPlans));
   const NullSpace space = null_space(response.dynamics.Htilde_omegaphi, rank_tolerance);
   const Eigen::VectorXd rns = space.projector * impact.Delta_phidot;
   const double joint_scale = std::max(rate_scale, impact.Delta_phidot.norm());
@@ -152,8 +156,11 @@ void check_impact(const Context& context, const ContactEvent& event,
   const Residuals residuals{impact.total.norm() / divisor, impact.base.norm() / divisor,
                             impact.coupling.norm() / divisor};
   const CaseJudgement& judgement = stated.judgement;
-  claims.at_most("case_tolerance", judgement.tolerance, kWidestCaseTolerance, "1",
-                 "below it a momentum counts as zero");
+  claims.at_most(
+      "case_tolerance", std::abs(judgement.tolerance / kCaseToleranceOfPlans - 1), 1e-12, "1",
+      fmt::format("a relative momentum below {:.3g} counts as zero: the stated tolerance "
+                  "from that",
+                  kCaseToleranceOfPlans));
   const ImpactCase found = judge(residuals, judgement.tolerance);
   claims.at_most(
       "impact_case", judgement.impact_case == found ? 0 : 1, 0, "1",

@@ -36,9 +36,12 @@ void check_nominal_optimum(const Context& context, ClaimList& claims) {
               context.options.recompute_tolerance, fmt::format("{:.9g}", found.nominal));
   claims.same("nominal_optimum_worst_case",
               relative_error(stated.worst_case, found.worst_case, found.scale),
-              context.options.cone_tolerance, fmt::format("{:.9g}", found.worst_case));
+              context.options.worst_case_tolerance, fmt::format("{:.9g}", found.worst_case));
   claims.same("nominal_optimum_value", relative_error(stated.value, found.measure, found.scale),
-              context.options.cone_tolerance, fmt::format("{:.9g} of the measure", found.measure));
+              context.problem.measure.kind == RiskMeasure::WorstCase
+                  ? context.options.worst_case_tolerance
+                  : context.options.recompute_tolerance,
+              fmt::format("{:.9g} of the measure", found.measure));
   claims.at_most("nominal_optimum_is_lowest",
                  (found.nominal - context.plan.objective.nominal) / std::max(found.scale, 1e-300),
                  1e-6, "1", "its nominal value above that of the plan, relative to the scale");

@@ -7,6 +7,7 @@
 #include <stillbase/simulation/settings.hpp>
 
 #include "verification/checks.hpp"
+#include "verification/contact_case.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -16,17 +17,19 @@ struct Drift {
 };
 
 // Largest change of the momenta in N, relative to the most that the kinetic energy right after the
-// impact could hold: sqrt(2 w T) and sqrt(2 T trace(Htilde_omega)).
-Drift momentum_drift(const Context& context, const std::vector<TraceSample>& trace) {
+// impact could hold: sqrt(2 w T) and sqrt(2 T trace(Htilde_omega)). What thrusters gave is no
+// drift.
+Drift momentum_drift(const Context& context, const RobotModel& robot,
+                     const std::vector<TraceSample>& trace) {
   Drift drift;
   Vector3d P0 = Vector3d::Zero(), L0 = Vector3d::Zero();
   double scale_P = 0, scale_L = 0;
   for (std::size_t i = 0; i < trace.size(); ++i) {
     const PlantState& state = trace[i].state;
-    const auto d =
-        reference::compute(context.problem.robot, {state.phi, state.phidot, state.Omega});
+    const auto d = reference::compute(robot, {state.phi, state.phidot, state.Omega});
     const Vector3d P = state.base.orientation * d.P,
-                   L = state.base.orientation * Vector3d(d.L_g + state.wheel_momentum);
+                   L = state.base.orientation * Vector3d(d.L_g + state.wheel_momentum) -
+                       state.thruster_impulse;
     if (i == 0) {
       Eigen::VectorXd x(6 + state.phi.size());
       x << state.Omega, state.phidot;
@@ -42,6 +45,38 @@ Drift momentum_drift(const Context& context, const std::vector<TraceSample>& tra
     }
     if ((P - P0).norm() > 0) drift.linear = std::max(drift.linear, (P - P0).norm() / scale_P);
     if ((L - L0).norm() > 0) drift.angular = std::max(drift.angular, (L - L0).norm() / scale_L);
+  }
+  return drift;
+}
+
+// The same of robot and target together, about the origin of N, through a contact that takes time.
+// Relative to what the target brought.
+Drift pair_drift(const CaptureProblem& problem, const std::vector<TraceSample>& trace) {
+  Drift drift;
+  Vector3d P0 = Vector3d::Zero(), L0 = Vector3d::Zero();
+  double scale_P = 0, scale_L = 0;
+  const bool turns = problem.impulse.source == ImpulseSource::RigidBody;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    const PlantState& state = trace[i].state;
+    const TargetPlantState& target = *trace[i].target;
+    const auto d = reference::compute(problem.robot, {state.phi, state.phidot, state.Omega});
+    const Eigen::Quaterniond& R_NB = state.base.orientation;
+    const Vector3d P_robot = R_NB * d.P, p = problem.target->mass * target.velocity;
+    Vector3d L = R_NB * Vector3d(d.L_g + state.wheel_momentum) - state.thruster_impulse;
+    L += (state.base * Vector3d(d.centroid)).cross(P_robot) + target.pose.position.cross(p);
+    if (turns) {
+      const Vector3d spin = problem.target->inertia * target.angular_velocity;
+      L += target.pose.orientation * spin;
+    }
+    const Vector3d P = P_robot + p;
+    if (i == 0) {
+      P0 = P;
+      L0 = L;
+      scale_P = p.norm();
+      scale_L = p.norm() * (1 + target.pose.position.norm());
+    }
+    drift.linear = std::max(drift.linear, (P - P0).norm() / scale_P);
+    drift.angular = std::max(drift.angular, (L - L0).norm() / scale_L);
   }
   return drift;
 }
@@ -97,40 +132,42 @@ void judge(const Context& context, const ControllerReport& report, const Simulat
 
 }  // namespace
 
-void check_post_impact(const Context& context, const PostureResponse& response,
-                       const Vector6d& Fbar, ClaimList& claims,
+void check_post_impact(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, ClaimList& claims,
                        std::vector<ControllerReport>& reports) {
   const CaptureProblem& problem = context.problem;
   const PostImpactSpec& spec = problem.post_impact;
-  const reference::Impact impact = response.impact(Fbar);
-  PlantState state;
-  state.base = context.plan.configuration.base;
-  state.phi = context.plan.configuration.phi;
-  state.Omega = impact.Delta_Omega;
-  state.phidot = impact.Delta_phidot;
-
+  const Vector6d Fbar = impulse_along(problem, event, response, event.n);
+  const ContactCase subject = contact_case(problem, context.motion, event, response,
+                                           context.plan.configuration, event.n, Fbar);
+  if (spec.controllers.empty()) {
+    check_target_fate(context, event, response, Fbar, nullptr, claims);
+  }
   for (std::size_t i = 0; i < spec.controllers.size(); ++i) {
     ControllerReport report;
     report.controller = spec.controllers[i];
     report.horizon = spec.horizon;
     SimulationSummary summary;
+    std::optional<AfterContact> run;
     const auto kind = controller_from_name(report.controller);
     if (!kind) {
       report.detail = "no controller of this name";
     } else {
-      SimulationOptions options = plant_options_of(spec);
+      SimulationOptions options = plant_options_of(spec, problem.robot);
       options.integrator = IntegratorKind::Fehlberg78;
       options.relative_tolerance = 1e-11;
       options.absolute_tolerance = 1e-13;
       options.output_period = spec.horizon / 20;
       options.stop = context.options.stop;
       try {
-        const SimulationResult result = simulate_post_impact(
-            problem.robot, problem.resistance, state, controller_of(*kind, spec), options);
+        run = simulate_after_contact(subject, contact_choice_of(spec), controller_of(*kind, spec),
+                                     options);
+        const SimulationResult& result = run->simulation;
         summary = result.summary;
         report.finished = result.status == SimulationStatus::Finished;
         if (!report.finished) report.detail = "simulation: " + to_string(result.status);
-        const Drift drift = momentum_drift(context, result.trace);
+        const Drift drift = run->encounter ? pair_drift(problem, result.trace)
+                                           : momentum_drift(context, run->robot, result.trace);
         report.linear_momentum_drift = drift.linear;
         report.angular_momentum_drift = drift.angular;
       } catch (const std::exception& error) {
@@ -145,13 +182,14 @@ void check_post_impact(const Context& context, const PostureResponse& response,
       report.peak_joint_rate = summary.peak_joint_rates.cwiseAbs().maxCoeff();
       report.residual_joint_rate = summary.residual_joint_rate;
       report.peak_joint_torque = summary.peak_torque;
-      for (const LimitEvent& event : summary.limits) {
-        report.limits_met.push_back(describe(event, problem.robot));
+      for (const LimitEvent& event_met : summary.limits) {
+        report.limits_met.push_back(describe(event_met, problem.robot));
       }
     }
     if (i == 0) {
       if (report.finished) {
         judge(context, report, summary, claims);
+        check_target_fate(context, event, response, Fbar, &*run, claims);
       } else {
         claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",
                              report.detail);

@@ -1,12 +1,13 @@
 // What the plan says of all solutions at once: the enclosed ones solve the problem, and they and
-// the candidates are the same. That nothing else exists is the proof's own word; `reference` cannot
-// repeat it.
+// the candidates are the same. That nothing else exists is the proof's own word, which `reference`
+// cannot repeat; but an independent search from many starts looks for what may have been left out.
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/recount.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -62,6 +63,60 @@ double residual_in(const Context& context, const ContactEvent& event, const Join
   return residual;
 }
 
+/// What the proof says of itself, against its own lists and the candidates.
+void check_statements(const Plan& plan, ClaimList& claims) {
+  const Proof& proof = plan.certificate.proof;
+  std::vector<std::string> objections;
+  const auto demand = [&](bool holds, const std::string& what) {
+    if (!holds) objections.push_back(what);
+  };
+  const bool complete = proof.status == ProofStatus::Complete;
+  const std::string begin = complete ? "proven" : "not decided";
+  demand(proof.statement.compare(0, begin.size(), begin) == 0,
+         "the statement does not begin with '" + begin + "'");
+  const std::string count = fmt::format(": {} solution", proof.solutions.size());
+  demand(proof.solutions.empty() || proof.statement.find(count) != std::string::npos,
+         "the statement does not count the enclosed solutions");
+  demand(complete == proof.undecided.empty(), "undecided boxes do not fit the status");
+  demand(proof.boxes >= static_cast<long>(proof.solutions.size() + proof.undecided.size()),
+         "fewer boxes were looked at than are listed");
+  demand(!proof.lower_bound || (*proof.lower_bound == 0 && !proof.solutions.empty()),
+         "the lower bound of a zero is zero");
+  std::optional<double> least;
+  for (const int c : proof.candidates) {
+    if (c < 0 || c >= static_cast<int>(plan.candidates.size()) || !proof.lower_bound) continue;
+    const double gap = plan.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
+    least = least ? std::min(*least, gap) : gap;
+  }
+  demand(least.has_value() == proof.gap.has_value() && (!least || *least == *proof.gap),
+         "the gap is not that of the best candidate");
+  claims.none_wrong("proof_statement", objections, "words, counts, lower bound and gap fit");
+}
+
+/// Solutions that a search of its own finds are in the boxes.
+void check_completeness(const Context& context, const ContactEvent& event, ClaimList& claims) {
+  const Proof& proof = context.plan.certificate.proof;
+  const Recount recount = search_solutions(context, event);
+  if (!recount.not_done.empty()) return;
+  std::vector<std::string> outside;
+  for (const Eigen::VectorXd& phi : recount.solutions) {
+    const auto holds = [&](const JointBox& box) {
+      return is_near(context.problem.robot, box, phi);
+    };
+    const bool is_known = std::any_of(proof.solutions.begin(), proof.solutions.end(), holds) ||
+                          std::any_of(proof.undecided.begin(), proof.undecided.end(), holds);
+    if (is_known) continue;
+    std::string posture;
+    for (const double x : phi) posture += fmt::format("{}{:.6f}", posture.empty() ? "" : ", ", x);
+    outside.push_back("(" + posture + ")");
+  }
+  claims.none_wrong(
+      "proof_recount", outside,
+      fmt::format("postures that solve the problem and are in no box of the proof: a "
+                  "search from {} starts found {} (it proves nothing; the proof does)",
+                  recount.starts, recount.solutions.size()));
+}
+
 }  // namespace
 
 void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims) {
@@ -85,10 +140,8 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   }
   claims.at_most("proof_residual", worst, context.options.constraint_tolerance, "1",
                  "largest relative residual in the middle of an enclosed solution");
-  claims.none_wrong(
-      "proof_solutions_listed", unlisted,
-      "enclosed solutions that no candidate stands for; that there are no others is the "
-      "planner's proof, not repeated here");
+  claims.none_wrong("proof_solutions_listed", unlisted,
+                    "enclosed solutions that no candidate stands for");
   // With freedom left over, candidates may be local minima at which the objective is not zero.
   const bool is_whole_list = proof.status == ProofStatus::Complete && !proof.lower_bound &&
                              context.problem.constraints.impact_case != CaseConstraint::None;
@@ -99,6 +152,8 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   }
   claims.none_wrong("proof_candidates_enclosed", unproven,
                     "candidates that are not in exactly one enclosed solution");
+  check_statements(plan, claims);
+  check_completeness(context, event, claims);
 }
 
 }  // namespace stillbase::verification

@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include <stillbase/simulation/after_contact.hpp>
+
 #include "verification/claim_list.hpp"
 #include "verification/recomputation.hpp"
 
@@ -60,8 +62,16 @@ void check_consistency(const Context& context, ClaimList& claims);
 
 void check_approach(const Context& context, ClaimList& claims);
 
-void check_post_impact(const Context& context, const PostureResponse& response,
-                       const Vector6d& Fbar, ClaimList& claims,
+/// Motion after the contact under every controller, and the fate of the target.
+void check_post_impact(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, ClaimList& claims,
                        std::vector<ControllerReport>& reports);
+
+/// Bounced, pushed on or held, with which speed. No claim without a target or for a given impulse.
+/// @param run the motion under the first controller; null: nothing was simulated, and only the
+/// instantaneous impact can be judged
+void check_target_fate(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, const Vector6d& Fbar,
+                       const AfterContact* run, ClaimList& claims);
 
 }  // namespace stillbase::verification

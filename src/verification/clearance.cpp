@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/Eigenvalues>
+
 #include <fmt/format.h>
 
 #include "verification/base_motion.hpp"
@@ -49,6 +51,20 @@ double target_speed(const TargetBody& body, const TargetState& state) {
   return state.linear_velocity.norm() + reach * state.angular_velocity.norm();
 }
 
+// How fast the target moves and turns, m/s + rad/s, at any time: the rate of turning is at most
+// the angular momentum over the smallest principal moment.
+double target_travel_rate(const TargetMotion& motion, double time) {
+  const TargetState state = motion.state(time);
+  double rate = state.angular_velocity.norm();
+  if (!motion.body().is_point_mass && rate > 0) {
+    const Matrix3d& inertia = motion.body().inertia;
+    const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> moments(inertia, Eigen::EigenvaluesOnly);
+    rate = (inertia * omega_T).norm() / moments.eigenvalues()[0];
+  }
+  return state.linear_velocity.norm() + rate;
+}
+
 }  // namespace
 
 PathClearance path_clearance(const Context& context, const std::vector<Pose>& poses) {
@@ -64,6 +80,16 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     return result;
   }
 
+  const auto keep_smaller = [](std::optional<double>& least, double distance) {
+    if (!least || distance < *least) least = distance;
+  };
+  auto look_as_stated = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
+    std::optional<Pose> target;
+    if (context.motion != nullptr) target = context.motion->state(time).pose;
+    const auto nearest =
+        scene->nearest(kinematics_at(problem.robot, phi), base, target ? &*target : nullptr, false);
+    if (nearest) keep_smaller(result.distance_as_stated, nearest->distance);
+  };
   auto look = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
     ++result.instants;
     std::optional<Pose> target;
@@ -71,9 +97,7 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     const Pose* at = target ? &*target : nullptr;
     const Kinematics<double> kinematics = kinematics_at(problem.robot, phi);
     const auto of_path = scene->nearest(kinematics, base, at, false);
-    if (of_path && !(result.distance_of_path && of_path->distance >= *result.distance_of_path)) {
-      result.distance_of_path = of_path->distance;
-    }
+    if (of_path) keep_smaller(result.distance_of_path, of_path->distance);
     const auto nearest = scene->nearest(kinematics, base, at);
     if (!nearest || (result.distance && nearest->distance >= *result.distance)) return;
     result.distance = nearest->distance;
@@ -107,6 +131,26 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     }
   }
   look(approach.joint_positions.back(), poses.back(), approach.times.back());
+
+  const double stated_step = problem.approach.resolution / 2;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment segment(approach, i);
+    const double h = segment.duration();
+    const double turn = (segment.extremes().rate * h).norm();
+    const bool waits = turn == 0 && i + 2 == approach.times.size();
+    double ratio = turn / stated_step;
+    if (waits && context.motion != nullptr) {
+      ratio = target_travel_rate(*context.motion, approach.times.back()) * h / stated_step;
+    }
+    const int count = static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 10000.0));
+    for (int j = 0; j < count; ++j) {
+      const double s = h * j / count;
+      const Pose base =
+          floats && j > 0 ? drifted_base(problem.robot, segment, 0, s, poses[i], travel) : poses[i];
+      look_as_stated(segment.position(s), base, segment.begin() + s);
+    }
+  }
+  look_as_stated(approach.joint_positions.back(), poses.back(), approach.times.back());
   result.complete = true;
   return result;
 }

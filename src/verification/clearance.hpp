@@ -17,6 +17,9 @@ struct PathClearance {
   std::optional<double> distance;  ///< m; empty: there is no pair that could touch
   /// The same without the hand's body against the target: what a plan states.
   std::optional<double> distance_of_path;
+  /// That, with steps of half the resolution in joint space (of the target in the wait): the
+  /// instants at which a plan is made.
+  std::optional<double> distance_as_stated;
   double time = 0;     ///< s
   std::string detail;  ///< the pair
   long instants = 0;   ///< looked at

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 namespace stillbase::verification {
-namespace {
 
 // Servo: stiffness K and damping D over a contact of duration h under a constant force add
 // h D/2 + h^2 K/6 to the joint inertia, to leading order.
@@ -25,8 +24,6 @@ Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n) {
   }
   return added;
 }
-
-}  // namespace
 
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem) {
   if (!problem.target || problem.variables.feature.empty()) return std::nullopt;

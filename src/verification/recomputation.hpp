@@ -68,6 +68,8 @@ struct PostureResponse {
     return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
   }
 };
+/// What the joint resistance adds to the joint inertia during the impact (n).
+Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n);
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi);
 
 /// The impulse [f; t] at the hand along d, by the problem's contact law, in B. Zero when hand and

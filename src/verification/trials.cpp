@@ -11,6 +11,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/simulation/settings.hpp>
 
+#include "verification/contact_case.hpp"
 #include "verification/recomputation.hpp"
 
 namespace stillbase {
@@ -54,18 +55,24 @@ double largest_part(const RobotModel& robot, const JointVectord& peaks, double J
 }
 
 void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturbations& sizes,
-              const reference::Impact& impact, std::uint64_t seed, int trial,
-              const StopCondition& stop, TrialOutcome& outcome) {
+              ContactCase subject, std::uint64_t seed, int trial, const StopCondition& stop,
+              TrialOutcome& outcome) {
   const PostImpactSpec& spec = truth.post_impact;
   const auto kind = controller_from_name(spec.controllers.front());
   if (!kind) throw std::invalid_argument("no controller " + spec.controllers.front());
-  PlantState state = state_at_rest(nominal.plan.configuration.base, nominal.plan.configuration.phi);
-  state.Omega = impact.Delta_Omega;
-  state.phidot = impact.Delta_phidot;
-  SimulationOptions options = plant_options_of(spec);
+  // The controller knows the robot of the plan, as far as the problem lets it.
+  const RobotModel& planned = nominal.plan.problem.robot;
+  SimulationOptions options = plant_options_of(spec, planned);
   options.step = std::min(0.01, spec.control_period);
   options.output_period = 0;
-  options.controller_robot = nominal.plan.problem.robot;
+  if (!options.controller_robot) options.controller_robot = planned;
+  if (spec.contact.model == ContactModel::Compliant) {
+    // A contact of milliseconds sets the step.
+    options.integrator = IntegratorKind::Dopri5;
+    options.relative_tolerance = 1e-7;
+    options.absolute_tolerance = 1e-9;
+    subject.restitution = std::max(subject.restitution, kLeastRestitution);
+  }
   options.sensors.base_rate_error = sizes.base_rate_error;
   options.sensors.joint_rate_error = sizes.joint_rate_error;
   options.sensors.seed = seed;
@@ -74,7 +81,7 @@ void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturb
   options.stop = stop;
   const Controller controller = controller_of(*kind, spec);
   const SimulationResult run =
-      simulate_post_impact(truth.robot, truth.resistance, state, controller, options);
+      simulate_after_contact(subject, contact_choice_of(spec), controller, options).simulation;
   const SimulationSummary& summary = run.summary;
   outcome.finished = run.status == SimulationStatus::Finished;
   outcome.residual_base_rate = summary.residual_base_rate;
@@ -156,7 +163,9 @@ TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::
     outcome.finished = true;
     outcome.success = outcome.hit;
   } else {
-    simulate(truth, nominal, sizes, impact, seed, trial, stop, outcome);
+    const ContactCase subject = contact_case(truth, nominal.motion ? &*nominal.motion : nullptr,
+                                             event, response, at, d, Fbar, 1 + faster);
+    simulate(truth, nominal, sizes, subject, seed, trial, stop, outcome);
   }
   return outcome;
 }
@@ -181,6 +190,8 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   take(stated.target_mass, sizes.target_mass);
   take(stated.target_inertia, sizes.target_inertia);
   take(stated.contact_point, sizes.contact_point);
+  take(problem.post_impact.sensor.base_rate_error, sizes.base_rate_error);
+  take(problem.post_impact.sensor.joint_rate_error, sizes.joint_rate_error);
   if (is_predicted) take(stated.contact_time, sizes.contact_time);
   return sizes;
 }

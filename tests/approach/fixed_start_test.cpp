@@ -95,6 +95,24 @@ TEST_CASE("a contact that moves away as the base turns leaves the base's drift o
   CHECK(a.detail.find("posture") != std::string::npos);
 }
 
+TEST_CASE("postures that always leave the base where another one is asked for stay open") {
+  const CaptureProblem problem = from_where_it_stands();
+  // The far posture turns the base by some degrees, and then the near one is wanted, which does
+  // not.
+  const JointVectord far = posture({40, -70}), near = posture({-55, -15});
+  ContactSolver solver;
+  solver.at_base = [&](const Pose& base, ContactSolve) -> std::optional<Configuration> {
+    const double turned =
+        rotation_log(problem.base.orientation.conjugate() * base.orientation).norm();
+    return Configuration{turned < 1 * kDegree ? far : near, base, 200};
+  };
+  const Approach a = plan_with(problem, solver);
+  INFO(a.detail);
+  CHECK(a.status == ApproachStatus::BaseDriftOpen);
+  CHECK(a.detail.find("m or rad stay open") != std::string::npos);
+  CHECK(a.joint_positions.empty());
+}
+
 TEST_CASE("a floating base with a stated start needs the contact solved anew") {
   const CaptureProblem problem = from_where_it_stands();
   CHECK_THROWS_AS(plan(problem, goal_at(posture({40, -70}), 200, problem.base)),

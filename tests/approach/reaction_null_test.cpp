@@ -90,3 +90,37 @@ TEST_CASE("two joints cannot go anywhere else without turning the base") {
   CHECK(a.status == ApproachStatus::UnreachableInBaseMode);
   CHECK(a.detail.find("within the reaction null space 0 end at the goal") != std::string::npos);
 }
+
+TEST_CASE("of several goals within the null space one that can be reached is taken") {
+  CaptureProblem problem = arm_problem();
+  problem.approach.base = BaseMode::ReactionNull;
+  const JointVectord far = posture({60, 60, 20, -40, 0, 30, 40});
+  Knots knots(7, 5);
+  for (int k = 0; k < 5; ++k) knots.col(k) = problem.start + k / 4.0 * (far - problem.start);
+  const NullTracker tracker(problem.robot, problem.start, {0, 1, 2, 3, 4, 5, 6});
+  const Configuration goal = goal_at(tracker.follow(knots, 20).phi.back(), 400);
+  // Nothing solves the contact near the first one; any posture with the goal's joint 4 near the
+  // second one.
+  ApproachGoal nowhere, somewhere;
+  nowhere.configuration = goal_at(far, 400);
+  nowhere.contact.near_posture = [](const JointVectord&, ContactSolve) {
+    return std::optional<Configuration>();
+  };
+  somewhere.configuration = goal;
+  somewhere.contact.near_posture = [&](const JointVectord& phi, ContactSolve) {
+    Configuration near = goal;
+    near.phi = phi;
+    near.phi[3] = goal.phi[3];
+    return std::optional<Configuration>(near);
+  };
+  // The further joint 1 is from where it started, the better: downhill along the contact.
+  somewhere.contact.measure = [&](const Configuration& end) { return 10 - end.phi[0]; };
+  std::map<std::string, long> calls;
+  const ApproachToAny any = plan_approach_to_any(problem, {nowhere, somewhere}, 1, {}, calls);
+  INFO(any.approach.detail);
+  REQUIRE(any.approach.status == ApproachStatus::Found);
+  CHECK(any.goal == 1);
+  CHECK(any.approach.joint_positions.back()[3] == goal.phi[3]);
+  CHECK(any.approach.joint_positions.back()[0] > goal.phi[0] + 5 * kDegree);
+  CHECK(turned(problem.robot, any.approach) < 0.01 * kDegree);
+}

@@ -31,16 +31,23 @@ TEST_CASE("check tells robots, targets, problems, plans and states apart") {
   }
   CHECK(prints(all, "upper_edge: at (0.5, 0, 0.55) m"));
 
-  // Alone a state says nothing of its robot; the other files are looked at all the same.
+  // Alone a state is read as far as it goes.
   const Outcome alone = shop.run("check state.json problem.yaml");
-  CHECK(alone.code == 2);
-  CHECK(alone.says("ROBOT.urdf"));
+  CHECK(alone.code == 0);
+  CHECK(prints(alone, "ROBOT.urdf"));
   CHECK(prints(alone, "problem.yaml: ok"));
+  shop.write("uneven.json", R"({"joint_positions": [0, 1], "joint_velocities": ["3 deg/s"]})");
+  CHECK(shop.run("check uneven.json").code == 3);
+  shop.write("stray.json", R"({"joint_positions": [0, 1], "joint_speeds": [0, 0]})");
+  CHECK(shop.run("check stray.json").says("joint_speeds"));
 
-  shop.write("other.yaml", "format: stillbase.campaign\nversion: 1\n");
+  shop.write("other.yaml", "format: stillbase.verification\nversion: 1\n");
   const Outcome other = shop.run("check other.yaml");
   CHECK(other.code == 3);
   CHECK(other.says("stillbase.target"));
+  CHECK(other.says("a state"));
+  shop.write("campaign.yaml", "format: stillbase.campaign\nversion: 1\nplans: [plan.json]\n");
+  CHECK(prints(shop.run("check campaign.yaml"), "1 plans, 0 problems, 1 seeds, 1000 trials each"));
   shop.write("target.yaml", "format: stillbase.target\nversion: 1\nname: x\nmodel: rigid_body\n");
   const Outcome incomplete = shop.run("check target.yaml");
   CHECK(incomplete.code == 3);

@@ -166,11 +166,24 @@ TEST_CASE("the keys of a plan file stand in their documented order") {
   const auto json = nlohmann::ordered_json::parse(plan_to_json(random_plan(), kTool, "{}"));
   std::vector<std::string> keys;
   for (const auto& item : json.items()) keys.push_back(item.key());
-  CHECK(keys == std::vector<std::string>{"format", "version", "tool", "problem", "robot", "status",
-                                         "optimizer", "configuration", "impact", "objective",
-                                         "constraints", "certificate", "candidates", "approach",
-                                         "solver_calls", "content_sha256", "verification",
-                                         "timing"});
+  CHECK(keys == std::vector<std::string>{"format", "version", "tool", "inputs", "problem", "robot",
+                                         "status", "optimizer", "configuration", "impact",
+                                         "objective", "constraints", "certificate", "candidates",
+                                         "approach", "solver_calls", "content_sha256",
+                                         "verification", "timing"});
+}
+
+TEST_CASE("a plan keeps the files that it was made from") {
+  const std::vector<InputFile> inputs{{"problem", "a/b.yaml", "00ff"}, {"robot", "c.urdf", "11"}};
+  const std::string text = plan_to_json(random_plan(), kTool, {}, inputs);
+  const PlanFile file = read_plan(text, "plan.json");
+  REQUIRE(file.inputs.size() == 2);
+  CHECK(file.inputs[0].role == "problem");
+  CHECK(file.inputs[0].path == "a/b.yaml");
+  CHECK(file.inputs[0].sha256 == "00ff");
+  CHECK(file.inputs[1].role == "robot");
+  CHECK(file.is_as_written());
+  CHECK(refusal(replaced(text, "\"role\": \"robot\"", "\"role\": \"engine\"")) == "unknown-name");
 }
 
 TEST_CASE("the fingerprint covers the content and nothing else") {

@@ -199,6 +199,18 @@ TEST_CASE("every shipped problem with something to plan is planned, with an appr
   }
 }
 
+TEST_CASE("without an approach asked for, a plan whose candidates all touch something says so") {
+  CaptureProblem problem = shipped("planar_three_link_null");
+  problem.approach.enabled = false;
+  problem.obstacles = {{"wall", Frame::Base, Pose{}, Sphere{20}}};
+  const Plan plan = make_plan(problem);
+  CHECK(plan.status != PlanStatus::Infeasible);
+  CHECK(plan.approach.status == ApproachStatus::GoalInvalid);
+  CHECK(plan.approach.detail.find("no candidate is free of collision") == 0);
+  problem.obstacles.clear();
+  CHECK(make_plan(problem).approach.status == ApproachStatus::NotRequested);
+}
+
 TEST_CASE("stopping at once still gives the best point so far, marked") {
   CaptureProblem problem = shipped("iiwa_client_50");
   std::atomic<bool> stop{true};

@@ -1,14 +1,10 @@
-// The approaches of all shipped problems: replayed by the second implementation of the dynamics,
-// and planned anew with many seeds.
+// The approaches of all shipped problems, replayed by the second implementation of the dynamics.
+// Many seeds: bench/approach_bench.cpp.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
-#include <fmt/format.h>
-
-#include <stillbase/approach/approach.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/plan/encounter.hpp>
@@ -77,32 +73,44 @@ TEST_CASE("every shipped approach is flown again by other dynamics and holds", "
   CHECK(2 * colliding >= three_dimensional);
 }
 
-TEST_CASE("approaches to the shipped problems' configurations are found with nearly every seed",
-          "[.slow]") {
-  constexpr int kSeeds = 20;
-  for (const std::string& file : problem_files()) {
-    const CaptureProblem problem = read_problem(file);
-    const bool follows =
-        problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
-    if (!problem.approach.enabled || follows) continue;
-    const Plan plan = make_plan(problem);
-    const auto motion = target_at(problem, plan.configuration);
-    std::vector<double> seconds;
-    int found = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
-      std::map<std::string, long> calls;
-      const auto begin = std::chrono::steady_clock::now();
-      const Approach approach =
-          plan_approach(problem, plan.configuration, motion ? &*motion : nullptr,
-                        1000 + static_cast<std::uint64_t>(seed), {}, calls);
-      seconds.push_back(
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-      found += approach.status == ApproachStatus::Found;
-    }
-    std::sort(seconds.begin(), seconds.end());
-    WARN(fmt::format("{:32} found {:2}/{}  median {:.3f} s  longest {:.3f} s", problem.name, found,
-                     kSeeds, seconds[kSeeds / 2], seconds.back()));
-    CHECK(found >= 0.95 * kSeeds);
+TEST_CASE("the polish is worth while on a captured client", "[.slow]") {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_client_50.yaml");
+  problem.approach.polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
+  const bool is_time = problem.approach.polish == PathPolish::Time;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.approach.status == ApproachStatus::Found);
+  // About 8 % of the time, about half of the turn.
+  CHECK(plan.approach.after_polish < (is_time ? 0.96 : 0.7) * plan.approach.before_polish);
+  for (const Claim& claim : verify_plan(plan).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
+  }
+}
+
+TEST_CASE("a motion without turning the base is found from several starts", "[.slow]") {
+  const auto from = [](std::initializer_list<double> degrees) {
+    JointVectord phi(static_cast<Eigen::Index>(degrees.size()));
+    Eigen::Index k = 0;
+    for (const double d : degrees) phi[k++] = d * 3.14159265358979323846 / 180;
+    return phi;
+  };
+  const JointVectord start =
+      GENERATE_COPY(from({70, -110, -110, 110, 0, 80, 0}), from({0, 30, 0, -90, 0, 60, 0}),
+                    from({20, 40, 0, -60, 10, 50, 0}), from({-90, 30, 60, 60, -60, 60, 0}),
+                    from({0, 20, 0, -30, 0, 20, 0}));
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_reaction_null.yaml");
+  problem.start = start;
+  const Plan plan = make_plan(problem);
+  INFO(start.transpose() << ": " << plan.approach.detail);
+  REQUIRE(plan.approach.status == ApproachStatus::Found);
+  CHECK(plan.timing.at("approach") < 30);
+  VerifyOptions options;
+  options.post_impact = false;
+  for (const Claim& claim : verify_plan(plan, options).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
   }
 }
 

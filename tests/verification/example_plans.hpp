@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/rotation.hpp>
@@ -140,7 +141,8 @@ inline PlannedImpact plan_impact(const CaptureProblem& problem, const Eigen::Vec
   o.worst_direction = contact.n;
   const Vector3d e1 = contact.n.unitOrthogonal(), e2 = contact.n.cross(e1);
   const double cone = problem.uncertainty.cone_half_angle;
-  const int rings = cone > 0 ? 200 : 0, azimuths = 3000;
+  const int rings = cone > 0 ? 50 : 0, azimuths = 300;
+  double worst_theta = 0, worst_psi = 0;
   for (int i = 1; i <= rings; ++i) {
     const double theta = cone * i / rings;
     for (int j = 0; j < azimuths; ++j) {
@@ -151,6 +153,28 @@ inline PlannedImpact plan_impact(const CaptureProblem& problem, const Eigen::Vec
       if (value > o.worst_case) {
         o.worst_case = value;
         o.worst_direction = dir;
+        worst_theta = theta;
+        worst_psi = psi;
+      }
+    }
+  }
+  // From the best of the grid on with ever smaller steps.
+  for (double step = rings > 0 ? 1e-3 : 0; step > 1e-8; step /= 2) {
+    bool better = true;
+    while (better) {
+      better = false;
+      for (const auto& [d_theta, d_psi] :
+           {std::pair{step, 0.0}, {-step, 0.0}, {0.0, step}, {0.0, -step}}) {
+        const double theta = std::min(worst_theta + d_theta, cone), psi = worst_psi + d_psi;
+        const Vector3d dir = std::cos(theta) * contact.n +
+                             std::sin(theta) * (std::cos(psi) * e1 + std::sin(psi) * e2);
+        const double value = objective(dir);
+        if (!(value > o.worst_case)) continue;
+        o.worst_case = value;
+        o.worst_direction = dir;
+        worst_theta = theta;
+        worst_psi = psi;
+        better = true;
       }
     }
   }

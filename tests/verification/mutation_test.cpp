@@ -123,6 +123,7 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
   m.push_back({"kkt_residual", [](Plan& p) { p.certificate.kkt_residual = 0.3; }});
   m.push_back({"proof.gap", [](Plan& p) { p.certificate.proof.gap = -7; }});
   m.push_back({"proof.found_by_search", [](Plan& p) { p.certificate.proof.found_by_search = 99; }});
+  m.push_back({"unseen", [](Plan& p) { p.certificate.unseen *= kFactor; }});
   m.push_back({"optimizer", [](Plan& p) { p.optimizer = "nlopt-cobyla"; }});
   m.push_back({"solver_calls", [](Plan& p) { p.solver_calls.clear(); }});
   m.push_back({"distinct_solutions", [](Plan& p) { ++p.certificate.distinct_solutions; }});
@@ -150,6 +151,8 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
     add_components(m, at + "base_velocity", 6,
                    [s](Plan& p, int i) -> double& { return p.approach.base_velocities[s](i); });
   }
+  m.push_back({"late_by", [](Plan& p) { p.approach.late_by = 1e-6; }});
+  m.push_back({"min_clearance", [](Plan& p) { p.approach.min_clearance += 0.002; }});
   add_components(m, "approach summary", 3, [](Plan& p, int i) -> double& {
     Approach& a = p.approach;
     return i == 0 ? a.duration : i == 1 ? a.path_length : a.attitude_excursion;

@@ -77,6 +77,33 @@ struct ContactSolver {
                                      std::map<std::string, long>& solver_calls,
                                      const ContactSolver& contact = {});
 
+/// A configuration that an approach may lead to, one of several.
+struct ApproachGoal {
+  Configuration configuration;
+  const TargetMotion* target = nullptr;  ///< as for plan_approach
+  /// > 0: how often the planner looks for a way to this one, relative to the others.
+  double weight = 1;
+  ContactSolver contact;  ///< as for plan_approach
+};
+
+struct ApproachToAny {
+  Approach approach;
+  std::size_t goal = 0;  ///< index of the goal that it leads to; failed: that it was about last
+};
+
+/// Plans the approach to any of several configurations, the best one first: one run of the planner
+/// goes for all of them, each in a world of its own (base and target stand elsewhere for each), and
+/// the first goal that is reached by a motion that can be flown is taken. A goal that was reached
+/// twice by motions that cannot be flown is left out. Not for a floating base with a stated start.
+///
+/// @param goals at least one; those that plan_approach would refuse at once are passed over
+/// @return as plan_approach; the status of a failure is that of the attempt that came closest
+/// @throws std::invalid_argument as plan_approach, and for weights that are not positive
+[[nodiscard]] ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
+                                                 const std::vector<ApproachGoal>& goals,
+                                                 std::uint64_t seed, const StopCondition& stop,
+                                                 std::map<std::string, long>& solver_calls);
+
 /// Names accepted in ApproachSpec::planner.
 std::vector<std::string> approach_planner_names();
 

@@ -34,6 +34,10 @@ struct SearchResult {
   std::vector<Eigen::VectorXd> points;  ///< variables of each candidate
   int starts = 0;                       ///< done
   int distinct_solutions = 0;           ///< before the list was cut
+  /// Estimated probability that one more start ends at a solution of the nominal problem that none
+  /// has reached: the share of the starts whose solution was reached once (Good and Turing). Near 1
+  /// where the solutions are no isolated points.
+  double unseen = 1;
   bool stopped = false;                 ///< a limit or an interrupt ended the search
   std::map<std::string, long> solver_calls;
   long evaluations = 0;

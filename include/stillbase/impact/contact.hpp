@@ -8,6 +8,13 @@
 
 namespace stillbase {
 
+/// How hand and target meet when the motion is simulated.
+enum class ContactModel {
+  Jump,       ///< the instantaneous impact of the contact law
+  Compliant,  ///< spring-damper and Coulomb friction over a finite time, both bodies moving
+  Latch       ///< a grasp that closes at once; the target stays attached
+};
+
 /// Inverse mass that the target shows at the contact along n, 1/kg.
 /// A point mass: 1/m_t. A rigid body: n' W_t n = 1/m_t + (r x n)' I_t^-1 (r x n).
 /// @param r contact point from the target's centroid, m; n unit; both in the axes of I_t

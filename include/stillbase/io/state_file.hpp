@@ -31,4 +31,9 @@ RobotState zero_state(const RobotModel& robot);
 /// @throws InputError with every finding
 RobotState read_state(std::string_view text, const std::string& source, const RobotModel& robot);
 
+/// The same without a robot: lists may have any length (one for both), maps any names, joints any
+/// kind. Positions and rates come in the order of the text.
+/// @throws InputError with every finding
+RobotState read_state(std::string_view text, const std::string& source);
+
 }  // namespace stillbase

@@ -13,6 +13,7 @@ struct TrialSetting {
   Perturbations sizes;
   std::uint64_t seed = 1;
   int first = 0;
+  int wanted = -1;  ///< how many were asked for; fewer in the report: interrupted. -1: as many
 };
 
 /// One line of text: outcomes in order, numbers read back exactly.

@@ -35,6 +35,9 @@ struct OptimizeOptions {
   /// evaluations and a tenth of max_evaluations, kept back from the solver. The message says when
   /// it was done.
   bool explain_infeasibility = true;
+  /// Leave the solver's options as its authors set them instead of OptimizerInfo::tuning: what a
+  /// user gets who does not read the manual. For comparisons.
+  bool library_defaults = false;
 };
 
 /// Verdict on the point of a result.
@@ -90,6 +93,8 @@ struct OptimizerInfo {
   bool global = false;        ///< the start is a hint at most; needs finite bounds
   bool stochastic = false;    ///< uses the seed
   int min_variables = 1;
+  std::string library = {};  ///< whose code it is, with version; empty: our own
+  std::string tuning = {};   ///< its options that differ from the library's defaults, in words
 };
 
 class Monitor;  // src/nlp/monitor.hpp

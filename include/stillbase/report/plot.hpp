@@ -21,14 +21,14 @@ struct PlotPanel {
   std::string title;
   std::string x_label, y_label;    ///< with units
   std::vector<double> x;           ///< ascending; finite
-  std::vector<PlotSeries> series;  ///< at most six
+  std::vector<PlotSeries> series;  ///< at most 18
   std::vector<PlotMark> marks;
 };
 
 /// The panels below each other, with axes, round tick values, a zero line where zero is in range
 /// and a legend. Same input, same bytes.
 /// @throws std::invalid_argument for series of another length than x, fewer than two points, more
-/// than six series, or numbers that are not finite
+/// than 18 series, or numbers that are not finite
 std::string plot_svg(const std::vector<PlotPanel>& panels);
 
 }  // namespace stillbase

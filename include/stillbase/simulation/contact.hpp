@@ -50,9 +50,10 @@ enum class ContactPhase {
 
 struct ContactHistory {
   ContactPhase phase = ContactPhase::Apart;
-  int contacts = 0;        ///< begun
-  double first_begin = 0;  ///< s
-  double first_end = 0;    ///< s; of the force
+  int contacts = 0;                   ///< begun
+  double first_begin = 0;             ///< s
+  double first_end = 0;               ///< s; of the force
+  double first_separation_speed = 0;  ///< n . (v_hand - v_target) at that instant, m/s
 };
 
 /// The contact at one instant.

@@ -60,6 +60,20 @@ struct BaseWheels {
   bool exist() const { return torque_max > 0; }
 };
 
+/// Attitude thrusters of the base, one pair per axis of B. Off by default: the paper has none.
+struct BaseThrusters {
+  double torque_max = 0;  ///< N m per axis
+  double gain = 1;        ///< 1/s
+  double dead_band = 0;   ///< rad/s; they are off while |omega| is below
+  bool exist() const { return torque_max > 0; }
+};
+
+/// Moment of the thrusters on the base, in B, N m: -gain Htilde_omega omega, each axis cut at
+/// torque_max; zero within the dead band. They brake the base alone: what the arm holds of the
+/// momentum stays there until a controller gives it back.
+Vector3d thruster_torque(const BaseThrusters& thrusters, const PlantTerms& terms,
+                         const PlantState& state);
+
 /// The singular value below which a direction is given up:
 /// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first only keeps numbers finite (real
 /// arms on light satellites have sigma_min / sigma_max of 0.01 in ordinary postures, so it must be
@@ -110,8 +124,9 @@ JointVectord control_torque(const Controller& controller, const RobotModel& robo
                             const PlantTerms& terms, const PlantState& state);
 
 struct ControlCommand {
-  JointVectord tau;                          ///< n, before any limit, N m or N
-  Vector3d wheel_torque = Vector3d::Zero();  ///< u, on the base, in B, N m; the wheels get -u
+  JointVectord tau;                             ///< n, before any limit, N m or N
+  Vector3d wheel_torque = Vector3d::Zero();     ///< u, on the base, in B, N m; the wheels get -u
+  Vector3d thruster_torque = Vector3d::Zero();  ///< on the base, in B, N m
 };
 
 /// control_torque(), and for rns_handback the wheels as well.

@@ -10,6 +10,7 @@ namespace stillbase {
 struct LatchedRobot {
   RobotModel robot;        ///< robot and target as one, attach_target()
   PlantState state;        ///< right after the latch
+  Pose hand_target;        ///< T in the hand frame, as it is held
   ContactImpulse impulse;  ///< on the hand; `robot` is the target's only when it is a hit
 };
 

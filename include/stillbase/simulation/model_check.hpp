@@ -27,7 +27,7 @@ struct ModelCheckRow {
   /// of the case, the servo's with the duration found: |difference| in the norm of kinetic energy,
   /// relative to the jump itself.
   double velocity_error = 0;
-  double free_error = 0;            ///< the same against the jump with free joints
+  double free_error = 0;            ///< the same against the jump with free joints, no rotors
   double impulse_error = 0;         ///< normal impulse against the contact law's, relative
   double momentum_error = 0;        ///< of robot and target, see EncounterResult
   double kinetic_energy_after = 0;  ///< of robot and target, J

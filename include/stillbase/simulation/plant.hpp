@@ -18,6 +18,8 @@ struct PlantState {
   Vector6d Omega = Vector6d::Zero();           ///< base velocity [v; omega] in B, m/s, rad/s
   JointVectord phidot;                         ///< joint rates, n, rad/s or m/s
   Vector3d wheel_momentum = Vector3d::Zero();  ///< of the base's wheels relative to B, in B, N m s
+  /// Angular impulse that the thrusters have given since the start, in N, N m s.
+  Vector3d thruster_impulse = Vector3d::Zero();
 };
 
 /// The target as it moves.

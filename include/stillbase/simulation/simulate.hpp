@@ -45,7 +45,8 @@ struct Sensors {
   }
 };
 
-/// Wrench on the base [force; moment about the base centroid] in B at time t.
+/// A disturbance that no controller knows of: wrench on the base [force; moment about the base
+/// centroid] in B at time t.
 using BaseWrench = std::function<Vector6d(double t, const PlantState& state)>;
 
 struct SimulationOptions {
@@ -66,7 +67,8 @@ struct SimulationOptions {
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, turned around
   bool friction = false;        ///< viscous and Coulomb friction of the model
   BaseWheels wheels;            ///< off by default
-  BaseWrench base_wrench;       ///< thrusters or disturbances; empty: none
+  BaseThrusters thrusters;      ///< off by default
+  BaseWrench base_wrench;       ///< empty: none
   Sensors sensors;              ///< exact by default
   /// What the controller takes the robot for (same joints); empty: for what it is. Rotor inertia is
   /// known to it.
@@ -96,10 +98,11 @@ struct TraceSample {
   JointVectord rns;                      ///< n; phidot's part in the angular reaction null space
   JointVectord orthogonal;               ///< n; phidot - rns
   JointVectord tau;                      ///< n; torque of the controller after limits, N m
-  Vector3d wheel_torque = Vector3d::Zero();   ///< u of the wheels on the base, in B, N m
-  double kinetic_energy = 0;                  ///< J, of the robot
-  std::optional<TargetPlantState> target;     ///< in runs with one
-  Vector3d contact_force = Vector3d::Zero();  ///< on the hand, in N, N
+  Vector3d wheel_torque = Vector3d::Zero();     ///< u of the wheels on the base, in B, N m
+  Vector3d thruster_torque = Vector3d::Zero();  ///< on the base, in B, N m
+  double kinetic_energy = 0;                    ///< J, of the robot
+  std::optional<TargetPlantState> target;       ///< in runs with one
+  Vector3d contact_force = Vector3d::Zero();    ///< on the hand, in N, N
 };
 
 enum class LimitKind { Torque, Rate, LowerStop, UpperStop };
@@ -125,8 +128,8 @@ struct SimulationSummary {
   JointVectord peak_joint_rates;   ///< n, max |phidot_k|
   double peak_torque = 0;          ///< max over time and joints, N m
   JointVectord peak_torques;       ///< n, max |tau_k|
-  /// Largest |P - P(0)| and |L - L(0)| in N, L = L_g and the wheels' momentum. With a base wrench
-  /// this is its doing, not an error.
+  /// Largest |P - P(0)| and |L - L(0)| in N, L = L_g and the wheels' momentum less what the
+  /// thrusters gave. With a base wrench or a contact this is its doing, not an error.
   double linear_momentum_drift = 0;   ///< N s
   double angular_momentum_drift = 0;  ///< N m s
   /// The larger of both, relative to the most that the initial kinetic energy T could hold:
@@ -142,6 +145,7 @@ struct SimulationSummary {
   int stop_hits = 0;               ///< times that a joint ran into an enforced stop
   double hardest_stop = 0;         ///< largest rate at which one did, rad/s (m/s)
   double peak_wheel_torque = 0;    ///< largest |u_i|, N m
+  double peak_contact_force = 0;   ///< N
   Vector3d wheel_momentum = Vector3d::Zero();  ///< at the end, in B, N m s
   long steps = 0;                              ///< of the integrator
 };

@@ -63,8 +63,10 @@ struct VerifyOptions {
   double base_step_tolerance = 1e-9;      ///< m and rad, the same from one stored pose to the next
   double momentum_tolerance = 1e-9;       ///< relative, approach and post-impact
   double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
-  double cone_tolerance = 1e-6;           ///< relative, stated worst case against the sampled one
-  int cone_samples = 4000;                ///< directions before the local refinement
+  double cone_tolerance = 1e-6;           ///< relative, excess of a sampled worst case
+  /// Relative, worst cases of which no direction is stated against maxima that were found anew.
+  double worst_case_tolerance = 1e-8;
+  int cone_samples = 4000;  ///< directions before the local refinement
   /// Part of the problem's resolution between two postures that are checked for collisions.
   double path_refinement = 0.25;
   double max_target_step = 0.005;  ///< m, how far the target may move between two checks

@@ -1,0 +1,24 @@
+// One optimizer on one benchmark program until its budget is spent.
+#pragma once
+
+#include <stillbase/benchmark/program.hpp>
+#include <stillbase/benchmark/record.hpp>
+#include <stillbase/core/interrupt.hpp>
+
+namespace stillbase {
+
+/// Runs the optimizer from the first start point of the seed, and from the next one whenever it
+/// ends with budget left: a solver that is done early is not worse for it, and one that can only
+/// look around its start gets as many as it can pay. What moves a start onto the constraints counts
+/// as evaluations with derivatives. Every better point is recorded as it comes.
+/// @throws std::invalid_argument for an optimizer that is not in the registry
+RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& request,
+                        const StopCondition& stop = {});
+
+/// A record with what is known of a run before it begins.
+RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& request);
+
+/// Evaluates a point of an instance anew: value and violation of what a record or a file states.
+Judged judge_point(const BenchmarkInstance& instance, const std::vector<double>& point);
+
+}  // namespace stillbase

@@ -1,0 +1,37 @@
+// The folder of a benchmark: what is in it, and the pages made from it.
+//
+//   runs/             journal of the runs (room campaign)
+//   bench.json        what the records are measured against
+//   records.jsonl     one record per run; what differs from run to run stands under `measured`
+//   runs.csv          one row per run
+//   report.md, *.svg  the tables and figures
+//   times.md          the figures in seconds
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <stillbase/benchmark/record.hpp>
+#include <stillbase/report/page.hpp>
+
+namespace stillbase::app {
+
+struct BenchFolder {
+  double gradient_cost = 1;
+  std::map<std::string, double> references;  ///< value of each instance
+  std::vector<RunRecord> records;
+};
+
+/// @throws InputError, FileError
+BenchFolder read_bench_folder(const std::string& folder);
+
+/// Writes everything but the journal. `record_texts`: the lines of records.jsonl.
+/// @throws FileError
+void write_bench_folder(const std::string& folder, const BenchFolder& content,
+                        const std::vector<std::string>& record_texts);
+
+/// Tables, figures and times of a folder's records, for HTML.
+Page bench_folder_page(const BenchFolder& content);
+
+}  // namespace stillbase::app

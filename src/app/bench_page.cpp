@@ -1,0 +1,323 @@
+#include "app/bench_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/report/plot.hpp>
+
+namespace stillbase::app {
+
+namespace {
+
+std::string percent(double part) { return fmt::format("{:.0f} %", 100 * part); }
+
+std::string percent(const BootstrapInterval& part) {
+  return fmt::format("{:.0f} % [{:.0f}, {:.0f}]", 100 * part.value, 100 * part.low,
+                     100 * part.high);
+}
+
+std::string cost(double x) { return std::isfinite(x) ? fmt::format("{:.0f}", x) : "never"; }
+
+std::string precision_words(std::size_t target) {
+  return fmt::format("{:.2g}", benchmark_precisions()[target]);
+}
+
+PageFigure figure(const BenchmarkAnalysis& analysis, const std::string& file,
+                  const std::string& title, const std::string& x_label, const std::string& y_label,
+                  const std::vector<double>& x, std::vector<double> OptimizerFigures::*curve) {
+  PlotPanel panel;
+  panel.title = title;
+  panel.x_label = x_label;
+  panel.y_label = y_label;
+  panel.x = x;
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    if (panel.series.size() < 18) panel.series.push_back({figures.optimizer, figures.*curve});
+  }
+  return {file, title, panel.series.empty() ? "" : plot_svg({panel})};
+}
+
+PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
+  PageSection out;
+  out.heading = "Solved runs";
+  out.paragraphs.push_back(fmt::format(
+      "{} problems, {} seeds each. A run solves a problem to a precision when a point with "
+      "violation at most {:g} is no worse than the best known value by more than it, as judged by "
+      "our own evaluation; the value is the objective's norm over its typical size. Intervals: 95 "
+      "% bootstrap over problems. Cost: evaluations + {:g} per gradient.",
+      analysis.problems, analysis.seeds, kBenchmarkViolation, gradient_cost));
+  out.table.header = {"optimizer", "runs"};
+  for (const std::size_t target : kShownTargets) {
+    out.table.header.push_back("to " + precision_words(target));
+  }
+  for (const char* column : {"problems", "not finished", "distinct per 1000 evaluations"}) {
+    out.table.header.emplace_back(column);
+  }
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    std::vector<std::string> row = {figures.optimizer, std::to_string(figures.runs)};
+    for (const BootstrapInterval& part : figures.solved) row.push_back(percent(part));
+    row.push_back(fmt::format("{}/{}", figures.problems_solved, analysis.problems));
+    row.push_back(std::to_string(figures.unfinished));
+    row.push_back(fmt::format("{:.1f}", figures.distinct_per_1000));
+    out.table.rows.push_back(std::move(row));
+  }
+  return out;
+}
+
+/// The sentence that names a default: README.md repeats it.
+PageSection recommendation(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Which one by default";
+  if (analysis.optimizers.size() < 2) {
+    out.paragraphs = {"One optimizer alone says nothing about a choice."};
+    return out;
+  }
+  const OptimizerFigures& first = analysis.optimizers[0];
+  const OptimizerFigures& second = analysis.optimizers[1];
+  out.paragraphs = {
+      fmt::format("By default {}: it solves {} of its runs to {}, more than any other; {} follows "
+                  "with {} ({} problems, {} seeds, {} evaluations).",
+                  first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
+                  second.optimizer, percent(second.solved.back()), analysis.problems,
+                  analysis.seeds, analysis.budget),
+      fmt::format("Nobody solved {} of {} problems; random search solved {}.",
+                  analysis.solved_by_nobody.size(), analysis.problems,
+                  analysis.problems_by_random_search)};
+  return out;
+}
+
+/// How the two that solve most compare in time, and who finds most per second.
+std::string speed_words(const BenchmarkAnalysis& analysis) {
+  if (analysis.optimizers.size() < 2) return "One optimizer alone.";
+  const auto words = [](const OptimizerFigures& figures) {
+    return fmt::format("{:.0f}", figures.distinct_per_second);
+  };
+  const OptimizerFigures &first = analysis.optimizers[0], &second = analysis.optimizers[1];
+  const OptimizerFigures& most = *std::max_element(
+      analysis.optimizers.begin(), analysis.optimizers.end(),
+      [](const auto& a, const auto& b) { return a.distinct_per_second < b.distinct_per_second; });
+  std::string out = fmt::format("In a second {} finds {} distinct solutions and {} {}",
+                                first.optimizer, words(first), second.optimizer, words(second));
+  const bool is_named = &most == &first || &most == &second;
+  if (!is_named) out += fmt::format("; {} finds most, {}", most.optimizer, words(most));
+  return out + ".";
+}
+
+PageSection wins(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Where each wins";
+  out.paragraphs = {
+      "The optimizer of least expected running time on each kind of problem, the next one with its "
+      "multiple of that time, and the part of bootstrap samples of the runs in which it comes out "
+      "first as well."};
+  out.table.header = {"problems", "to", "first", "cost", "sure", "second", "times the cost"};
+  std::map<std::string, int> count;
+  for (const Win& win : analysis.wins) {
+    const std::string target = precision_words(kShownTargets[win.target]);
+    if (win.best.empty()) {
+      out.table.rows.push_back({win.group, target, "nobody", "never", "", "", ""});
+      continue;
+    }
+    ++count[win.best];
+    const bool has_second = !win.second.empty();
+    out.table.rows.push_back(
+        {win.group, target, win.best, cost(win.running_time), percent(win.sure),
+         has_second ? win.second : "nobody",
+         has_second ? fmt::format("{:.1f}", win.second_running_time / win.running_time) : ""});
+  }
+  std::string words;
+  for (const auto& [optimizer, times] : count) {
+    words += fmt::format("{}{}: {}", words.empty() ? "" : ", ", optimizer, times);
+  }
+  out.paragraphs.push_back(
+      fmt::format("First places of {}: {}.", analysis.wins.size(), words.empty() ? "none" : words));
+  return out;
+}
+
+PageSection families(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Success by family";
+  out.paragraphs = {"Part of the runs that reach " + precision_words(kTightestTarget) + "."};
+  out.table.header = {"optimizer"};
+  for (const std::string& family : analysis.families) out.table.header.push_back(family);
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    std::vector<std::string> row = {figures.optimizer};
+    for (const std::string& family : analysis.families) {
+      const auto at = figures.by_family.find(family);
+      row.push_back(at == figures.by_family.end() ? "" : percent(at->second));
+    }
+    out.table.rows.push_back(std::move(row));
+  }
+  return out;
+}
+
+PageSection running_times(const BenchmarkAnalysis& analysis, std::size_t shown) {
+  PageSection out;
+  out.heading = "Expected running time to " + precision_words(kShownTargets[shown]);
+  out.paragraphs = {
+      "Cost of all runs of a kind of problem up to success or end, over the number of successes."};
+  out.table.header = {"problems"};
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    out.table.header.push_back(figures.optimizer);
+  }
+  for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
+    std::vector<std::string> row = {analysis.groups[g]};
+    for (const OptimizerFigures& figures : analysis.optimizers) {
+      row.push_back(cost(figures.running_time[shown][g]));
+    }
+    out.table.rows.push_back(std::move(row));
+  }
+  return out;
+}
+
+PageSection curves(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Profiles";
+  out.paragraphs = {
+      "Runtimes: part of all (run, target) pairs reached, over 51 targets from 1 to 1e-8. Data "
+      "profile (More and Wild, 2009) and performance profile (Dolan and More, 2002) at the "
+      "tightest target, one problem per instance and seed.",
+      "Caveat of performance profiles: each curve compares an optimizer with the best of all, not "
+      "two optimizers with each other; leaving a third one out can turn the order of two curves "
+      "round (Gould and Scott, 2016)."};
+  out.figures = {
+      figure(analysis, "ecdf.svg", "Runtimes over 51 targets", "log10 (cost / variables)",
+             "part of (run, target) pairs", analysis.log_cost_axis,
+             &OptimizerFigures::runtime_ecdf),
+      figure(analysis, "data_profile.svg", "Data profile at 1e-8", "log10 (cost / (variables + 1))",
+             "part of problems", analysis.log_kappa_axis, &OptimizerFigures::data_profile),
+      figure(analysis, "performance_profile.svg", "Performance profile at 1e-8",
+             "log10 (cost / cost of the best)", "part of problems", analysis.log_tau_axis,
+             &OptimizerFigures::performance_profile)};
+  return out;
+}
+
+PageSection defaults(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Stated tuning against the library's defaults";
+  out.paragraphs = {"Part of the same starts solved to " + precision_words(kTightestTarget) + "."};
+  out.table.header = {"optimizer", "starts", "tuned", "defaults"};
+  for (const DefaultsComparison& row : analysis.defaults) {
+    out.table.rows.push_back(
+        {row.optimizer, std::to_string(row.pairs), percent(row.tuned), percent(row.defaults)});
+  }
+  return out;
+}
+
+PageSection unsolved(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Solved by nobody";
+  std::string names;
+  for (const std::string& name : analysis.solved_by_nobody) {
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  out.paragraphs = {names.empty() ? "None: every problem was solved by somebody." : names + "."};
+  return out;
+}
+
+}  // namespace
+
+Page bench_page(const BenchmarkAnalysis& analysis, double gradient_cost) {
+  Page page;
+  page.title = "Optimizers on capture problems";
+  page.sections = {overview(analysis, gradient_cost), recommendation(analysis), wins(analysis),
+                   families(analysis)};
+  for (std::size_t shown = 0; shown < std::size(kShownTargets); ++shown) {
+    page.sections.push_back(running_times(analysis, shown));
+  }
+  page.sections.push_back(curves(analysis));
+  if (!analysis.defaults.empty()) page.sections.push_back(defaults(analysis));
+  page.sections.push_back(unsolved(analysis));
+  return page;
+}
+
+Page bench_times_page(const BenchmarkAnalysis& analysis) {
+  PageSection out;
+  out.heading = "Seconds";
+  out.paragraphs = {
+      "Measured, so different on every machine and in every run. Distinct: solutions that are "
+      "feasible and optimal to first order, apart from each other by more than 1e-4.",
+      speed_words(analysis)};
+  out.table.header = {"optimizer", "runs", "seconds", "seconds per run", "distinct per second"};
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    out.table.rows.push_back(
+        {figures.optimizer, std::to_string(figures.runs), fmt::format("{:.1f}", figures.seconds),
+         fmt::format("{:.3f}", figures.seconds / static_cast<double>(figures.runs)),
+         fmt::format("{:.0f}", figures.distinct_per_second)});
+  }
+  PageSection times;
+  times.heading = "Seconds to " + precision_words(kTightestTarget);
+  times.paragraphs = {
+      "Seconds of all runs of a kind of problem up to success or end, over the number of "
+      "successes."};
+  times.table.header = {"problems"};
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    times.table.header.push_back(figures.optimizer);
+  }
+  std::map<std::string, int> fastest;
+  for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
+    std::vector<std::string> row = {analysis.groups[g]};
+    const OptimizerFigures* best = nullptr;
+    for (const OptimizerFigures& figures : analysis.optimizers) {
+      const double seconds = figures.seconds_to_tightest[g];
+      row.push_back(std::isfinite(seconds) ? fmt::format("{:.3g}", seconds) : "never");
+      if (std::isfinite(seconds) && (best == nullptr || seconds < best->seconds_to_tightest[g])) {
+        best = &figures;
+      }
+    }
+    if (best != nullptr) ++fastest[best->optimizer];
+    times.table.rows.push_back(std::move(row));
+  }
+  std::string words;
+  for (const auto& [optimizer, count] : fastest) {
+    words += fmt::format("{}{}: {}", words.empty() ? "" : ", ", optimizer, count);
+  }
+  times.paragraphs.push_back(fmt::format("First of {} kinds of problems: {}.",
+                                         analysis.groups.size(), words.empty() ? "none" : words));
+  return {"Optimizers on capture problems: time", {out, times}};
+}
+
+TextTable bench_table(const std::vector<RunRecord>& records,
+                      const std::map<std::string, double>& references, double gradient_cost) {
+  TextTable out;
+  out.header = {"instance",    "family",    "goal",     "variables", "equations",
+                "optimizer",   "seed",      "value",    "violation", "reference",
+                "evaluations", "gradients", "hessians", "starts",    "distinct_solutions",
+                "stop_reason"};
+  for (const std::size_t target : kShownTargets) {
+    out.header.push_back("cost_to_" + precision_words(target));
+  }
+  for (const RunRecord& record : records) {
+    const auto known = references.find(record.request.instance);
+    const bool has_point = !record.improvements.empty();
+    std::vector<std::string> row = {
+        record.request.instance,
+        record.family,
+        record.goal,
+        std::to_string(record.variables),
+        std::to_string(record.equations),
+        label_of(record.request),
+        std::to_string(record.request.seed),
+        has_point ? fmt::format("{}", record.improvements.back().value) : "",
+        has_point ? fmt::format("{}", record.improvements.back().violation) : "",
+        known == references.end() ? "" : fmt::format("{}", known->second),
+        std::to_string(record.evaluations),
+        std::to_string(record.gradients),
+        std::to_string(record.hessians),
+        std::to_string(record.starts),
+        std::to_string(record.distinct_solutions),
+        record.stop_reason};
+    const Runtime runtime =
+        runtime_of(record, known == references.end() ? -HUGE_VAL : known->second,
+                   benchmark_precisions(), gradient_cost);
+    for (const std::size_t target : kShownTargets) {
+      const double at = runtime.to_target[target];
+      row.push_back(std::isfinite(at) ? fmt::format("{}", at) : "");
+    }
+    out.rows.push_back(std::move(row));
+  }
+  return out;
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,51 @@
+// The runs of a benchmark: which ones, and what each leaves behind.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <stillbase/benchmark/suite.hpp>
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/io/benchmark_file.hpp>
+
+namespace stillbase::app {
+
+struct BenchSelection {
+  std::vector<std::string> problems;    ///< problem files in place of the suite's families
+  std::vector<std::string> select;      ///< instances, or what their names begin with; empty: all
+  std::vector<std::string> optimizers;  ///< labels; empty: all, and a few runs with defaults
+  int instances = 5;                    ///< per family and goal, unless `select` names some
+  int seeds = 15;
+  std::uint64_t first_seed = 1;
+  long budget = 2000;
+  double seconds = 20;
+  bool with_defaults = true;  ///< when `optimizers` is empty
+};
+
+/// @throws InputError, FileError; CommandLineError when nothing is selected
+std::vector<BenchmarkInstance> select_instances(const SuiteSpec& suite,
+                                                const BenchSelection& selection);
+
+/// Every run, in the order of the records.
+/// @throws CommandLineError for an unknown optimizer
+std::vector<RunRequest> requests_of(const std::vector<BenchmarkInstance>& instances,
+                                    const BenchSelection& selection);
+
+struct BenchRunOptions {
+  std::string folder;  ///< of the journal
+  int jobs = 1;
+  StopCondition stop;
+};
+
+/// Works off the runs that the folder's journal does not have yet, one process each.
+/// @return texts of the records in the order of the requests; fewer when stopped
+/// @throws FileError, InputError as run_campaign()
+std::vector<std::string> run_all(const std::vector<BenchmarkInstance>& instances,
+                                 const std::vector<RunRequest>& requests,
+                                 const BenchRunOptions& options);
+
+/// System and processor architecture; no name of the machine, so that records can be shared.
+std::string host_words();
+
+}  // namespace stillbase::app

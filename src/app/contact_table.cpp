@@ -1,0 +1,114 @@
+#include "app/contact_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/simulation/model_check.hpp>
+
+#include "app/exit_code.hpp"
+#include "io/json.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+using io::Json;
+using io::number_json;
+
+std::vector<double> stiffnesses() {
+  std::vector<double> list;
+  for (int decade = 3; decade <= 9; ++decade) list.push_back(std::pow(10.0, decade));
+  return list;
+}
+
+ModelCheckCase model_check_of(const ContactCase& subject, double friction) {
+  if (!subject.target || !(subject.impulse > 0) || !(subject.closing_speed > 0)) {
+    throw CommandLineError("--contact-table: needs a target that closes in on the hand by a law");
+  }
+  if (subject.resistance.model == ResistanceModel::Locked) {
+    throw CommandLineError("--contact-table: a contact that takes time knows no locked joints");
+  }
+  ModelCheckCase check;
+  check.robot = subject.robot;
+  check.before = subject.before;
+  check.resistance = subject.resistance;
+  check.target.mass = subject.target->body.mass;
+  check.target.inertia = subject.target->body.inertia;
+  check.target_state = subject.target->state;
+  const auto kinematics = compute_kinematics<double>(subject.robot, subject.before.phi);
+  const Vector3d hand_N = subject.before.base * Vector3d(kinematics.r_bh);
+  const Pose& pose = check.target_state.pose;
+  check.point_T = pose.orientation.conjugate() * Vector3d(hand_N - pose.position);
+  check.normal_T = pose.orientation.conjugate() * subject.normal_N;
+  check.restitution = std::max(subject.restitution, kLeastRestitution);
+  check.friction = friction;
+  return check;
+}
+
+std::string words(const ContactCase& subject, const ModelCheckCase& check,
+                  const std::vector<ModelCheckRow>& rows) {
+  const std::string model = to_string(subject.resistance.model);
+  std::string text = fmt::format(
+      "spring-damper contact against the instantaneous impact: joints {}, restitution {:g}, "
+      "closing "
+      "at {:.4g} m/s\n",
+      model, check.restitution, subject.closing_speed);
+  text +=
+      "  stiffness    duration  peak force  impulse off  velocity off  off if joints free  "
+      "momentum off\n";
+  for (const ModelCheckRow& row : rows) {
+    if (!row.ended) {
+      text += fmt::format("{:>7.0e} N/m  not over in time\n", row.stiffness);
+      continue;
+    }
+    text +=
+        fmt::format("{:>7.0e} N/m {:>8.3g} ms {:>9.4g} N {:>12.2e} {:>13.2e} {:>19.2e} {:>13.1e}\n",
+                    row.stiffness, 1e3 * row.duration, row.peak_force, row.impulse_error,
+                    row.velocity_error, row.free_error, row.momentum_error);
+  }
+  text +=
+      "off: relative to the jump, velocities in the norm of kinetic energy; 'velocity off' is "
+      "against "
+      "the jump with\nthe joints as stated (servo: by its formula with the duration found), the "
+      "next "
+      "against that with free joints\n";
+  return text;
+}
+
+}  // namespace
+
+std::string contact_table(const ContactCase& subject, double friction, bool as_json) {
+  const ModelCheckCase check = model_check_of(subject, friction);
+  std::vector<ModelCheckRow> rows;
+  try {
+    rows = check_stiffness(check, stiffnesses());
+  } catch (const std::invalid_argument& error) {
+    throw CommandLineError(std::string("--contact-table: ") + error.what());
+  }
+  if (!as_json) return words(subject, check, rows);
+  Json list = Json::array();
+  for (const ModelCheckRow& row : rows) {
+    list.push_back({{"stiffness", number_json(row.stiffness)},
+                    {"ended", row.ended},
+                    {"duration", number_json(row.duration)},
+                    {"peak_force", number_json(row.peak_force)},
+                    {"impulse_error", number_json(row.impulse_error)},
+                    {"velocity_error", number_json(row.velocity_error)},
+                    {"velocity_error_free_joints", number_json(row.free_error)},
+                    {"momentum_error", number_json(row.momentum_error)},
+                    {"kinetic_energy_after", number_json(row.kinetic_energy_after)}});
+  }
+  return io::pretty({{"format", "stillbase.contact_table"},
+                     {"version", 1},
+                     {"joint_resistance", to_string(subject.resistance.model)},
+                     {"restitution", number_json(check.restitution)},
+                     {"closing_speed", number_json(subject.closing_speed)},
+                     {"friction", number_json(friction)},
+                     {"rows", list}});
+}
+
+}  // namespace stillbase::app

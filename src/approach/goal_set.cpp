@@ -1,0 +1,120 @@
+// Several goals at once: the planner goes for all of them, and what it reaches first and can be
+// flown is the approach.
+#include <iterator>
+#include <list>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/random.hpp>
+
+#include "approach/refusal.hpp"
+#include "approach/replanning.hpp"
+#include "approach/result.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// Attempts that end at a goal and fail before it is left out: alone it would get kAttempts.
+constexpr int kFailures = 2;
+
+struct OpenGoal {
+  std::size_t index = 0;  ///< among those asked for
+  ApproachTask task;
+  Way way;
+  int failures = 0;
+};
+
+/// The goals that nothing speaks against before planning; `why` is what speaks against the first.
+std::list<OpenGoal> open_goals(const CaptureProblem& problem,
+                               const std::vector<ApproachGoal>& goals, Approach& why) {
+  std::list<OpenGoal> open;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const ApproachGoal& goal = goals[i];
+    if (!(goal.weight > 0)) throw std::invalid_argument("approach: weights must be positive");
+    ApproachTask task = make_task(problem, goal.configuration, goal.target, goal.contact);
+    std::optional<Approach> refused;
+    try {
+      refused = refuse(task);
+    } catch (const std::out_of_range&) {  // from TargetMotion
+      refused = failed(ApproachStatus::TooSlow,
+                       "the wait reaches back beyond the horizon of the target's prediction");
+    }
+    if (refused) {
+      if (why.detail.empty()) why = *refused;
+      continue;
+    }
+    const AttemptOptions options = first_options(task);
+    open.push_back({i, std::move(task), {nullptr, options, goal.weight}, 0});
+  }
+  return open;
+}
+
+}  // namespace
+
+ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
+                                   const std::vector<ApproachGoal>& goals, std::uint64_t seed,
+                                   const StopCondition& stop,
+                                   std::map<std::string, long>& solver_calls) {
+  if (goals.empty()) throw std::invalid_argument("approach: a set of goals needs one");
+  if (!problem.approach.enabled) {
+    return {failed(ApproachStatus::NotRequested, "no approach asked for"), 0};
+  }
+  ApproachToAny out;
+  std::list<OpenGoal> open = open_goals(problem, goals, out.approach);
+  if (!open.empty() && open.front().task.starts_where_it_stands()) {
+    throw std::invalid_argument(
+        "approach: where a floating base starts as stated, every goal needs a path of its own");
+  }
+  if (open.empty()) return out;
+  Random seeds(seed);
+  AttemptResult news;
+  for (int attempt = 1; !open.empty(); ++attempt) {
+    if (stop.reached()) {
+      news.status = ApproachStatus::TimeOut;
+      news.detail = "stopped before a path was found";
+      break;
+    }
+    std::vector<Way> ways;
+    for (OpenGoal& goal : open) {
+      goal.way.task = &goal.task;
+      ways.push_back(goal.way);
+    }
+    ways.front().options.seed = seeds.next();
+    std::size_t reached = 0;
+    AttemptResult result;
+    try {
+      result = try_approach(ways, stop, reached);
+    } catch (const std::out_of_range&) {  // from TargetMotion
+      result.status = ApproachStatus::TooSlow;
+      result.detail = "motion and wait reach back beyond the horizon of the target's prediction";
+      result.way_points = 1;
+      result.hopeless = true;
+    }
+    if (!open.front().task.free.empty()) ++solver_calls[planner_name(problem)];
+    const auto at = std::next(open.begin(), static_cast<std::ptrdiff_t>(reached));
+    OpenGoal& goal = *at;
+    out.goal = goal.index;
+    if (result.status == ApproachStatus::Found) {
+      out.approach = finished(goal.task, result, attempt, goal.way.options.wait);
+      if (goals.size() > 1) {
+        out.approach.detail +=
+            fmt::format("; goal {} of a set of {}", goal.index + 1, goals.size());
+      }
+      return out;
+    }
+    if (is_better_news(result, news)) news = result;
+    if (result.status == ApproachStatus::TimeOut || result.way_points == 0) break;
+    learn(goal.task, result, ++goal.failures, goal.way.options);
+    if (goal.failures >= kFailures || result.hopeless) {
+      open.erase(at);
+    }
+  }
+  out.approach = failed(news.status,
+                        fmt::format("{} (going for {} goals at once)", news.detail, goals.size()));
+  out.approach.late_by = news.shortfall;
+  return out;
+}
+
+}  // namespace stillbase

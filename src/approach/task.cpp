@@ -1,0 +1,117 @@
+#include "approach/task.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "approach/time_law.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kTurn = 6.283185307179586;
+
+bool is_finite(const Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+}
+
+/// Numbers that the reader should have refused never get further than here.
+void check_input(const CaptureProblem& problem, const Configuration& goal) {
+  const ApproachSpec& spec = problem.approach;
+  const int n = problem.robot.n();
+  const auto demand = [](bool holds, const char* what) {
+    if (!holds) throw std::invalid_argument(std::string("approach: ") + what);
+  };
+  demand(problem.start.size() == n && goal.phi.size() == n && spec.acceleration_limit.size() == n,
+         "start, goal and acceleration limit need one number per joint");
+  demand(problem.start.allFinite() && goal.phi.allFinite() && is_finite(goal.base) &&
+             std::isfinite(goal.contact_time),
+         "start and goal must be finite");
+  demand(spec.acceleration_limit.allFinite() && (spec.acceleration_limit.array() > 0).all(),
+         "acceleration limits must be finite and positive");
+  for (const Joint& joint : problem.robot.joints) {
+    demand(joint.max_velocity > 0, "joint rate limits must be positive");
+  }
+  demand(spec.velocity_scale > 0 && spec.velocity_scale <= 1, "velocity scale must be in (0, 1]");
+  demand(std::isfinite(spec.wait) && spec.wait >= 0, "wait must be finite and not negative");
+  demand(std::isfinite(spec.clearance) && spec.clearance >= 0, "clearance must not be negative");
+  demand(std::isfinite(spec.resolution) && spec.resolution > 0, "resolution must be positive");
+  demand(spec.max_duration > 0 && spec.max_iterations > 0, "limits must be positive");
+  demand(problem.variables.joints.empty() || static_cast<int>(problem.variables.joints.size()) == n,
+         "variables need one flag per joint");
+  demand(static_cast<bool>(find_path_planner(spec.planner)), "unknown planner");
+}
+
+JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& goal) {
+  JointVectord start = problem.start;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    if (problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
+      start[k] += kTurn * std::round((goal.phi[k] - start[k]) / kTurn);
+    }
+  }
+  return start;
+}
+
+}  // namespace
+
+ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
+                       const TargetMotion* target, const ContactSolver& contact) {
+  check_input(problem, goal);
+  const int n = problem.robot.n();
+  ApproachTask task{problem,
+                    goal,
+                    target,
+                    CollisionScene(problem),
+                    find_path_planner(problem.approach.planner),
+                    wrapped_start(problem, goal),
+                    JointVectord(n),
+                    {},
+                    -kInfinity,
+                    contact};
+  if (task.starts_where_it_stands() && !contact.at_base) {
+    throw std::invalid_argument(
+        "approach: a floating base with a stated start needs someone to solve the contact anew");
+  }
+  for (int k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    task.max_rate[k] = problem.robot.joints[i].max_velocity * problem.approach.velocity_scale;
+    const bool may_move = problem.variables.joints.empty() || problem.variables.joints[i];
+    if (may_move || task.start[k] != goal.phi[k]) task.free.push_back(k);
+  }
+  // A predicted target is known from its estimate on; one that is only said to come from some
+  // direction has come along forever.
+  if (target != nullptr && !problem.impulse.direction) {
+    task.earliest_start = problem.target_state.time;
+  }
+  return task;
+}
+
+JointPath straight_path(const ApproachTask& task) {
+  return time_path({task.start, task.goal.phi}, task.max_rate,
+                   task.problem.approach.acceleration_limit,
+                   [](const JointVectord&, const JointVectord&) { return true; });
+}
+
+std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
+                                 double wait) {
+  const double too_early = task.earliest_start - (contact_time - wait - duration);
+  const double too_long = duration + wait - task.problem.approach.max_duration;
+  const double seconds = std::max(too_early, too_long);
+  if (seconds <= 0) return std::nullopt;
+  return Lateness{seconds,
+                  fmt::format("motion {:.3f} s and wait {:.3f} s before the contact at {:.3f} s: "
+                              "{:.3f} s too slow {}",
+                              duration, wait, contact_time, seconds,
+                              too_early >= too_long ? "for a start after the target's estimate"
+                                                    : "for the longest duration allowed")};
+}
+
+std::string planner_name(const CaptureProblem& problem) {
+  return problem.approach.base == BaseMode::ReactionNull ? "reaction_null"
+                                                         : problem.approach.planner;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,52 @@
+// One approach in the making: what is asked, in the form that planning works on.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/approach/approach.hpp>
+#include <stillbase/collision/scene.hpp>
+
+#include "approach/joint_path.hpp"
+#include "approach/path_planner.hpp"
+
+namespace stillbase {
+
+/// The task after its input was checked.
+struct ApproachTask {
+  const CaptureProblem& problem;
+  Configuration goal;
+  const TargetMotion* target;
+  CollisionScene scene;
+  PathPlanner planner;
+  JointVectord start;              ///< continuous joints whole turns away from problem.start
+  JointVectord max_rate;           ///< scaled
+  std::vector<Eigen::Index> free;  ///< joints that may move
+  double earliest_start;           ///< s; -infinity when nothing is predicted
+  const ContactSolver& contact;    ///< for a base that starts where it stands
+
+  bool starts_where_it_stands() const {
+    return problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
+  }
+};
+
+/// @throws std::invalid_argument see plan_approach
+ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
+                       const TargetMotion* target, const ContactSolver& contact);
+
+/// The straight line to the goal with its time law, from time 0.
+JointPath straight_path(const ApproachTask& task);
+
+/// By how much a motion of this duration and the wait come too late, if they do.
+struct Lateness {
+  double seconds = 0;
+  std::string text;
+};
+std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
+                                 double wait);
+
+/// Under which name the planner's runs are counted.
+std::string planner_name(const CaptureProblem& problem);
+
+}  // namespace stillbase

@@ -1,0 +1,216 @@
+#include <stillbase/benchmark/program.hpp>
+
+#include <cmath>
+
+#include <stillbase/capture/formulation.hpp>
+#include <stillbase/core/random.hpp>
+
+#include "capture/epigraph.hpp"
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// 1/2 |case equations|^2 with the other constraints of a formulation.
+class CaseProgram final : public nlp::Problem {
+ public:
+  explicit CaseProgram(const Formulation& formulation) : formulation_(formulation) {
+    // report() names the constraints in their order, then what is none.
+    const auto values = formulation.report(
+        formulation.start_point(Eigen::VectorXd::Constant(formulation.start_dimension(), 0.5)));
+    for (int i = 0; i < formulation.num_constraints(); ++i) {
+      const bool of_case = values[static_cast<std::size_t>(i)].name.rfind("case_", 0) == 0;
+      (of_case ? equations_ : others_).push_back(i);
+    }
+  }
+
+  int num_variables() const override { return formulation_.num_variables(); }
+  int num_constraints() const override { return static_cast<int>(others_.size()); }
+  Eigen::VectorXd lower() const override { return formulation_.lower(); }
+  Eigen::VectorXd upper() const override { return formulation_.upper(); }
+  Eigen::VectorXd constraint_lower() const override {
+    return formulation_.constraint_lower()(others_);
+  }
+  Eigen::VectorXd constraint_upper() const override {
+    return formulation_.constraint_upper()(others_);
+  }
+  void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    formulation_.evaluate(x, here_);
+    const Eigen::VectorXd r = here_.constraints(equations_);
+    out.objective = r.squaredNorm() / 2;
+    out.gradient = here_.jacobian(equations_, Eigen::all).transpose() * r;
+    out.constraints = here_.constraints(others_);
+    out.jacobian = here_.jacobian(others_, Eigen::all);
+  }
+  void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    formulation_.evaluate_value(x, here_);
+    out.objective = Eigen::VectorXd(here_.constraints(equations_)).squaredNorm() / 2;
+    out.constraints = here_.constraints(others_);
+  }
+  bool has_hessian() const override { return true; }
+  void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
+                          const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
+    formulation_.evaluate(x, here_);
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(formulation_.num_constraints());
+    all(equations_) = sigma * here_.constraints(equations_);
+    all(others_) = multipliers;
+    formulation_.lagrangian_hessian(x, 0, all, out);
+    const Eigen::MatrixXd J = here_.jacobian(equations_, Eigen::all);
+    out += sigma * J.transpose() * J;
+  }
+
+ private:
+  const Formulation& formulation_;
+  std::vector<int> equations_, others_;
+  mutable nlp::Evaluation here_;
+};
+
+/// The predicted direction, four on a ring at half the angle and eight on the rim; planar: nine
+/// over the wedge.
+std::vector<Scenario> fixed_directions(const CaptureProblem& problem,
+                                       const Formulation& formulation) {
+  const Scenario predicted = formulation.predicted_scenario();
+  const double half_angle = problem.uncertainty.cone_half_angle;
+  std::vector<Scenario> out;
+  const auto add = [&](const Vector3d& axis, double angle) {
+    out.push_back(predicted);
+    out.back().direction = Eigen::AngleAxisd(angle, axis) * predicted.direction;
+  };
+  if (problem.uncertainty.cone_plane_normal) {
+    for (int i = -4; i <= 4; ++i) add(*problem.uncertainty.cone_plane_normal, half_angle * i / 4);
+    return out;
+  }
+  out.push_back(predicted);
+  const Vector3d across = predicted.direction.unitOrthogonal();
+  const auto ring = [&](int count, double angle) {
+    for (int i = 0; i < count; ++i) {
+      add(Eigen::AngleAxisd(2 * M_PI * i / count, predicted.direction) * across, angle);
+    }
+  };
+  ring(4, half_angle / 2);
+  ring(8, half_angle);
+  return out;
+}
+
+}  // namespace
+
+struct BenchmarkProgram::Parts {
+  BenchmarkGoal goal;
+  Formulation formulation;
+  std::unique_ptr<Formulation> without_case;  ///< Case: for start points; else null
+  std::unique_ptr<nlp::Problem> program;      ///< null: the formulation itself
+  Eigen::VectorXd lower, upper;
+
+  explicit Parts(const BenchmarkInstance& instance)
+      : goal(instance.goal), formulation(instance.problem) {
+    lower = formulation.lower();
+    upper = formulation.upper();
+    for (int i = 0; i < lower.size(); ++i) {
+      if (!std::isfinite(lower[i])) lower[i] = -M_PI;
+      if (!std::isfinite(upper[i])) upper[i] = M_PI;
+    }
+    if (goal == BenchmarkGoal::Case) {
+      program = std::make_unique<CaseProgram>(formulation);
+      CaptureProblem problem = instance.problem;
+      problem.constraints.impact_case = CaseConstraint::None;
+      without_case = std::make_unique<Formulation>(problem);
+    }
+    if (goal == BenchmarkGoal::WorstCase) {
+      program = std::make_unique<EpigraphProgram>(
+          formulation, fixed_directions(instance.problem, formulation), 1);
+      // f >= 0, but a bound there would stop a solver that steps onto it twice; postures ten times
+      // worse than usual ones, f = 50, are of no interest.
+      lower.conservativeResize(lower.size() + 1);
+      upper.conservativeResize(upper.size() + 1);
+      lower[lower.size() - 1] = -1;
+      upper[upper.size() - 1] = 50;
+    }
+  }
+
+  const nlp::Problem& inner() const {
+    if (program) return *program;
+    return formulation;
+  }
+  const Formulation& for_starts() const { return without_case ? *without_case : formulation; }
+  Eigen::VectorXd configuration_part(const Eigen::VectorXd& x) const {
+    return x.head(formulation.num_variables());
+  }
+};
+
+BenchmarkProgram::BenchmarkProgram(const BenchmarkInstance& instance)
+    : parts_(std::make_unique<Parts>(instance)) {}
+BenchmarkProgram::~BenchmarkProgram() = default;
+
+int BenchmarkProgram::num_variables() const { return parts_->inner().num_variables(); }
+int BenchmarkProgram::num_constraints() const { return parts_->inner().num_constraints(); }
+Eigen::VectorXd BenchmarkProgram::lower() const { return parts_->lower; }
+Eigen::VectorXd BenchmarkProgram::upper() const { return parts_->upper; }
+Eigen::VectorXd BenchmarkProgram::constraint_lower() const {
+  return parts_->inner().constraint_lower();
+}
+Eigen::VectorXd BenchmarkProgram::constraint_upper() const {
+  return parts_->inner().constraint_upper();
+}
+void BenchmarkProgram::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
+  parts_->inner().evaluate(x, out);
+}
+void BenchmarkProgram::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
+  parts_->inner().evaluate_value(x, out);
+}
+bool BenchmarkProgram::has_hessian() const { return parts_->inner().has_hessian(); }
+void BenchmarkProgram::lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
+                                          const Eigen::VectorXd& multipliers,
+                                          Eigen::MatrixXd& out) const {
+  parts_->inner().lagrangian_hessian(x, sigma, multipliers, out);
+}
+
+int BenchmarkProgram::free_variables() const { return parts_->formulation.num_variables(); }
+int BenchmarkProgram::equations() const { return parts_->formulation.num_equations(); }
+
+Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed) const {
+  // As in capture/search.cpp: a random posture that leads nowhere is drawn again.
+  constexpr int kDraws = 9, kSteps = 15, kStride = 1000000;
+  constexpr double kOnConstraints = 1e-3;
+  const Formulation& formulation = parts_->for_starts();
+  ProjectionResult best;
+  best.violation = nlp::kInfinity;
+  for (int draw = 0; draw < kDraws && best.violation > kOnConstraints; ++draw) {
+    const Eigen::VectorXd x = formulation.start_point(
+        low_discrepancy_point(index + draw * kStride, formulation.start_dimension(), seed));
+    const ProjectionResult moved = project_onto_constraints(formulation, x, false, kSteps);
+    if (best.x.size() == 0 || moved.violation < best.violation) best = moved;
+  }
+  if (parts_->goal != BenchmarkGoal::WorstCase) return best.x;
+  return static_cast<const EpigraphProgram&>(parts_->inner()).lifted(best.x);
+}
+
+long BenchmarkProgram::model_evaluations() const {
+  return parts_->formulation.evaluations() +
+         (parts_->without_case ? parts_->without_case->evaluations() : 0);
+}
+
+Judged BenchmarkProgram::judge(const Eigen::VectorXd& x, const nlp::Evaluation& at_x) const {
+  Judged out;
+  const Eigen::Index m = parts_->goal == BenchmarkGoal::WorstCase
+                             ? parts_->formulation.num_constraints()
+                             : num_constraints();
+  const Eigen::VectorXd g =
+      nlp::signed_violation(at_x.constraints, constraint_lower(), constraint_upper());
+  const Eigen::VectorXd box = nlp::signed_violation(x, lower(), upper());
+  out.violation = box.cwiseAbs().maxCoeff();
+  if (m > 0) out.violation = std::max(out.violation, g.head(m).cwiseAbs().maxCoeff());
+  double f = at_x.objective;
+  if (parts_->goal == BenchmarkGoal::WorstCase) {
+    // The rows below the formulation's are s - f_k: the worst f_k, whatever s says.
+    f = x[x.size() - 1] - at_x.constraints.tail(at_x.constraints.size() - m).minCoeff();
+  }
+  out.value = std::sqrt(2 * std::max(0.0, f));
+  return out;
+}
+
+double BenchmarkProgram::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  return parts_->formulation.distance(parts_->configuration_part(a), parts_->configuration_part(b));
+}
+
+}  // namespace stillbase

@@ -1,0 +1,225 @@
+#include "planner/approach_stage.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <list>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <stillbase/approach/approach.hpp>
+
+#include "planner/candidates.hpp"
+#include "planner/contact_again.hpp"
+#include "planner/self_motion.hpp"
+
+namespace stillbase {
+
+namespace {
+
+bool arrives(const Approach& approach) {
+  return approach.status == ApproachStatus::Found ||
+         approach.status == ApproachStatus::NotRequested;
+}
+
+class Stage {
+ public:
+  Stage(const CaptureProblem& problem, const CollisionScene& scene, const SearchResult& found,
+        const Proof& proof, std::uint64_t seed, const PlannerOptions& options,
+        std::map<std::string, long>& solver_calls)
+      : problem_(problem),
+        scene_(scene),
+        found_(found),
+        proof_(proof),
+        seed_(seed),
+        options_(options),
+        solver_calls_(solver_calls),
+        order_(candidates_to_try(problem, found.candidates, options.stop)) {
+    chosen_.candidate = order_.order.front();
+  }
+
+  ChosenApproach choose() {
+    if (!problem_.approach.enabled) {
+      without_approach();
+    } else if (base_follows_path(problem_) || !to_any()) {
+      one_by_one();
+    }
+    return chosen_;
+  }
+
+ private:
+  /// A goal of a set: a candidate, or a sample of the self-motion beside one.
+  struct Goal {
+    std::size_t candidate;
+    std::optional<Resolved> sample;
+    std::optional<TargetMotion> motion;
+    std::unique_ptr<ContactAgain> contact;  ///< of a candidate
+  };
+
+  void without_approach() {
+    const Candidate& best = found_.candidates[chosen_.candidate];
+    if (best.collision_free) return;
+    chosen_.approach.status = ApproachStatus::GoalInvalid;
+    chosen_.approach.detail =
+        fmt::format("no candidate is free of collision; the best one: {}", best.collision);
+  }
+
+  std::unique_ptr<ContactAgain> contact_at(std::size_t i) const {
+    return std::make_unique<ContactAgain>(problem_, found_.points[i], found_.candidates[i],
+                                          found_.certificates[i], options_.stop);
+  }
+
+  void count_calls(const ContactAgain& contact) {
+    if (contact.optimizer_calls() == 0) return;
+    solver_calls_[problem_.search.optimizer] += contact.optimizer_calls();
+  }
+
+  /// Takes an approach to a candidate, or the configuration that it ends at where the path decides.
+  /// @return whether it leads to a configuration whose limits hold after the impact
+  bool take(const Approach& approach, std::size_t candidate, const ContactAgain* contact) {
+    const bool found = arrives(approach);
+    std::optional<Resolved> there;
+    if (found && path_decides(problem_)) {
+      there = contact->resolve(approach.joint_positions.back(), approach.base_poses.back());
+      judge_collisions(problem_, scene_, there->candidate);
+    }
+    // A configuration that came with its path was not judged by its time after the impact yet.
+    const bool holds =
+        found &&
+        (!there || keeps_limits_after(problem_, there->candidate.configuration, options_.stop));
+    if (!tried_ || holds || (found && !has_fallback_)) {
+      chosen_ = {candidate, approach, there, false};
+      has_fallback_ = found;
+    }
+    tried_ = true;
+    return holds;
+  }
+
+  /// Each candidate in turn, as far as the options allow.
+  void one_by_one() {
+    const std::vector<std::size_t>& order = order_.order;
+    for (std::size_t i = 0; i < order.size() && static_cast<int>(i) < options_.max_approaches;
+         ++i) {
+      if (tried_ && options_.stop.reached()) return;
+      progress(static_cast<int>(i));
+      const Configuration& goal = found_.candidates[order[i]].configuration;
+      const std::optional<TargetMotion> motion = target_at(problem_, goal);
+      const std::unique_ptr<ContactAgain> contact = contact_at(order[i]);
+      const Approach approach =
+          plan_approach(problem_, goal, motion ? &*motion : nullptr, seed_ + i, options_.stop,
+                        solver_calls_, contact->solver());
+      count_calls(*contact);
+      if (take(approach, order[i], contact.get())) return;
+    }
+  }
+
+  /// All good candidates at once; when none of them is reached, samples of their self-motion as
+  /// well.
+  /// @return whether that ends the matter
+  bool to_any() {
+    std::list<Goal> goals = good_candidates();
+    if (goals.empty()) return false;
+    if (goals.size() > 1 && to_any_of(goals)) return true;
+    // Within the null space all candidates were gone for, along all of the contact.
+    if (path_decides(problem_)) return goals.size() > 1 && !has_fallback_;
+    const std::size_t count = goals.size();
+    add_samples(goals);
+    return goals.size() > count && to_any_of(goals);
+  }
+
+  /// @return whether an approach leads to a configuration whose limits hold after the impact
+  bool to_any_of(const std::list<Goal>& goals) {
+    if (options_.stop.reached()) return false;
+    progress(0);
+    std::vector<ApproachGoal> asked;
+    const double most = rank_of(problem_, found_.candidates[order_.order.front()]);
+    for (const Goal& goal : goals) {
+      const Candidate& candidate =
+          goal.sample ? goal.sample->candidate : found_.candidates[goal.candidate];
+      // Twice as bad is looked for a quarter as often; zeros are all as good.
+      const double part = most > 0 ? rank_of(problem_, candidate) / most : 1;
+      asked.push_back({candidate.configuration, goal.motion ? &*goal.motion : nullptr,
+                       1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
+    }
+    const ApproachToAny any =
+        plan_approach_to_any(problem_, asked, seed_, options_.stop, solver_calls_);
+    for (const Goal& goal : goals) {
+      if (goal.contact) count_calls(*goal.contact);
+    }
+    const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
+    if (!arrives(any.approach)) {
+      if (path_decides(problem_)) chosen_.approach = any.approach;
+      return false;
+    }
+    const bool holds = take(any.approach, reached.candidate, reached.contact.get());
+    if (reached.sample) {
+      chosen_.resolved = reached.sample;
+      chosen_.is_sample = true;
+    }
+    return holds;
+  }
+
+  std::list<Goal> good_candidates() const {
+    std::list<Goal> goals;
+    const Candidate& best = found_.candidates[order_.order.front()];
+    for (std::size_t k = 0; k < order_.holding; ++k) {
+      const std::size_t i = order_.order[k];
+      const Candidate& candidate = found_.candidates[i];
+      // Within the null space any contact that can be reached is welcome: it is improved on the
+      // way.
+      const bool is_welcome =
+          path_decides(problem_) || is_good(problem_, candidate, best, options_.goal_factor);
+      if (!is_welcome) continue;
+      goals.push_back({i, {}, target_at(problem_, candidate.configuration), contact_at(i)});
+    }
+    return goals;
+  }
+
+  void add_samples(std::list<Goal>& goals) const {
+    // Where every solution is enclosed there is no self-motion.
+    if (proof_.status != ProofStatus::NotApplicable) return;
+    const std::size_t beside = goals.front().candidate;
+    const Candidate& best = found_.candidates[beside];
+    std::vector<Eigen::VectorXd> points;
+    for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
+    for (const Eigen::VectorXd& x :
+         self_motion_samples(problem_, Formulation(problem_), points, best, options_.goal_factor,
+                             options_.goal_samples, options_.stop)) {
+      Candidate candidate = best;
+      candidate.starts_reached = 0;
+      Resolved sample = resolve(problem_, x, candidate, found_.certificates[beside]);
+      judge_collisions(problem_, scene_, sample.candidate);
+      const Configuration at = sample.candidate.configuration;
+      if (!sample.candidate.collision_free) continue;
+      if (!keeps_limits_after(problem_, at, options_.stop)) continue;
+      goals.push_back({beside, std::move(sample), target_at(problem_, at), nullptr});
+    }
+  }
+
+  void progress(int done) const {
+    if (options_.on_progress) options_.on_progress("approach", done, options_.max_approaches);
+  }
+
+  const CaptureProblem& problem_;
+  const CollisionScene& scene_;
+  const SearchResult& found_;
+  const Proof& proof_;
+  std::uint64_t seed_;
+  const PlannerOptions& options_;
+  std::map<std::string, long>& solver_calls_;
+  CandidateOrder order_;
+  ChosenApproach chosen_;
+  bool tried_ = false;
+  bool has_fallback_ = false;  ///< an approach, though not one to a configuration that holds
+};
+
+}  // namespace
+
+ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
+                               const SearchResult& found, const Proof& proof, std::uint64_t seed,
+                               const PlannerOptions& options,
+                               std::map<std::string, long>& solver_calls) {
+  return Stage(problem, scene, found, proof, seed, options, solver_calls).choose();
+}
+
+}  // namespace stillbase

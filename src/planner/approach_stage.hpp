@@ -1,0 +1,31 @@
+// Which candidate the approach leads to.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include <stillbase/capture/search.hpp>
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/planner/planner.hpp>
+
+#include "planner/resolved.hpp"
+
+namespace stillbase {
+
+struct ChosenApproach {
+  std::size_t candidate = 0;  ///< index among those found
+  Approach approach;
+  /// The configuration that was found with the path, in place of that of the candidate.
+  std::optional<Resolved> resolved;
+  bool is_sample = false;  ///< `resolved` is beside the candidate: a sample of its self-motion
+};
+
+/// Approaches to the candidates of a search that were judged for collisions; see make_plan for the
+/// order.
+/// @param seed of the paths
+ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
+                               const SearchResult& found, const Proof& proof, std::uint64_t seed,
+                               const PlannerOptions& options,
+                               std::map<std::string, long>& solver_calls);
+
+}  // namespace stillbase

@@ -1,0 +1,104 @@
+#include "planner/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/planner/planner.hpp>
+
+#include "planner/post_impact.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// What touches what while the robot waits at a configuration and the target comes in; empty:
+/// nothing.
+std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
+                              const Configuration& configuration) {
+  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
+  const std::optional<TargetMotion> motion = target_at(problem, configuration);
+  // The approach keeps its clearance up to the contact, so a candidate must offer it.
+  const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
+  if (!motion) {
+    const auto hit = scene.first_hit(kinematics, configuration.base, nullptr, margin);
+    return hit ? to_string(*hit) : "";
+  }
+  // From the contact backwards, so that what is reported is what matters most.
+  const double wait = problem.approach.wait;
+  const double speed =
+      std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
+  const int steps = std::clamp(static_cast<int>(std::ceil(wait * speed / 0.01)), 1, 2000);
+  for (int i = 0; i <= steps; ++i) {
+    const double time = configuration.contact_time - wait * i / steps;
+    const Pose pose = motion->state(time).pose;
+    const auto hit = scene.first_hit(kinematics, configuration.base, &pose, margin);
+    if (hit) return to_string(*hit);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::optional<TargetMotion> target_at(const CaptureProblem& problem,
+                                      const Configuration& configuration) {
+  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
+  return encounter_motion(problem, configuration.base * kinematics.r_bh,
+                          configuration.base.orientation, configuration.contact_time);
+}
+
+void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
+                      Candidate& candidate) {
+  candidate.collision = waiting_collision(problem, scene, candidate.configuration);
+  candidate.collision_free = candidate.collision.empty();
+}
+
+bool base_follows_path(const CaptureProblem& problem) {
+  return problem.approach.enabled && problem.approach.base == BaseMode::Floating &&
+         !problem.approach.station_free;
+}
+
+bool path_decides(const CaptureProblem& problem) {
+  const bool within_null_space = problem.approach.base == BaseMode::ReactionNull;
+  return base_follows_path(problem) || (problem.approach.enabled && within_null_space);
+}
+
+CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& configuration) {
+  CaptureProblem at = problem;
+  if (base_follows_path(problem)) at.base = configuration.base;
+  return at;
+}
+
+bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
+                        const StopCondition& stop) {
+  const CaptureProblem at = at_contact(problem, configuration);
+  return post_impact_failure(problem, configuration,
+                             predict_impact(at, Formulation(at), configuration), stop)
+      .empty();
+}
+
+CandidateOrder candidates_to_try(const CaptureProblem& problem,
+                                 const std::vector<Candidate>& candidates,
+                                 const StopCondition& stop) {
+  const Formulation formulation(problem);
+  CandidateOrder out;
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!candidates[i].collision_free) continue;
+    const Configuration& configuration = candidates[i].configuration;
+    const bool holds =
+        !stop.reached() &&
+        post_impact_failure(problem, configuration,
+                            predict_impact(problem, formulation, configuration), stop)
+            .empty();
+    (holds ? out.order : others).push_back(i);
+  }
+  out.holding = out.order.size();
+  out.order.insert(out.order.end(), others.begin(), others.end());
+  for (std::size_t i = 0; i < candidates.size() && base_follows_path(problem); ++i) {
+    if (!candidates[i].collision_free) out.order.push_back(i);
+  }
+  if (out.order.empty()) out.order.push_back(0);
+  return out;
+}
+
+}  // namespace stillbase

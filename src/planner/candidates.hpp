@@ -1,0 +1,49 @@
+// What candidates are worth beside their objective: collisions at the contact, the time after it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/capture/formulation.hpp>
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/plan/encounter.hpp>
+
+namespace stillbase {
+
+/// The target on its way to the hand of a configuration; nothing when the problem has none.
+std::optional<TargetMotion> target_at(const CaptureProblem& problem,
+                                      const Configuration& configuration);
+
+/// Sets `collision` and `collision_free`: what touches what while the robot waits at the candidate
+/// and the target comes in.
+void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
+                      Candidate& candidate);
+
+/// Whether the base's pose at the contact follows from the path instead of the search.
+bool base_follows_path(const CaptureProblem& problem);
+
+/// Whether the configuration is found together with the path.
+bool path_decides(const CaptureProblem& problem);
+
+/// The problem as the path leaves the base: that at the contact is not the stated one.
+CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& configuration);
+
+/// Whether the problem's limits hold after the impact at a configuration.
+bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
+                        const StopCondition& stop);
+
+/// Order in which approaches are tried.
+struct CandidateOrder {
+  /// Candidates free of collision whose time after the impact keeps the problem's limits, best
+  /// first; then the other ones free of collision; when nothing is free, the best alone. Where the
+  /// base's pose follows from the path, what touches at the stated pose says little: all are there.
+  std::vector<std::size_t> order;
+  std::size_t holding = 0;  ///< how many of the first ones keep the limits
+};
+CandidateOrder candidates_to_try(const CaptureProblem& problem,
+                                 const std::vector<Candidate>& candidates,
+                                 const StopCondition& stop);
+
+}  // namespace stillbase

@@ -1,0 +1,131 @@
+#include "planner/self_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/SVD>
+
+#include <stillbase/capture/robust.hpp>
+#include <stillbase/core/random.hpp>
+
+#include "capture/measure.hpp"
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kSolved = 1e-9;  ///< largest violation of a configuration
+constexpr double kZero = 1e-9;    ///< an objective that vanishes, over its typical size
+constexpr double kStride = 0.4;   ///< rad of a step of a walk
+constexpr double kApart = 0.2;    ///< rad
+constexpr double kRank = 1e-9;    ///< singular values below this part of the largest are zero
+constexpr int kMostSteps = 6, kHalvings = 2, kProjections = 20;
+
+/// Basis of the directions that keep the equations, and the objective where it vanishes.
+Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
+                                bool keep_zero) {
+  nlp::Evaluation at_x;
+  formulation.evaluate(x, at_x);
+  const Eigen::VectorXd lower = formulation.constraint_lower();
+  const Eigen::VectorXd upper = formulation.constraint_upper();
+  std::vector<Eigen::Index> equations;
+  for (Eigen::Index i = 0; i < lower.size(); ++i) {
+    if (lower[i] == upper[i]) equations.push_back(i);
+  }
+  Eigen::VectorXd y;
+  Eigen::MatrixXd J_y(0, x.size());
+  if (keep_zero) formulation.objective_vector(x, y, J_y);
+  const auto rows = static_cast<Eigen::Index>(equations.size());
+  // Square at least, so that the right singular vectors are all there.
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(std::max(rows + y.size(), x.size()), x.size());
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    J.row(i) = at_x.jacobian.row(equations[static_cast<std::size_t>(i)]);
+  }
+  J.middleRows(rows, y.size()) = J_y;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
+  const Eigen::VectorXd& sizes = svd.singularValues();
+  Eigen::Index rank = 0;
+  while (rank < sizes.size() && sizes[rank] > kRank * sizes[0]) ++rank;
+  return svd.matrixV().rightCols(x.size() - rank);
+}
+
+/// As far as the problem allows in about one direction.
+Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulation,
+                     const Eigen::VectorXd& from, const Candidate& best, double factor,
+                     Random& random) {
+  Eigen::VectorXd y, x = from;
+  Eigen::MatrixXd slope;
+  formulation.objective_vector(from, y, slope);
+  const bool keep_zero = problem.measure.kind == RiskMeasure::Nominal && y.norm() <= kZero;
+  const Measure measure(problem, formulation);
+  const auto allowed = [&](const Eigen::VectorXd& at) {
+    Candidate candidate;
+    candidate.configuration = formulation.configuration(at);
+    candidate.value = measure.reported(at);
+    if (measure.is_nominal()) {
+      candidate.worst_case = worst_case(problem, formulation, candidate.configuration).value;
+    }
+    return is_good(problem, candidate, best, factor);
+  };
+  Eigen::VectorXd direction(x.size());
+  for (Eigen::Index i = 0; i < direction.size(); ++i) direction[i] = random.normal();
+  const int steps = 1 + random.index(kMostSteps);
+  for (int step = 0; step < steps; ++step) {
+    const Eigen::MatrixXd open = open_directions(formulation, x, keep_zero);
+    if (open.cols() == 0) break;
+    direction = open * (open.transpose() * direction);
+    if (!(direction.norm() > 0)) break;
+    direction.normalize();
+    bool moved = false;
+    double stride = kStride;
+    for (int trial = 0; trial <= kHalvings && !moved; ++trial, stride /= 2) {
+      const ProjectionResult there =
+          project_onto_constraints(formulation, x + stride * direction, keep_zero, kProjections);
+      moved = there.violation <= kSolved && allowed(there.x);
+      if (moved) x = there.x;
+    }
+    if (!moved) break;
+  }
+  return x;
+}
+
+}  // namespace
+
+double rank_of(const CaptureProblem& problem, const Candidate& candidate) {
+  return problem.measure.kind == RiskMeasure::Nominal ? candidate.worst_case : candidate.value;
+}
+
+bool is_good(const CaptureProblem& problem, const Candidate& candidate, const Candidate& best,
+             double factor) {
+  // Zeros of the objective differ by rounding alone.
+  const auto within = [&](double value, double least) { return value <= factor * least + 1e-9; };
+  return within(candidate.value, best.value) &&
+         within(rank_of(problem, candidate), rank_of(problem, best));
+}
+
+std::vector<Eigen::VectorXd> self_motion_samples(const CaptureProblem& problem,
+                                                 const Formulation& formulation,
+                                                 const std::vector<Eigen::VectorXd>& from,
+                                                 const Candidate& best, double factor, int count,
+                                                 const StopCondition& stop) {
+  std::vector<Eigen::VectorXd> samples;
+  if (from.empty() || formulation.freedom() == 0) return samples;
+  Random random(problem.search.seed);
+  const auto joints = static_cast<Eigen::Index>(
+      std::count(problem.variables.joints.begin(), problem.variables.joints.end(), true));
+  const auto is_near = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return (a - b).head(joints).norm() < kApart;
+  };
+  for (int i = 0; i < count && !stop.reached(); ++i) {
+    const Eigen::VectorXd& begin = from[static_cast<std::size_t>(i) % from.size()];
+    const Eigen::VectorXd x = walk(problem, formulation, begin, best, factor, random);
+    const auto same = [&](const Eigen::VectorXd& other) { return is_near(x, other); };
+    if (std::any_of(from.begin(), from.end(), same)) continue;
+    if (std::any_of(samples.begin(), samples.end(), same)) continue;
+    samples.push_back(x);
+  }
+  return samples;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,10 @@
+// Text inside SVG and HTML.
+#pragma once
+
+#include <string>
+
+namespace stillbase {
+
+std::string escape_markup(const std::string& text);
+
+}  // namespace stillbase

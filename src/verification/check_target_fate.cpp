@@ -1,0 +1,155 @@
+// What becomes of the target: bounced, pushed on, left at the hand, or held.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+/// Velocity of the hand per impulse at it, 6x6.
+Matrix6d hand_response(const PostureResponse& response) {
+  Matrix6d W;
+  for (int i = 0; i < 6; ++i) {
+    const reference::Impact unit = response.impact(Vector6d::Unit(i));
+    Eigen::VectorXd x(6 + unit.Delta_phidot.size());
+    x << unit.Delta_Omega, unit.Delta_phidot;
+    W.col(i) = response.dynamics.J * x;
+  }
+  return W;
+}
+
+/// Velocity [v; omega] of the target's contact point per impulse [f; t] there: the force moves the
+/// centroid and turns the body about it.
+Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& event) {
+  Matrix6d W;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d F = Vector6d::Unit(i);
+    const Vector3d f = F.head<3>(), t = F.tail<3>();
+    Vector3d omega = Vector3d::Zero(), v = f / problem.target->mass;
+    if (problem.impulse.source == ImpulseSource::RigidBody) {
+      omega = event.target_inertia.ldlt().solve(event.r.cross(f) + t);
+      v += omega.cross(event.r);
+    }
+    W.col(i) << v, omega;
+  }
+  return W;
+}
+
+/// @param target_speed of the target's contact point along n after the contact, m/s
+std::string words(double target_speed, double separation, double closing) {
+  const double least = 1e-9 * closing;
+  if (separation <= least) {
+    return fmt::format("stays at the hand, which nothing holds: both go on at {:.4g} m/s",
+                       target_speed);
+  }
+  if (target_speed < 0) {
+    return fmt::format("bounced: it goes back at {:.4g} m/s, {:.4g} m/s from the hand",
+                       -target_speed, separation);
+  }
+  return fmt::format("pushed on: it follows the hand at {:.4g} m/s and falls behind by {:.4g} m/s",
+                     target_speed, separation);
+}
+
+void check_jump(const Context& context, const ContactEvent& event, const PostureResponse& response,
+                const Vector6d& Fbar, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Vector3d n = event.n;
+  const double closing = closing_speed(problem, event, n);
+  const double hand = n.dot((hand_response(response) * Fbar).head<3>());
+  const double target = closing - n.dot((target_response(problem, event) * Fbar).head<3>());
+  const double separation = hand - target;
+  claims.at_least("target_fate", separation, problem.impulse.restitution * closing, 1e-9 * closing,
+                  "m/s", words(target, separation, closing));
+}
+
+void check_compliant(const Context& context, const ContactEvent& event, const AfterContact& run,
+                     ClaimList& claims) {
+  const EncounterResult& encounter = *run.encounter;
+  const ContactHistory& contact = encounter.contact;
+  if (contact.contacts == 0 || contact.phase == ContactPhase::Touching) {
+    claims.not_evaluated("target_fate", 0, "m/s",
+                         contact.contacts == 0 ? "hand and target never touch"
+                                               : "hand and target still touch at the horizon");
+    return;
+  }
+  const Vector3d n_N = context.plan.configuration.base.orientation * event.n;
+  const TargetPlantState& end = encounter.target_end;
+  const Vector3d omega_N = end.pose.orientation * end.angular_velocity;
+  Vector3d point_N = Vector3d::Zero();
+  if (event.feature) {
+    const Vector3d r_T = event.R_NT.conjugate() * Vector3d(event.feature->r);
+    point_N = end.pose.orientation * r_T;
+  }
+  const double target = n_N.dot(end.velocity + omega_N.cross(point_N));
+  claims.at_least(
+      "target_fate", encounter.separation_speed, 0, 0, "m/s",
+      fmt::format(
+          "{}; {} contact{} of {:.3g} ms at first, up to {:.4g} N, {:.4g} N s in all",
+          words(target, encounter.separation_speed, closing_speed(context.problem, event, event.n)),
+          contact.contacts, contact.contacts == 1 ? "" : "s",
+          1e3 * (contact.first_end - contact.first_begin),
+          run.simulation.summary.peak_contact_force, encounter.impulse_N.norm()));
+}
+
+/// Robot and target as the simulation goes on with them, against the latch's own equations and the
+/// momentum that the target brought.
+void check_latch(const Context& context, const ContactEvent& event, const PostureResponse& response,
+                 const AfterContact& run, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const Configuration& at = context.plan.configuration;
+  const TargetState state = context.motion->state(at.contact_time);
+  const Vector3d omega = at.base.orientation.conjugate() * state.angular_velocity;
+  Vector6d V_t;
+  V_t << *event.velocity, omega;
+  const Matrix6d W_t = target_response(problem, event);
+  const Vector6d Fbar = (hand_response(response) + W_t).ldlt().solve(V_t);
+  const Vector6d target_after = V_t - W_t * Fbar;
+
+  const PlantState& start = run.simulation.trace.front().state;
+  const reference::Dynamics d =
+      reference::compute(run.robot, {start.phi, start.phidot, start.Omega});
+  Eigen::VectorXd x(6 + start.phidot.size());
+  x << start.Omega, start.phidot;
+  const Vector6d apart = d.J * x - target_after;
+  claims.at_most(
+      "target_fate", run.is_held ? apart.norm() / V_t.norm() : kInfinity,
+      context.options.momentum_tolerance, "1",
+      fmt::format("held: latched by {:.4g} N s and {:.4g} N m s at the hand; velocity of "
+                  "the hand from that of the target after it, relative",
+                  Fbar.head<3>().norm(), Fbar.tail<3>().norm()));
+
+  // Momentum about the hand: the robot brought none.
+  const Vector3d v_centroid = *event.velocity - omega.cross(event.r);
+  const Vector3d p = problem.target->mass * v_centroid;
+  const Vector3d spin = event.target_inertia * omega;
+  const Vector3d l = spin - event.r.cross(p);
+  const Vector3d L = d.L_g + Vector3d(d.centroid - d.hand_position).cross(d.P);
+  const double error = std::max((d.P - p).norm() / p.norm(),
+                                (L - l).norm() / (spin.norm() + event.r.norm() * p.norm()));
+  claims.at_most("latch_momentum", error, context.options.momentum_tolerance, "1",
+                 "momentum of robot with target from what the target brought, relative");
+}
+
+}  // namespace
+
+void check_target_fate(const Context& context, const ContactEvent& event,
+                       const PostureResponse& response, const Vector6d& Fbar,
+                       const AfterContact* run, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  if (!problem.target || problem.impulse.source == ImpulseSource::Given) return;
+  switch (problem.post_impact.contact.model) {
+    case ContactModel::Jump:
+      return check_jump(context, event, response, Fbar, claims);
+    case ContactModel::Compliant:
+      if (run != nullptr && run->encounter) check_compliant(context, event, *run, claims);
+      return;
+    case ContactModel::Latch:
+      if (run != nullptr) check_latch(context, event, response, *run, claims);
+      return;
+  }
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,100 @@
+// One run of the planner for several goals.
+#include <catch2/catch.hpp>
+
+#include "approach/problems.hpp"
+
+using namespace stillbase;
+using namespace stillbase::test;
+
+namespace {
+
+constexpr double kShoulder = 1.4;
+
+ApproachToAny plan_any(const CaptureProblem& problem, const std::vector<ApproachGoal>& goals,
+                       std::uint64_t seed = 1) {
+  std::map<std::string, long> calls;
+  return plan_approach_to_any(problem, goals, seed, {}, calls);
+}
+
+ApproachGoal towards(const Configuration& configuration, double weight = 1) {
+  ApproachGoal goal;
+  goal.configuration = configuration;
+  goal.weight = weight;
+  return goal;
+}
+
+/// Link 1 can be on either side of a ball and not pass it.
+CaptureProblem beside_a_ball() {
+  CaptureProblem problem = planar_problem(posture({-60, 30}));
+  problem.robot.joints[0].type = JointType::Revolute;
+  problem.robot.joints[0].lower = -100 * kDegree;
+  problem.robot.joints[0].upper = 100 * kDegree;
+  problem.obstacles = {{"ball", Frame::Base,
+                        Pose{Vector3d(kShoulder + 1, 0, 0), Eigen::Quaterniond::Identity()},
+                        Sphere{0.2}}};
+  problem.approach.max_iterations = 3000;
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("a goal that cannot be reached does not stand in the way of one that can") {
+  CaptureProblem problem = beside_a_ball();
+  const Configuration behind = goal_at(posture({60, 10})), beside = goal_at(posture({-30, 60}));
+  REQUIRE(plan(problem, behind).status == ApproachStatus::GoalUnreachable);
+  problem.approach.max_iterations = 20000;
+  for (const std::string& name : approach_planner_names()) {
+    INFO(name);
+    problem.approach.planner = name;
+    const ApproachToAny any = plan_any(problem, {towards(behind), towards(beside)});
+    INFO(any.approach.detail);
+    REQUIRE(any.approach.status == ApproachStatus::Found);
+    CHECK(any.goal == 1);
+    check_motion(problem, beside, any.approach);
+    CHECK(any.approach.detail.find("goal 2 of a set of 2") != std::string::npos);
+  }
+}
+
+TEST_CASE("each goal is gone for in its own world") {
+  // Two stations of a held base; the ball, fixed in space, is in the way at the first one alone.
+  CaptureProblem problem = beside_a_ball();
+  problem.obstacles.front().frame = Frame::Inertial;
+  const JointVectord phi = posture({60, 10});
+  const Pose away{Vector3d(0, 20, 0), Eigen::Quaterniond::Identity()};
+  const ApproachToAny any =
+      plan_any(problem, {towards(goal_at(phi)), towards(goal_at(phi, 100, away))});
+  INFO(any.approach.detail);
+  REQUIRE(any.approach.status == ApproachStatus::Found);
+  CHECK(any.goal == 1);
+  CHECK(any.approach.base_poses.front().position == away.position);
+  CHECK(any.approach.path_length == Approx((phi - problem.start).norm()).epsilon(1e-6));
+}
+
+TEST_CASE("goals that are refused at once are passed over, and all of them refused is a reason") {
+  const CaptureProblem problem = beside_a_ball();
+  const Configuration touching = goal_at(posture({0, 0})), good = goal_at(posture({-30, 60}));
+  CHECK(plan_any(problem, {towards(touching), towards(good)}).goal == 1);
+  const ApproachToAny none = plan_any(problem, {towards(touching), towards(touching)});
+  CHECK(none.approach.status == ApproachStatus::GoalInvalid);
+  CHECK(none.approach.detail.find("ball") != std::string::npos);
+}
+
+TEST_CASE("a set of goals gives the same path for the same seed") {
+  const CaptureProblem problem = beside_a_ball();
+  const std::vector<ApproachGoal> goals = {towards(goal_at(posture({60, 10}))),
+                                           towards(goal_at(posture({-30, 120})), 0.3),
+                                           towards(goal_at(posture({-80, -120})), 0.3)};
+  const ApproachToAny once = plan_any(problem, goals, 7), again = plan_any(problem, goals, 7);
+  REQUIRE(once.approach.status == ApproachStatus::Found);
+  CHECK(once.goal == again.goal);
+  CHECK(once.approach.joint_positions == again.approach.joint_positions);
+}
+
+TEST_CASE("sets of goals that mean nothing are refused") {
+  CaptureProblem problem = beside_a_ball();
+  const ApproachGoal goal = towards(goal_at(posture({-30, 60})));
+  CHECK_THROWS_AS(plan_any(problem, {}), std::invalid_argument);
+  CHECK_THROWS_AS(plan_any(problem, {goal, towards(goal.configuration, 0)}), std::invalid_argument);
+  problem.approach.enabled = false;
+  CHECK(plan_any(problem, {goal}).approach.status == ApproachStatus::NotRequested);
+}

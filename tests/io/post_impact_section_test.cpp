@@ -1,0 +1,122 @@
+// The section `post_impact`: what it may say, and what it may not.
+#include <catch2/catch.hpp>
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/io/problem_file.hpp>
+
+#include "io/io_support.hpp"
+
+using namespace stillbase;
+using namespace stillbase::io_test;
+
+namespace {
+
+CaptureProblem read_with(
+    const std::string& lines, const std::string& restitution = "0.1",
+    const std::string& resistance = "{model: rotor_inertia, rotor_inertia: 5}") {
+  std::string text = file_text(source_path("problems/servicer_6dof_held.yaml"));
+  text = replaced(text, "restitution: 0.1", "restitution: " + restitution);
+  text = replaced(text, "joint_resistance: {model: rotor_inertia, rotor_inertia: 5}",
+                  "joint_resistance: " + resistance);
+  text = replaced(text, "robots/", source_path("problems/robots/"));
+  text = replaced(text, "targets/", source_path("problems/targets/"));
+  std::string path = (std::filesystem::temp_directory_path() / "stillbase_io_XXXXXX").string();
+  const int file = mkstemp(path.data());
+  REQUIRE(file >= 0);
+  close(file);
+  std::ofstream(path) << text << lines;
+  struct Removal {
+    std::string path;
+    ~Removal() { std::filesystem::remove(path); }
+  } removal{path};
+  return read_problem(path);
+}
+
+/// The findings of a problem with these lines at the end of its last section.
+std::string refusal(const std::string& lines, const std::string& restitution = "0.1",
+                    const std::string& resistance = "free") {
+  try {
+    (void)read_with(lines, restitution, resistance);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("contact, sensors, model and thrusters are read, and the normalised copy says the same") {
+  const CaptureProblem problem = read_with(R"(  control_period: 0.02 s
+  contact: {model: compliant, stiffness: 2e4 N/m, damping: 30 N s/m, friction: 0.2}
+  sensor: {base_rate_error: 0.01 deg/s, joint_position_error: 0.001, joint_rate_error: 0.002,
+           delay: 0.04 s, seed: 7}
+  model: {base_mass_scale: 1.1, arm_mass_scale: 0.9, target_mass_scale: 0, friction_scale: 0.5}
+  thrusters: {torque: 2 N m, gain: 0.5, dead_band: 0.01 deg/s}
+)");
+  const auto check = [](const PostImpactSpec& spec) {
+    CHECK(spec.contact.model == ContactModel::Compliant);
+    CHECK(spec.contact.stiffness == 2e4);
+    REQUIRE(spec.contact.damping);
+    CHECK(*spec.contact.damping == 30);
+    CHECK(spec.contact.friction == 0.2);
+    CHECK(spec.sensor.base_rate_error == Approx(1.745e-4).epsilon(1e-3));
+    CHECK(spec.sensor.joint_position_error == 0.001);
+    CHECK(spec.sensor.joint_rate_error == 0.002);
+    CHECK(spec.sensor.delay == 0.04);
+    CHECK(spec.sensor.seed == 7);
+    CHECK(spec.model.base_mass_scale == 1.1);
+    CHECK(spec.model.arm_mass_scale == 0.9);
+    CHECK(spec.model.target_mass_scale == 0);
+    CHECK(spec.model.friction_scale == 0.5);
+    CHECK(spec.thrusters.torque == 2);
+    CHECK(spec.thrusters.gain == 0.5);
+    CHECK(spec.thrusters.dead_band == Approx(1.745e-4).epsilon(1e-3));
+  };
+  check(problem.post_impact);
+  const std::string copy = problem_to_json(problem);
+  const CaptureProblem again = read_problem_text(copy, "copy", problem.urdf);
+  check(again.post_impact);
+  CHECK(problem_to_json(again) == copy);
+}
+
+TEST_CASE("a contact is named by a word alone, and damping follows from the restitution") {
+  CHECK(read_with("  contact: compliant\n").post_impact.contact.model == ContactModel::Compliant);
+  CHECK_FALSE(read_with("  contact: compliant\n").post_impact.contact.damping);
+  CHECK(read_with("  contact: latch\n", "0").post_impact.contact.model == ContactModel::Latch);
+  CHECK(read_with("").post_impact.contact.model == ContactModel::Jump);
+}
+
+TEST_CASE("a section that makes no sense is refused with its key") {
+  struct Bad {
+    const char *lines, *restitution, *resistance, *says;
+  };
+  const Bad bads[] = {
+      {"  contact: glue\n", "0.1", "free", "post_impact.contact"},
+      {"  contact: {stiffness: 1e5}\n", "0.1", "free", "post_impact.contact.model"},
+      {"  contact: {model: jump, stiffness: 1e6}\n", "0.1", "free", "not-used"},
+      {"  contact: {model: latch, friction: 0.1}\n", "0", "free", "not-used"},
+      {"  contact: {model: compliant, stiffness: 0}\n", "0.1", "free", "stiffness"},
+      {"  contact: {model: compliant, damping: -1}\n", "0.1", "free", "damping"},
+      {"  contact: {model: compliant, damping: much}\n", "0.1", "free", "damping"},
+      {"  contact: {model: compliant, colour: red}\n", "0.1", "free", "colour"},
+      {"  contact: compliant\n", "0", "free", "always leaves a little"},
+      {"  contact: compliant\n", "0.1", "{model: locked, locked: all}", "locked"},
+      {"  contact: latch\n", "0.1", "free", "restitution 0"},
+      {"  sensor: {delay: 0.015 s}\n", "0.1", "free", "whole number of control periods"},
+      {"  sensor: {base_rate_error: -1}\n", "0.1", "free", "base_rate_error"},
+      {"  sensor: {joint_rate_error: .nan}\n", "0.1", "free", "joint_rate_error"},
+      {"  model: {arm_mass_scale: 0}\n", "0.1", "free", "arm_mass_scale"},
+      {"  model: {friction_scale: -1}\n", "0.1", "free", "friction_scale"},
+      {"  thrusters: {torque: -1}\n", "0.1", "free", "torque"},
+      {"  thrusters: {torque: 1 kg}\n", "0.1", "free", "torque"},
+      {"  thrusters: 3\n", "0.1", "free", "post_impact.thrusters"},
+  };
+  for (const Bad& bad : bads) {
+    const std::string says = refusal(bad.lines, bad.restitution, bad.resistance);
+    INFO(bad.lines << says);
+    CHECK(says.find(bad.says) != std::string::npos);
+  }
+}

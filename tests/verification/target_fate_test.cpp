@@ -1,0 +1,85 @@
+// What becomes of the target is a claim, by the second dynamics.
+#include <catch2/catch.hpp>
+
+#include <stillbase/verification/verification.hpp>
+
+#include "verification/example_plans.hpp"
+
+using namespace stillbase;
+using namespace stillbase::verification_test;
+
+namespace {
+
+std::optional<Claim> claim_of(const Plan& plan, const std::string& name) {
+  VerifyOptions options;
+  options.cone_samples = 100;
+  for (const Claim& claim : verify_plan(plan, options).claims) {
+    if (claim.name == name) return claim;
+  }
+  return std::nullopt;
+}
+
+/// The arm's plan without its approach, which has nothing to do with the target.
+Plan waiting_plan() {
+  Plan plan = arm_plan();
+  plan.problem.approach.enabled = false;
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("an elastic target bounces off with the speed that it came with") {
+  const auto claim = claim_of(straight_plan(), "target_fate");
+  REQUIRE(claim);
+  CHECK(claim->pass);
+  CHECK(*claim->value == Approx(1).epsilon(1e-9));
+  CHECK(claim->limit == Approx(1));
+  CHECK(claim->unit == "m/s");
+  CHECK(claim->detail.find("falls behind") != std::string::npos);  // 100 kg against a light arm
+}
+
+TEST_CASE("a target that leaves without restitution stays at the hand") {
+  Plan plan = straight_plan();
+  plan.problem.impulse.restitution = 0;
+  const auto claim = claim_of(plan, "target_fate");
+  REQUIRE(claim);
+  CHECK(claim->pass);
+  CHECK(std::abs(*claim->value) < 1e-12);
+  CHECK(claim->detail.find("stays at the hand") != std::string::npos);
+}
+
+TEST_CASE("a given impulse says nothing of a target") {
+  Plan plan = straight_plan();
+  plan.problem.impulse.source = ImpulseSource::Given;
+  CHECK_FALSE(claim_of(plan, "target_fate"));
+}
+
+TEST_CASE("a compliant contact leaves about the restitution, and both momenta stay") {
+  Plan plan = waiting_plan();
+  plan.problem.post_impact.contact.model = ContactModel::Compliant;
+  plan.problem.post_impact.contact.stiffness = 1e6;
+  const auto claim = claim_of(plan, "target_fate");
+  REQUIRE(claim);
+  INFO(claim->detail);
+  CHECK(claim->pass);
+  CHECK(*claim->value == Approx(0.3 * plan.impact.closing_speed).epsilon(0.05));
+  CHECK(claim->detail.find("contact") != std::string::npos);
+  for (const char* name : {"post_impact_linear_momentum", "post_impact_angular_momentum"}) {
+    const auto momentum = claim_of(plan, name);
+    REQUIRE(momentum);
+    CHECK(momentum->pass);
+  }
+}
+
+TEST_CASE("a latched target is held, with the momentum that it brought") {
+  Plan plan = waiting_plan();
+  plan.problem.post_impact.contact.model = ContactModel::Latch;
+  plan.problem.impulse.restitution = 0;
+  for (const char* name : {"target_fate", "latch_momentum", "post_impact_angular_momentum"}) {
+    const auto claim = claim_of(plan, name);
+    REQUIRE(claim);
+    INFO(name << " " << claim->detail);
+    CHECK(claim->pass);
+  }
+  CHECK(claim_of(plan, "target_fate")->detail.find("held: latched") == 0);
+}
