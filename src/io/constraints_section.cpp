@@ -1,4 +1,4 @@
-// The section `constraints`, and sections that may be left out.
+// The section `constraints`.
 #include <fmt/format.h>
 
 #include "io/problem_reader.hpp"
