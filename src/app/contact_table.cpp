@@ -92,15 +92,17 @@ std::string contact_table(const ContactCase& subject, double friction, bool as_j
   if (!as_json) return words(subject, check, rows);
   Json list = Json::array();
   for (const ModelCheckRow& row : rows) {
+    // A contact that is not over says nothing.
+    const auto of_ended = [&row](double x) { return row.ended ? number_json(x) : Json(nullptr); };
     list.push_back({{"stiffness", number_json(row.stiffness)},
                     {"ended", row.ended},
-                    {"duration", number_json(row.duration)},
-                    {"peak_force", number_json(row.peak_force)},
-                    {"impulse_error", number_json(row.impulse_error)},
-                    {"velocity_error", number_json(row.velocity_error)},
-                    {"velocity_error_free_joints", number_json(row.free_error)},
-                    {"momentum_error", number_json(row.momentum_error)},
-                    {"kinetic_energy_after", number_json(row.kinetic_energy_after)}});
+                    {"duration", of_ended(row.duration)},
+                    {"peak_force", of_ended(row.peak_force)},
+                    {"impulse_error", of_ended(row.impulse_error)},
+                    {"velocity_error", of_ended(row.velocity_error)},
+                    {"velocity_error_free_joints", of_ended(row.free_error)},
+                    {"momentum_error", of_ended(row.momentum_error)},
+                    {"kinetic_energy_after", of_ended(row.kinetic_energy_after)}});
   }
   return io::pretty({{"format", "stillbase.contact_table"},
                      {"version", 1},

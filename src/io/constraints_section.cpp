@@ -5,24 +5,6 @@
 
 namespace stillbase::io {
 
-namespace {
-
-const Node& empty_map() {
-  static const Node node = [] {
-    Node map;
-    map.kind = Node::Kind::Map;
-    return map;
-  }();
-  return node;
-}
-
-}  // namespace
-
-MapReader section(MapReader& map, const std::string& key) {
-  const Node* node = map.child(key);
-  return {map.context(), node == nullptr ? empty_map() : *node, map.path_of(key)};
-}
-
 void read_constraints_section(MapReader& map, CaptureProblem& problem) {
   MapReader fields = section(map, "constraints");
   ConstraintSpec& constraints = problem.constraints;

@@ -29,6 +29,12 @@ const json& claim_of(const json& verification, const std::string& name) {
   throw std::logic_error("no claim " + name);
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + from);
+  return text.replace(at, from.size(), to);
+}
+
 /// A folder with the problem and its plan.
 class Planned : public Workshop {
  public:
@@ -154,8 +160,9 @@ TEST_CASE("trials that a signal ends are marked in the verdict") {
 }
 
 TEST_CASE("how good the instantaneous impact is, as a table") {
-  const Planned shop;
-  const Outcome outcome = shop.run("simulate plan.json --contact-table --json");
+  const Workshop shop;
+  shop.write("latch.yaml", file_text(source_path("problems/servicer_latch.yaml")));
+  const Outcome outcome = shop.run("simulate latch.yaml --contact-table --json");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const json table = json::parse(outcome.out);
@@ -169,4 +176,20 @@ TEST_CASE("how good the instantaneous impact is, as a table") {
   }
   CHECK(rows.back().at("velocity_error").get<double>() < 1e-3);
   CHECK(rows.back().at("momentum_error").get<double>() < 1e-9);
+
+  // A servo holds the joints in part; its formula is better the shorter the contact.
+  shop.write("iiwa.yaml", file_text(source_path("problems/iiwa_client_50.yaml")));
+  const Outcome servo = shop.run("simulate iiwa.yaml --contact-table --servo 200 5 --json");
+  REQUIRE(servo.code == 0);
+  const json held = json::parse(servo.out);
+  CHECK(held.at("joint_resistance") == "servo");
+  CHECK(held.at("rows").back().at("ended") == true);
+  for (const json& row : held.at("rows")) {
+    if (row.at("ended") == false) continue;  // the servo presses on
+    CHECK(row.at("velocity_error").get<double>() <
+          row.at("velocity_error_free_joints").get<double>());
+  }
+  shop.write("locked.yaml", replaced(shop.text("latch.yaml"), "rotor_inertia, rotor_inertia: 5",
+                                     "locked, locked: all"));
+  CHECK(shop.run("simulate locked.yaml --contact-table").code == 2);
 }

@@ -1,4 +1,5 @@
 // What free motion keeps, and how fast the integrators get it right.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stillbase/simulation/simulate.hpp>
@@ -69,6 +70,24 @@ TEST_CASE("free motion of random trees keeps momentum in N and energy", "[simula
     CHECK((last.base + last.coupling - last.total).norm() < 1e-12 * last.total.norm());
     CHECK(std::abs(last.state.base.orientation.norm() - 1) < 1e-15);
   }
+}
+
+TEST_CASE("angular momentum drifts by less than 1e-12 per second over 100 s", "[.slow]") {
+  double largest = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed, 17);
+    const int n = 2 + static_cast<int>(seed % 9);
+    const RobotModel robot = random_robot(random, n, false);
+    const PlantState state = random_state(random, n, 1.0);
+    const SimulationResult result =
+        run(robot, state, free_options(IntegratorKind::Fehlberg78, 100));
+    const TraceSample &first = result.trace.front(), &last = result.trace.back();
+    const double drift = (last.total_N - first.total_N).norm() / first.total_N.norm() / 100;
+    INFO("seed " << seed << ", " << n << " joints");
+    CHECK(drift <= 1e-12);
+    largest = std::max(largest, drift);
+  }
+  WARN("largest drift of 20 trees: " << largest << " per second");
 }
 
 TEST_CASE("the system centroid moves on a straight line", "[simulation]") {

@@ -98,7 +98,11 @@ TEST_CASE("tolerances and words of a plan that are others than the format's are 
   const std::vector<std::pair<const char*, std::function<void(Plan&)>>> changes = {
       {"rank_tolerance", [](Plan& p) { p.impact.rank_tolerance *= kFactor; }},
       {"case_tolerance", [](Plan& p) { p.impact.judgement.tolerance *= kFactor; }},
-      {"candidates_collision_named", [](Plan& p) { p.candidates[0].collision = "a with b"; }},
+      {"candidates_collision_named",
+       [](Plan& p) {
+         Candidate& first = p.candidates[0];
+         first.collision = first.collision_free ? "a with b" : "";
+       }},
   };
   for (const auto& [name, change] : changes) {
     Plan plan = two_link_plan();
