@@ -115,8 +115,8 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
     const long before_start = program.model_evaluations();
     const Eigen::VectorXd x0 = program.start(start, request.seed);
     // What the budget no longer covers is not charged: the run was over before.
-    const long spent = std::min(program.model_evaluations() - before_start,
-                                request.budget - record.evaluations);
+    const long spent =
+        std::min(program.model_evaluations() - before_start, request.budget - record.evaluations);
     record.evaluations += spent;
     record.gradients += spent;
     if (record.evaluations >= request.budget) break;

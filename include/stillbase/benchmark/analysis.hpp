@@ -53,7 +53,7 @@ struct DefaultsComparison {
 struct BenchmarkAnalysis {
   std::vector<std::string> families, groups;  ///< group: family/goal
   int problems = 0, seeds = 0;
-  long budget = 0;  ///< evaluations of a run, the largest
+  long budget = 0;                     ///< evaluations of a run, the largest
   std::vector<double> log_cost_axis;   ///< log10 of cost per variable: ECDF
   std::vector<double> log_kappa_axis;  ///< log10 of cost / (variables + 1): data profile
   std::vector<double> log_tau_axis;    ///< log10 of cost / cost of the best: performance profile
