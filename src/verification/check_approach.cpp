@@ -17,8 +17,9 @@ constexpr double kLimitSlack = 1e-6;  // rad, m: overshoot of a segment that end
 constexpr double kTravelPerStep = 0.005;
 // Pairs of flat shapes have distances that are only this exact.
 constexpr double kDistanceError = 1e-3;  // m
-// The same distance by the same function at postures that differ by rounding.
-constexpr double kStatedDistance = 1e-6;  // m
+// The same distance by the same function; base poses between samples agree to about 1e-6 m and rad,
+// and the arm is a lever of some metres.
+constexpr double kStatedDistance = 1e-5;  // m
 // Accelerations are second differences of the positions: they round to about 1e-15 of them.
 constexpr double kRounding = 1e-13;
 
