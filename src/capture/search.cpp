@@ -263,14 +263,16 @@ class Search {
 
   /// Goes on from the best minima where the solver stopped short.
   void rescue_best(std::vector<Solution>& minima) {
-    constexpr int kRescued = 3;
+    constexpr int kRescued = 2;
     for (int i = 0; i < kRescued && rescuer_ && !minima.empty() && !options_.stop.reached(); ++i) {
       const Eigen::VectorXd best =
           std::min_element(minima.begin(), minima.end(), [](const Solution& a, const Solution& b) {
             return better(a, b);
           })->x;
       if (measure_.certify(best).kkt_residual <= kOptimal) return;
-      const MeasureSolution further = measure_.finish(*rescuer_, solve_, best);
+      nlp::OptimizeOptions briefly = solve_;
+      briefly.max_evaluations = 100;  // it is close; an iteration costs ten times one of SLSQP
+      const MeasureSolution further = measure_.finish(*rescuer_, briefly, best);
       out_.solver_calls[kRescuer] += further.solver_calls;
       const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
       if (!(exact.violation <= kFeasible)) return;

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -322,6 +323,39 @@ TEST_CASE("simulate shows what the controllers of the paper do, and writes the m
   CHECK(std::count(csv.begin(), csv.end(), '\n') > 1000);
   CHECK(shop.run("simulate " + problem + " --trace motion.csv").code == 7);
   CHECK(shop.run("simulate " + problem + " --controller magic").code == 2);
+}
+
+TEST_CASE("plan --pareto writes the front of two quantities as JSON, CSV and a plot") {
+  const Workshop shop;
+  const std::string command = "plan " +
+                              quoted(source_path("problems/planar_three_link_null.yaml")) +
+                              " --starts 16 --pareto base_angular_momentum,joint_rate_norm";
+  const Outcome outcome = shop.run(command + " -o front.json");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json front = json::parse(shop.text("front.json"));
+  CHECK(front.at("format") == "stillbase.pareto");
+  CHECK(front.at("complete") == true);
+  CHECK(front.at("quantities").at(1).at("unit") == "rad/s");
+  const json& points = front.at("points");
+  REQUIRE(points.size() >= 5);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    CHECK(points[i].at("base_angular_momentum") > points[i - 1].at("base_angular_momentum"));
+    CHECK(points[i].at("joint_rate_norm") < points[i - 1].at("joint_rate_norm"));
+  }
+  REQUIRE(shop.run(command + " -o front.csv").code == 0);
+  const std::string csv = shop.text("front.csv");
+  CHECK(csv.rfind("base_angular_momentum_N_m_s,joint_rate_norm_rad_s,", 0) == 0);
+  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == points.size() + 1);
+  REQUIRE(shop.run(command + " -o front.svg").code == 0);
+  CHECK(shop.text("front.svg").find("joint rate norm (rad/s)") != std::string::npos);
+  CHECK(shop.run(command).says("buys"));
+
+  const std::string plan = "plan " + quoted(source_path("problems/planar_three_link_null.yaml"));
+  CHECK(shop.run(plan + " --pareto base_angular_momentum").code == 2);
+  CHECK(shop.run(plan + " --pareto joint_rate_norm,joint_rate_norm").code == 2);
+  CHECK(shop.run(plan + " --pareto joint_rate_norm,beauty").says("there are"));
+  CHECK(shop.run(command + " -o front.txt").code == 2);
 }
 
 TEST_CASE("check says what was understood of robots and problems") {
