@@ -11,7 +11,8 @@ namespace stillbase::app {
 
 /// @param quantities two of the objective's quantities, "A,B"
 /// @return the exit code
-/// @throws CommandLineError for other words, or another extension of the file than .json, .csv, .svg
+/// @throws CommandLineError for other words, or another extension of the file than .json, .csv,
+/// .svg
 int run_pareto(const CaptureProblem& problem, const std::string& quantities, double time_limit,
                const OutputFile& output, bool json);
 

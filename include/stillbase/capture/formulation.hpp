@@ -83,8 +83,8 @@ class Formulation final : public nlp::Problem {
   /// Several scenarios at once: the posture is evaluated and factorised for all of them together.
   void evaluate_scenarios(const Eigen::VectorXd& x, const std::vector<Scenario>& scenarios,
                           bool derivatives, ScenarioEvaluation& out) const;
-  /// Values of many scenarios at many points (points x scenarios), several at a time in the lanes of
-  /// wide registers: for screening, not for solving.
+  /// Values of many scenarios at many points (points x scenarios), several at a time in the lanes
+  /// of wide registers: for screening, not for solving.
   Eigen::MatrixXd evaluate_points(const std::vector<Eigen::VectorXd>& points,
                                   const std::vector<Scenario>& scenarios) const;
   /// sum_k weights_k d2f_k/dx2 + sum_i multipliers_i d2g_i/dx2.

@@ -38,7 +38,7 @@ struct SearchResult {
   /// has reached: the share of the starts whose solution was reached once (Good and Turing). Near 1
   /// where the solutions are no isolated points.
   double unseen = 1;
-  bool stopped = false;                 ///< a limit or an interrupt ended the search
+  bool stopped = false;  ///< a limit or an interrupt ended the search
   std::map<std::string, long> solver_calls;
   long evaluations = 0;
 };
