@@ -81,11 +81,12 @@ std::string words(const ContactCase& subject, const ModelCheckCase& check,
 
 }  // namespace
 
-std::string contact_table(const ContactCase& subject, double friction, bool as_json) {
+std::string contact_table(const ContactCase& subject, double friction, bool as_json,
+                          const StopCondition& stop) {
   const ModelCheckCase check = model_check_of(subject, friction);
   std::vector<ModelCheckRow> rows;
   try {
-    rows = check_stiffness(check, stiffnesses());
+    rows = check_stiffness(check, stiffnesses(), stop);
   } catch (const std::invalid_argument& error) {
     throw CommandLineError(std::string("--contact-table: ") + error.what());
   }

@@ -14,6 +14,7 @@
 #include "app/output.hpp"
 #include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
+#include "planner/post_impact.hpp"
 
 namespace stillbase::app {
 
@@ -40,13 +41,17 @@ ToolVersions tool_versions() {
   return versions;
 }
 
-int exit_code_of(const Plan& plan) {
+bool arrives(const Plan& plan) {
+  return plan.approach.status == ApproachStatus::Found ||
+         plan.approach.status == ApproachStatus::NotRequested;
+}
+
+int exit_code_of(const Plan& plan, bool keeps_limits) {
   if (signal_exit_code() != 0) return signal_exit_code();
   if (plan.status == PlanStatus::Limit) return kLimit;
   if (plan.status == PlanStatus::Infeasible) return kInfeasible;
-  const bool arrives = plan.approach.status == ApproachStatus::Found ||
-                       plan.approach.status == ApproachStatus::NotRequested;
-  return arrives ? kDone : kNoApproach;
+  if (!arrives(plan)) return kNoApproach;
+  return keeps_limits ? kDone : kInfeasible;
 }
 
 int run(const Options& options) {
@@ -77,9 +82,8 @@ int run(const Options& options) {
   Plan plan = make_plan(problem, planner);
   progress.clear();
   // Stopped while looking for an approach: the configuration is good, the plan is not complete.
-  const bool approach_cut = plan.approach.status != ApproachStatus::Found &&
-                            plan.approach.status != ApproachStatus::NotRequested &&
-                            plan.status != PlanStatus::Infeasible && planner.stop.reached();
+  const bool approach_cut =
+      !arrives(plan) && plan.status != PlanStatus::Infeasible && planner.stop.reached();
   if (approach_cut) plan.status = PlanStatus::Limit;
 
   const std::string text = plan_to_json(plan, tool_versions(), {}, inputs);
@@ -87,7 +91,16 @@ int run(const Options& options) {
   if (options.json && options.output.is_given()) write_stdout(text);
   say(plan_summary(plan));
   if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
-  return exit_code_of(plan);
+  // The best that was found may still break what is asked of the time after the impact.
+  std::string broken;
+  if (plan.status != PlanStatus::Infeasible && arrives(plan) && !planner.stop.reached()) {
+    broken = post_impact_failure(plan.problem, plan.configuration, plan.impact, planner.stop);
+  }
+  if (!broken.empty()) {
+    say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
+                    broken, plan.problem.post_impact.controllers.front()));
+  }
+  return exit_code_of(plan, broken.empty());
 }
 
 }  // namespace

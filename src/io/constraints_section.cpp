@@ -25,9 +25,9 @@ void read_constraints_section(MapReader& map, CaptureProblem& problem) {
                                   fields.path_of("joint_rate_max")));
   }
   fields.number("coupling_singular_value_min", constraints.coupling_singular_value_min,
-                Dimension::Inertia, kNonNegative);
+                Dimension::Inertia, {.lower = 0, .upper = 1e9});
   fields.number("jacobian_singular_value_min", constraints.jacobian_singular_value_min,
-                Dimension::Length, kNonNegative);
+                Dimension::Length, {.lower = 0, .upper = 1e9});
   fields.number("jacobian_length", constraints.jacobian_length, Dimension::Length, kPositive);
   double clearance = 0;
   if (fields.number("clearance", clearance, Dimension::Length, kNonNegative)) {

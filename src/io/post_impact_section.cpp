@@ -24,11 +24,13 @@ void read_contact(MapReader& post_impact, ContactSpec& contact) {
   fields.choice("model", contact.model, contact_model_names(),
                 node == nullptr ? Need::Optional : Need::Required);
   // A contact must be resolved in time: half a period of 1 kg on 1e9 N/m is 0.1 ms.
-  fields.number("stiffness", contact.stiffness, Dimension::Stiffness, {.lower = 1, .upper = 1e9});
+  fields.number("stiffness", contact.stiffness, Dimension::LinearStiffness,
+                {.lower = 1, .upper = 1e9});
   const Node* damping = fields.child("damping");
   if (damping != nullptr && damping->text != "from_restitution") {
     double value = 0;
-    if (fields.number("damping", value, Dimension::Damping, kNonNegative)) contact.damping = value;
+    if (fields.number("damping", value, Dimension::LinearDamping, kNonNegative))
+      contact.damping = value;
   }
   fields.number("friction", contact.friction, Dimension::None, {.lower = 0, .upper = 10});
   // The normalised copy states every field; a value that was chosen says something.
@@ -46,12 +48,11 @@ void read_contact(MapReader& post_impact, ContactSpec& contact) {
 void read_sensor(MapReader& post_impact, PostImpactSpec& spec) {
   MapReader fields = section(post_impact, "sensor");
   SensorSpec& sensor = spec.sensor;
-  fields.number("base_rate_error", sensor.base_rate_error, Dimension::AngularVelocity,
-                kNonNegative);
+  const Range error{.lower = 0, .upper = 1};  // more is no measurement
+  fields.number("base_rate_error", sensor.base_rate_error, Dimension::AngularVelocity, error);
   fields.number("joint_position_error", sensor.joint_position_error, Dimension::JointPosition,
-                kNonNegative);
-  fields.number("joint_rate_error", sensor.joint_rate_error, Dimension::AngularVelocity,
-                kNonNegative);
+                error);
+  fields.number("joint_rate_error", sensor.joint_rate_error, Dimension::AngularVelocity, error);
   fields.number("delay", sensor.delay, Dimension::Time, {.lower = 0, .upper = 10});
   fields.unsigned_integer("seed", sensor.seed);
   const double periods = sensor.delay / spec.control_period;
@@ -78,8 +79,8 @@ void read_model(MapReader& post_impact, ControllerModelSpec& model) {
 
 void read_thrusters(MapReader& post_impact, ThrusterSpec& thrusters) {
   MapReader fields = section(post_impact, "thrusters");
-  fields.number("torque", thrusters.torque, Dimension::Moment, kNonNegative);
-  fields.number("gain", thrusters.gain, Dimension::Rate, kNonNegative);
+  fields.number("torque", thrusters.torque, Dimension::Moment, {.lower = 0, .upper = 1e6});
+  fields.number("gain", thrusters.gain, Dimension::Rate, {.lower = 0, .upper = 1e3});
   fields.number("dead_band", thrusters.dead_band, Dimension::AngularVelocity, kNonNegative);
   fields.finish();
 }

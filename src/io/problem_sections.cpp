@@ -79,10 +79,10 @@ void read_resistance_values(MapReader& map, const RobotModel& robot, JointResist
                         kNonNegative, true, Need::Required, resistance.rotor_inertia);
       break;
     case ResistanceModel::Servo:
-      read_joint_values(map, "stiffness", robot, Dimension::Stiffness, Dimension::Stiffness,
+      read_joint_values(map, "stiffness", robot, Dimension::Stiffness, Dimension::LinearStiffness,
                         kNonNegative, true, Need::Required, resistance.stiffness);
-      read_joint_values(map, "damping", robot, Dimension::Damping, Dimension::Damping, kNonNegative,
-                        true, Need::Required, resistance.damping);
+      read_joint_values(map, "damping", robot, Dimension::Damping, Dimension::LinearDamping,
+                        kNonNegative, true, Need::Required, resistance.damping);
       map.number("contact_duration", resistance.contact_duration, Dimension::Time, kPositive,
                  Need::Required);
       break;
@@ -316,7 +316,7 @@ void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
   if (fields.child("joint_position") != nullptr) {
     spread.joint_position = JointVectord::Zero(problem.robot.n());
     read_joint_values(fields, "joint_position", problem.robot, Dimension::Angle, Dimension::Length,
-                      kNonNegative, true, Need::Optional, spread.joint_position);
+                      {.lower = 0, .upper = 1}, true, Need::Optional, spread.joint_position);
   }
   fields.finish();
 }

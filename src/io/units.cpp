@@ -45,9 +45,9 @@ constexpr std::array kUnits{
     Unit{"N m s", Dimension::AngularImpulse, 1},
     Unit{"kg m^2/s", Dimension::AngularImpulse, 1},
     Unit{"N m/rad", Dimension::Stiffness, 1},
-    Unit{"N/m", Dimension::Stiffness, 1},
+    Unit{"N/m", Dimension::LinearStiffness, 1},
     Unit{"N m s/rad", Dimension::Damping, 1},
-    Unit{"N s/m", Dimension::Damping, 1},
+    Unit{"N s/m", Dimension::LinearDamping, 1},
 };
 
 bool fits(Dimension of_unit, Dimension wanted) {

@@ -24,8 +24,10 @@ enum class Dimension {
   Moment,
   Impulse,
   AngularImpulse,
-  Stiffness,  ///< of a joint
-  Damping     ///< of a joint
+  Stiffness,        ///< of a revolute joint
+  Damping,          ///< of a revolute joint
+  LinearStiffness,  ///< of a prismatic joint or a contact
+  LinearDamping     ///< of a prismatic joint or a contact
 };
 
 /// Factor that takes a number in this unit to SI, when the unit has the dimension.

@@ -20,6 +20,12 @@ std::string objection(const CaptureProblem& problem) {
   if (hand == HandConstraint::Position && hand_counts && !problem.hand.position) {
     return "the hand meets a moving target";
   }
+  const ConstraintSpec& constraints = problem.constraints;
+  if (constraints.joint_rate_scale || constraints.joint_rate_max.size() > 0 ||
+      constraints.coupling_singular_value_min > 0 || constraints.jacobian_singular_value_min > 0 ||
+      constraints.clearance) {
+    return "rates, singular values or clearances are constrained";
+  }
   return "";
 }
 

@@ -37,7 +37,8 @@ Eigen::VectorXd velocity(const Vector6d& Omega, const JointVectord& phidot) {
 }  // namespace
 
 std::vector<ModelCheckRow> check_stiffness(const ModelCheckCase& subject,
-                                           const std::vector<double>& stiffness) {
+                                           const std::vector<double>& stiffness,
+                                           const StopCondition& stop) {
   const RobotModel& robot = subject.robot;
   const JointVectord rotors = added_plant_inertia(subject.resistance, robot.n());
   const PlantTerms terms(robot, rotors, subject.before);
@@ -88,6 +89,7 @@ std::vector<ModelCheckRow> check_stiffness(const ModelCheckCase& subject,
     options.joint_stops = false;
     options.relative_tolerance = 1e-12;
     options.absolute_tolerance = 1e-15;
+    options.stop = stop;
     const EncounterResult run =
         simulate_encounter(robot, free, subject.before, target, plant, Controller{}, options);
 

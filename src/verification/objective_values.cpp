@@ -102,7 +102,12 @@ double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureRes
         size = Fbar.head<3>().norm();
         break;
       case ObjectiveQuantity::JointRateNorm:
-        size = response.impact(Fbar).Delta_phidot.norm();
+        // What a force of this size may do: that of the direction may be as good as none.
+        size = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const Vector6d along = Fbar.head<3>().norm() * Vector6d::Unit(axis);
+          size = std::max(size, response.impact(along).Delta_phidot.norm());
+        }
         break;
     }
     sum += size * size / (term.size * term.size);

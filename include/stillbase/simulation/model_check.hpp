@@ -36,6 +36,7 @@ struct ModelCheckRow {
 /// One row per stiffness (N/m). Damping follows from the restitution.
 /// @throws InputError, std::invalid_argument as simulate_encounter() and contact_damping()
 std::vector<ModelCheckRow> check_stiffness(const ModelCheckCase& subject,
-                                           const std::vector<double>& stiffness);
+                                           const std::vector<double>& stiffness,
+                                           const StopCondition& stop = {});
 
 }  // namespace stillbase
