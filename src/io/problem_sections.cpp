@@ -116,19 +116,22 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
   const Node* attitude = section_map.child("base_attitude");
   if (is_scalar(attitude)) {
     section_map.choice("base_attitude", variables.base_attitude, attitude_freedom_names());
-    if (variables.base_attitude == AttitudeFreedom::Axis) {
+    if (variables.base_attitude == AttitudeFreedom::Axis ||
+        variables.base_attitude == AttitudeFreedom::Cone) {
       context.add(attitude->line, "missing-key",
-                  fmt::format("{}: 'axis' needs its axis: {{freedom: axis, axis: [x, y, z]}}",
-                              section_map.path_of("base_attitude")));
+                  fmt::format("{0}: '{1}' needs its axis: {{freedom: {1}, axis: [x, y, z]}}",
+                              section_map.path_of("base_attitude"), attitude->text));
     }
   } else if (attitude != nullptr) {
     MapReader fields(context, *attitude, section_map.path_of("base_attitude"));
     fields.choice("freedom", variables.base_attitude, attitude_freedom_names(), Need::Required);
-    fields.direction(
-        "axis", variables.base_attitude_axis,
-        variables.base_attitude == AttitudeFreedom::Axis ? Need::Required : Need::Optional);
+    const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
+    const bool needs_axis = is_cone || variables.base_attitude == AttitudeFreedom::Axis;
+    fields.direction("axis", variables.base_attitude_axis,
+                     needs_axis ? Need::Required : Need::Optional);
     fields.number("max", variables.base_attitude_max, Dimension::Angle,
-                  {.lower = 0, .upper = kPi, .is_lower_open = true});
+                  {.lower = 0, .upper = kPi, .is_lower_open = true},
+                  is_cone ? Need::Required : Need::Optional);
     fields.finish();
   }
 

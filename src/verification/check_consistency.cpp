@@ -50,6 +50,7 @@ std::optional<Bounds> bounds_of(const std::string& name, const CaptureProblem& p
   if (name == "base_attitude_squared") {
     return Bounds{0, free.base_attitude_max * free.base_attitude_max};
   }
+  if (name == "base_attitude_cone") return Bounds{std::cos(free.base_attitude_max), infinity};
   if (begins_with(name, "joint_rate_")) {
     const int k = find_joint(problem.robot, name.substr(11));
     if (k < 0) return std::nullopt;

@@ -133,6 +133,19 @@ TEST_CASE("margins are read in their units and stay unasked for otherwise") {
   CHECK(scaled.constraints.joint_rate_scale.value() == 0.5);
 }
 
+TEST_CASE("a cone of attitudes is read, with an axis and a size") {
+  const std::string attitude = "{freedom: axis, axis: [0, 0, 2], max: 30 deg}";
+  const CaptureProblem cone =
+      read(replaced(kProblem, attitude, "{freedom: cone, axis: [0, 0, 2], max: 30 deg}"));
+  CHECK(cone.variables.base_attitude == AttitudeFreedom::Cone);
+  CHECK(cone.variables.base_attitude_axis == Vector3d::UnitZ());
+  refuses_change(attitude, "{freedom: cone, axis: [0, 0, 2]}", "missing-key", {"max"});
+  refuses_change(attitude, "{freedom: cone, max: 30 deg}", "missing-key", {"axis"});
+  refuses_change(attitude, "cone", "missing-key", {"axis"});
+  const std::string json = problem_to_json(cone);
+  CHECK(problem_to_json(read_problem_text(json, "copy.json", cone.urdf)) == json);
+}
+
 TEST_CASE("a wedge is refused where something leaves its plane") {
   const std::string flat =
       replaced(replaced(kProblem, "axis: [1, 2, 2], rate", "axis: [0, 0, 1], rate"),
