@@ -90,6 +90,9 @@ std::vector<std::string> free_variables(const CaptureProblem& problem) {
     free.push_back(fmt::format("contact time from {:.6g} to {:.6g} s", spec.contact_time_lower,
                                spec.contact_time_upper));
   }
+  if (!spec.features.empty()) {
+    free.push_back(fmt::format("one of {} contact features", spec.features.size()));
+  }
   return free;
 }
 

@@ -78,6 +78,7 @@ Configuration Formulation::Parts::configuration(const Eigen::VectorXd& x) const 
   out.base = problem.base;
   out.base.orientation = layout.attitude_of(problem, x);
   out.contact_time = layout.contact_time(problem, x);
+  out.feature = problem.variables.feature;
   const bool follows = problem.variables.base_position != PositionFreedom::Fixed;
   const bool stated_in_N = hand_point && problem.hand.frame == Frame::Inertial;
   if (follows && (hand_follows_contact() || stated_in_N)) {

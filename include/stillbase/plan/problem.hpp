@@ -58,6 +58,9 @@ struct VariableSpec {
   Vector3d base_position_upper = Vector3d::Zero();
   double contact_time_lower = 0, contact_time_upper = 0;  ///< s; equal: fixed
   std::string feature;  ///< name of the contact feature; empty without a target body
+  /// Those that the planner may choose among; empty: `feature` is stated. `feature` is the one that
+  /// is looked at, of a plan the chosen one.
+  std::vector<std::string> features;
 };
 
 enum class ObjectiveQuantity {
