@@ -54,6 +54,7 @@ PlannerTask task_of(const std::string& path) {
   PlannerOptions options;
   options.stop = stop_condition();
   out.goal = make_plan(out.problem, options).configuration;
+  out.problem = at_feature(std::move(out.problem), out.goal.feature);
   const auto kinematics = compute_kinematics<double>(out.problem.robot, out.goal.phi);
   out.target = encounter_motion(out.problem, out.goal.base * kinematics.r_bh,
                                 out.goal.base.orientation, out.goal.contact_time);

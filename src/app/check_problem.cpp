@@ -81,10 +81,17 @@ std::vector<std::string> free_variables(const CaptureProblem& problem) {
   }
   const VariableSpec& spec = problem.variables;
   if (spec.base_attitude == AttitudeFreedom::Axis) free.push_back("base attitude about one axis");
+  if (spec.base_attitude == AttitudeFreedom::Cone) {
+    free.push_back(fmt::format("base attitude with its axis within {:.4g} deg",
+                               spec.base_attitude_max * kDegrees));
+  }
   if (spec.base_attitude == AttitudeFreedom::Free) free.push_back("base attitude");
   if (spec.contact_time_lower < spec.contact_time_upper) {
     free.push_back(fmt::format("contact time from {:.6g} to {:.6g} s", spec.contact_time_lower,
                                spec.contact_time_upper));
+  }
+  if (!spec.features.empty()) {
+    free.push_back(fmt::format("one of {} contact features", spec.features.size()));
   }
   return free;
 }

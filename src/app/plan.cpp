@@ -70,6 +70,11 @@ int run(const Options& options) {
   if (options.starts) problem.search.starts = *options.starts;
 
   if (!options.pareto.empty()) {
+    if (!problem.variables.features.empty()) {
+      throw CommandLineError(
+          "--pareto: the front is that of one contact feature; the problem leaves the choice of "
+          "variables.feature open");
+    }
     return run_pareto(problem, options.pareto, options.time_limit, options.output, options.json);
   }
 

@@ -178,6 +178,14 @@ std::string effort_words(const Plan& plan) {
   return text;
 }
 
+/// The feature is named where there was a choice.
+std::string contact_words(const Plan& plan) {
+  const std::string time = fmt::format("at {:.3f} s", plan.configuration.contact_time);
+  const std::size_t choice = plan.problem.variables.features.size();
+  if (choice == 0) return time;
+  return fmt::format("{}, {} of {} features", time, plan.configuration.feature, choice);
+}
+
 }  // namespace
 
 std::string plan_summary(const Plan& plan) {
@@ -190,7 +198,7 @@ std::string plan_summary(const Plan& plan) {
     text += violations(plan);
     text += line("posture", posture_words(plan.problem.robot, plan.configuration.phi));
     text += line("base", pose_words(plan.configuration.base));
-    text += line("contact", fmt::format("at {:.3f} s", plan.configuration.contact_time));
+    text += line("contact", contact_words(plan));
     text += line("impulse", impact_words(plan));
     text += line("momentum", momentum_words(plan.impact));
     text += line("case", case_words(plan.impact));

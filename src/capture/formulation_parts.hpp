@@ -39,6 +39,7 @@ enum class RowKind {
   CouplingColumn,  // coupling part along a column of the coupling matrix (rank < 3)
   ClosingSpeed,
   AttitudeAngle,   // squared angle from the stated attitude
+  AttitudeCone,    // cosine of the angle of the base's axis from its direction
   JointRate,       // of joint `index` right after the predicted impact
   CouplingMargin,  // least singular value of the coupling matrix, of its generic rank
   JacobianMargin,  // of the generalized Jacobian

@@ -1,5 +1,6 @@
 // Which rows a problem has: the equations of the hand and of the case, reduced to independent ones.
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <Eigen/LU>
@@ -100,8 +101,10 @@ void Formulation::Parts::add_rows() {
     rows.push_back({RowKind::ClosingSpeed, 0, "closing_speed",
                     problem.constraints.closing_speed_min, kInfinity});
   }
-  if (layout.attitude_size == 3 && problem.variables.base_attitude_max < 3.14159) {
-    const double limit = problem.variables.base_attitude_max;
+  const double limit = problem.variables.base_attitude_max;
+  if (problem.variables.base_attitude == AttitudeFreedom::Cone) {
+    rows.push_back({RowKind::AttitudeCone, 0, "base_attitude_cone", std::cos(limit), kInfinity});
+  } else if (layout.attitude_size == 3 && limit < 3.14159) {
     rows.push_back({RowKind::AttitudeAngle, 0, "base_attitude_squared", 0, limit * limit});
   }
 }

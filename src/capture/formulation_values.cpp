@@ -46,7 +46,17 @@ Eigen::VectorXd Formulation::Parts::start_point(const Eigen::VectorXd& u) const 
   if (layout.attitude_size == 3) {
     const double limit = problem.variables.base_attitude_max;
     const double a = u[layout.attitude], b = u[layout.attitude + 1], c = u[layout.attitude + 2];
-    if (limit > 3.14159) {
+    if (problem.variables.base_attitude == AttitudeFreedom::Cone) {
+      // The axis even over its cap, the roll even over a turn.
+      const Vector3d& axis = problem.variables.base_attitude_axis;
+      const auto [e_1, e_2] = tangent_basis(axis);
+      const double tilt = std::acos(1 - a * (1 - std::cos(limit)));
+      const Vector3d about = std::cos(2 * M_PI * b) * e_1 + std::sin(2 * M_PI * b) * e_2;
+      const Eigen::Quaterniond turn =
+          rotation_exp(tilt * about) * rotation_exp(M_PI * (2 * c - 1) * axis);
+      const Eigen::Quaterniond& stated = problem.base.orientation;
+      x.segment<3>(layout.attitude) = rotation_log(stated.conjugate() * turn * stated);
+    } else if (limit > 3.14159) {
       // Uniform over rotations (Shoemake, Graphics Gems III, 1992).
       const Eigen::Quaterniond q(
           std::sqrt(a) * std::cos(2 * M_PI * c), std::sqrt(1 - a) * std::sin(2 * M_PI * b),
@@ -68,6 +78,7 @@ Configuration Formulation::Parts::configuration(const Eigen::VectorXd& x) const 
   out.base = problem.base;
   out.base.orientation = layout.attitude_of(problem, x);
   out.contact_time = layout.contact_time(problem, x);
+  out.feature = problem.variables.feature;
   const bool follows = problem.variables.base_position != PositionFreedom::Fixed;
   const bool stated_in_N = hand_point && problem.hand.frame == Frame::Inertial;
   if (follows && (hand_follows_contact() || stated_in_N)) {

@@ -1,6 +1,7 @@
 #include "capture/layout.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stillbase {
 
@@ -16,7 +17,9 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
     low.push_back(joint.lower + margin);
     high.push_back(joint.upper - margin);
   }
-  const double turn = problem.variables.base_attitude_max;
+  // What a cone leaves to the turn as a whole: everything.
+  const bool is_cone = problem.variables.base_attitude == AttitudeFreedom::Cone;
+  const double turn = is_cone ? M_PI : problem.variables.base_attitude_max;
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
     attitude = static_cast<int>(low.size());
     attitude_size = problem.variables.base_attitude == AttitudeFreedom::Axis ? 1 : 3;

@@ -83,6 +83,11 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
       return hit.closing_speed;
     case RowKind::AttitudeAngle:
       return local.x.template segment<3>(layout.attitude).squaredNorm();
+    case RowKind::AttitudeCone: {
+      const Vector3d& axis = problem.variables.base_attitude_axis;
+      const Vector3d in_base = problem.base.orientation.conjugate() * axis;
+      return Vector3<S>(axis.cast<S>()).dot(local.R_NB * Vector3<S>(in_base.cast<S>()));
+    }
     case RowKind::JointRate:
       return hit.p * response.d.Delta_phidot[row.index];
     case RowKind::CouplingMargin:
@@ -186,6 +191,13 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
       // The rotation vector a is its own image under its right Jacobian: J_r(a)' 2 a = 2 a.
       out.theta = local.x.template segment<3>(layout.attitude) * S(2);
       return out;
+    case RowKind::AttitudeCone: {
+      const Vector3d& axis = problem.variables.base_attitude_axis;
+      const Vector3d in_base = problem.base.orientation.conjugate() * axis;
+      const Vector3<S> wanted = local.R_NB.transpose() * Vector3<S>(axis.cast<S>());
+      out.theta = Vector3<S>(in_base.cast<S>()).cross(wanted);
+      return out;
+    }
     case RowKind::JointRate: {
       ResponseWeights<S> weights;
       weights.phidot.setZero(n());

@@ -116,7 +116,9 @@ Json variables_json(const CaptureProblem& problem) {
           {"contact_time",
            {{"lower", number_json(variables.contact_time_lower)},
             {"upper", number_json(variables.contact_time_upper)}}},
-          {"feature", variables.feature.empty() ? "none" : variables.feature}};
+          {"feature", !variables.features.empty() ? Json(variables.features)
+                      : variables.feature.empty() ? Json("none")
+                                                  : Json(variables.feature)}};
 }
 
 Json objective_section_json(const CaptureProblem& problem) {

@@ -25,6 +25,7 @@ const Names<ResistanceModel>& resistance_names() {
 const Names<AttitudeFreedom>& attitude_freedom_names() {
   static const Names<AttitudeFreedom> names{{"fixed", AttitudeFreedom::Fixed},
                                             {"axis", AttitudeFreedom::Axis},
+                                            {"cone", AttitudeFreedom::Cone},
                                             {"free", AttitudeFreedom::Free}};
   return names;
 }

@@ -97,6 +97,16 @@ ToolVersions read_tool(MapReader& map) {
   return tool;
 }
 
+/// Which of several contact features is met; the only one is not stated again.
+void read_feature(MapReader& fields, const Plan& plan, Configuration& configuration) {
+  const VariableSpec& variables = plan.problem.variables;
+  if (variables.features.empty()) return;
+  if (fields.text("feature", configuration.feature, Need::Required)) {
+    check_name(fields.context(), fields.line_of("feature"), fields.path_of("feature"),
+               configuration.feature, variables.features, "features of the problem");
+  }
+}
+
 void read_configuration(MapReader& map, Plan& plan) {
   const Node* node = map.child("configuration", Need::Required);
   if (node == nullptr) return;
@@ -117,7 +127,12 @@ void read_configuration(MapReader& map, Plan& plan) {
   }
   fields.number("contact_time", plan.configuration.contact_time, Dimension::None, kAny,
                 Need::Required);
+  read_feature(fields, plan, plan.configuration);
   fields.finish();
+  // From here on the problem is that of the chosen feature.
+  if (!plan.configuration.feature.empty()) {
+    plan.problem.variables.feature = plan.configuration.feature;
+  }
 }
 
 void read_joint_pose_time(MapReader& fields, const Plan& plan, Configuration& configuration) {
@@ -126,6 +141,7 @@ void read_joint_pose_time(MapReader& fields, const Plan& plan, Configuration& co
     configuration.base = read_pose_object(fields.context(), *pose, fields.path_of("base_pose"));
   }
   fields.number("contact_time", configuration.contact_time, Dimension::None, kAny, Need::Required);
+  read_feature(fields, plan, configuration);
 }
 
 void read_nominal_optimum(MapReader& objective, Plan& plan) {

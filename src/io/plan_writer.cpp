@@ -25,13 +25,21 @@ Json list_json(const std::vector<T>& list, const ToJson& to_json) {
   return json;
 }
 
-Json nominal_optimum_json(const NominalOptimum& optimum) {
-  return {{"joint_positions", array_json(optimum.configuration.phi)},
-          {"base_pose", pose_json(optimum.configuration.base)},
-          {"contact_time", number_json(optimum.configuration.contact_time)},
-          {"nominal", number_json(optimum.nominal)},
-          {"worst_case", number_json(optimum.worst_case)},
-          {"value", number_json(optimum.value)}};
+/// Posture, base and time; the contact feature where there are several.
+Json configuration_json(const CaptureProblem& problem, const Configuration& configuration) {
+  Json json = {{"joint_positions", array_json(configuration.phi)},
+               {"base_pose", pose_json(configuration.base)},
+               {"contact_time", number_json(configuration.contact_time)}};
+  if (!problem.variables.features.empty()) json["feature"] = configuration.feature;
+  return json;
+}
+
+Json nominal_optimum_json(const CaptureProblem& problem, const NominalOptimum& optimum) {
+  Json json = configuration_json(problem, optimum.configuration);
+  json["nominal"] = number_json(optimum.nominal);
+  json["worst_case"] = number_json(optimum.worst_case);
+  json["value"] = number_json(optimum.value);
+  return json;
 }
 
 Json objective_json(const Plan& plan) {
@@ -46,7 +54,9 @@ Json objective_json(const Plan& plan) {
                {"worst_direction", array_json(objective.worst_direction)},
                {"nominal_optimum", nullptr}};
   for (const auto& [name, value] : objective.terms) json["terms"][name] = number_json(value);
-  if (plan.nominal_optimum) json["nominal_optimum"] = nominal_optimum_json(*plan.nominal_optimum);
+  if (plan.nominal_optimum) {
+    json["nominal_optimum"] = nominal_optimum_json(plan.problem, *plan.nominal_optimum);
+  }
   return json;
 }
 
@@ -58,17 +68,16 @@ Json constraint_json(const ConstraintValue& constraint) {
           {"violation", number_json(constraint.violation)}};
 }
 
-Json candidate_json(const Candidate& candidate) {
-  return {{"joint_positions", array_json(candidate.configuration.phi)},
-          {"base_pose", pose_json(candidate.configuration.base)},
-          {"contact_time", number_json(candidate.configuration.contact_time)},
-          {"objective", number_json(candidate.objective)},
-          {"worst_case", number_json(candidate.worst_case)},
-          {"value", number_json(candidate.value)},
-          {"max_violation", number_json(candidate.max_violation)},
-          {"starts_reached", candidate.starts_reached},
-          {"collision_free", candidate.collision_free},
-          {"collision", candidate.collision}};
+Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
+  Json json = configuration_json(problem, candidate.configuration);
+  json["objective"] = number_json(candidate.objective);
+  json["worst_case"] = number_json(candidate.worst_case);
+  json["value"] = number_json(candidate.value);
+  json["max_violation"] = number_json(candidate.max_violation);
+  json["starts_reached"] = candidate.starts_reached;
+  json["collision_free"] = candidate.collision_free;
+  json["collision"] = candidate.collision;
+  return json;
 }
 
 Json approach_json(const Approach& approach) {
@@ -142,18 +151,17 @@ Json plan_json(const Plan& plan, const ToolVersions& tool, const std::vector<Inp
       {"urdf", problem.urdf}, {"sha256", sha256_hex(problem.urdf)}, {"hand", problem.robot.hand}};
   json["status"] = word_of(plan_status_names(), plan.status);
   json["optimizer"] = plan.optimizer;
-  const Configuration& configuration = plan.configuration;
-  json["configuration"] = {
-      {"joint_names",
-       list_json(problem.robot.joints, [](const Joint& joint) { return Json(joint.name); })},
-      {"joint_positions", array_json(configuration.phi)},
-      {"base_pose", pose_json(configuration.base)},
-      {"contact_time", number_json(configuration.contact_time)}};
+  json["configuration"] = {{"joint_names", list_json(problem.robot.joints, [](const Joint& joint) {
+                              return Json(joint.name);
+                            })}};
+  json["configuration"].update(configuration_json(problem, plan.configuration));
   json["impact"] = impact_json(plan.impact, problem.robot);
   json["objective"] = objective_json(plan);
   json["constraints"] = list_json(plan.constraints, constraint_json);
   json["certificate"] = certificate_json(plan.certificate);
-  json["candidates"] = list_json(plan.candidates, candidate_json);
+  json["candidates"] = list_json(plan.candidates, [&problem](const Candidate& candidate) {
+    return candidate_json(problem, candidate);
+  });
   json["approach"] = approach_json(plan.approach);
   json["solver_calls"] = Json::object();
   for (const auto& [name, calls] : plan.solver_calls) json["solver_calls"][name] = calls;

@@ -213,7 +213,11 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("hand", "not-used", "orientation: only the constraint 'pose' uses it");
   }
 
-  if (problem.uncertainty.cone_confidence && (impulse.direction || !has_feature)) {
+  if (problem.uncertainty.cone_confidence && !problem.variables.features.empty()) {
+    refuse("uncertainty", "not-supported",
+           "cone_half_angle: 'from_covariance' belongs to one contact feature; state the angle "
+           "beside a choice of features");
+  } else if (problem.uncertainty.cone_confidence && (impulse.direction || !has_feature)) {
     refuse("uncertainty", "missing-key",
            "cone_half_angle: 'from_covariance' needs a direction that follows from the contact "
            "feature of a target");

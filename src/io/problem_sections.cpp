@@ -106,6 +106,37 @@ void read_impact_section(MapReader& map, CaptureProblem& problem) {
   impact.finish();
 }
 
+namespace {
+
+/// A list of features that the planner chooses among.
+void read_feature_choice(MapReader& section_map, const Node& list,
+                         const std::vector<ContactFeature>& features, VariableSpec& variables) {
+  ReadContext& context = section_map.context();
+  const std::string path = section_map.path_of("feature");
+  std::vector<std::string> names;
+  for (const ContactFeature& known : features) names.push_back(known.name);
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const Node& item = list.items[i];
+    const std::string item_path = fmt::format("{}[{}]", path, i);
+    const auto name = read_text(context, item, item_path);
+    if (!name || !check_name(context, item.line, item_path, *name, names, "features of the target"))
+      continue;
+    if (std::find(variables.features.begin(), variables.features.end(), *name) !=
+        variables.features.end()) {
+      context.add(item.line, "duplicate-name", fmt::format("{}: '{}' again", item_path, *name));
+    }
+    variables.features.push_back(*name);
+  }
+  if (variables.features.empty()) {
+    context.add(list.line, "wrong-type", fmt::format("{}: names at least one feature", path));
+    return;
+  }
+  variables.feature = variables.features.front();
+  if (variables.features.size() == 1) variables.features.clear();
+}
+
+}  // namespace
+
 void read_variables_section(MapReader& map, CaptureProblem& problem) {
   MapReader section_map = section(map, "variables");
   ReadContext& context = map.context();
@@ -116,19 +147,22 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
   const Node* attitude = section_map.child("base_attitude");
   if (is_scalar(attitude)) {
     section_map.choice("base_attitude", variables.base_attitude, attitude_freedom_names());
-    if (variables.base_attitude == AttitudeFreedom::Axis) {
+    if (variables.base_attitude == AttitudeFreedom::Axis ||
+        variables.base_attitude == AttitudeFreedom::Cone) {
       context.add(attitude->line, "missing-key",
-                  fmt::format("{}: 'axis' needs its axis: {{freedom: axis, axis: [x, y, z]}}",
-                              section_map.path_of("base_attitude")));
+                  fmt::format("{0}: '{1}' needs its axis: {{freedom: {1}, axis: [x, y, z]}}",
+                              section_map.path_of("base_attitude"), attitude->text));
     }
   } else if (attitude != nullptr) {
     MapReader fields(context, *attitude, section_map.path_of("base_attitude"));
     fields.choice("freedom", variables.base_attitude, attitude_freedom_names(), Need::Required);
-    fields.direction(
-        "axis", variables.base_attitude_axis,
-        variables.base_attitude == AttitudeFreedom::Axis ? Need::Required : Need::Optional);
+    const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
+    const bool needs_axis = is_cone || variables.base_attitude == AttitudeFreedom::Axis;
+    fields.direction("axis", variables.base_attitude_axis,
+                     needs_axis ? Need::Required : Need::Optional);
     fields.number("max", variables.base_attitude_max, Dimension::Angle,
-                  {.lower = 0, .upper = kPi, .is_lower_open = true});
+                  {.lower = 0, .upper = kPi, .is_lower_open = true},
+                  is_cone ? Need::Required : Need::Optional);
     fields.finish();
   }
 
@@ -177,6 +211,8 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
       section_map.child("feature", features.size() > 1 ? Need::Required : Need::Optional);
   if (is_word(feature, "none")) {
     variables.feature.clear();
+  } else if (feature != nullptr && feature->kind == Node::Kind::Sequence) {
+    read_feature_choice(section_map, *feature, features, variables);
   } else if (feature != nullptr && section_map.text("feature", variables.feature)) {
     std::vector<std::string> names;
     for (const ContactFeature& known : features) names.push_back(known.name);

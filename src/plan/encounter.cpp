@@ -13,6 +13,11 @@ const ContactFeature& chosen_feature(const CaptureProblem& problem) {
   throw std::logic_error("no contact feature '" + problem.variables.feature + "'");
 }
 
+CaptureProblem at_feature(CaptureProblem problem, const std::string& feature) {
+  if (!feature.empty()) problem.variables.feature = feature;
+  return problem;
+}
+
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
                                              const Eigen::Quaterniond& R_NB, double contact_time) {
   if (!problem.target) return std::nullopt;

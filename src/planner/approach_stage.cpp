@@ -58,10 +58,17 @@ class Stage {
 
   void without_approach() {
     const Candidate& best = found_.candidates[chosen_.candidate];
+    chosen_.holds = best.collision_free && keeps_limits(chosen_.candidate);
     if (best.collision_free) return;
     chosen_.approach.status = ApproachStatus::GoalInvalid;
     chosen_.approach.detail =
         fmt::format("no candidate is free of collision; the best one: {}", best.collision);
+  }
+
+  /// Whether a candidate as the search left it keeps the limits after the impact.
+  bool keeps_limits(std::size_t candidate) const {
+    const auto end = order_.order.begin() + static_cast<std::ptrdiff_t>(order_.holding);
+    return std::find(order_.order.begin(), end, candidate) != end;
   }
 
   std::unique_ptr<ContactAgain> contact_at(std::size_t i) const {
@@ -88,7 +95,8 @@ class Stage {
         found &&
         (!there || keeps_limits_after(problem_, there->candidate.configuration, options_.stop));
     if (!tried_ || holds || (found && !has_fallback_)) {
-      chosen_ = {candidate, approach, there, false};
+      chosen_ = {candidate, approach, there, false,
+                 there ? holds : found && keeps_limits(candidate)};
       has_fallback_ = found;
     }
     tried_ = true;

@@ -18,6 +18,7 @@ struct ChosenApproach {
   /// The configuration that was found with the path, in place of that of the candidate.
   std::optional<Resolved> resolved;
   bool is_sample = false;  ///< `resolved` is beside the candidate: a sample of its self-motion
+  bool holds = false;      ///< it is reached, and the limits of the time after the impact are kept
 };
 
 /// Approaches to the candidates of a search that were judged for collisions; see make_plan for the

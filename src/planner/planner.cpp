@@ -1,14 +1,18 @@
 #include <stillbase/planner/planner.hpp>
 
 #include <chrono>
+#include <utility>
+#include <vector>
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
 #include <stillbase/collision/scene.hpp>
+#include <stillbase/plan/encounter.hpp>
 
 #include "planner/approach_stage.hpp"
 #include "planner/candidates.hpp"
 #include "planner/completeness.hpp"
+#include "planner/feature_choice.hpp"
 
 namespace stillbase {
 
@@ -107,6 +111,19 @@ void describe(const CaptureProblem& problem, const Candidate& best, Plan& plan) 
 }  // namespace
 
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
+  if (problem.variables.features.empty()) return plan_one_feature(problem, options).plan;
+  std::vector<PlanOfFeature> plans;
+  for (const std::string& feature : problem.variables.features) {
+    if (!plans.empty() && options.stop.reached()) break;
+    plans.push_back(plan_one_feature(at_feature(problem, feature), options));
+  }
+  const bool all = plans.size() == problem.variables.features.size();
+  Plan best = best_of_features(std::move(plans));
+  if (!all) best.status = PlanStatus::Limit;
+  return best;
+}
+
+PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& options) {
   const auto begin = Clock::now();
   const Formulation formulation(problem);
   const CollisionScene scene(problem);
@@ -119,8 +136,9 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
 
   const auto approach_begin = Clock::now();
   ChosenApproach choice;
-  if (!found.candidates.empty() &&
-      status_of(found.certificates.front()) != PlanStatus::Infeasible) {
+  const bool solved =
+      !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
+  if (solved) {
     if (options.on_progress) options.on_progress("after the impact", 0, 1);
     choice = choose_approach(problem, scene, found, proof, problem.search.seed, options,
                              plan.solver_calls);
@@ -139,7 +157,13 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   }
   plan.candidates = std::move(found.candidates);
   plan.timing["total"] = seconds_since(begin);
-  return plan;
+  const bool arrives = plan.approach.status == ApproachStatus::Found ||
+                       plan.approach.status == ApproachStatus::NotRequested;
+  const PlanQuality quality = !solved        ? PlanQuality::Nothing
+                              : choice.holds ? PlanQuality::Holds
+                              : arrives      ? PlanQuality::Arrives
+                                             : PlanQuality::Solved;
+  return {std::move(plan), quality};
 }
 
 }  // namespace stillbase

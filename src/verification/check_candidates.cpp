@@ -55,14 +55,18 @@ void check_candidates(const Context& context, ClaimList& claims) {
     const double distance = std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
                                       pose_error(at.base, plan.configuration.base).largest(),
                                       std::abs(at.contact_time - plan.configuration.contact_time)});
-    if (distance < nearest) {
+    if (distance < nearest && at.feature == plan.configuration.feature) {
       nearest = distance;
       chosen = candidate;
     }
     if (candidate.collision_free != candidate.collision.empty()) {
       unsaid.push_back(fmt::format("candidate {}", i));
     }
-    if (const auto hit = contact_hit(problem, scene, at); hit && candidate.collision_free) {
+    // The scene allows touch at the feature that the problem looks at.
+    const bool elsewhere = !at.feature.empty() && at.feature != problem.variables.feature;
+    const CaptureProblem met = elsewhere ? problem_at(problem, at) : problem;
+    const auto hit = contact_hit(met, elsewhere ? CollisionScene(met) : scene, at);
+    if (hit && candidate.collision_free) {
       hits.push_back(fmt::format("candidate {}: {}", i, to_string(*hit)));
     }
   }

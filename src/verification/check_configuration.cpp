@@ -59,6 +59,12 @@ void check_base(const Context& context, ClaimList& claims) {
     const Vector3d off = turn - turn.dot(free.base_attitude_axis) * free.base_attitude_axis;
     excess = std::max(excess, off.norm());
     rule = "turns about the stated axis up to a largest turn";
+  } else if (free.base_attitude == AttitudeFreedom::Cone) {
+    // By the cosine, as the constraint is kept.
+    const Vector3d axis =
+        base.orientation * (stated.orientation.conjugate() * Vector3d(free.base_attitude_axis));
+    excess = std::max(0.0, std::cos(free.base_attitude_max) - axis.dot(free.base_attitude_axis));
+    rule = "its axis stays within the cone about the stated direction";
   }
   claims.at_most("base_attitude", excess, kFixed, "rad", rule);
 

@@ -50,6 +50,7 @@ std::optional<Bounds> bounds_of(const std::string& name, const CaptureProblem& p
   if (name == "base_attitude_squared") {
     return Bounds{0, free.base_attitude_max * free.base_attitude_max};
   }
+  if (name == "base_attitude_cone") return Bounds{std::cos(free.base_attitude_max), infinity};
   if (begins_with(name, "joint_rate_")) {
     const int k = find_joint(problem.robot, name.substr(11));
     if (k < 0) return std::nullopt;
@@ -134,11 +135,12 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
     Plan alone;
     alone.configuration = candidate.configuration;
     const Configuration& at = alone.configuration;
-    const PostureResponse response = posture_response(context.problem, at.phi);
+    const CaptureProblem problem = problem_at(context.problem, at);
+    const PostureResponse response = posture_response(problem, at.phi);
     const auto motion = target_motion(
-        context.problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
-    const ContactEvent event = contact_event(context.problem, motion ? &*motion : nullptr, at);
-    const Context one{alone, context.problem, context.options, motion ? &*motion : nullptr};
+        problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+    const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
+    const Context one{alone, problem, context.options, motion ? &*motion : nullptr};
     ClaimList own;
     check_configuration(one, event, response, own);
     check_margins(one, event, response, own);
@@ -147,8 +149,7 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
       if (claim.pass || claim.name == "closing_speed") continue;
       objections.push_back(fmt::format("candidate {}: {}", i, claim.name));
     }
-    if (!(case_residual(context.problem, response, event) <=
-          context.options.constraint_tolerance)) {
+    if (!(case_residual(problem, response, event) <= context.options.constraint_tolerance)) {
       objections.push_back(fmt::format("candidate {}: case", i));
     }
     if (!(candidate.max_violation >= 0 &&
@@ -160,7 +161,7 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
 }
 
 bool is_same(const Configuration& a, const Configuration& b) {
-  return (a.phi - b.phi).norm() <= kSameConfiguration &&
+  return a.feature == b.feature && (a.phi - b.phi).norm() <= kSameConfiguration &&
          std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
          pose_error(a.base, b.base).largest() <= kSameConfiguration;
 }

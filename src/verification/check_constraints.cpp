@@ -84,6 +84,10 @@ class Recomputation {
         }
       }
     }
+    if (name == "base_attitude_cone") {
+      const Vector3d& direction = problem.variables.base_attitude_axis;
+      return direction.dot(base.orientation * (problem.base.orientation.conjugate() * direction));
+    }
     if (begins_with(name, "joint_rate_")) {
       const int k = find_joint(problem.robot, name.substr(11));
       return k < 0 ? std::nullopt : std::optional(rates_[k]);

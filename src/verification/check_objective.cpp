@@ -50,7 +50,7 @@ void check_nominal_optimum(const Context& context, ClaimList& claims) {
 }  // namespace
 
 ObjectiveNumbers objective_numbers(const Context& context, const Configuration& at) {
-  const CaptureProblem& problem = context.problem;
+  const CaptureProblem problem = problem_at(context.problem, at);
   const PostureResponse response = posture_response(problem, at.phi);
   const auto motion = target_motion(
       problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);

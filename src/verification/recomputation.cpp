@@ -25,6 +25,12 @@ Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n) {
   return added;
 }
 
+CaptureProblem problem_at(const CaptureProblem& problem, const Configuration& at) {
+  CaptureProblem met = problem;
+  if (!at.feature.empty()) met.variables.feature = at.feature;
+  return met;
+}
+
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem) {
   if (!problem.target || problem.variables.feature.empty()) return std::nullopt;
   for (const ContactFeature& feature : problem.target->features) {

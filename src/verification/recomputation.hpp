@@ -10,6 +10,9 @@
 
 namespace stillbase::verification {
 
+/// The problem with the contact feature that a configuration meets.
+CaptureProblem problem_at(const CaptureProblem& problem, const Configuration& at);
+
 /// The chosen contact feature of the problem, if it has one.
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
 

@@ -1,5 +1,6 @@
 #include <stillbase/verification/verification.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -53,12 +54,19 @@ void look_at_problem(const CaptureProblem& problem, Objections& objections) {
   }
 }
 
-void look_at_configuration(const Configuration& at, int n, const std::string& name,
-                           Objections& objections) {
+void look_at_configuration(const Configuration& at, const CaptureProblem& problem,
+                           const std::string& name, Objections& objections) {
+  const int n = problem.robot.n();
+  const VariableSpec& variables = problem.variables;
   objections.demand(at.phi.size() == n && at.phi.allFinite(), name + ".joint_positions");
   objections.demand(is_finite(at.base) && std::abs(at.base.orientation.norm() - 1) <= 1e-9,
                     name + ".base_pose");
   objections.demand(std::isfinite(at.contact_time), name + ".contact_time");
+  const bool known = at.feature.empty() ? variables.features.empty()
+                                        : at.feature == variables.feature ||
+                                              std::count(variables.features.begin(),
+                                                         variables.features.end(), at.feature) > 0;
+  objections.demand(known, name + ".feature");
 }
 
 void look_at_approach(const Approach& approach, int n, Objections& objections) {
@@ -95,10 +103,10 @@ std::vector<std::string> structural_objections(const Plan& plan) {
   Objections objections;
   look_at_problem(plan.problem, objections);
   const int n = plan.problem.robot.n();
-  look_at_configuration(plan.configuration, n, "configuration", objections);
+  look_at_configuration(plan.configuration, plan.problem, "configuration", objections);
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
-    look_at_configuration(plan.candidates[i].configuration, n, fmt::format("candidates[{}]", i),
-                          objections);
+    look_at_configuration(plan.candidates[i].configuration, plan.problem,
+                          fmt::format("candidates[{}]", i), objections);
   }
   for (const auto* boxes : {&plan.certificate.proof.solutions, &plan.certificate.proof.undecided}) {
     for (const JointBox& box : *boxes) {
@@ -119,7 +127,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
   using namespace verification;
   ClaimList claims;
   Verification result;
-  const CaptureProblem& problem = plan.problem;
+  const CaptureProblem problem = problem_at(plan.problem, plan.configuration);
 
   // A group of claims that breaks off counts as failed, and the others are still judged.
   auto group = [&](const std::string& name, auto&& check) {

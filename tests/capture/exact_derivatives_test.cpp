@@ -49,6 +49,12 @@ CaptureProblem rich_problem(Random& random, int trial) {
     problem.variables.base_attitude_axis = random.unit_vector();
   }
   if (trial % 3 == 1) problem.variables.base_attitude_max = 2;
+  if (trial % 5 == 4) {
+    problem.variables.base_attitude = AttitudeFreedom::Cone;
+    problem.variables.base_attitude_axis = random.unit_vector();
+    problem.variables.base_attitude_max = 0.4;
+    problem.base.orientation = rotation_exp(random.unit_vector());
+  }
   if (trial % 4 == 3) problem.variables.base_position = PositionFreedom::Fixed;
   add_shapes(random, problem);
   problem.constraints.joint_rate_max = JointVectord::Constant(problem.robot.n(), 0.01);

@@ -166,6 +166,35 @@ TEST_CASE("a limit on the turn of the base bounds its angle, not each component"
   CHECK(worst() > 0.1);
 }
 
+TEST_CASE("a cone keeps one axis of the base near its direction and leaves the roll free") {
+  Random random(17);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));
+  problem.base.orientation = rotation_exp({0.4, -0.2, 0.9});
+  problem.variables.base_attitude = AttitudeFreedom::Cone;
+  problem.variables.base_attitude_axis = Vector3d(2, -1, 2) / 3;
+  problem.variables.base_attitude_max = 0.3;
+  const Vector3d& axis = problem.variables.base_attitude_axis;
+  const Vector3d in_base = problem.base.orientation.conjugate() * axis;
+  const Formulation formulation(problem);
+  double largest_tilt = 0, largest_turn = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::VectorXd x = some_point(formulation, i);
+    const Eigen::Quaterniond attitude = formulation.configuration(x).base.orientation;
+    const double tilt = std::acos(std::min(1.0, axis.dot(attitude * in_base)));
+    largest_tilt = std::max(largest_tilt, tilt);
+    largest_turn = std::max(largest_turn, attitude.angularDistance(problem.base.orientation));
+    CHECK(tilt <= 0.3 + 1e-12);
+    for (const ConstraintValue& value : formulation.report(x)) {
+      if (value.name != "base_attitude_cone") continue;
+      CHECK(value.value == Approx(std::cos(tilt)).epsilon(1e-12));
+      CHECK(value.lower == std::cos(0.3));
+      CHECK(value.violation <= 1e-12);
+    }
+  }
+  CHECK(largest_tilt > 0.28);
+  CHECK(largest_turn > 3);
+}
+
 TEST_CASE("a free station puts the hand on the contact feature") {
   Random random(15);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));

@@ -43,6 +43,14 @@ TEST_CASE("option values that mean nothing are refused") {
   require_wrong_command_line(shop, "inspect robots/iiwa_on_cube.urdf --state ''", "empty");
 }
 
+TEST_CASE("the front of two quantities is that of one contact feature") {
+  const Workshop shop;
+  require_wrong_command_line(shop,
+                             "plan " + source_path("problems/deos_features.yaml") +
+                                 " -o plan.json --pareto base_angular_momentum,joint_rate_norm",
+                             "variables.feature");
+}
+
 TEST_CASE("an unknown subcommand is named beside the known ones") {
   const Workshop shop;
   require_wrong_command_line(shop, "frobnicate plan.json", "no subcommand 'frobnicate'");

@@ -149,6 +149,38 @@ TEST_CASE("a certificate without a direction left says null and reads back") {
   CHECK(plan_to_json(read_plan(text, "plan.json").plan, kTool) == text);
 }
 
+TEST_CASE("where there is a choice of features a plan says which one each configuration meets") {
+  Random random(8);
+  Plan plan;
+  plan.problem = read_problem(source_path("problems/deos_features.yaml"));
+  const int n = plan.problem.robot.n();
+  const auto at = [&](const std::string& feature) {
+    return Configuration{random_joints(random, n), random_pose(random), 59, feature};
+  };
+  plan.configuration = at("lower_edge");
+  plan.impact.Delta_phidot = plan.impact.Delta_phidot_rns = plan.impact.Delta_phidot_orthogonal =
+      random_joints(random, n);
+  plan.impact.resistance = plan.problem.resistance;
+  plan.objective.terms = {{"base_angular_momentum", 0.3}};
+  plan.nominal_optimum = NominalOptimum{at("upper_edge"), 0.1, 0.2, 0.2};
+  plan.candidates.resize(2);
+  plan.candidates[0].configuration = at("upper_edge");
+  plan.candidates[1].configuration = plan.configuration;
+  const std::string text = plan_to_json(plan, kTool);
+  const Plan again = read_plan(text, "plan.json").plan;
+  CHECK(plan_to_json(again, kTool) == text);
+  CHECK(again.configuration.feature == "lower_edge");
+  CHECK(again.problem.variables.feature == "lower_edge");
+  CHECK(again.problem.variables.features == plan.problem.variables.features);
+  CHECK(again.candidates[0].configuration.feature == "upper_edge");
+  CHECK(again.nominal_optimum->configuration.feature == "upper_edge");
+  auto json = nlohmann::json::parse(text);
+  json["candidates"][0]["feature"] = "side_edge";
+  CHECK(refusal(json.dump()) == "unknown-name");
+  json["candidates"][0].erase("feature");
+  CHECK(refusal(json.dump()) == "missing-key");
+}
+
 TEST_CASE("a proof that contradicts itself is refused") {
   auto json = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
   auto spoiled = json;

@@ -133,6 +133,42 @@ TEST_CASE("margins are read in their units and stay unasked for otherwise") {
   CHECK(scaled.constraints.joint_rate_scale.value() == 0.5);
 }
 
+TEST_CASE("a cone of attitudes is read, with an axis and a size") {
+  const std::string attitude = "{freedom: axis, axis: [0, 0, 2], max: 30 deg}";
+  const CaptureProblem cone =
+      read(replaced(kProblem, attitude, "{freedom: cone, axis: [0, 0, 2], max: 30 deg}"));
+  CHECK(cone.variables.base_attitude == AttitudeFreedom::Cone);
+  CHECK(cone.variables.base_attitude_axis == Vector3d::UnitZ());
+  refuses_change(attitude, "{freedom: cone, axis: [0, 0, 2]}", "missing-key", {"max"});
+  refuses_change(attitude, "{freedom: cone, max: 30 deg}", "missing-key", {"axis"});
+  refuses_change(attitude, "cone", "missing-key", {"axis"});
+  const std::string json = problem_to_json(cone);
+  CHECK(problem_to_json(read_problem_text(json, "copy.json", cone.urdf)) == json);
+}
+
+TEST_CASE("a choice of features is read") {
+  const std::string one = "    - {name: plus_x, point: [0.3, 0.12, 0.06], normal: [1, 0, 0]}\n";
+  const std::string two = one + "    - {name: plus_y, point: [0, 0.3, 0], normal: [0, 1, 0]}\n";
+  const std::string text = replaced(kProblem, one, two);
+  const auto choice = [&](const std::string& names) {
+    return replaced(text, "  joints: [joint_2]\n",
+                    "  joints: [joint_2]\n  feature: " + names + "\n");
+  };
+  const CaptureProblem either = read(choice("[plus_y, plus_x]"));
+  CHECK(either.variables.features == std::vector<std::string>{"plus_y", "plus_x"});
+  CHECK(either.variables.feature == "plus_y");
+  const std::string json = problem_to_json(either);
+  const CaptureProblem again = read_problem_text(json, "copy.json", either.urdf);
+  CHECK(again.variables.features == either.variables.features);
+  CHECK(problem_to_json(again) == json);
+  CHECK(read(choice("[plus_y]")).variables.features.empty());
+  CHECK(read(choice("[plus_y]")).variables.feature == "plus_y");
+  const int line = line_of(choice("[plus_y, plus_z]"), "feature: [");
+  refuses(choice("[plus_y, plus_z]"), line, "unknown-name", {"plus_z"});
+  refuses(choice("[plus_y, plus_y]"), line, "duplicate-name", {"plus_y"});
+  refuses(choice("[]"), line, "wrong-type", {"at least one"});
+}
+
 TEST_CASE("a wedge is refused where something leaves its plane") {
   const std::string flat =
       replaced(replaced(kProblem, "axis: [1, 2, 2], rate", "axis: [0, 0, 1], rate"),

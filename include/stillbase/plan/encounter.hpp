@@ -24,4 +24,7 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, cons
 /// @pre the problem has a target with that feature (the reader has checked it)
 const ContactFeature& chosen_feature(const CaptureProblem& problem);
 
+/// The problem with this feature met; as it is for an empty name.
+CaptureProblem at_feature(CaptureProblem problem, const std::string& feature);
+
 }  // namespace stillbase

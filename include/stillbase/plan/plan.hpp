@@ -16,9 +16,10 @@ std::string to_string(PlanStatus status);
 
 /// Where the robot is at the contact.
 struct Configuration {
-  JointVectord phi;         ///< n
-  Pose base;                ///< T_NB
-  double contact_time = 0;  ///< s
+  JointVectord phi;          ///< n
+  Pose base;                 ///< T_NB
+  double contact_time = 0;   ///< s
+  std::string feature = {};  ///< name of the contact feature that is met; empty: the problem's own
 };
 
 struct ObjectiveValue {

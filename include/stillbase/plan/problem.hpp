@@ -37,20 +37,30 @@ struct ImpulseSpec {
   double restitution = 0;              ///< e in [0, 1]
 };
 
-enum class AttitudeFreedom { Fixed, Axis, Free };
+enum class AttitudeFreedom {
+  Fixed,
+  Axis,  ///< about one axis
+  Cone,  ///< one axis of the base near a direction, the roll about it free
+  Free
+};
 enum class PositionFreedom { Fixed, Box, Free };
 
 /// What the search may change. Everything else stays as stated.
 struct VariableSpec {
   std::vector<bool> joints;  ///< n; false: stays at the start posture
   AttitudeFreedom base_attitude = AttitudeFreedom::Fixed;
-  Vector3d base_attitude_axis = Vector3d::UnitZ();    ///< Axis: unit, in N
+  /// Unit, in N. Axis: the base turns about it. Cone: the axis of the base that points along it in
+  /// the stated attitude stays within base_attitude_max of it.
+  Vector3d base_attitude_axis = Vector3d::UnitZ();
   double base_attitude_max = 3.14159265358979323846;  ///< rad from the stated attitude
   PositionFreedom base_position = PositionFreedom::Fixed;
   Vector3d base_position_lower = Vector3d::Zero();  ///< Box: corners in N, m
   Vector3d base_position_upper = Vector3d::Zero();
   double contact_time_lower = 0, contact_time_upper = 0;  ///< s; equal: fixed
   std::string feature;  ///< name of the contact feature; empty without a target body
+  /// Those that the planner may choose among; empty: `feature` is stated. `feature` is the one that
+  /// is looked at, of a plan the chosen one.
+  std::vector<std::string> features;
 };
 
 enum class ObjectiveQuantity {
