@@ -119,10 +119,10 @@ std::string front_table(const TradeOff& front) {
 std::string front_words(const TradeOff& front) {
   if (front.points.empty()) return "no configuration satisfies the constraints";
   const TradeOffPoint &a = front.points.front(), &b = front.points.back();
-  return fmt::format("{} from {:.4g} to {:.4g} {} buys {} from {:.4g} down to {:.4g} {}{}",
-                     to_string(front.first), a.first, b.first, unit_of(front.first),
-                     to_string(front.second), a.second, b.second, unit_of(front.second),
-                     front.stopped ? " (stopped early, best so far)" : "");
+  return fmt::format("{} from {} to {} {} buys {} from {} down to {} {}{}", to_string(front.first),
+                     size_words(a.first), size_words(b.first), unit_of(front.first),
+                     to_string(front.second), size_words(a.second), size_words(b.second),
+                     unit_of(front.second), front.stopped ? " (stopped early, best so far)" : "");
 }
 
 }  // namespace
