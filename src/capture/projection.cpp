@@ -10,8 +10,8 @@ namespace {
 /// Residual of everything that is violated, with its Jacobian.
 void residual(const Formulation& formulation, const Eigen::VectorXd& x, bool zero_objective,
               Eigen::VectorXd& r, Eigen::MatrixXd& J) {
-  nlp::Evaluation at_x;
-  formulation.evaluate(x, at_x);
+  ScenarioEvaluation at_x;  // of no scenario: the objective may be dear
+  formulation.evaluate_scenarios(x, {}, true, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
   const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);

@@ -121,6 +121,8 @@ std::string to_string(ObjectiveQuantity quantity) {
       return "impulse_magnitude";
     case ObjectiveQuantity::JointRateNorm:
       return "joint_rate_norm";
+    case ObjectiveQuantity::AttitudeTurned:
+      return "attitude_turned";
   }
   return "";
 }
@@ -136,6 +138,8 @@ std::string unit_of(ObjectiveQuantity quantity) {
     case ObjectiveQuantity::BaseAngularVelocity:
     case ObjectiveQuantity::JointRateNorm:
       return "rad/s";
+    case ObjectiveQuantity::AttitudeTurned:
+      return "rad";
   }
   return "";
 }

@@ -25,8 +25,8 @@ constexpr int kMostSteps = 6, kHalvings = 2, kProjections = 20;
 /// Basis of the directions that keep the equations, and the objective where it vanishes.
 Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
                                 bool keep_zero) {
-  nlp::Evaluation at_x;
-  formulation.evaluate(x, at_x);
+  ScenarioEvaluation at_x;  // the constraints alone
+  formulation.evaluate_scenarios(x, {}, true, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
   std::vector<Eigen::Index> equations;
