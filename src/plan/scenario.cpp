@@ -1,5 +1,7 @@
 #include <stillbase/plan/scenario.hpp>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
@@ -155,6 +157,12 @@ std::string objective_name(const CaptureProblem& problem) {
 std::string objective_unit_name(const CaptureProblem& problem) {
   const ObjectiveTerm& first = problem.objective.front();
   return problem.objective.size() == 1 && first.size == 1 ? unit_of(first.quantity) : "1";
+}
+
+bool simulates_turn(const CaptureProblem& problem) {
+  return std::any_of(
+      problem.objective.begin(), problem.objective.end(),
+      [](const ObjectiveTerm& term) { return term.quantity == ObjectiveQuantity::AttitudeTurned; });
 }
 
 }  // namespace stillbase

@@ -195,6 +195,7 @@ class Stage {
                              options_.goal_samples, options_.stop)) {
       Candidate candidate = best;
       candidate.starts_reached = 0;
+      candidate.family = -1;
       Resolved sample = resolve(problem_, x, candidate, found_.certificates[beside]);
       judge_collisions(problem_, scene_, sample.candidate);
       const Configuration at = sample.candidate.configuration;

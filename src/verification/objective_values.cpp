@@ -85,12 +85,6 @@ double attitude_turned(const CaptureProblem& problem, const PostureResponse& res
   return state.base.orientation.angularDistance(result.trace.back().state.base.orientation);
 }
 
-bool simulates_turn(const CaptureProblem& problem) {
-  return std::any_of(
-      problem.objective.begin(), problem.objective.end(),
-      [](const ObjectiveTerm& term) { return term.quantity == ObjectiveQuantity::AttitudeTurned; });
-}
-
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance) {
   return simulates_turn(problem) ? std::max(kIntegratorsAgree, recompute_tolerance)
                                  : recompute_tolerance;

@@ -96,9 +96,6 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
 double attitude_turned(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar, double after, const RobotModel* planned = nullptr);
 
-/// Whether the objective has a term that is simulated.
-bool simulates_turn(const CaptureProblem& problem);
-
 /// The most by which objectives of the problem as predicted may be misstated, relative: two
 /// integrations of one motion agree less well than two evaluations of one formula.
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance);
