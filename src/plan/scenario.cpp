@@ -1,7 +1,6 @@
 #include <stillbase/plan/scenario.hpp>
 
 #include <algorithm>
-
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
