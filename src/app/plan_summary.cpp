@@ -82,6 +82,22 @@ std::string unseen_words(const Certificate& certificate) {
       certificate.unseen);
 }
 
+std::string family_words(const Plan& plan) {
+  int closed = 0, open = 0, starts = 0;
+  for (const SolutionFamily& family : plan.families) {
+    closed += family.is_closed ? 1 : 0;
+    open += family.is_complete ? 0 : 1;
+    starts += family.starts;
+  }
+  const int total = static_cast<int>(plan.families.size());
+  std::string text =
+      fmt::format("{} of zeros of the predicted objective, {} closed, where {} of {} starts ended; "
+                  "listed are the best of each",
+                  count_words(total, "curve", "curves"), closed, starts, plan.certificate.starts);
+  if (open > 0) text += fmt::format(" ({} not followed to the end)", open);
+  return text;
+}
+
 std::string proof_words(const Proof& proof) {
   std::string text = proof.statement;
   if (proof.gap)
@@ -215,6 +231,7 @@ std::string plan_summary(const Plan& plan) {
         plan.certificate.proof.status != ProofStatus::Complete) {
       text += line("unseen", unseen_words(plan.certificate));
     }
+    if (!plan.families.empty()) text += line("families", family_words(plan));
     if (plan.status != PlanStatus::Infeasible) {
       text += line("approach", approach_words(plan.approach));
     }

@@ -260,7 +260,7 @@ std::map<std::string, double> reference_values(const std::vector<RunRecord>& rec
                                                std::map<std::string, double> best) {
   for (const RunRecord& record : records) {
     for (const Improvement& point : record.improvements) {
-      if (!(point.violation <= kBenchmarkViolation)) continue;
+      if (!(point.violation <= kReferenceViolation)) continue;
       const auto [at, is_new] = best.insert({record.request.instance, point.value});
       if (!is_new) at->second = std::min(at->second, point.value);
     }

@@ -136,6 +136,10 @@ struct BenchmarkProgram::Parts {
   Eigen::VectorXd configuration_part(const Eigen::VectorXd& x) const {
     return x.head(formulation.num_variables());
   }
+  Eigen::VectorXd lifted(const Eigen::VectorXd& configuration) const {
+    if (goal != BenchmarkGoal::WorstCase) return configuration;
+    return static_cast<const EpigraphProgram&>(inner()).lifted(configuration);
+  }
 };
 
 BenchmarkProgram::BenchmarkProgram(const BenchmarkInstance& instance)
@@ -181,8 +185,14 @@ Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed) const {
     const ProjectionResult moved = project_onto_constraints(formulation, x, false, kSteps);
     if (best.x.size() == 0 || moved.violation < best.violation) best = moved;
   }
-  if (parts_->goal != BenchmarkGoal::WorstCase) return best.x;
-  return static_cast<const EpigraphProgram&>(parts_->inner()).lifted(best.x);
+  return parts_->lifted(best.x);
+}
+
+Eigen::VectorXd BenchmarkProgram::on_constraints(const Eigen::VectorXd& x) const {
+  constexpr int kSteps = 15;
+  const Eigen::VectorXd configuration = parts_->configuration_part(x);
+  return parts_->lifted(
+      project_onto_constraints(parts_->for_starts(), configuration, false, kSteps).x);
 }
 
 long BenchmarkProgram::model_evaluations() const {

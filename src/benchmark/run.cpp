@@ -100,6 +100,41 @@ Judged judge_point(const BenchmarkInstance& instance, const std::vector<double>&
   return program.judge(x, at_x);
 }
 
+RunRecord refined(const BenchmarkInstance& instance, const RunRecord& record) {
+  RunRecord out = record;
+  out.improvements.clear();
+  if (record.improvements.empty()) return out;
+  const Improvement found = record.improvements.back();
+  if (!(found.violation <= kBenchmarkViolation)) return out;
+  const BenchmarkProgram program(instance);
+  Judged best;
+  Eigen::VectorXd best_x;
+  const auto consider = [&](const Eigen::VectorXd& x) {
+    nlp::Evaluation at_x;
+    program.evaluate_value(x, at_x);
+    const Judged here = program.judge(x, at_x);
+    if (!(here.violation <= kReferenceViolation && here.value < best.value)) return;
+    best = here;
+    best_x = x;
+  };
+  const Eigen::VectorXd x0 =
+      Eigen::Map<const Eigen::VectorXd>(record.best_point.data(), program.num_variables());
+  consider(x0);
+  Eigen::VectorXd x = program.on_constraints(x0);
+  consider(x);
+  x = nlp::make_optimizer("nlopt-slsqp")->minimize(program, x, {}).x;
+  consider(x);
+  consider(program.on_constraints(x));
+  if (best_x.size() == 0) return out;
+  out.improvements = {found};
+  out.improvements.back().value = best.value;
+  out.improvements.back().violation = best.violation;
+  out.best_point.assign(best_x.data(), best_x.data() + best_x.size());
+  const double kkt = nlp::certify(program, best_x).kkt_residual;
+  out.best_kkt_residual = std::isfinite(kkt) ? kkt : -1;
+  return out;
+}
+
 RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& request,
                         const StopCondition& stop) {
   constexpr double kSameSolution = 1e-4;

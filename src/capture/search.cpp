@@ -8,6 +8,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
+#include "capture/families.hpp"
 #include "capture/measure_search.hpp"
 #include "capture/projection.hpp"
 #include "capture/screening.hpp"
@@ -30,6 +31,7 @@ struct Solution {
   double objective = kInfinity;  ///< nominal, or the measure's; 1/2 |y|^2 in objective units
   double violation = kInfinity;
   int reached = 1;
+  int family = -1;  ///< the curve that it is on
 };
 
 double largest_violation(const Formulation& formulation, const Eigen::VectorXd& x) {
@@ -43,7 +45,7 @@ double largest_violation(const Formulation& formulation, const Eigen::VectorXd& 
 Solution judge(const Formulation& formulation, const Eigen::VectorXd& x) {
   nlp::Evaluation at_x;
   formulation.evaluate_value(x, at_x);
-  return {x, at_x.objective, largest_violation(formulation, x), 1};
+  return {x, at_x.objective, largest_violation(formulation, x)};
 }
 
 /// The better of two points: feasible before infeasible, then the lower objective.
@@ -72,8 +74,10 @@ void keep_distinct(const Formulation& formulation, const Solution& found,
   for (Solution& known : solutions) {
     if (formulation.distance(known.x, found.x) > kSameConfiguration) continue;
     const int reached = known.reached + found.reached;
+    const int family = std::max(known.family, found.family);
     if (better(found, known)) known = found;
     known.reached = reached;
+    known.family = family;
     return;
   }
   solutions.push_back(found);
@@ -142,6 +146,7 @@ class Search {
 
   SearchResult run() {
     find_solutions();
+    if (!isolated_) follow_curves();
     out_.unseen = unseen();
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasible;
@@ -222,12 +227,37 @@ class Search {
     }
   }
 
-  /// Good and Turing's estimate: the share of the starts whose solution no other start reached.
+  /// Where the solutions form curves: the best ones of each curve in place of those that the starts
+  /// happened to end at.
+  void follow_curves() {
+    std::vector<FamilyMember> members;
+    for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
+    Families found =
+        follow_families(problem_, formulation_, members, options_.is_free, options_.stop);
+    out_.families = std::move(found.families);
+    out_.stopped = out_.stopped || found.stopped;
+    if (out_.families.empty()) return;
+    solutions_.clear();
+    for (const FamilyMember& member : found.solutions) {
+      Solution solution = judge(formulation_, member.x);
+      solution.reached = member.reached;
+      solution.family = member.family;
+      keep_distinct(formulation_, solution, solutions_);
+      if (better(solution, nearest_)) nearest_ = solution;
+    }
+  }
+
+  /// Good and Turing's estimate: the share of the starts whose solution, or curve of solutions, no
+  /// other start reached.
   double unseen() const {
     int reached = 0, once = 0;
+    const auto count = [&](int starts) {
+      reached += starts;
+      once += starts == 1 ? 1 : 0;
+    };
+    for (const SolutionFamily& family : out_.families) count(family.starts);
     for (const Solution& solution : solutions_) {
-      reached += solution.reached;
-      once += solution.reached == 1 ? 1 : 0;
+      if (solution.family < 0) count(solution.reached);
     }
     return reached > 0 ? static_cast<double>(once) / reached : 1;
   }
@@ -257,8 +287,7 @@ class Search {
   }
 
   void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
-    keep_distinct(formulation_, {x, measure_.value(x), largest_violation(formulation_, x), 1},
-                  minima);
+    keep_distinct(formulation_, {x, measure_.value(x), largest_violation(formulation_, x)}, minima);
   }
 
   /// Goes on from the best minima where the solver stopped short.
@@ -302,6 +331,7 @@ class Search {
       candidate.worst_case = worst_case(problem_, formulation_, candidate.configuration).value;
       candidate.max_violation = solution.violation;
       candidate.starts_reached = solution.reached;
+      candidate.family = solution.family;
       candidate.value = reported(measure_, solution.x, candidate.objective, candidate.worst_case);
       ranked.emplace_back(candidate, solution.x);
     }

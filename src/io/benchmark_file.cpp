@@ -179,7 +179,7 @@ BestKnownTable read_best_known(std::string_view text, const std::string& source)
       entry.at("budget").get_to(best.budget);
       entry.at("command").get_to(best.command);
       if (!(best.value >= 0)) throw std::invalid_argument(instance + ": value must be >= 0");
-      if (!(best.violation <= kBenchmarkViolation)) {
+      if (!(best.violation <= kReferenceViolation)) {
         throw std::invalid_argument(instance + ": the point violates its constraints");
       }
     }
@@ -214,7 +214,7 @@ int improve(BestKnownTable& table, const std::vector<RunRecord>& records) {
   for (const RunRecord& record : records) {
     if (record.improvements.empty()) continue;
     const Improvement& last = record.improvements.back();
-    if (!(last.violation <= kBenchmarkViolation)) continue;
+    if (!(last.violation <= kReferenceViolation)) continue;
     const RunRequest& request = record.request;
     const auto known = table.find(request.instance);
     if (known != table.end() && !(last.value < known->second.value - kBeaten)) continue;

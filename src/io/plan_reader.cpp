@@ -277,8 +277,22 @@ void read_certificate(MapReader& map, const Plan& plan, Certificate& certificate
   fields.finish();
 }
 
+void read_families(MapReader& map, Plan& plan) {
+  read_list(map, "families", [&](const Node& node, const std::string& path) {
+    MapReader fields(map.context(), node, path);
+    SolutionFamily family;
+    fields.number("length", family.length, Dimension::None, kNonNegative, Need::Required);
+    fields.flag("closed", family.is_closed, Need::Required);
+    fields.flag("complete", family.is_complete, Need::Required);
+    fields.integer("starts", family.starts, 0, kMany, Need::Required);
+    fields.finish();
+    plan.families.push_back(family);
+  });
+}
+
 void read_candidates(MapReader& map, Plan& plan) {
   ReadContext& context = map.context();
+  const int last_family = static_cast<int>(plan.families.size()) - 1;
   read_list(map, "candidates", [&](const Node& node, const std::string& path) {
     MapReader fields(context, node, path);
     Candidate candidate;
@@ -289,6 +303,10 @@ void read_candidates(MapReader& map, Plan& plan) {
     fields.number("max_violation", candidate.max_violation, Dimension::None, kNonNegative,
                   Need::Required);
     fields.integer("starts_reached", candidate.starts_reached, 0, kMany, Need::Required);
+    const Node* family = fields.child("family", Need::Required);
+    if (family != nullptr && !is_null(*family)) {
+      fields.integer("family", candidate.family, 0, last_family);
+    }
     fields.flag("collision_free", candidate.collision_free, Need::Required);
     fields.text("collision", candidate.collision, Need::Required);
     fields.finish();
@@ -452,6 +470,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   read_objective(map, plan);
   read_constraints(map, plan);
   read_certificate(map, plan, plan.certificate);
+  read_families(map, plan);
   read_candidates(map, plan);
   read_approach(map, plan);
   read_counts(map, plan);

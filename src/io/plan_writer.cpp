@@ -75,9 +75,17 @@ Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
   json["value"] = number_json(candidate.value);
   json["max_violation"] = number_json(candidate.max_violation);
   json["starts_reached"] = candidate.starts_reached;
+  json["family"] = candidate.family < 0 ? Json(nullptr) : Json(candidate.family);
   json["collision_free"] = candidate.collision_free;
   json["collision"] = candidate.collision;
   return json;
+}
+
+Json family_json(const SolutionFamily& family) {
+  return {{"length", number_json(family.length)},
+          {"closed", family.is_closed},
+          {"complete", family.is_complete},
+          {"starts", family.starts}};
 }
 
 Json approach_json(const Approach& approach) {
@@ -168,6 +176,7 @@ Json plan_json(const Plan& plan, const ToolVersions& tool, const std::vector<Inp
   json["candidates"] = list_json(plan.candidates, [&problem](const Candidate& candidate) {
     return candidate_json(problem, candidate);
   });
+  json["families"] = list_json(plan.families, family_json);
   json["approach"] = approach_json(plan.approach);
   json["solver_calls"] = Json::object();
   for (const auto& [name, calls] : plan.solver_calls) json["solver_calls"][name] = calls;

@@ -44,7 +44,8 @@ int starts_reached(const Plan& plan) {
 
 /// Takes out the sample of a self-motion, which stands behind what the search found.
 std::optional<Candidate> take_sample(std::vector<Candidate>& candidates) {
-  if (candidates.empty() || candidates.back().starts_reached > 0) return std::nullopt;
+  if (candidates.empty()) return std::nullopt;
+  if (candidates.back().starts_reached > 0 || candidates.back().family >= 0) return std::nullopt;
   const Candidate sample = candidates.back();
   candidates.pop_back();
   return sample;
@@ -71,6 +72,10 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
     out.certificate.distinct_solutions += plan.certificate.distinct_solutions;
     std::vector<Candidate> found = plan.candidates;
     take_sample(found);
+    for (Candidate& candidate : found) {
+      if (candidate.family >= 0) candidate.family += static_cast<int>(out.families.size());
+    }
+    out.families.insert(out.families.end(), plan.families.begin(), plan.families.end());
     out.candidates.insert(out.candidates.end(), found.begin(), found.end());
     reached += starts_reached(plan);
     unseen += starts_reached(plan) * plan.certificate.unseen;

@@ -41,7 +41,8 @@ namespace {
 
 /// Search and proof; what the search had missed is added.
 SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
-                              const PlannerOptions& options, Plan& plan, Proof& proof) {
+                              const CollisionScene& scene, const PlannerOptions& options,
+                              Plan& plan, Proof& proof) {
   const auto begin = Clock::now();
   const auto progress = [&](const std::string& what, int done, int total) {
     if (options.on_progress) options.on_progress(what, done, total);
@@ -52,6 +53,12 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   search_options.seed = problem.search.seed;
   search_options.max_candidates = problem.search.max_candidates;
   search_options.stop = options.stop;
+  search_options.is_free = [&](const Configuration& at) {
+    Candidate candidate;
+    candidate.configuration = at;
+    judge_collisions(problem, scene, candidate);
+    return candidate.collision_free;
+  };
   search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
   SearchResult found = search(problem, formulation, search_options);
 
@@ -131,7 +138,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   plan.problem = problem;
   plan.optimizer = problem.search.optimizer;
   Proof proof;
-  SearchResult found = search_and_prove(problem, formulation, options, plan, proof);
+  SearchResult found = search_and_prove(problem, formulation, scene, options, plan, proof);
   for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
 
   const auto approach_begin = Clock::now();
@@ -156,6 +163,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
   }
   plan.candidates = std::move(found.candidates);
+  plan.families = std::move(found.families);
   plan.timing["total"] = seconds_since(begin);
   const bool arrives = plan.approach.status == ApproachStatus::Found ||
                        plan.approach.status == ApproachStatus::NotRequested;

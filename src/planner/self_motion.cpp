@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SVD>
-
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/core/random.hpp>
 
+#include "capture/equations.hpp"
 #include "capture/measure.hpp"
 #include "capture/projection.hpp"
 
@@ -19,36 +18,7 @@ constexpr double kSolved = 1e-9;  ///< largest violation of a configuration
 constexpr double kZero = 1e-9;    ///< an objective that vanishes, over its typical size
 constexpr double kStride = 0.4;   ///< rad of a step of a walk
 constexpr double kApart = 0.2;    ///< rad
-constexpr double kRank = 1e-9;    ///< singular values below this part of the largest are zero
 constexpr int kMostSteps = 6, kHalvings = 2, kProjections = 20;
-
-/// Basis of the directions that keep the equations, and the objective where it vanishes.
-Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
-                                bool keep_zero) {
-  nlp::Evaluation at_x;
-  formulation.evaluate(x, at_x);
-  const Eigen::VectorXd lower = formulation.constraint_lower();
-  const Eigen::VectorXd upper = formulation.constraint_upper();
-  std::vector<Eigen::Index> equations;
-  for (Eigen::Index i = 0; i < lower.size(); ++i) {
-    if (lower[i] == upper[i]) equations.push_back(i);
-  }
-  Eigen::VectorXd y;
-  Eigen::MatrixXd J_y(0, x.size());
-  if (keep_zero) formulation.objective_vector(x, y, J_y);
-  const auto rows = static_cast<Eigen::Index>(equations.size());
-  // Square at least, so that the right singular vectors are all there.
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(std::max(rows + y.size(), x.size()), x.size());
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    J.row(i) = at_x.jacobian.row(equations[static_cast<std::size_t>(i)]);
-  }
-  J.middleRows(rows, y.size()) = J_y;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
-  const Eigen::VectorXd& sizes = svd.singularValues();
-  Eigen::Index rank = 0;
-  while (rank < sizes.size() && sizes[rank] > kRank * sizes[0]) ++rank;
-  return svd.matrixV().rightCols(x.size() - rank);
-}
 
 /// As far as the problem allows in about one direction.
 Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulation,

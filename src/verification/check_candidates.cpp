@@ -13,6 +13,7 @@ namespace {
 // Differences of what a candidate says to what is found.
 struct Differences {
   double objective = 0, worst_case = 0, value = 0;
+  double from_zero = 0;  // of a member of a curve of zeros
 };
 
 Differences judge(const Context& context, const Candidate& candidate) {
@@ -25,7 +26,8 @@ Differences judge(const Context& context, const Candidate& candidate) {
   return {relative_error(candidate.objective, found.nominal, found.scale),
           relative(candidate.worst_case, found.worst_case),
           is_worst_case ? relative(candidate.value, found.measure)
-                        : relative_error(candidate.value, found.measure, found.scale)};
+                        : relative_error(candidate.value, found.measure, found.scale),
+          candidate.family < 0 ? 0 : found.nominal / found.scale};
 }
 
 }  // namespace
@@ -52,6 +54,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
     worst.objective = std::max(worst.objective, found.objective);
     worst.worst_case = std::max(worst.worst_case, found.worst_case);
     worst.value = std::max(worst.value, found.value);
+    worst.from_zero = std::max(worst.from_zero, found.from_zero);
     const double distance = std::max({(at.phi - plan.configuration.phi).cwiseAbs().maxCoeff(),
                                       pose_error(at.base, plan.configuration.base).largest(),
                                       std::abs(at.contact_time - plan.configuration.contact_time)});
@@ -79,6 +82,10 @@ void check_candidates(const Context& context, ClaimList& claims) {
                  problem.measure.kind == RiskMeasure::WorstCase ? options.worst_case_tolerance
                                                                 : options.recompute_tolerance,
                  "1", "largest relative difference to the measure over the candidates");
+  if (!plan.families.empty()) {
+    claims.at_most("families_vanish", worst.from_zero, 1e-8, "1",
+                   "largest predicted objective of a candidate that is on a curve of zeros");
+  }
   claims.none_wrong("candidates_collision_free", hits,
                     "candidates said to be free of collision that touch something");
   claims.none_wrong("candidates_collision_named", unsaid,

@@ -2,6 +2,7 @@
 // status and who found it. All of it is held against the problem, not against itself.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -175,6 +176,7 @@ void check_list(const Context& context, ClaimList& claims) {
   // A sample of the self-motion that the approach leads to stands behind those that were found.
   const bool has_sample = plan.candidates.size() > 1 &&
                           plan.candidates.back().starts_reached == 0 &&
+                          plan.candidates.back().family < 0 &&
                           is_same(plan.candidates.back().configuration, plan.configuration);
   const std::size_t count = plan.candidates.size() - (has_sample ? 1 : 0);
   const std::size_t most = static_cast<std::size_t>(context.problem.search.max_candidates);
@@ -183,13 +185,20 @@ void check_list(const Context& context, ClaimList& claims) {
   const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
   demand(count == std::min(distinct, most),
          fmt::format("{} listed of {} distinct solutions", count, distinct));
-  int reached = 0, once = 0;
+  // How many starts ended at each solution, or on each curve of them.
+  std::vector<int> on_curve(plan.families.size(), 0), ended;
   for (std::size_t i = 0; i < count; ++i) {
     const Candidate& candidate = plan.candidates[i];
-    reached += candidate.starts_reached;
-    once += candidate.starts_reached == 1 ? 1 : 0;
-    demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
+    if (candidate.family < 0) {
+      ended.push_back(candidate.starts_reached);
+      demand(candidate.starts_reached >= 1, fmt::format("{} was reached by no start", i));
+    } else {
+      on_curve[static_cast<std::size_t>(candidate.family)] += candidate.starts_reached;
+    }
   }
+  ended.insert(ended.end(), on_curve.begin(), on_curve.end());
+  const int reached = std::accumulate(ended.begin(), ended.end(), 0);
+  const auto once = std::count(ended.begin(), ended.end(), 1);
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       demand(!is_same(plan.candidates[i].configuration, plan.candidates[j].configuration),
@@ -206,6 +215,11 @@ void check_list(const Context& context, ClaimList& claims) {
     const double unseen = static_cast<double>(once) / std::max(reached, 1);
     demand(std::abs(plan.certificate.unseen - unseen) <= 1e-12,
            fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
+    for (std::size_t i = 0; i < on_curve.size(); ++i) {
+      demand(plan.families[i].starts == on_curve[i],
+             fmt::format("{} starts ended on curve {}, the list gives {}", plan.families[i].starts,
+                         i, on_curve[i]));
+    }
   }
   claims.none_wrong("candidates_list", objections,
                     "every distinct solution once, as many as the problem keeps, and the sample of "

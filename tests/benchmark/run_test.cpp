@@ -68,6 +68,30 @@ TEST_CASE("a run keeps to its budget, repeats, and only ever gets better") {
   }
 }
 
+TEST_CASE("what others are measured against gains nothing from its violation") {
+  const BenchmarkInstance instance = instance_of("ets7", BenchmarkGoal::Nominal);
+  RunRequest request = request_of(instance, "nlopt-auglag-lbfgs");
+  request.budget = 2000;
+  const RunRecord record = run_benchmark(instance, request);
+  REQUIRE(record.improvements.back().violation <= kBenchmarkViolation);
+  REQUIRE(record.improvements.back().violation > kReferenceViolation);
+  const RunRecord exact = refined(instance, record);
+  REQUIRE(exact.improvements.size() == 1);
+  const Improvement& point = exact.improvements.front();
+  const Judged judged = judge_point(instance, exact.best_point);
+  CHECK(judged.value == point.value);
+  CHECK(judged.violation == point.violation);
+  CHECK(point.violation <= kReferenceViolation);
+  // The same minimum, but for what the violation had gained.
+  CHECK(point.value == Approx(record.improvements.back().value).margin(1e-3));
+  CHECK(exact.best_kkt_residual >= 0);
+  CHECK(exact.best_kkt_residual < 1e-6);
+
+  RunRecord off = record;
+  off.improvements.back().violation = 1e-3;
+  CHECK(refined(instance, off).improvements.empty());
+}
+
 TEST_CASE("the programs' derivatives are those of their values") {
   for (const auto& [family, goal] : {std::pair{"planar_two_link", BenchmarkGoal::Case},
                                      std::pair{"iiwa_case", BenchmarkGoal::Case},

@@ -77,7 +77,7 @@ TEST_CASE("best known values change only when they are beaten, and read back the
   RunRecord same = record, violated = record, better = record;
   same.improvements.back().value = 0.5 - 1e-11;
   violated.improvements.back().value = 0.1;
-  violated.improvements.back().violation = 2e-6;
+  violated.improvements.back().violation = 2e-9;
   CHECK(improve(table, {same, violated}) == 0);
   CHECK(best_known_to_json(table) == text);
   better.improvements.back().value = 0.4;

@@ -231,11 +231,11 @@ TEST_CASE("the keys of a plan file stand in their documented order") {
   const auto json = nlohmann::ordered_json::parse(plan_to_json(random_plan(), kTool, "{}"));
   std::vector<std::string> keys;
   for (const auto& item : json.items()) keys.push_back(item.key());
-  CHECK(keys == std::vector<std::string>{"format", "version", "tool", "inputs", "problem", "robot",
-                                         "status", "optimizer", "configuration", "impact",
-                                         "objective", "constraints", "certificate", "candidates",
-                                         "approach", "solver_calls", "content_sha256",
-                                         "verification", "timing"});
+  CHECK(keys == std::vector<std::string>{
+                    "format",    "version",      "tool",           "inputs",        "problem",
+                    "robot",     "status",       "optimizer",      "configuration", "impact",
+                    "objective", "constraints",  "certificate",    "candidates",    "families",
+                    "approach",  "solver_calls", "content_sha256", "verification",  "timing"});
 }
 
 TEST_CASE("a plan keeps the files that it was made from") {

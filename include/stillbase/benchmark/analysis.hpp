@@ -65,7 +65,8 @@ struct BenchmarkAnalysis {
 };
 
 /// What the runs are measured against: the known value of each instance, or that of the records
-/// where it is lower or none is known.
+/// where it is lower or none is known. Of the records only points that are exact to
+/// kReferenceViolation count.
 std::map<std::string, double> reference_values(const std::vector<RunRecord>& records,
                                                std::map<std::string, double> best_known);
 

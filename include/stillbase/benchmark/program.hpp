@@ -41,6 +41,8 @@ class BenchmarkProgram final : public nlp::Problem {
   /// Start point number `index` (from 0) of the sequence that `seed` keys, moved onto the
   /// constraints as the planner's search does (of a case problem the hand's alone).
   Eigen::VectorXd start(int index, std::uint64_t seed) const;
+  /// A point moved onto the constraints by Newton's method, as start() does.
+  Eigen::VectorXd on_constraints(const Eigen::VectorXd& x) const;
   /// Evaluations of the model so far, those for start points included.
   long model_evaluations() const;
   /// @param at_x evaluation of this program at x

@@ -19,6 +19,9 @@ struct Improvement {
 
 /// Largest violation of a point that counts as a solution.
 inline constexpr double kBenchmarkViolation = 1e-6;
+/// Largest violation of a point that others are measured against. Within kBenchmarkViolation a
+/// point can be better than any that is exact, by more than the tightest target.
+inline constexpr double kReferenceViolation = 1e-9;
 
 /// A run that is to be done.
 struct RunRequest {

@@ -18,6 +18,12 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
 /// A record with what is known of a run before it begins.
 RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& request);
 
+/// A run's best point, made exact: moved onto the constraints and down to the local minimum there,
+/// with its KKT residual. The record has this point as its only improvement; none when the run's
+/// best point violates the constraints by more than kBenchmarkViolation, or stays off them by more
+/// than kReferenceViolation.
+RunRecord refined(const BenchmarkInstance& instance, const RunRecord& record);
+
 /// Evaluates a point of an instance anew: value and violation of what a record or a file states.
 Judged judge_point(const BenchmarkInstance& instance, const std::vector<double>& point);
 

@@ -17,6 +17,9 @@ struct SearchOptions {
   std::uint64_t seed = 1;
   int max_candidates = 32;
   std::vector<Eigen::VectorXd> more_starts;  ///< points to start from as well (N each)
+  /// Whether a configuration touches nothing; may be empty. Where solutions form a curve, the best
+  /// of those that touch nothing are listed as well.
+  std::function<bool(const Configuration&)> is_free;
   /// Called after every start with (done, total); may be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;
@@ -26,17 +29,19 @@ struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
   /// Distinct local minima of the problem's measure and of the nominal value that satisfy all
   /// constraints, ranked by the measure (the nominal one: by their worst case); when there is none,
-  /// the single least violated point.
+  /// the single least violated point. Where the zeros of the nominal value form a curve: the local
+  /// minima of the worst case along it.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
+  std::vector<SolutionFamily> families;   ///< curves of zeros of the nominal value
   /// The best of those that the prediction alone would have chosen.
   std::optional<NominalOptimum> nominal_optimum;
   std::vector<Eigen::VectorXd> points;  ///< variables of each candidate
   int starts = 0;                       ///< done
   int distinct_solutions = 0;           ///< before the list was cut
   /// Estimated probability that one more start ends at a solution of the nominal problem that none
-  /// has reached: the share of the starts whose solution was reached once (Good and Turing). Near 1
-  /// where the solutions are no isolated points.
+  /// has reached: the share of the starts whose solution, or curve of solutions, was reached once
+  /// (Good and Turing). Near 1 where more than one direction is open at the solutions.
   double unseen = 1;
   bool stopped = false;  ///< a limit or an interrupt ended the search
   std::map<std::string, long> solver_calls;

@@ -32,7 +32,7 @@ std::vector<RunRecord> read_records(std::string_view text, const std::string& so
 /// Lowest value seen of an instance, with what proves it.
 struct BestKnown {
   double value = 0;
-  double violation = 0;       ///< at most kBenchmarkViolation
+  double violation = 0;       ///< at most kReferenceViolation
   double kkt_residual = -1;   ///< of the point; negative: not known
   std::vector<double> point;  ///< variables of the instance's program
   std::string optimizer;      ///< label of who found it

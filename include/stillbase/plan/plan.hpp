@@ -94,6 +94,14 @@ struct Certificate {
   Proof proof;  ///< of all candidates together
 };
 
+/// Solutions with vanishing predicted objective that form a curve, followed to its ends.
+struct SolutionFamily {
+  double length = 0;  ///< rad, m and s mixed as the variables are
+  bool is_closed = false;
+  bool is_complete = false;  ///< closed, or followed to limits at both ends
+  int starts = 0;            ///< of the search that ended on it
+};
+
 struct Candidate {
   Configuration configuration;
   double objective = 0;  ///< nominal
@@ -103,6 +111,7 @@ struct Candidate {
   bool collision_free = false;  ///< at the contact: arm, base, obstacles, target
   std::string collision;        ///< "a with b" when not
   double value = 0;             ///< of the measure that was minimised
+  int family = -1;              ///< index of the curve that it is on; -1: none was followed
 };
 
 enum class ApproachStatus {
@@ -158,6 +167,7 @@ struct Plan {
   std::vector<ConstraintValue> constraints;
   Certificate certificate;
   std::vector<Candidate> candidates;
+  std::vector<SolutionFamily> families;
   Approach approach;
   std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
   std::map<std::string, double> timing;      ///< s
