@@ -38,6 +38,11 @@ struct ZeroProblem {
   std::vector<SideCondition> side_conditions;
 };
 
+/// The variables, equations and inequalities of a capture problem, whose base attitude is fixed or
+/// free about one axis. Constraints on rates, singular values and clearances are left out.
+/// @param F wrench per unit of impulse in B at the stated base attitude and the first contact time
+ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F);
+
 /// Every zero of the equations that keeps the side conditions within the bounds of the variables.
 /// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of
 /// which holds exactly one; Undecided: every solution is in one of them or in one of `undecided`;
