@@ -336,6 +336,32 @@ TEST_CASE("all three axes of a hand in space, the opposite attitude excluded") {
   CHECK_FALSE(proof.solutions.empty());
 }
 
+TEST_CASE("seven joints that move, of which two or one and the base attitude are free: case C") {
+  // The total momentum does not ask how the joints give way.
+  CaptureProblem problem = shipped("iiwa_case_c");
+  problem.constraints.clearance.reset();
+  problem.hand.constraint = HandConstraint::None;
+  problem.variables.base_attitude = AttitudeFreedom::Fixed;
+  problem.variables.joints.assign(7, false);
+  SECTION("two joints") {
+    problem.variables.joints[0] = problem.variables.joints[1] = true;
+    CHECK(check_against_newton(problem, false, 200).solutions.size() == 2);
+  }
+  SECTION("two others, in vain") {
+    problem.variables.joints[1] = problem.variables.joints[3] = true;
+    const Proof proof = check_against_newton(problem, false, 200);
+    CHECK(proof.solutions.empty());
+    CHECK(proof.statement == "proven: there is no solution within the joint limits");
+  }
+  SECTION("one joint and the base attitude") {
+    problem.variables.joints[3] = true;
+    problem.variables.base_attitude = AttitudeFreedom::Axis;
+    problem.variables.base_attitude_axis = Vector3d(0, 1, 1).normalized();
+    problem.variables.base_attitude_max = M_PI;
+    CHECK(check_against_newton(problem, false, 200).solutions.size() == 2);
+  }
+}
+
 TEST_CASE("what cannot be proven says why") {
   CaptureProblem problem = turning_base("planar_two_link_c2_a");
   const auto says = [&](const std::string& words) {
