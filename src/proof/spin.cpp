@@ -127,6 +127,35 @@ void sum_over(const std::vector<Matrix>& c, double r, Matrix& value, Matrix& rat
   }
 }
 
+/// A turn about a constant axis at a constant rate.
+struct Turning {
+  Matrix3<Number> R, rate;
+};
+
+/// exp([omega x] dt) and its derivative. @param omega not zero
+Turning turning(const Vector3<Number>& omega, const Interval& dt) {
+  const Interval speed = length(omega);
+  Matrix3<Number> K = skew<Number>(omega);
+  for (int i = 0; i < 9; ++i) K.data()[i] /= Number(speed);
+  const Matrix3<Number> K2 = K * K;
+  const Number angle(speed * dt);
+  const Number s = sin(angle), c = cos(angle);
+  Turning out;
+  out.R = K * s + K2 * (Number(1.0) - c);
+  for (int i = 0; i < 3; ++i) out.R(i, i) += Number(1.0);
+  out.rate = Matrix3<Number>(K * c + K2 * s) * Number(speed);
+  return out;
+}
+
+/// Index of the axis of symmetry of a body whose principal axes are those of T; -1: it has none.
+int axis_of_symmetry(const Matrix3d& I) {
+  if (!I.isDiagonal(0)) return -1;
+  for (int e = 0; e < 3; ++e) {
+    if (I((e + 1) % 3, (e + 1) % 3) == I((e + 2) % 3, (e + 2) % 3)) return e;
+  }
+  return -1;
+}
+
 }  // namespace
 
 SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower,
@@ -155,6 +184,16 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   rate_ = length(omega_0_).upper();
   if (constant_rate_) return;
   const Matrix3<Number> I = body.inertia.cast<Number>();
+  symmetry_ = axis_of_symmetry(body.inertia);
+  if (symmetry_ >= 0) {
+    const double across = body.inertia((symmetry_ + 1) % 3, (symmetry_ + 1) % 3);
+    const double along = body.inertia(symmetry_, symmetry_);
+    nutation_.setZero();
+    nutation_[symmetry_] = omega_0_[symmetry_] * (Number(along) - Number(across)) / Number(across);
+    precession_ = omega_0_ + nutation_;
+    if (length(nutation_).lower() > 0) return;
+    symmetry_ = -1;
+  }
   J_ = inverse_of(I);
   const State start{I * omega_0_, R_0};
   momentum_ = kSlack * length(start.L).upper();
@@ -252,14 +291,23 @@ SpinRange SpinEnclosure::over_constant_rate(const Interval& time) const {
   out.omega = omega_0_;
   out.omega_rate.setZero();
   if (rate_ == 0) return out;
-  const Interval speed = length(omega_0_);
-  const Number turn(speed * (time - start_));
-  Matrix3<Number> K = skew<Number>(omega_0_);
-  for (int i = 0; i < 9; ++i) K.data()[i] /= Number(speed);
-  const Matrix3<Number> K2 = K * K;
-  const Number s = sin(turn), c = cos(turn);
-  out.R += out.R * Matrix3<Number>(K * s + K2 * (Number(1.0) - c));
-  out.R_rate = R_0_.cast<Number>() * Matrix3<Number>(K * c + K2 * s) * Number(speed);
+  const Turning turn = turning(omega_0_, time - start_);
+  out.R_rate = out.R * turn.rate;
+  out.R = out.R * turn.R;
+  return out;
+}
+
+SpinRange SpinEnclosure::over_symmetric_body(const Interval& time) const {
+  const Interval dt = time - start_;
+  const Matrix3<Number> R_0 = R_0_.cast<Number>();
+  const Turning outer = turning(precession_, dt);
+  const Turning inner = turning(nutation_, dt);
+  const Matrix3<Number> back = inner.R.transpose(), back_rate = inner.rate.transpose();
+  SpinRange out;
+  out.R = R_0 * Matrix3<Number>(outer.R * back);
+  out.R_rate = R_0 * (Matrix3<Number>(outer.rate * back) + Matrix3<Number>(outer.R * back_rate));
+  out.omega = inner.R * omega_0_;
+  out.omega_rate = nutation_.cross(out.omega);
   return out;
 }
 
@@ -274,6 +322,7 @@ SpinRange SpinEnclosure::over_any_time() const {
 
 SpinRange SpinEnclosure::over(const Interval& time) const {
   if (constant_rate_) return over_constant_rate(time);
+  if (symmetry_ >= 0) return over_symmetric_body(time);
   SpinRange out = over_any_time();
   const double c = middle(time);
   const double r = std::fmax(magnitude(time - c), 0);

@@ -2,8 +2,11 @@
 //
 // Without torque the angular momentum L in T and the attitude R = R_NT obey
 //   L' = L x omega,  R' = R [omega x],  omega = I^-1 L.
-// About a principal axis omega is constant and the turn is written down. Otherwise it is enclosed
-// step by step:
+// About a principal axis omega is constant and the turn is written down. So it is for a body with
+// an axis of symmetry e and the moments A along and B across it (both principal axes of T): with
+// nutation = (A - B)/B (omega_0 . e) e and precession = L_0/B = omega_0 + nutation
+//   R(t) = R_0 exp([precession x] t) exp(-[nutation x] t),  omega(t) = exp([nutation x] t) omega_0.
+// Otherwise the motion is enclosed step by step:
 //  - From a point (a pair of doubles) one step of length h is a Taylor sum in interval arithmetic.
 //    |L| and the rows of R keep their length, so with a = |I^-1| |L| the k-th Taylor coefficients
 //    are at most a^k |L| and a^k at all times (induction over the recurrence): the remainder after
@@ -69,13 +72,16 @@ class SpinEnclosure {
   bool march(const State& start, double end, std::vector<Node>& nodes) const;
   State at_instant(double time) const;
   SpinRange over_constant_rate(const Interval& time) const;
+  SpinRange over_symmetric_body(const Interval& time) const;
   SpinRange over_any_time() const;
 
   bool is_valid_ = true;
   double start_ = 0;  ///< time of the estimate
   double lower_ = 0, upper_ = 0;
   bool constant_rate_ = true;
-  Vector3<Number> omega_0_;  ///< in T
+  int symmetry_ = -1;                      ///< axis of T; -1: none
+  Vector3<Number> precession_, nutation_;  ///< in T, rad/s
+  Vector3<Number> omega_0_;                ///< in T
   Matrix3d R_0_;
   Matrix3<Number> J_;                 ///< I^-1, in T
   double momentum_ = 0;               ///< bound on |L|

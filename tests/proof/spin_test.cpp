@@ -41,6 +41,8 @@ std::vector<Tumbling> examples() {
   const Matrix3d disc = Vector3d(4, 4, 7).asDiagonal();
   Matrix3d turned_box = R * box * R.transpose();
   turned_box = ((turned_box + turned_box.transpose()) / 2).eval();
+  Matrix3d turned_disc = R * disc * R.transpose();
+  turned_disc = ((turned_disc + turned_disc.transpose()) / 2).eval();
   const Vector3d attitude(0.3, 0.2, -0.5);
   return {
       {"at rest", body_of(box), estimate_of(Vector3d::Zero(), attitude)},
@@ -141,12 +143,14 @@ TEST_CASE("a target that tumbles for too long is not enclosed, one that spins is
   const Matrix3d box = Vector3d(3, 4, 5).asDiagonal();
   const TargetState any = estimate_of({0.5, -1, 0.8}, Vector3d::Zero());
   const TargetState spinning = estimate_of({0, 0, 1}, Vector3d::Zero());
+  const Matrix3d disc = Vector3d(7, 4, 4).asDiagonal();
   CHECK_FALSE(SpinEnclosure(body_of(box), any, 0, 2000).is_valid());
   CHECK(SpinEnclosure(body_of(box), spinning, 0, 2000).is_valid());
+  CHECK(SpinEnclosure(body_of(disc), any, 0, 2000).is_valid());
 }
 
 TEST_CASE("beyond the span that was asked for only what holds at all times is said") {
-  const Tumbling example = examples()[4];
+  const Tumbling example = examples()[6];
   const SpinEnclosure spin(example.body, example.estimate, 0, 10);
   const RoundUpward upward;
   const SpinRange out = spin.over(Interval(9, 11));
