@@ -60,8 +60,7 @@ void hold(const BestKnown& known) {
 }
 
 bool is_long(const std::string& problem) {
-  return problem == "deos_client_224" || problem == "deos_features" || problem == "spart_g2" ||
-         problem == "iiwa_case_c";
+  return problem == "deos_client_224" || problem == "deos_features" || problem == "iiwa_case_c";
 }
 
 }  // namespace
