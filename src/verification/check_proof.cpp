@@ -138,8 +138,8 @@ void check_proof(const Context& context, ClaimList& claims) {
   claims.none_wrong("proof_solutions_listed", unlisted,
                     "enclosed solutions that no candidate stands for");
   // With freedom left over, candidates may be local minima at which the objective is not zero.
-  const bool is_whole_list = proof.status == ProofStatus::Complete && !proof.lower_bound &&
-                             !recount.asks_for_zero && recount.not_done.empty();
+  const bool is_whole_list =
+      proof.status == ProofStatus::Complete && !recount.asks_for_zero && recount.not_done.empty();
   for (std::size_t c = 0; is_whole_list && c < boxes_of.size(); ++c) {
     if (boxes_of[c] != 1) {
       unproven.push_back(fmt::format("candidate {} in {} of them", c, boxes_of[c]));
