@@ -232,3 +232,21 @@ TEST_CASE("a spoiled state file is refused with everything that is wrong") {
   CHECK(text_of(findings).find("s.json:3: not-finite") != std::string::npos);
   CHECK(text_of(findings).find("s.json:1: wrong-length") != std::string::npos);
 }
+
+TEST_CASE("a file that says that it is no plan is refused with that alone") {
+  const auto problem = findings_of([&] {
+    const std::string path = source_path("problems/iiwa_cone.yaml");
+    read_plan(file_text(path), path);
+  });
+  REQUIRE(problem.size() == 1);
+  CHECK(problem[0].rule == "format");
+  CHECK(problem[0].line == 4);
+  CHECK(problem[0].message.find("problem file") != std::string::npos);
+  CHECK(problem[0].message.find("stillbase plan") != std::string::npos);
+  const auto verdict = findings_of(
+      [&] { read_plan("{\"format\": \"stillbase.verification\", \"version\": 1}", "v.json"); });
+  REQUIRE(verdict.size() == 1);
+  CHECK(verdict[0].message == "is 'stillbase.verification'; must be 'stillbase.plan'");
+  // One that says nothing, or nonsense, is a bad plan.
+  CHECK(findings_of([&] { read_plan("{\"format\": \"plan\"}", "v.json"); }).size() > 5);
+}
