@@ -1,4 +1,5 @@
-# What `cmake --install` gives: headers, library and its CMake package, the tool, the problem files.
+# What `cmake --install` gives: headers, library and its CMake package, the tool, the problem files and
+# the schemas of all files.
 include(CMakePackageConfigHelpers)
 
 set(STILLBASE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/stillbase)
@@ -11,6 +12,7 @@ endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/io/schema DESTINATION ${CMAKE_INSTALL_DATADIR}/stillbase)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillbaseConfig.cmake.in
   ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake

@@ -19,5 +19,6 @@ void add_verify(CLI::App& app, Action& action);
 void add_campaign(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
+void add_schema(CLI::App& app, Action& action);
 
 }  // namespace stillbase::app

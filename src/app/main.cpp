@@ -34,7 +34,7 @@ Exit codes: 0 done; 1 internal error; 2 command line wrong; 3 input file refused
 4 no configuration satisfies the constraints (the nearest attempt is written); 5 verification failed;
 6 a limit was reached (the best so far is written); 7 reading or writing failed; 8 campaign incomplete;
 9 a configuration, but no approach path to it; 130, 143 stopped by a signal (what was finished is saved).
-Problem files are described in problems/README.md.)";
+Problem files are described in problems/README.md; `stillbase schema` knows the keys of every file.)";
 
 int run(const Action& action) {
   try {
@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   add_campaign(app, action);
   add_bench(app, action);
   add_report(app, action);
+  add_schema(app, action);
   return run([&] {
     check_arguments(app, argc, argv);
     try {

@@ -138,7 +138,7 @@ std::string report_line(const ControllerReport& report) {
   }
   return fmt::format(
       "{:<22} after {:g} s the base turns at {:.3g} deg/s (peak {:.3g}), it turned by {:.3g} deg; "
-      "joint rates {:.3g} rad/s (peak {:.3g})",
+      "joint rates {:.3g} rad/s (norm; the fastest joint reached {:.3g})",
       report.controller, report.horizon, report.residual_base_rate * kDegrees,
       report.peak_base_rate * kDegrees, report.attitude_turned * kDegrees,
       report.residual_joint_rate, report.peak_joint_rate);

@@ -19,6 +19,12 @@ namespace {
 constexpr double kFeasible = 1e-9;
 constexpr std::size_t kStartsOfAKind = 6;
 constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
+/// What counts as having the least of a quantity: so near to it, relative to that value, and, as
+/// the square of a quantity has no gradient at zero that could hold it there, relative to its value
+/// at the other end.
+constexpr double kNearLeast = 1e-6, kNearZero = 1e-5;
+/// What that is worth in the other quantity.
+constexpr double kSame = 1e-4;
 
 CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
   ObjectiveTerm alone{quantity};
@@ -30,7 +36,7 @@ CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity
   return problem;
 }
 
-/// Least second quantity while the first is at most `level`.
+/// Least second quantity while the first is at most `level`, > 0.
 class LimitedProgram final : public nlp::Problem {
  public:
   LimitedProgram(const Formulation& first, const Formulation& second, double level)
@@ -128,17 +134,18 @@ class FrontSearch {
       if (projected.violation <= kFeasible) add(second_.normalised(projected.x));
     }
     if (points_.empty()) return;
+    improve_ends();
     // Upwards from the least first quantity, then downwards: each level starts from what its
     // neighbours found.
-    const auto [least, most] = range();
+    const double lowest = least(&Point::first);
+    const double highest = end(&Point::second, &Point::first).first;
     const int total = 2 * options_.levels;
     for (int step = 0; step < total && !stopped(); ++step) {
       const int k = step < options_.levels ? step : total - 1 - step;
-      // Denser where the first quantity is small: there the second one falls fastest. Never zero:
-      // there the square of the first quantity has no gradient to hold it.
+      // Denser where the first quantity is small: there the second one falls fastest.
       const double part = std::pow(static_cast<double>(k) / (options_.levels - 1), 3);
-      const double level = std::max(least + (most - least) * part, 1e-5 * most);
-      if (level > 0) improve(level);
+      const double level = lowest + (highest - lowest) * part;
+      improve(std::max(level, end_level(&Point::first, &Point::second)));
       if (options_.on_progress) options_.on_progress(step + 1, total);
     }
   }
@@ -146,18 +153,27 @@ class FrontSearch {
   /// Those that no other one beats, with certificates.
   std::vector<TradeOffPoint> front() {
     std::vector<TradeOffPoint> out;
-    const std::vector<Point> points = sorted();
-    if (points.empty()) return {};
-    const auto [least, most] = range();
-    const double same = 1e-6 * (most - least);
-    std::vector<Point> best;
-    for (const Point& point : points) {
-      // Where nothing was solved for, a point may look good only because no other one is near.
-      if (!point.solved && point.first > least + same && point.first != most) continue;
-      if (!best.empty() && !(point.second < best.back().second * (1 - 1e-9))) continue;
-      // Of two that differ by rounding in the first quantity, the one with less of the second.
-      if (!best.empty() && point.first <= best.back().first + same) best.pop_back();
-      best.push_back(point);
+    if (points_.empty()) return {};
+    const Point& start = end(&Point::first, &Point::second);
+    const Point& last = end(&Point::second, &Point::first);
+    const double same = 1e-6 * (last.first - start.first);
+    std::vector<Point> best{start};
+    // The best at each level. Between levels nothing was solved for: there a point may look good
+    // only because no other one is near.
+    std::sort(levels_.begin(), levels_.end());
+    for (const double level : levels_) {
+      const Point* least = nullptr;
+      for (const Point& point : points_) {
+        const bool keeps = point.first <= level * (1 + kNearLeast);
+        if (keeps && (least == nullptr || point.second < least->second)) least = &point;
+      }
+      if (least != nullptr && least->second < best.back().second * (1 - 1e-9) &&
+          least->first > best.back().first + same && least->first < last.first - same) {
+        best.push_back(*least);
+      }
+    }
+    if (last.first > start.first && last.second < best.back().second * (1 - 1e-9)) {
+      best.push_back(last);
     }
     for (const Point& point : best) {
       TradeOffPoint entry;
@@ -179,7 +195,6 @@ class FrontSearch {
   struct Point {
     Eigen::VectorXd x;
     double first, second;
-    bool solved;  ///< least second at a level; the others are starts
   };
 
   bool stopped() {
@@ -187,46 +202,90 @@ class FrontSearch {
     return out_.stopped;
   }
 
-  void add(const Eigen::VectorXd& x, bool solved = false) {
+  void add(const Eigen::VectorXd& x) {
     const Configuration at = first_.configuration(x);
     points_.push_back({x, nominal_value(first_problem_, first_, at),
-                       nominal_value(second_problem_, second_, at), solved});
+                       nominal_value(second_problem_, second_, at)});
   }
 
-  /// By rising first, then second.
-  std::vector<Point> sorted() const {
-    std::vector<Point> out = points_;
-    std::stable_sort(out.begin(), out.end(), [](const Point& a, const Point& b) {
-      return a.first < b.first || (a.first == b.first && a.second < b.second);
-    });
+  using Quantity = double Point::*;
+
+  /// An end of the front: of all points that have the least of a quantity the one with the least of
+  /// another, and of those that are as good as it the one that has really the least.
+  const Point& end(Quantity held, Quantity lowered) const {
+    const double level = end_level(held, lowered);
+    double best = kInfinity;
+    for (const Point& point : points_) {
+      if (point.*held <= level) best = std::min(best, point.*lowered);
+    }
+    const Point* out = nullptr;
+    for (const Point& point : points_) {
+      const bool is_best = point.*held <= level && point.*lowered <= best * (1 + kSame);
+      if (is_best && (out == nullptr || point.*held < out->*held)) out = &point;
+    }
+    return *out;
+  }
+
+  double least(Quantity quantity) const {
+    double out = kInfinity;
+    for (const Point& point : points_) out = std::min(out, point.*quantity);
     return out;
   }
 
-  /// From the least first quantity to that of the point with the least second one.
-  std::pair<double, double> range() const {
-    const std::vector<Point> points = sorted();
-    const auto end =
-        std::min_element(points.begin(), points.end(),
-                         [](const Point& a, const Point& b) { return a.second < b.second; });
-    return {points.front().first, end->first};
+  double end_level(Quantity held, Quantity lowered) const {
+    double at_other_end = 0;
+    const double lowest = least(held), least_other = least(lowered);
+    for (const Point& point : points_) {
+      if (point.*lowered == least_other) at_other_end = point.*held;
+    }
+    return std::max(lowest * (1 + kNearLeast), kNearZero * at_other_end);
   }
 
+  /// Least second quantity with the first at most at the level.
   void improve(double level) {
+    if (level > 0) {
+      levels_.push_back(level);
+      solve(&Point::first, level, &Point::second, LimitedProgram(first_, second_, level));
+    }
+  }
+
+  /// Many configurations may have the least of a quantity, and the search for it ends at any.
+  void improve_ends() {
+    improve_end(&Point::first, &Point::second, first_, second_);
+    improve_end(&Point::second, &Point::first, second_, first_);
+  }
+
+  void improve_end(Quantity held, Quantity lowered, const Formulation& of_held,
+                   const Formulation& of_lowered) {
+    // Half of what counts: a solver is not exact.
+    const double level = (least(held) + end_level(held, lowered)) / 2;
+    if (!(level > 0)) return;
+    const std::size_t before = points_.size();
+    solve(held, level, lowered, LimitedProgram(of_held, of_lowered, level));
+    // From there to what has really the least.
+    const std::size_t found = points_.size();
+    for (std::size_t i = before; i < found && !stopped(); ++i) {
+      const Eigen::VectorXd start = points_[i].x;
+      add_solution(optimizer_->minimize(of_held, start, solve_));
+    }
+  }
+
+  void solve(Quantity held, double level, Quantity lowered, const LimitedProgram& program) {
     // The best of those that keep the level, and the nearest of those that are better but do not.
     std::vector<Point> kept, beyond;
     double best = kInfinity;
     for (const Point& point : points_) {
-      if (point.first > level) continue;
+      if (point.*held > level) continue;
       kept.push_back(point);
-      best = std::min(best, point.second);
+      best = std::min(best, point.*lowered);
     }
     for (const Point& point : points_) {
-      if (point.first > level && point.second < best) beyond.push_back(point);
+      if (point.*held > level && point.*lowered < best) beyond.push_back(point);
     }
     std::stable_sort(kept.begin(), kept.end(),
-                     [](const Point& a, const Point& b) { return a.second < b.second; });
+                     [&](const Point& a, const Point& b) { return a.*lowered < b.*lowered; });
     std::stable_sort(beyond.begin(), beyond.end(),
-                     [](const Point& a, const Point& b) { return a.first < b.first; });
+                     [&](const Point& a, const Point& b) { return a.*held < b.*held; });
     std::vector<Eigen::VectorXd> starts;
     for (const std::vector<Point>& points : {kept, beyond}) {
       const std::size_t most = starts.size() + kStartsOfAKind;
@@ -238,15 +297,17 @@ class FrontSearch {
         if (starts.size() >= most) break;
       }
     }
-    const LimitedProgram program(first_, second_, level);
     for (const Eigen::VectorXd& start : starts) {
       if (stopped()) return;
-      const nlp::OptimizeResult found = optimizer_->minimize(program, start, solve_);
-      ++out_.solver_calls[options_.optimizer];
-      const ProjectionResult exact =
-          project_onto_constraints(second_, second_.normalised(found.x), false, 8);
-      if (exact.violation <= kFeasible) add(exact.x, true);
+      add_solution(optimizer_->minimize(program, start, solve_));
     }
+  }
+
+  void add_solution(const nlp::OptimizeResult& found) {
+    ++out_.solver_calls[options_.optimizer];
+    const ProjectionResult exact =
+        project_onto_constraints(second_, second_.normalised(found.x), false, 8);
+    if (exact.violation <= kFeasible) add(exact.x);
   }
 
   CaptureProblem first_problem_, second_problem_;
@@ -256,6 +317,7 @@ class FrontSearch {
   std::unique_ptr<nlp::Optimizer> optimizer_;
   nlp::OptimizeOptions solve_;
   std::vector<Point> points_;
+  std::vector<double> levels_;  ///< of the first quantity, that were solved at
 };
 
 }  // namespace

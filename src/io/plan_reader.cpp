@@ -88,6 +88,21 @@ void read_optional(MapReader& map, const std::string& key, std::optional<double>
   if (map.number(key, value, Dimension::None)) out = value;
 }
 
+/// Of a file that says that it is something else, nothing more is said than that.
+void refuse_other_format(MapReader& map) {
+  const Node* format = map.child("format");
+  if (format == nullptr || format->text.rfind("stillbase.", 0) != 0 ||
+      format->text == "stillbase.plan") {
+    return;
+  }
+  ReadContext only{map.context().source, {}, {}};
+  only.add(format->line, "format",
+           format->text == "stillbase.problem"
+               ? "this is a problem file; make a plan of it first (stillbase plan)"
+               : fmt::format("is '{}'; must be 'stillbase.plan'", format->text));
+  only.throw_if_any();
+}
+
 ToolVersions read_tool(MapReader& map) {
   ToolVersions tool;
   const Node* node = map.child("tool", Need::Required);
@@ -445,6 +460,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
       parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 200'000});
   MapReader map(context, root, "");
   read_format(map, "stillbase.plan");
+  refuse_other_format(map);
   file.tool = read_tool(map);
   read_inputs(map, file);
   std::optional<std::string> urdf;

@@ -12,6 +12,9 @@ namespace stillbase::io {
 
 namespace {
 
+// The normalised copy states every field, used or not. So a field that has no effect is refused
+// where its value is not the default: a value that was chosen says something.
+
 void read_contact(MapReader& post_impact, ContactSpec& contact) {
   const Node* node = post_impact.child("contact");
   if (node != nullptr && node->kind != Node::Kind::Map) {
@@ -33,7 +36,6 @@ void read_contact(MapReader& post_impact, ContactSpec& contact) {
       contact.damping = value;
   }
   fields.number("friction", contact.friction, Dimension::None, {.lower = 0, .upper = 10});
-  // The normalised copy states every field; a value that was chosen says something.
   const ContactSpec defaults;
   const bool chosen = contact.stiffness != defaults.stiffness || contact.damping ||
                       contact.friction != defaults.friction;
@@ -65,13 +67,20 @@ void read_sensor(MapReader& post_impact, PostImpactSpec& spec) {
   fields.finish();
 }
 
-void read_model(MapReader& post_impact, ControllerModelSpec& model) {
+void read_model(MapReader& post_impact, ContactModel contact, ControllerModelSpec& model) {
   MapReader fields = section(post_impact, "model");
   const Range scale{.lower = 0.01, .upper = 100};
   fields.number("base_mass_scale", model.base_mass_scale, Dimension::None, scale);
   fields.number("arm_mass_scale", model.arm_mass_scale, Dimension::None, scale);
   fields.number("target_mass_scale", model.target_mass_scale, Dimension::None,
                 {.lower = 0, .upper = 100});
+  if (contact != ContactModel::Latch &&
+      model.target_mass_scale != ControllerModelSpec{}.target_mass_scale) {
+    fields.context().add(fields.line_of("target_mass_scale"), "not-used",
+                         fmt::format("{}: the controllers know of a target only where contact "
+                                     "latch holds it",
+                                     fields.path_of("target_mass_scale")));
+  }
   fields.number("friction_scale", model.friction_scale, Dimension::None,
                 {.lower = 0, .upper = 100});
   fields.finish();
@@ -82,6 +91,15 @@ void read_thrusters(MapReader& post_impact, ThrusterSpec& thrusters) {
   fields.number("torque", thrusters.torque, Dimension::Moment, {.lower = 0, .upper = 1e6});
   fields.number("gain", thrusters.gain, Dimension::Rate, {.lower = 0, .upper = 1e3});
   fields.number("dead_band", thrusters.dead_band, Dimension::AngularVelocity, kNonNegative);
+  const ThrusterSpec defaults;
+  for (const auto& [key, is_chosen] :
+       {std::pair("gain", thrusters.gain != defaults.gain),
+        std::pair("dead_band", thrusters.dead_band != defaults.dead_band)}) {
+    if (!is_chosen || thrusters.torque > 0) continue;
+    fields.context().add(
+        fields.line_of(key), "not-used",
+        fmt::format("{}: there are no thrusters without torque", fields.path_of(key)));
+  }
   fields.finish();
 }
 
@@ -126,7 +144,7 @@ void read_post_impact_section(MapReader& map, CaptureProblem& problem) {
   fields.number("handback_gain", spec.handback_gain, Dimension::Rate, kNonNegative);
   read_contact(fields, spec.contact);
   read_sensor(fields, spec);
-  read_model(fields, spec.model);
+  read_model(fields, spec.contact.model, spec.model);
   read_thrusters(fields, spec.thrusters);
   const Need need = spec.controllers.empty() ? Need::Optional : Need::Required;
   fields.number("residual_base_rate_max", spec.residual_base_rate_max, Dimension::AngularVelocity,

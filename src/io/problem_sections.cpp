@@ -322,6 +322,12 @@ void read_approach_section(MapReader& map, CaptureProblem& problem) {
                approach.planner, approach_planner_names(), "planners");
   }
   fields.integer("max_iterations", approach.max_iterations, 1, kManyTimes);
+  // Plans state the default beside every base mode.
+  if (approach.base == BaseMode::ReactionNull && approach.planner != ApproachSpec{}.planner) {
+    map.context().add(fields.line_of("planner"), "not-used",
+                      fmt::format("{}: paths within the reaction null space are found without it",
+                                  fields.path_of("planner")));
+  }
   fields.choice("polish", approach.polish, path_polish_names());
   fields.number("attitude_tolerance", approach.attitude_tolerance, Dimension::Angle,
                 {.lower = 1e-6, .upper = 1});

@@ -1,5 +1,9 @@
 #include "planner/post_impact.hpp"
 
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include <stillbase/plan/encounter.hpp>
 #include <stillbase/simulation/settings.hpp>
 
@@ -12,6 +16,16 @@ bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*
     if (peaks[k] > robot.joints[static_cast<std::size_t>(k)].*limit) return true;
   }
   return false;
+}
+
+/// Half a period of the spring between both bodies is how long a contact lasts without damping.
+std::string endless_contact(const ContactCase& subject, const PostImpactSpec& spec) {
+  const double mass = subject.impulse / ((1 + subject.restitution) * subject.closing_speed);
+  return fmt::format(
+      "hand and target still touch after the horizon of {:.4g} s: a contact of {:.4g} N/m between "
+      "an effective {:.4g} kg lasts about {:.4g} s; post_impact.contact.stiffness is too low",
+      spec.horizon, spec.contact.stiffness, mass,
+      std::acos(-1.0) * std::sqrt(mass / spec.contact.stiffness));
 }
 
 }  // namespace
@@ -62,12 +76,15 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   options.absolute_tolerance = 1e-10;
   options.output_period = spec.horizon;
   options.stop = stop;
-  const SimulationResult result =
-      simulate_after_contact(contact_case(problem, configuration, impact), contact_choice_of(spec),
-                             controller_of(*kind, spec), options)
-          .simulation;
+  const ContactCase subject = contact_case(problem, configuration, impact);
+  const AfterContact run =
+      simulate_after_contact(subject, contact_choice_of(spec), controller_of(*kind, spec), options);
+  const SimulationResult& result = run.simulation;
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
+  if (run.encounter && run.encounter->contact.phase == ContactPhase::Touching) {
+    return endless_contact(subject, spec);
+  }
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
       return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " meets its stop";

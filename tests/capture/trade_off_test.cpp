@@ -66,6 +66,47 @@ TEST_CASE("a front holds no point that another one beats, and both extremes") {
   CHECK(front.points.back().second <= least_second * (1 + 1e-9));
 }
 
+TEST_CASE("of many postures with the least of one quantity, an end has the least of the other") {
+  // Two joints, free: the base takes no momentum along whole curves of postures.
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
+  problem.constraints.impact_case = CaseConstraint::None;
+  TradeOffOptions options;
+  options.starts = 16;
+  options.levels = 6;
+  const TradeOff front = trade_off(problem, ObjectiveQuantity::BaseAngularMomentum,
+                                   ObjectiveQuantity::JointRateNorm, options);
+  const TradeOff turned = trade_off(problem, ObjectiveQuantity::JointRateNorm,
+                                    ObjectiveQuantity::BaseAngularMomentum, options);
+  REQUIRE(front.points.size() > 1);
+  REQUIRE(turned.points.size() > 1);
+
+  problem.measure = {};
+  CaptureProblem of_second = problem;
+  problem.objective = {{ObjectiveQuantity::BaseAngularMomentum}};
+  of_second.objective = {{ObjectiveQuantity::JointRateNorm}};
+  const Formulation first(problem), second(of_second);
+  const double most = front.points.back().first;
+  CHECK(front.points.front().first <= 1e-5 * most);
+  CHECK(turned.points.back().second <= 1e-5 * most);
+  // The least joint rates among the postures near the curves, of many anywhere.
+  double least = kInfinity;
+  for (int i = 0; i < 60000; ++i) {
+    const Eigen::VectorXd x =
+        first.start_point(low_discrepancy_point(i, first.start_dimension(), 5));
+    const Configuration at = first.configuration(x);
+    if (!(nominal_value(problem, first, at) < 5e-3 * most)) continue;
+    bool feasible = true;
+    for (const ConstraintValue& value : first.report(x)) {
+      feasible = feasible && value.violation <= 1e-9;
+    }
+    if (feasible) least = std::min(least, nominal_value(of_second, second, at));
+  }
+  REQUIRE(least < kInfinity);
+  CHECK(front.points.front().second < 1.02 * least);
+  CHECK(turned.points.back().first < 1.02 * least);
+}
+
 TEST_CASE("a trade-off of a quantity with itself makes no sense") {
   const CaptureProblem problem =
       read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");

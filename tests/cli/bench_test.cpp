@@ -157,6 +157,12 @@ TEST_CASE("bench refuses what makes no sense") {
   CHECK(shop.run("bench --suite nothing.yaml").code == 3);
   CHECK(shop.run("report nothing.json").code == 3);
   CHECK(shop.run("report . -o r.html").code == 3);
+  // A problem is not read as a bad plan, line by line.
+  shop.write("problem.yaml", file_text(source_path("problems/planar_two_link_c2_a.yaml")));
+  const Outcome problem = shop.run("report problem.yaml -o r.html");
+  CHECK(problem.code == 3);
+  CHECK(problem.says("this is a problem file; make a plan of it first"));
+  CHECK(std::count(problem.err.begin(), problem.err.end(), '\n') == 1);
 }
 
 TEST_CASE("a plan and a benchmark become one HTML file each that needs nothing from outside") {

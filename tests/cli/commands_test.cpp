@@ -122,6 +122,19 @@ TEST_CASE("a case that does not exist is said not to, with the nearest residual"
   CHECK(outcome.says("proven: there is no solution"));
 }
 
+TEST_CASE("a contact that outlasts the simulation is said to be too soft, with its duration") {
+  const Workshop shop;
+  // Half a period of some 6 kg on 1 N/m is 7 s.
+  shop.write_changed("problem.yaml", "problems/planar_three_link_client.yaml", "  horizon: 10 s\n",
+                     "  horizon: 4 s\n  contact: {model: compliant, stiffness: 1 N/m}\n");
+  const Outcome outcome = shop.run("plan problem.yaml -o plan.json --starts 16");
+  INFO(outcome.err);
+  CHECK(outcome.code == 4);
+  CHECK(outcome.says("still touch after the horizon of"));
+  CHECK(outcome.says("a contact of 1 N/m between an effective"));
+  CHECK(outcome.says("post_impact.contact.stiffness is too low"));
+}
+
 TEST_CASE("a time limit ends the search with exit code 6 and the best so far is written") {
   const Workshop shop;
   const Outcome outcome = shop.run("plan " + quoted(source_path(kProblem)) +

@@ -31,6 +31,7 @@ TEST_CASE(
   CHECK(good.code == 0);
   CHECK(good.out.empty());
   CHECK(good.says("verdict: pass"));
+  CHECK(good.says("(norm; the fastest joint reached"));
   const ordered_json passed = ordered_json::parse(shop.text("verification.json"));
   ordered_json plan = ordered_json::parse(shop.text("plan.json"));
   CHECK(passed.at("format") == "stillbase.verification");

@@ -53,7 +53,7 @@ TEST_CASE("contact, sensors, model and thrusters are read, and the normalised co
   contact: {model: compliant, stiffness: 2e4 N/m, damping: 30 N s/m, friction: 0.2}
   sensor: {base_rate_error: 0.01 deg/s, joint_position_error: 0.001, joint_rate_error: 0.002,
            delay: 0.04 s, seed: 7}
-  model: {base_mass_scale: 1.1, arm_mass_scale: 0.9, target_mass_scale: 0, friction_scale: 0.5}
+  model: {base_mass_scale: 1.1, arm_mass_scale: 0.9, friction_scale: 0.5}
   thrusters: {torque: 2 N m, gain: 0.5, dead_band: 0.01 deg/s}
 )");
   const auto check = [](const PostImpactSpec& spec) {
@@ -69,7 +69,6 @@ TEST_CASE("contact, sensors, model and thrusters are read, and the normalised co
     CHECK(spec.sensor.seed == 7);
     CHECK(spec.model.base_mass_scale == 1.1);
     CHECK(spec.model.arm_mass_scale == 0.9);
-    CHECK(spec.model.target_mass_scale == 0);
     CHECK(spec.model.friction_scale == 0.5);
     CHECK(spec.thrusters.torque == 2);
     CHECK(spec.thrusters.gain == 0.5);
@@ -86,6 +85,8 @@ TEST_CASE("a contact is named by a word alone, and damping follows from the rest
   CHECK(read_with("  contact: compliant\n").post_impact.contact.model == ContactModel::Compliant);
   CHECK_FALSE(read_with("  contact: compliant\n").post_impact.contact.damping);
   CHECK(read_with("  contact: latch\n", "0").post_impact.contact.model == ContactModel::Latch);
+  CHECK(read_with("  contact: latch\n  model: {target_mass_scale: 0}\n", "0")
+            .post_impact.model.target_mass_scale == 0);
   CHECK(read_with("").post_impact.contact.model == ContactModel::Jump);
 }
 
@@ -113,10 +114,22 @@ TEST_CASE("a section that makes no sense is refused with its key") {
       {"  thrusters: {torque: -1}\n", "0.1", "free", "torque"},
       {"  thrusters: {torque: 1 kg}\n", "0.1", "free", "torque"},
       {"  thrusters: 3\n", "0.1", "free", "post_impact.thrusters"},
+      {"  thrusters: {gain: 2}\n", "0.1", "free", "not-used: post_impact.thrusters.gain"},
+      {"  thrusters: {torque: 0, dead_band: 1 deg/s}\n", "0.1", "free",
+       "not-used: post_impact.thrusters.dead_band"},
+      {"  model: {target_mass_scale: 2}\n", "0.1", "free",
+       "not-used: post_impact.model.target_mass_scale"},
+      {"  contact: compliant\n  model: {target_mass_scale: 0}\n", "0.1", "free",
+       "not-used: post_impact.model.target_mass_scale"},
   };
   for (const Bad& bad : bads) {
     const std::string says = refusal(bad.lines, bad.restitution, bad.resistance);
     INFO(bad.lines << says);
     CHECK(says.find(bad.says) != std::string::npos);
   }
+}
+
+TEST_CASE("a field without effect may stand at its default, as it does in every plan") {
+  CHECK(refusal("  thrusters: {torque: 0, gain: 1, dead_band: 0}\n"
+                "  model: {target_mass_scale: 1}\n") == "");
 }

@@ -559,6 +559,7 @@ TEST_CASE("an approach that the base mode cannot have is refused") {
   refuses_approach("{base: reaction-null, station_free: false}", "not-supported",
                    {"approach.station_free"});
   refuses_approach("{base: reaction-null, polish: time}", "not-supported", {"approach.polish"});
+  refuses_approach("{base: reaction-null, planner: kpiece}", "not-used", {"approach.planner"});
   refuses_approach("{planner: rrt}", "unknown-name", {"approach.planner", "ait_star"});
   refuses_approach("{polish: speed}", "unknown-name", {"approach.polish", "attitude, time"});
   refuses_approach("{attitude_tolerance: 0}", "out-of-range", {"approach.attitude_tolerance"});

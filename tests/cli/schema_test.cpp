@@ -1,0 +1,166 @@
+// What the program writes against the schemas that it prints.
+#include <catch2/catch.hpp>
+
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/tool.hpp"
+#include "support/schema_check.hpp"
+
+using namespace stillbase::cli_test;
+using namespace stillbase::test;
+
+namespace {
+
+std::string quoted(const std::string& path) { return "'" + path + "'"; }
+
+std::string shipped(const std::string& name) {
+  return quoted(source_path("problems/" + name + ".yaml"));
+}
+
+/// Documents of one format against its schema: each is accepted, and between them they use every
+/// key but the named ones.
+void require_fit(const Workshop& shop, const std::string& format,
+                 const std::vector<json>& documents, const std::set<std::string>& unused = {}) {
+  const Outcome printed = shop.run("schema " + format);
+  INFO(format << printed.err);
+  REQUIRE(printed.code == 0);
+  const json schema = json::parse(printed.out);
+  SchemaCheck check(schema);
+  std::set<std::string> used;
+  const std::set<std::string> all = places_of(schema).all;
+  for (const json& document : documents) {
+    INFO(document.dump().substr(0, 200));
+    CHECK(check.complaints(document) == "");
+    for (const Place& place : values_of(document)) used.insert(place.name);
+    json stranger = document;
+    stranger["zzz"] = 1;
+    CHECK_FALSE(check.accepts(stranger));
+  }
+  for (const std::string& place : all) {
+    if (place.back() == '*' || place.find('*') != std::string::npos) continue;  // any name
+    INFO("in the schema: " << place);
+    CHECK((used.count(place) == 1) != (unused.count(place) == 1));
+  }
+}
+
+json output(const Outcome& outcome) {
+  INFO(outcome.err);
+  REQUIRE_FALSE(outcome.out.empty());
+  return json::parse(outcome.out);
+}
+
+}  // namespace
+
+TEST_CASE("schema prints the schema of a format, or names them all") {
+  const Workshop shop;
+  const Outcome list = shop.run("schema");
+  CHECK(list.code == 0);
+  for (const char* name : {"problem", "target", "state", "plan", "verification", "analysis",
+                           "suite", "campaign", "simulation", "pareto"}) {
+    INFO(name);
+    CHECK(("\n" + list.out).find("\n" + std::string(name) + " ") != std::string::npos);
+    CHECK(json::parse(shop.run(std::string("schema ") + name).out).contains("properties"));
+  }
+  CHECK(shop.run("schema problem -o problem.schema.json").code == 0);
+  CHECK(shop.text("problem.schema.json") == shop.run("schema problem").out);
+  CHECK(shop.run("schema problem -o problem.schema.json").code == 7);
+  const Outcome wrong = shop.run("schema poem");
+  CHECK(wrong.code == 2);
+  CHECK(wrong.says("no format 'poem'; there are analysis"));
+  CHECK(shop.run("schema definitions").code == 2);
+  CHECK(shop.run("schema -o all.json").code == 2);
+}
+
+TEST_CASE("plans, verdicts and campaigns are what their schemas say") {
+  const Workshop shop;
+  REQUIRE(shop.run("plan " + shipped("planar_two_link_c2_a") + " -o plan.json").code == 0);
+  const json plan = json::parse(shop.text("plan.json"));
+  CHECK(SchemaCheck(json::parse(shop.run("schema plan").out)).complaints(plan) == "");
+  // The copy of the problem is a problem.
+  CHECK(SchemaCheck(json::parse(shop.run("schema problem").out)).complaints(plan.at("problem")) ==
+        "");
+
+  CHECK(shop.run("verify plan.json --trials 8 -o verdict.json").code == 0);
+  json cut = json::parse(shop.text("verdict.json"));
+  cut["interrupted"] = true;
+  require_fit(shop, "verification", {json::parse(shop.text("verdict.json")), cut});
+  json with_verdict = plan;
+  with_verdict["verification"] = cut;
+  CHECK(SchemaCheck(json::parse(shop.run("schema plan").out)).complaints(with_verdict) == "");
+
+  shop.write("problem.yaml", file_text(source_path("problems/planar_two_link_c2_a.yaml")));
+  shop.write("spec.yaml",
+             "format: stillbase.campaign\nversion: 1\nplans: [plan.json]\nproblems: "
+             "[problem.yaml]\ntrials: 4\n");
+  REQUIRE(shop.run("campaign make spec.yaml -o cases.jsonl").code == 0);
+  REQUIRE(shop.run("campaign run cases.jsonl --jobs 2 -o A").code == 0);
+  REQUIRE(shop.run("campaign merge A -o whole.json").code == 0);
+  // A plan that changes after `make` makes its case crash.
+  shop.write("plan.json", shop.text("plan.json") + "\n");
+  REQUIRE(shop.run("campaign run cases.jsonl -o B").code == 0);
+  REQUIRE(shop.run("campaign merge B -o part.json").code == 0);
+  require_fit(shop, "campaign_result",
+              {json::parse(shop.text("whole.json")), json::parse(shop.text("part.json"))});
+}
+
+TEST_CASE("analyses and inspections are what their schemas say") {
+  const Workshop shop;
+  const std::string analyze = "analyze " + shipped("planar_two_link_sweep_a") + " --json";
+  const std::string servo = "impact.joint_resistance_values.";
+  std::set<std::string> unused;
+  for (const char* row : {"rows[]", "joint_resistances[]"}) {
+    if (row[0] == 'r') unused.insert("rows[].illustrative");
+    for (const char* key :
+         {"contact_duration", "damping", "locked", "rotor_inertia", "stiffness"}) {
+      if (row[0] == 'r') unused.insert(std::string(row) + ".joint_resistance_values." + key);
+    }
+  }
+  unused.insert("joint_resistances[].direction_deg");
+  require_fit(shop, "analysis",
+              {output(shop.run(analyze)), output(shop.run(analyze + " --sweep-direction 4"))},
+              unused);
+  shop.write("state.json", R"({"joint_positions": [0.1, -0.2], "impulse": {"force": [1, 2, 0]}})");
+  const std::string inspect = "inspect robots/planar_two_link_a.urdf --json";
+  unused.clear();
+  for (const char* key : {"contact_duration", "damping", "locked", "rotor_inertia", "stiffness"}) {
+    unused.insert(servo + key);
+  }
+  require_fit(shop, "inspection",
+              {output(shop.run(inspect)), output(shop.run(inspect + " --state state.json"))},
+              unused);
+}
+
+TEST_CASE("simulations and contact tables are what their schemas say") {
+  const Workshop shop;
+  shop.write_changed("soft.yaml", "problems/iiwa_client_50.yaml", "post_impact:\n",
+                     "post_impact:\n  contact: {model: compliant, friction: 0.1}\n");
+  require_fit(
+      shop, "simulation",
+      {output(shop.run("simulate soft.yaml --controller rns_damped --json")),
+       output(shop.run("simulate " + shipped("servicer_latch") +
+                       " --controller joint_damping --json")),
+       output(shop.run("simulate " + shipped("planar_two_link_post_impact_a") + " --json"))});
+  require_fit(shop, "contact_table",
+              {output(shop.run("simulate soft.yaml --contact-table --servo 200 5 --json"))});
+}
+
+TEST_CASE("fronts and benchmarks are what their schemas say") {
+  const Workshop shop;
+  REQUIRE(shop.run("plan " + shipped("planar_three_link_null") +
+                   " --starts 8 --pareto base_angular_momentum,joint_rate_norm -o front.json")
+              .code == 0);
+  std::set<std::string> others;
+  for (const char* quantity :
+       {"base_angular_velocity", "total_angular_momentum", "base_momentum", "impulse_magnitude"}) {
+    others.insert(std::string("points[].") + quantity);
+  }
+  require_fit(shop, "pareto", {json::parse(shop.text("front.json"))}, others);
+  REQUIRE(shop.run("bench --suite " + quoted(source_path("bench/suite.yaml")) +
+                   " --select planar_two_link/case/0 --seeds 1 --budget 100 --optimizers "
+                   "nlopt-slsqp -o B")
+              .code == 0);
+  require_fit(shop, "bench", {json::parse(shop.text("B/bench.json"))});
+}
