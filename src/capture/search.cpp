@@ -138,7 +138,8 @@ class Search {
         own_starts_(isolated_ ? 16 * options.starts : options.starts) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
-    solve_.max_evaluations = 1000;  // a local solve needs about 40; creeping is cut off
+    // A local solve needs about 40; creeping is cut off.
+    solve_.max_evaluations = simulates_turn(problem) ? 200 : 1000;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasible;
     solve_.optimality_tolerance = kOptimal;
@@ -146,7 +147,8 @@ class Search {
 
   SearchResult run() {
     find_solutions();
-    if (!isolated_) follow_curves();
+    // A curve takes thousands of evaluations: not where each of them is a simulation.
+    if (!isolated_ && !simulates_turn(problem_)) follow_curves();
     out_.unseen = unseen();
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasible;

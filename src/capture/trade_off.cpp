@@ -21,7 +21,11 @@ constexpr std::size_t kStartsOfAKind = 6;
 constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
 
 CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
-  problem.objective = {{quantity}};
+  ObjectiveTerm alone{quantity};
+  for (const ObjectiveTerm& stated : problem.objective) {
+    if (stated.quantity == quantity) alone.after = stated.after;
+  }
+  problem.objective = {alone};
   problem.measure = {};
   return problem;
 }

@@ -57,7 +57,7 @@ double residual_in(const Context& context, const ContactEvent& event, const Join
       break;
   }
   if (context.plan.certificate.proof.lower_bound) {
-    residual = std::max(residual, objective_value(problem.objective, response, Fbar) /
+    residual = std::max(residual, objective_value(problem, response, Fbar) /
                                       objective_scale(problem.objective, response, Fbar));
   }
   return residual;

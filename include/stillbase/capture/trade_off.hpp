@@ -42,7 +42,7 @@ struct TradeOff {
 };
 
 /// The front of two quantities, both as predicted, under the constraints of the problem. Its own
-/// objective does not count.
+/// objective does not count, but for the time of attitude_turned, which has to be one of its terms.
 ///
 /// @throws std::invalid_argument for equal quantities, fewer than two levels, or an optimizer that
 /// is not in the registry
