@@ -138,7 +138,8 @@ class Search {
         own_starts_(isolated_ ? 16 * options.starts : options.starts) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
-    solve_.max_evaluations = 1000;  // a local solve needs about 40; creeping is cut off
+    // A local solve needs about 40; creeping is cut off.
+    solve_.max_evaluations = simulates_turn(problem) ? 200 : 1000;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasible;
     solve_.optimality_tolerance = kOptimal;

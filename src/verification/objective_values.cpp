@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 /// The planner's fixed steps and the adaptive ones here, relative.
-constexpr double kIntegratorsAgree = 1e-6;
+constexpr double kIntegratorsAgree = 1e-5;
 
 }  // namespace
 

@@ -87,7 +87,7 @@ TEST_CASE("a plan that makes the turn after the impact small is verified, missta
   CHECK_FALSE(verify_plan(misstated).pass);
 }
 
-TEST_CASE("no posture has less of turn and joint rates than the one that is planned") {
+TEST_CASE("no posture has less of turn and joint rates than the best candidate of a plan") {
   CaptureProblem problem = turning_problem();
   problem.objective[0].size = 0.02;
   problem.objective.push_back({ObjectiveQuantity::JointRateNorm, 0.5});
@@ -95,14 +95,17 @@ TEST_CASE("no posture has less of turn and joint rates than the one that is plan
   const Plan plan = make_plan(problem);
   REQUIRE(plan.status == PlanStatus::Optimal);
   CHECK(plan.objective.terms.size() == 2);
-  const double planned = reference_value(problem, plan.configuration);
-  CHECK(planned == Approx(plan.objective.value).epsilon(1e-6));
-  CHECK(planned > 0.01);
+  CHECK(reference_value(problem, plan.configuration) == Approx(plan.objective.value).epsilon(1e-6));
   check_claims(verify_plan(plan));
+  // The plan keeps clear of collisions, the best candidate need not.
+  const Candidate& best = plan.candidates.front();
+  const double planned = reference_value(problem, best.configuration);
+  CHECK(planned == Approx(best.objective).epsilon(1e-6));
+  CHECK(planned > 0.01);
   double least = kInfinity;
   Random random(401);
   for (int i = 0; i < 400; ++i) {
-    Configuration at = plan.configuration;
+    Configuration at = best.configuration;
     // Half of them anywhere, half of them near by.
     for (double& angle : at.phi) {
       angle = i % 2 == 0 ? random.uniform(-M_PI, M_PI) : angle + random.uniform(-0.1, 0.1);
