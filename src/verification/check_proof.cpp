@@ -26,6 +26,12 @@ bool is_near(const RobotModel& robot, const JointBox& box, const Eigen::VectorXd
   return true;
 }
 
+/// Whether the solutions are the postures at which the predicted objective vanishes; otherwise the
+/// equations alone leave single postures.
+bool are_zeros(const Proof& proof) {
+  return proof.statement.find("at which the objective is zero") != std::string::npos;
+}
+
 /// How far the middle of a box is from a solution, relative to the size of the momenta.
 double residual_in(const Context& context, const ContactEvent& event, const JointBox& box) {
   const CaptureProblem& problem = context.problem;
@@ -56,7 +62,7 @@ double residual_in(const Context& context, const ContactEvent& event, const Join
       demand(impact.coupling);
       break;
   }
-  if (context.plan.certificate.proof.lower_bound) {
+  if (are_zeros(context.plan.certificate.proof)) {
     residual = std::max(residual, objective_value(problem.objective, response, Fbar) /
                                       objective_scale(problem.objective, response, Fbar));
   }
@@ -80,16 +86,20 @@ void check_statements(const Plan& plan, ClaimList& claims) {
   demand(complete == proof.undecided.empty(), "undecided boxes do not fit the status");
   demand(proof.boxes >= static_cast<long>(proof.solutions.size() + proof.undecided.size()),
          "fewer boxes were looked at than are listed");
-  demand(!proof.lower_bound || (*proof.lower_bound == 0 && !proof.solutions.empty()),
+  const bool is_bound = proof.lower_bound && *proof.lower_bound > 0;  // see check_bound()
+  demand(!proof.lower_bound || is_bound ||
+             (*proof.lower_bound == 0 && are_zeros(proof) && !proof.solutions.empty()),
          "the lower bound of a zero is zero");
   std::optional<double> least;
   for (const int c : proof.candidates) {
     if (c < 0 || c >= static_cast<int>(plan.candidates.size()) || !proof.lower_bound) continue;
+    if (is_bound) continue;
     const double gap = plan.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
     least = least ? std::min(*least, gap) : gap;
   }
-  demand(least.has_value() == proof.gap.has_value() && (!least || *least == *proof.gap),
-         "the gap is not that of the best candidate");
+  demand(
+      is_bound || (least.has_value() == proof.gap.has_value() && (!least || *least == *proof.gap)),
+      "the gap is not that of the best candidate");
   claims.none_wrong("proof_statement", objections, "words, counts, lower bound and gap fit");
 }
 
@@ -122,6 +132,7 @@ void check_completeness(const Context& context, const ContactEvent& event, Claim
 void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
+  check_bound(context, event, claims);
   if (proof.status == ProofStatus::NotApplicable) return;
   double worst = 0;
   std::vector<std::string> unlisted, unproven;
@@ -143,7 +154,7 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   claims.none_wrong("proof_solutions_listed", unlisted,
                     "enclosed solutions that no candidate stands for");
   // With freedom left over, candidates may be local minima at which the objective is not zero.
-  const bool is_whole_list = proof.status == ProofStatus::Complete && !proof.lower_bound &&
+  const bool is_whole_list = proof.status == ProofStatus::Complete && !are_zeros(proof) &&
                              context.problem.constraints.impact_case != CaseConstraint::None;
   for (std::size_t c = 0; is_whole_list && c < boxes_of.size(); ++c) {
     if (boxes_of[c] != 1) {
