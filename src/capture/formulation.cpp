@@ -33,6 +33,7 @@ Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> us
   }
   std::nth_element(sizes.begin(), sizes.begin() + 7, sizes.end());
   if (sizes[7] > 0) parts_->objective_unit = sizes[7];
+  set_implied_rows_aside();
 }
 
 Formulation::~Formulation() = default;
@@ -235,6 +236,9 @@ std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const
   for (const Row& row : parts.rows) {
     add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
     has_closing_speed = has_closing_speed || row.kind == RowKind::ClosingSpeed;
+  }
+  for (const Row& row : parts.implied_rows) {
+    add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
   }
   if (!has_closing_speed && !hit.magnitude_given) {
     add("closing_speed", hit.closing_speed, parts.problem.constraints.closing_speed_min, kInfinity);

@@ -111,6 +111,7 @@ struct Formulation::Parts {
   Vector3d r_E = Vector3d::Zero();                     ///< contact point from the target's centroid
   Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
   std::vector<Row> rows;
+  std::vector<Row> implied_rows;  ///< hold where the others do: reported, not given to optimizers
   std::optional<Vector3d> hand_point;  ///< stated hand position
   std::vector<ClearancePair> clearances;
   Matrix3d R_ET = Matrix3d::Identity();  ///< axes of the target where it meets the hand

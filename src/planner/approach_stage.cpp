@@ -103,13 +103,25 @@ class Stage {
     return holds;
   }
 
-  /// Each candidate in turn, as far as the options allow.
+  /// Each candidate in turn, as far as the options allow. Where one fails its neighbours mostly do,
+  /// so that they come last.
   void one_by_one() {
     const std::vector<std::size_t>& order = order_.order;
-    for (std::size_t i = 0; i < order.size() && static_cast<int>(i) < options_.max_approaches;
-         ++i) {
+    std::vector<std::size_t> turns, neighbours;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const bool is_new = std::none_of(turns.begin(), turns.end(), [&](std::size_t other) {
+        return are_neighbours(order[i], order[other]);
+      });
+      (is_new ? turns : neighbours).push_back(i);
+    }
+    turns.insert(turns.end(), neighbours.begin(), neighbours.end());
+    if (static_cast<int>(turns.size()) > options_.max_approaches) {
+      turns.resize(static_cast<std::size_t>(options_.max_approaches));
+    }
+    int done = 0;
+    for (const std::size_t i : turns) {
       if (tried_ && options_.stop.reached()) return;
-      progress(static_cast<int>(i));
+      progress(done++);
       const Configuration& goal = found_.candidates[order[i]].configuration;
       const std::optional<TargetMotion> motion = target_at(problem_, goal);
       const std::unique_ptr<ContactAgain> contact = contact_at(order[i]);
@@ -119,6 +131,14 @@ class Stage {
       count_calls(*contact);
       if (take(approach, order[i], contact.get())) return;
     }
+  }
+
+  bool are_neighbours(std::size_t a, std::size_t b) const {
+    constexpr double kNear = 0.3;  // rad
+    const Configuration& first = found_.candidates[a].configuration;
+    const Configuration& second = found_.candidates[b].configuration;
+    return (first.phi - second.phi).cwiseAbs().maxCoeff() < kNear &&
+           first.base.orientation.angularDistance(second.base.orientation) < kNear;
   }
 
   /// All good candidates at once; when none of them is reached, samples of their self-motion as

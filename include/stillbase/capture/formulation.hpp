@@ -95,6 +95,7 @@ class Formulation final : public nlp::Problem {
   /// The encounter as predicted.
   Scenario predicted_scenario() const;
 
+  /// Those that are independent where they hold.
   int num_equations() const;
   /// Degrees of freedom that the equations leave.
   int freedom() const { return num_variables() - num_equations(); }
@@ -128,6 +129,7 @@ class Formulation final : public nlp::Problem {
   struct Parts;
 
  private:
+  void set_implied_rows_aside();
   std::unique_ptr<Parts> parts_;
 };
 

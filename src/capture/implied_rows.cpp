@@ -1,0 +1,113 @@
+// Equations of a case that others imply wherever they hold.
+//
+// The base part of an arm whose joints give way in two directions only is M z with z of two
+// components: three equations, two of which say it all. Away from z = 0 their gradients are
+// independent, at z = 0 they are not, and there sequential quadratic programming stops: the
+// optimizers get two of them. What a plan reports are all.
+#include <Eigen/SVD>
+#include <algorithm>
+
+#include <stillbase/core/random.hpp>
+
+#include "capture/equations.hpp"
+#include "capture/formulation_parts.hpp"
+#include "capture/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kRank = 1e-6;  ///< of the largest singular value, at solutions to 1e-10
+
+bool is_case_row(const Row& row) {
+  return row.kind == RowKind::CaseTotal || row.kind == RowKind::CaseBase ||
+         row.kind == RowKind::CaseCoupling || row.kind == RowKind::CouplingColumn;
+}
+
+/// Singular values over the largest of them.
+Eigen::VectorXd relative_sizes(const Eigen::MatrixXd& J) {
+  const Eigen::VectorXd sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  return sizes / std::max(sizes.maxCoeff(), 1e-300);
+}
+
+/// Jacobians of the equations at a few solutions.
+std::vector<Eigen::MatrixXd> jacobians_at_solutions(const Formulation& formulation) {
+  constexpr int kTrials = 24;
+  constexpr std::size_t kEnough = 8;
+  std::vector<Eigen::MatrixXd> out;
+  for (int trial = 0; trial < kTrials && out.size() < kEnough; ++trial) {
+    const Eigen::VectorXd start =
+        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 1));
+    const ProjectionResult there = project_onto_constraints(formulation, start, false, 40);
+    if (!(there.violation <= 1e-10)) continue;
+    Eigen::VectorXd residual;
+    out.emplace_back();
+    evaluate_equations(formulation, there.x, false, residual, out.back());
+  }
+  return out;
+}
+
+/// How well the rows whose number is not in `left_out` determine the solutions: the middle over the
+/// Jacobians of their smallest relative singular value.
+double independence(const std::vector<Eigen::MatrixXd>& jacobians,
+                    const std::vector<Eigen::Index>& left_out) {
+  std::vector<double> least;
+  for (const Eigen::MatrixXd& J : jacobians) {
+    Eigen::MatrixXd kept(J.rows() - static_cast<Eigen::Index>(left_out.size()), J.cols());
+    Eigen::Index to = 0;
+    for (Eigen::Index i = 0; i < J.rows(); ++i) {
+      if (std::find(left_out.begin(), left_out.end(), i) == left_out.end()) {
+        kept.row(to++) = J.row(i);
+      }
+    }
+    least.push_back(relative_sizes(kept).minCoeff());
+  }
+  std::nth_element(least.begin(), least.begin() + static_cast<long>(least.size() / 2), least.end());
+  return least[least.size() / 2];
+}
+
+}  // namespace
+
+void Formulation::set_implied_rows_aside() {
+  Parts& parts = *parts_;
+  std::vector<Eigen::Index> candidates;  // among the equations
+  std::vector<std::size_t> equations;    // among the rows
+  for (std::size_t i = 0; i < parts.rows.size(); ++i) {
+    if (parts.rows[i].lower != parts.rows[i].upper) continue;
+    if (is_case_row(parts.rows[i]))
+      candidates.push_back(static_cast<Eigen::Index>(equations.size()));
+    equations.push_back(i);
+  }
+  if (candidates.size() < 2) return;
+  const std::vector<Eigen::MatrixXd> jacobians = jacobians_at_solutions(*this);
+  constexpr std::size_t kFewest = 3;
+  if (jacobians.size() < kFewest) return;
+  std::vector<Eigen::Index> left_out;
+  const auto count = static_cast<Eigen::Index>(equations.size());
+  Eigen::Index rank = 0;
+  for (const Eigen::MatrixXd& J : jacobians) {
+    rank = std::max<Eigen::Index>(rank, (relative_sizes(J).array() > kRank).count());
+  }
+  // One after the other: the one without which the rest is most independent.
+  while (count - static_cast<Eigen::Index>(left_out.size()) > rank && !candidates.empty()) {
+    const auto with = [&](Eigen::Index candidate) {
+      std::vector<Eigen::Index> more = left_out;
+      more.push_back(candidate);
+      return independence(jacobians, more);
+    };
+    const auto best =
+        std::max_element(candidates.begin(), candidates.end(),
+                         [&](Eigen::Index a, Eigen::Index b) { return with(a) < with(b); });
+    left_out.push_back(*best);
+    candidates.erase(best);
+  }
+  std::sort(left_out.rbegin(), left_out.rend());
+  for (const Eigen::Index i : left_out) {
+    const auto row = parts.rows.begin() + static_cast<long>(equations[static_cast<std::size_t>(i)]);
+    parts.implied_rows.push_back(*row);
+    parts.rows.erase(row);
+  }
+  parts.evaluations = 0;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,53 @@
+// Equations of a case that others imply where they hold.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include <stillbase/capture/formulation.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/io/problem_file.hpp>
+
+#include "capture/projection.hpp"
+
+namespace stillbase {
+namespace {
+
+CaptureProblem shipped(const std::string& name) {
+  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
+}
+
+}  // namespace
+
+TEST_CASE("two of the three G2 equations of a rank 2 arm are solved, and the third one holds") {
+  CaptureProblem problem = shipped("spart_g2");
+  problem.constraints.clearance.reset();
+  const Formulation formulation(problem);
+  CHECK(formulation.num_equations() == 2);
+  CHECK(formulation.freedom() == 4);
+  int solved = 0;
+  double worst = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::VectorXd start =
+        formulation.start_point(low_discrepancy_point(i, formulation.start_dimension(), 5));
+    const ProjectionResult there = project_onto_constraints(formulation, start, false, 40);
+    if (!(there.violation <= 1e-12)) continue;
+    ++solved;
+    int base_rows = 0;
+    for (const ConstraintValue& value : formulation.report(there.x)) {
+      if (value.name.rfind("case_base_", 0) != 0) continue;
+      ++base_rows;
+      worst = std::max(worst, value.violation);
+    }
+    CHECK(base_rows == 3);
+  }
+  CHECK(solved > 200);
+  CHECK(worst <= 1e-9);
+}
+
+TEST_CASE("equations that are independent where they hold all stay") {
+  CHECK(Formulation(shipped("planar_two_link_c2_a")).num_equations() == 2);
+  // The total momentum (2) and the approach axis (2).
+  CHECK(Formulation(shipped("iiwa_case_c")).num_equations() == 4);
+}
+
+}  // namespace stillbase
