@@ -90,17 +90,17 @@ std::string family_words(const Plan& plan) {
     starts += family.starts;
   }
   const int total = static_cast<int>(plan.families.size());
-  std::string text =
-      fmt::format("{} of zeros of the predicted objective, {} closed, where {} of {} starts ended; "
-                  "listed are the best of each",
-                  count_words(total, "curve", "curves"), closed, starts, plan.certificate.starts);
+  std::string text = fmt::format(
+      "{} of zeros of the predicted objective, {} closed, where {} of {} starts ended; "
+      "listed are the best of each",
+      count_words(total, "curve", "curves"), closed, starts, plan.certificate.starts);
   if (open > 0) text += fmt::format(" ({} not followed to the end)", open);
   return text;
 }
 
 std::string proof_words(const Proof& proof) {
   std::string text = proof.statement;
-  if (proof.gap)
+  if (proof.gap && proof.lower_bound == 0.0)
     text +=
         fmt::format("; gap of the predicted objective to its global minimum {:.3g}", *proof.gap);
   if (proof.boxes > 0) text += fmt::format(" ({} boxes)", proof.boxes);

@@ -10,6 +10,7 @@
 #include <stillbase/plan/encounter.hpp>
 
 #include "planner/approach_stage.hpp"
+#include "planner/best_possible.hpp"
 #include "planner/candidates.hpp"
 #include "planner/completeness.hpp"
 #include "planner/feature_choice.hpp"
@@ -74,6 +75,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     match_candidates(problem, found, proof);
   }
   state_what_was_missed(proof);
+  add_bound(problem, formulation, found, options.stop, proof);
   plan.solver_calls = found.solver_calls;
   plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
   plan.timing["proof"] = seconds_since(proof_begin);

@@ -177,7 +177,10 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
-      group("proof", [&] { check_proof(context, claims); });
+      group("proof", [&] {
+        check_bound(context, event, claims);
+        check_proof(context, claims);
+      });
       group("consistency", [&] { check_consistency(context, claims); });
       group("approach", [&] { check_approach(context, claims); });
       if (options.post_impact) {

@@ -1,0 +1,61 @@
+// A lower bound of a global minimum, by branch and bound with quadratic forms.
+//
+//   min over x of max_k f_k(x), subject to g_j(x) = 0 and x in a box
+//
+// Over a box every f_k and g_j is linear but for a rest of second order. Multiples of the g_j take
+// the slopes out of f_k that the equations forbid to follow, and of several f_k convex
+// combinations are taken, at most as large as their maximum: near a constrained minimum, or a
+// minimum of a maximum, what is left is of second order too, so that the boxes about it need not
+// be small. Any multiples and any combination give a bound; good ones give a good bound.
+//
+// Horst and Tuy, Global Optimization, 1990; Neumaier, Complete search in continuous global
+// optimization, Acta Numerica 13 (2004).
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <stillbase/core/interrupt.hpp>
+
+#include "proof/quadratic.hpp"
+#include "proof/enclose.hpp"
+
+namespace stillbase::proof {
+
+template <int N>
+class Program {
+ public:
+  virtual ~Program() = default;
+  /// The forms of all g_j and f_k where the variables have the forms x. Both lists come empty.
+  virtual void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
+                        std::vector<Quadratic<N>>& values) const = 0;
+};
+
+struct BoundOptions {
+  /// Points above this do not count: the bound is never larger.
+  double cut = std::numeric_limits<double>::infinity();
+  /// A bound that is good enough.
+  double goal = std::numeric_limits<double>::infinity();
+  /// Boxes that are looked at. A count, not a time: the same request gives the same answer
+  /// anywhere.
+  long max_boxes = 20000;
+  double min_width = 1e-9;  ///< boxes below it are not divided any more
+  StopCondition stop = {};  ///< counts as the limit
+};
+
+struct Bound {
+  /// No point of the domain that solves the equations has max_k f_k below this.
+  double lower = -std::numeric_limits<double>::infinity();
+  bool nothing_below_cut = false;  ///< `lower` is the cut: no point reaches it
+  bool limit_reached = false;      ///< before the goal
+  long boxes = 0;                  ///< looked at
+};
+
+/// Two or three variables; of a single one the other has an interval without width.
+/// @param domain boxes that cover it
+/// @pre a RoundUpward stands on the stack
+template <int N>
+Bound bound_below(const Program<N>& program, const std::vector<Box<N>>& domain,
+                  const BoundOptions& options);
+
+}  // namespace stillbase::proof

@@ -1,0 +1,151 @@
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <cmath>
+
+#include "proof/bound.hpp"
+
+namespace stillbase::proof {
+namespace {
+
+template <int N, class F>
+class Written final : public Program<N> {
+ public:
+  explicit Written(F f) : f_(f) {}
+  void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
+                std::vector<Quadratic<N>>& values) const override {
+    f_(x, equations, values);
+  }
+
+ private:
+  F f_;
+};
+
+template <int N, class F>
+Bound bound_of(F f, const Box<N>& domain, const BoundOptions& options) {
+  const RoundUpward upward;
+  return bound_below<N>(Written<N, F>(f), {domain}, options);
+}
+
+template <int N>
+Box<N> cube(double low, double high) {
+  Box<N> box;
+  for (int i = 0; i < N; ++i) box[i] = Interval(low, high);
+  return box;
+}
+
+/// Two valleys, one deeper than the other by 4e-3 only.
+constexpr auto kTwoValleys = [](const auto& x, auto&, auto& values) {
+  const auto u = square(x[0]) - 1.0;
+  values.push_back(square(u) + square(x[1] - x[0] * 0.5) + x[0] * 2e-3 + 1.0);
+};
+double two_valleys(double x, double y) {
+  return std::pow(x * x - 1, 2) + std::pow(y - 0.5 * x, 2) + 2e-3 * x + 1;
+}
+
+}  // namespace
+
+TEST_CASE("of two nearly equal minima the lower one is the bound") {
+  double least = 10;
+  for (int i = 0; i <= 400; ++i) {
+    for (int j = 0; j <= 250; ++j) {
+      least = std::min(least, two_valleys(-2 + 0.01 * i, -1 + 0.01 * j));
+    }
+  }
+  const Bound bound =
+      bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = least * (1 - 1e-5)});
+  CAPTURE(bound.boxes);
+  CHECK(bound.lower <= least);
+  CHECK(bound.lower >= least * (1 - 1e-5));
+  CHECK_FALSE(bound.limit_reached);
+  CHECK_FALSE(bound.nothing_below_cut);
+  // With the value of the other valley for the best known one the bound is not fooled.
+  const double other = two_valleys(1, 0.5);
+  const Bound wrong = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = other, .goal = other});
+  CHECK(wrong.lower <= least);
+}
+
+TEST_CASE("where nothing reaches the best known value that is said") {
+  const Bound bound = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 0.9, .goal = 0.89});
+  CHECK((bound.nothing_below_cut || bound.lower >= 0.89));
+  const Bound to_the_end = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 0.9});
+  CHECK(to_the_end.nothing_below_cut);
+  CHECK(to_the_end.lower == 0.9);
+}
+
+TEST_CASE("a minimum on a curve is bounded to the curve, not to the box") {
+  // x + 2 y on the unit circle: at least -sqrt 5.
+  const auto circle = [](const auto& x, auto& equations, auto& values) {
+    equations.push_back(square(x[0]) + square(x[1]) - 1.0);
+    values.push_back(x[0] + x[1] * 2.0);
+  };
+  const double least = -std::sqrt(5.0);
+  const Bound bound = bound_of<2>(circle, cube<2>(-3, 3.1), {.cut = 0, .goal = least - 1e-6});
+  CAPTURE(bound.boxes);
+  CHECK(bound.lower <= least);
+  CHECK(bound.lower >= least - 1e-6);
+  CHECK(bound.boxes < 400);
+}
+
+TEST_CASE("two surfaces of a space leave a curve, on which the bound is sharp") {
+  const auto curve = [](const auto& x, auto& equations, auto& values) {
+    equations.push_back(square(x[0]) + square(x[1]) + square(x[2]) - 1.0);
+    equations.push_back(x[0] + x[1] + x[2]);
+    values.push_back(sin(x[0]) + x[1] * 0.3 + 2.0);
+  };
+  double least = 10;
+  const Eigen::Vector3d u = Eigen::Vector3d(1, -1, 0).normalized();
+  const Eigen::Vector3d v = Eigen::Vector3d(1, 1, -2).normalized();
+  for (int i = 0; i < 100000; ++i) {
+    const Eigen::Vector3d x = std::cos(2e-5 * M_PI * i) * u + std::sin(2e-5 * M_PI * i) * v;
+    least = std::min(least, std::sin(x[0]) + 0.3 * x[1] + 2.0);
+  }
+  const Bound bound =
+      bound_of<3>(curve, cube<3>(-2, 2.1), {.cut = 1.5, .goal = least * (1 - 1e-5)});
+  CAPTURE(bound.boxes);
+  CHECK(bound.lower <= least);
+  CHECK(bound.lower >= least * (1 - 1e-5));
+  CHECK(bound.boxes < 2000);
+}
+
+TEST_CASE("the least maximum of several functions is bounded by their mixtures") {
+  // max of three paraboloids about the corners of a triangle: least in its middle.
+  const auto corners = [](const auto& x, auto&, auto& values) {
+    for (const double angle : {0.3, 2.4, 4.5}) {
+      values.push_back(square(x[0] - std::cos(angle)) + square(x[1] - std::sin(angle)));
+    }
+  };
+  const Bound bound = bound_of<2>(corners, cube<2>(-2, 2.1), {.cut = 1.01, .goal = 1 - 1e-6});
+  CAPTURE(bound.boxes);
+  CHECK(bound.lower <= 1 + 1e-12);
+  CHECK(bound.lower >= 1 - 1e-6);
+}
+
+TEST_CASE("limits and interrupts leave a bound that holds, and the same request the same answer") {
+  const Bound cut_short =
+      bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .max_boxes = 40});
+  CHECK(cut_short.limit_reached);
+  CHECK(cut_short.lower <= two_valleys(-1, -0.5));
+  CHECK(std::isfinite(cut_short.lower));
+  std::atomic<bool> interrupted = true;
+  const Bound stopped = bound_of<2>(
+      kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .stop = {.interrupted = &interrupted}});
+  CHECK(stopped.limit_reached);
+  CHECK(stopped.lower <= cut_short.lower);
+  const Bound again =
+      bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .max_boxes = 40});
+  CHECK(again.lower == cut_short.lower);
+  CHECK(again.boxes == cut_short.boxes);
+}
+
+TEST_CASE("equations without a solution leave nothing") {
+  const auto apart = [](const auto& x, auto& equations, auto& values) {
+    equations.push_back(square(x[0]) + square(x[1]) - 1.0);
+    equations.push_back(x[0] + x[1] - 1.5);
+    values.push_back(x[0]);
+  };
+  const Bound bound = bound_of<2>(apart, cube<2>(-2, 2), {.cut = 5, .goal = 4});
+  CHECK(bound.nothing_below_cut);
+}
+
+}  // namespace stillbase::proof
