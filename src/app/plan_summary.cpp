@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -90,10 +91,14 @@ std::string family_words(const Plan& plan) {
     starts += family.starts;
   }
   const int total = static_cast<int>(plan.families.size());
+  std::set<int> listed;
+  for (const Candidate& candidate : plan.candidates) listed.insert(candidate.family);
+  listed.erase(-1);
   std::string text = fmt::format(
       "{} of zeros of the predicted objective, {} closed, where {} of {} starts ended; "
-      "listed are the best of each",
-      count_words(total, "curve", "curves"), closed, starts, plan.certificate.starts);
+      "listed are the best of {}",
+      count_words(total, "curve", "curves"), closed, starts, plan.certificate.starts,
+      static_cast<int>(listed.size()) == total ? "each" : fmt::format("{} of them", listed.size()));
   if (open > 0) text += fmt::format(" ({} not followed to the end)", open);
   return text;
 }

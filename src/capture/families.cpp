@@ -30,7 +30,6 @@ class RatedCurve {
     for (const CurvePoint& point : curve_.points) values_.push_back(value_at(point.x));
   }
 
-  const SolutionCurve& curve() const { return curve_; }
   std::size_t size() const { return values_.size(); }
 
   bool is_flat() const {
@@ -95,11 +94,34 @@ class RatedCurve {
 
   const Eigen::VectorXd& point(std::size_t i) const { return curve_.points[i].x; }
 
-  /// The sample nearest before a value of arc.
-  std::size_t sample_at(double arc) const {
-    std::size_t i = 0;
-    while (i + 1 < size() && curve_.points[i + 1].arc <= arc) ++i;
-    return i;
+  std::size_t nearest_sample(const Eigen::VectorXd& x) const {
+    const auto apart = [&](const CurvePoint& point) {
+      return formulation_.normalised(point.x - x).squaredNorm();
+    };
+    return static_cast<std::size_t>(std::min_element(curve_.points.begin(), curve_.points.end(),
+                                                     [&](const CurvePoint& a, const CurvePoint& b) {
+                                                       return apart(a) < apart(b);
+                                                     }) -
+                                    curve_.points.begin());
+  }
+
+  /// The middle sample of each stretch of a curve in which `counts` holds.
+  std::vector<std::size_t> middles(const std::vector<bool>& counts) const {
+    const std::size_t n = size();
+    const auto gap = std::find(counts.begin(), counts.end(), false);
+    if (gap == counts.end()) return {n / 2};
+    // From a gap on, so that no stretch of a closed curve is cut in two.
+    const std::size_t from = curve_.is_closed ? static_cast<std::size_t>(gap - counts.begin()) : 0;
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0, length = 0; k <= n; ++k) {
+      if (k < n && counts[(from + k) % n]) {
+        ++length;
+      } else if (length > 0) {
+        out.push_back((from + k - length + length / 2) % n);
+        length = 0;
+      }
+    }
+    return out;
   }
 
  private:
@@ -130,23 +152,29 @@ class RatedCurve {
 std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& formulation,
                                   const std::vector<FamilyMember>& members,
                                   const std::function<bool(const Configuration&)>& is_free) {
-  if (curve.is_flat()) return members;
   const int family = members.front().family;
   std::vector<FamilyMember> out;
+  std::vector<bool> free(curve.size(), true);
+  for (std::size_t i = 0; i < curve.size() && is_free; ++i) {
+    free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
+  }
+  if (curve.is_flat()) {
+    for (const std::size_t i : curve.middles(free)) {
+      out.push_back({formulation.normalised(curve.point(i)), 0, family});
+    }
+    if (out.empty()) out.push_back(members.front());
+    out.front().reached = 0;
+    for (const FamilyMember& member : members) out.front().reached += member.reached;
+    return out;
+  }
   const std::vector<bool> all(curve.size(), true);
   const std::vector<std::size_t> bottoms = curve.bottoms(all);
   std::vector<int> reached(curve.size(), 0);
   for (const FamilyMember& member : members) {
-    const double arc = place_on(formulation, curve.curve(), member.x).value_or(0);
-    reached[curve.bottom_below(curve.sample_at(arc), bottoms)] += member.reached;
+    reached[curve.bottom_below(curve.nearest_sample(member.x), bottoms)] += member.reached;
   }
   for (const std::size_t i : bottoms) {
     out.push_back({formulation.normalised(curve.minimum_at(i)), reached[i], family});
-  }
-  if (!is_free) return out;
-  std::vector<bool> free(curve.size());
-  for (std::size_t i = 0; i < curve.size(); ++i) {
-    free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
   }
   for (const std::size_t i : curve.bottoms(free)) {
     if (std::find(bottoms.begin(), bottoms.end(), i) != bottoms.end()) continue;

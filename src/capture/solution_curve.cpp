@@ -122,7 +122,7 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
       if (h < kShortestStep) return out;
       continue;
     }
-    if (at.arc > 2 * kLongestStep && at.tangent.dot(start.tangent) > 0) {
+    if (at.arc > 10 * kSamePoint && at.tangent.dot(start.tangent) > 0) {
       if (const auto closing = step_to(formulation, at, start.x, h)) {
         out.closing_step = std::max(*closing, 0.0);
         out.is_complete = true;
@@ -169,6 +169,11 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.points.push_back({point.x, point.tangent, before + point.arc});
   }
   curve.is_complete = ahead.is_complete && back.is_complete;
+  // The way back was measured along the tangents at the other ends of its steps.
+  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+    const CurvePoint& last = curve.points[i - 1];
+    curve.points[i].arc = last.arc + last.tangent.dot(curve.points[i].x - last.x);
+  }
   curve.length = curve.points.back().arc;
   return curve;
 }
@@ -177,7 +182,6 @@ std::optional<double> place_on(const Formulation& formulation, const SolutionCur
                                const Eigen::VectorXd& x) {
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const bool is_last = i + 1 == curve.points.size();
-    if (is_last && !curve.is_closed && i > 0) break;
     const double next = is_last ? curve.length : curve.points[i + 1].arc;
     if (const auto h = step_to(formulation, curve.points[i], x, next - curve.points[i].arc)) {
       return std::clamp(curve.points[i].arc + *h, 0.0, curve.length);

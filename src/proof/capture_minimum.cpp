@@ -107,6 +107,7 @@ std::string minimum_objection(const CaptureProblem& problem) {
       problem.measure.kind == RiskMeasure::Cvar) {
     return "the measure is a mean over samples";
   }
+  if (simulates_turn(problem)) return "the turn after the impact is simulated";
   if (hand_is_held(problem) && !problem.hand.position) return "the hand meets a moving target";
   const long free = std::count(variables.joints.begin(), variables.joints.end(), true);
   if (free < 1 || free > 3) {

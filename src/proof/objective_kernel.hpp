@@ -238,6 +238,8 @@ class ImpactForms {
       case ObjectiveQuantity::JointRateNorm:
         for (int i = 0; i < joints_; ++i) use(at.x[i]);
         break;
+      case ObjectiveQuantity::AttitudeTurned:
+        break;  // simulated: minimum_objection() refuses it
     }
   }
 

@@ -146,7 +146,9 @@ TEST_CASE("a curve ends where a joint meets its limit") {
       const double slack = std::min((end.array() + 1.2).minCoeff(), (1.4 - end.array()).minCoeff());
       CHECK(slack >= -1e-12);
       CHECK(slack <= 1e-6);
+      CHECK(place_on(formulation, curve, end).has_value());
     }
+    CHECK(place_on(formulation, curve, curve.points.back().x).value() == Approx(curve.length));
   }
   CHECK(has_open_one);
 }
@@ -173,6 +175,36 @@ TEST_CASE("of the part of a curve that touches nothing the best is listed") {
   CHECK(result.candidates.front().worst_case == Approx(best.worst_case));
   CHECK(listed > best.worst_case);
   CHECK(listed <= least * 1.1);  // the samples of a curve are 0.05 apart
+}
+
+TEST_CASE("where no direction is uncertain a curve is one candidate for each part that is free") {
+  CaptureProblem problem = three_link_c2();
+  problem.uncertainty = {};
+  const Formulation formulation(problem);
+  const SearchResult result = solutions_of(problem, formulation);
+  REQUIRE(result.families.size() >= 2);
+  CHECK(result.candidates.size() == result.families.size());
+  int starts = 0;
+  for (const Candidate& candidate : result.candidates) starts += candidate.starts_reached;
+  CHECK(starts == result.starts);
+
+  const auto is_free = [](const Configuration& at) { return at.phi[1] > 0.5; };
+  const SearchResult partly = solutions_of(problem, formulation, is_free);
+  int parts = 0;
+  for (std::size_t i = 0; i < partly.families.size(); ++i) {
+    const SolutionCurve curve = curves_of(formulation, partly)[i];
+    bool has_free = false;
+    for (const CurvePoint& point : curve.points) {
+      has_free = has_free || is_free(formulation.configuration(formulation.normalised(point.x)));
+    }
+    const auto listed = std::count_if(
+        partly.candidates.begin(), partly.candidates.end(), [&](const Candidate& candidate) {
+          return candidate.family == static_cast<int>(i) && is_free(candidate.configuration);
+        });
+    CHECK((listed > 0) == has_free);
+    parts += static_cast<int>(listed);
+  }
+  CHECK(parts > 0);
 }
 
 TEST_CASE("isolated solutions belong to no curve") {
