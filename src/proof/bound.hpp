@@ -17,8 +17,8 @@
 
 #include <stillbase/core/interrupt.hpp>
 
-#include "proof/quadratic.hpp"
 #include "proof/enclose.hpp"
+#include "proof/quadratic.hpp"
 
 namespace stillbase::proof {
 

@@ -19,7 +19,8 @@ constexpr double kBestIsKnownTo = 1e-6;
 /// Directions are unit vectors but for rounding.
 constexpr double kUnitVector = 1e-12;
 
-/// How the variables of the search become a posture. One that is not needed stays at zero.
+/// How the variables of the search become a posture. One that is not needed stays at zero. Where
+/// base or time are variables as well, impulses and the hand's point become forms here.
 template <int N>
 class JointMap {
  public:

@@ -1,4 +1,4 @@
-// The objective over a whole box of postures at once, for any number type.
+// The objective over a whole box of postures at once, by quadratic forms.
 //
 // With A = Htilde_phi + added inertia over the joints that move, h = Htilde_omegaphi, L the
 // momentum impulse about the system centroid (16) and s = tau - H_vphi' f / m the jump (6) reads

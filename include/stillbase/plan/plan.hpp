@@ -76,9 +76,9 @@ struct Proof {
   std::vector<JointBox> undecided;  ///< may hold solutions
   int found_by_search = 0;          ///< solutions that the search had found by itself
   long boxes = 0;                   ///< looked at
-  /// Of the nominal objective, when the solutions are its zeros; in its unit.
+  /// Of the measure, in its unit; zero: of the nominal objective, the solutions being its zeros.
   std::optional<double> lower_bound;
-  std::optional<double> gap;  ///< best nominal objective of the candidates minus the lower bound
+  std::optional<double> gap;  ///< the best candidate's value of the same minus the lower bound
 };
 
 struct Certificate {
