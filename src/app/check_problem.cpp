@@ -128,6 +128,11 @@ std::string problem_report(const CaptureProblem& problem) {
   }
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
   text += fmt::format("objective: {}\n", objective_name(problem));
+  for (const ObjectiveTerm& term : problem.objective) {
+    if (term.quantity != ObjectiveQuantity::AttitudeTurned) continue;
+    text += fmt::format("turn of the base: {:.6g} s after the impact under {}\n", term.after,
+                        problem.post_impact.controllers.front());
+  }
   if (problem.measure.kind == RiskMeasure::WorstCase) {
     text += fmt::format("measure: the worst direction within {:.6g} deg\n",
                         problem.uncertainty.cone_half_angle * kDegrees);

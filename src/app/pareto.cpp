@@ -38,6 +38,17 @@ std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string&
   return both;
 }
 
+/// The time of a turn is that of the problem's own objective.
+void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
+  if (quantity != ObjectiveQuantity::AttitudeTurned) return;
+  for (const ObjectiveTerm& term : problem.objective) {
+    if (term.quantity == quantity) return;
+  }
+  throw CommandLineError(
+      "--pareto: attitude_turned needs its time; state it with 'after' as a term of the problem's "
+      "objective");
+}
+
 std::string front_json(const CaptureProblem& problem, const TradeOff& front) {
   Json quantities = Json::array();
   for (const ObjectiveQuantity quantity : {front.first, front.second}) {
@@ -130,6 +141,8 @@ std::string front_words(const TradeOff& front) {
 int run_pareto(const CaptureProblem& problem, const std::string& quantities, double time_limit,
                const OutputFile& output, bool json) {
   const auto [first, second] = quantities_of(quantities);
+  check_stated(problem, first);
+  check_stated(problem, second);
   const std::string extension = extension_of(output.path);
   if (output.is_given() && extension != ".json" && extension != ".csv" && extension != ".svg") {
     throw CommandLineError(output.path + ": a front is written as .json, .csv or .svg");

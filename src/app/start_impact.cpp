@@ -22,6 +22,7 @@ ImpactSummary start_impact(const CaptureProblem& problem) {
   contact.variables.contact_time_upper = contact.variables.contact_time_lower;
   contact.hand.constraint = HandConstraint::None;
   contact.constraints.impact_case = CaseConstraint::None;
+  contact.objective = {ObjectiveTerm{}};  // none is asked for: nothing has to be simulated
   return predict_impact(contact, Formulation(contact), start_configuration(contact));
 }
 

@@ -18,6 +18,7 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
                                const Configuration& at)
     : problem(&p),
       encounter(formulation.encounter(at)),
+      turns(turns_after_impact(p)),
       user_terms(&formulation.user_terms()),
       configuration(at) {
   const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
@@ -94,7 +95,7 @@ S DirectionModel::square(const Vector3<S>& d) const {
   return sum;
 }
 
-double DirectionModel::user_square(const Vector3d& d) const {
+double DirectionModel::other_square(const Vector3d& d) const {
   const double speed = encounter.speed_stated ? encounter.closing_speed : d.dot(encounter.velocity);
   const double p = encounter.magnitude_given
                        ? problem->impulse.magnitude
@@ -104,6 +105,9 @@ double DirectionModel::user_square(const Vector3d& d) const {
   const ImpactSummary impact =
       summarize_impact(problem->robot, configuration.phi, problem->resistance, p * F, speed);
   double sum = 0;
+  for (const TurnAfterImpact& turn : turns) {
+    sum += turn(configuration.phi, impact.Delta_Omega, impact.Delta_phidot).squaredNorm();
+  }
   for (const UserTerm& term : *user_terms) {
     sum += std::pow(term.value(configuration, impact) / term.size, 2);
   }
@@ -112,7 +116,7 @@ double DirectionModel::user_square(const Vector3d& d) const {
 
 double DirectionModel::value(const Eigen::Vector2d& c) const {
   const Vector3d d = direction(c);
-  return std::sqrt(square<double>(d) + (user_terms->empty() ? 0 : user_square(d)));
+  return std::sqrt(square<double>(d) + (is_linear() ? 0 : other_square(d)));
 }
 
 void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
@@ -120,7 +124,7 @@ void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
   using Lanes = Pack<2>;
   values.resize(places.size());
   std::size_t i = 0;
-  for (; i + 2 <= places.size() && user_terms->empty(); i += 2) {
+  for (; i + 2 <= places.size() && is_linear(); i += 2) {
     const Vector3d d[2] = {direction(places[i]), direction(places[i + 1])};
     Vector3<Lanes> both;
     for (int k = 0; k < 3; ++k) {

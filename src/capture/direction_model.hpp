@@ -6,6 +6,8 @@
 
 #include <stillbase/capture/formulation.hpp>
 
+#include "capture/turn_after_impact.hpp"
+
 namespace stillbase {
 
 struct DirectionModel {
@@ -19,7 +21,8 @@ struct DirectionModel {
   Vector3d n, u, v;  ///< predicted direction and tangents
   double half_angle = 0;
   bool planar = false;
-  // For terms of the user, which may be any function of the direction.
+  // What may be any function of the direction: the simulated terms and those of the user.
+  std::vector<TurnAfterImpact> turns;
   const std::vector<UserTerm>* user_terms;
   Configuration configuration;
 
@@ -38,7 +41,8 @@ struct DirectionModel {
  private:
   template <class S>
   S square(const Vector3<S>& d) const;
-  double user_square(const Vector3d& d) const;
+  bool is_linear() const { return turns.empty() && user_terms->empty(); }
+  double other_square(const Vector3d& d) const;
 };
 
 }  // namespace stillbase

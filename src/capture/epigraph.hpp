@@ -30,7 +30,7 @@ class EpigraphProgram final : public nlp::Problem {
   void evaluate(const Eigen::VectorXd& xs, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& xs, nlp::Evaluation& out) const override;
   /// Exact for fixed directions; following ones turn with x, which it leaves out.
-  bool has_hessian() const override { return follow_ == nullptr; }
+  bool has_hessian() const override { return follow_ == nullptr && formulation_.has_hessian(); }
   void lagrangian_hessian(const Eigen::VectorXd& xs, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;
 

@@ -8,8 +8,8 @@ namespace stillbase {
 
 void evaluate_equations(const Formulation& formulation, const Eigen::VectorXd& x, bool with_zero,
                         Eigen::VectorXd& residual, Eigen::MatrixXd& jacobian) {
-  nlp::Evaluation at_x;
-  formulation.evaluate(x, at_x);
+  ScenarioEvaluation at_x;  // of no scenario: the constraints alone
+  formulation.evaluate_scenarios(x, {}, true, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
   std::vector<Eigen::Index> equations;

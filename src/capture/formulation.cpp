@@ -19,6 +19,7 @@ double impulse_magnitude(const CaptureProblem& problem, const Encounter& encount
 
 Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms)
     : parts_(std::make_unique<Parts>(problem)) {
+  parts_->turns = turns_after_impact(problem);
   parts_->user_terms = std::move(user_terms);
   // The middle of |y| over evenly spread points makes the objective of order one.
   std::vector<double> sizes;
@@ -29,6 +30,7 @@ Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> us
     const auto posture = parts_->posture(local);
     const auto hit = parts_->hit<double>(local, posture, parts_->predicted());
     sizes.push_back(std::sqrt(
+        parts_->turn_vector(x, parts_->predicted()).squaredNorm() +
         2 * (parts_->objective(posture, hit) + parts_->user_objective(x, parts_->predicted()))));
   }
   std::nth_element(sizes.begin(), sizes.begin() + 7, sizes.end());
@@ -73,6 +75,11 @@ void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
     const auto hit_k = hit(local, at, scenario);
     out.values[row] = objective(at, hit_k);
     if (derivatives) out.gradients.row(row) = compress(local, objective_gradient(at, hit_k));
+    if (!turns.empty()) {
+      const Eigen::VectorXd y = turn_vector(local.x, scenario);
+      out.values[row] += y.squaredNorm() / 2;
+      if (derivatives) out.gradients.row(row) += y.transpose() * turn_jacobian(local.x, scenario);
+    }
     if (user_terms.empty()) continue;
     out.values[row] += user_objective(local.x, scenario);
     if (derivatives) out.gradients.row(row) += user_gradient(local.x, scenario);
@@ -148,11 +155,19 @@ void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
           parts.compress(local, parts.scaled_gradient(posture, hit, weights, values.back())));
     }
   }
-  y = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  const auto jumps = static_cast<Eigen::Index>(values.size());
+  const Eigen::VectorXd turned = parts.turn_vector(x, parts.predicted());
+  y.resize(jumps + turned.size());
+  y.head(jumps) = Eigen::Map<const Eigen::VectorXd>(values.data(), jumps);
+  y.tail(turned.size()) = turned;
   jacobian.resize(y.size(), num_variables());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    jacobian.row(static_cast<Eigen::Index>(i)) = rows[i];
-  }
+  for (Eigen::Index i = 0; i < jumps; ++i) jacobian.row(i) = rows[static_cast<std::size_t>(i)];
+  if (turned.size() == 0) return;
+  jacobian.bottomRows(turned.size()) = parts.turn_jacobian(x, parts.predicted());
+}
+
+bool Formulation::has_hessian() const {
+  return parts_->turns.empty() && parts_->user_terms.empty();
 }
 
 const std::vector<UserTerm>& Formulation::user_terms() const { return parts_->user_terms; }

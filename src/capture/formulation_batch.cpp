@@ -31,6 +31,8 @@ BatchObjective batch_objective(const CaptureProblem& problem, double unit) {
       case ObjectiveQuantity::JointRateNorm:
         out.joint_rates += weight;
         break;
+      case ObjectiveQuantity::AttitudeTurned:
+        break;  // simulated one by one
     }
   }
   return out;
@@ -39,7 +41,8 @@ BatchObjective batch_objective(const CaptureProblem& problem, double unit) {
 }  // namespace
 
 bool Formulation::Parts::in_packs(const std::vector<Scenario>& scenarios) const {
-  return user_terms.empty() && scenarios.size() >= kWorthPacks && batch_lanes(n()) > 1;
+  return turns.empty() && user_terms.empty() && scenarios.size() >= kWorthPacks &&
+         batch_lanes(n()) > 1;
 }
 
 void Formulation::Parts::resize_batch(Eigen::Index count) const {
@@ -110,10 +113,13 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
   }
   parts.evaluate_batch(false);
   Eigen::MatrixXd out = parts.batch_values.psi.reshaped(each, count).transpose();
-  for (Eigen::Index i = 0; i < count && !parts.user_terms.empty(); ++i) {
+  if (parts.turns.empty() && parts.user_terms.empty()) return out;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::VectorXd& x = points[static_cast<std::size_t>(i)];
     for (Eigen::Index k = 0; k < each; ++k) {
-      out(i, k) += parts.user_objective(points[static_cast<std::size_t>(i)],
-                                        scenarios[static_cast<std::size_t>(k)]);
+      const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
+      out(i, k) += parts.turn_vector(x, scenario).squaredNorm() / 2;
+      out(i, k) += parts.user_objective(x, scenario);
     }
   }
   return out;

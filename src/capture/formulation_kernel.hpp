@@ -204,6 +204,8 @@ JointVector<S> term_quantity(const ObjectiveTerm& term, const PostureImpact<S>& 
       return JointVector<S>::Constant(1, inverse_size);
     case ObjectiveQuantity::JointRateNorm:
       return response.d.Delta_phidot * inverse_size;
+    case ObjectiveQuantity::AttitudeTurned:
+      break;  // no function of the jump alone: turns.cpp
   }
   return JointVector<S>();
 }
@@ -231,6 +233,8 @@ void add_term_weights(const ObjectiveTerm& term, const JointVector<S>& u,
     case ObjectiveQuantity::JointRateNorm:
       if (weights.phidot.size() == 0) weights.phidot.setZero(u.size());
       weights.phidot += u * inverse_size;
+      break;
+    case ObjectiveQuantity::AttitudeTurned:
       break;
   }
 }

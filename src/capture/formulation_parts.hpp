@@ -16,6 +16,7 @@
 #include "capture/clearance_kernel.hpp"
 #include "capture/layout.hpp"
 #include "capture/singular_kernel.hpp"
+#include "capture/turn_after_impact.hpp"
 
 namespace stillbase {
 
@@ -121,6 +122,7 @@ struct Formulation::Parts {
   double objective_unit = 1;
   mutable long evaluations = 0;
 
+  std::vector<TurnAfterImpact> turns;  ///< of the objective
   std::vector<UserTerm> user_terms;
 
   explicit Parts(const CaptureProblem& p);
@@ -193,6 +195,10 @@ struct Formulation::Parts {
   mutable ImpactBatch batch;
   mutable BatchObjectiveValues batch_values;
 
+  /// What is simulated of a scenario's y / unit, all terms below each other, and its Jacobian
+  /// (turns.cpp).
+  Eigen::VectorXd turn_vector(const Eigen::VectorXd& x, const Scenario& scenario) const;
+  Eigen::MatrixXd turn_jacobian(const Eigen::VectorXd& x, const Scenario& scenario) const;
   /// What the user's terms add to a scenario's 1/2 |y|^2 / unit^2 (user_terms.cpp).
   double user_objective(const Eigen::VectorXd& x, const Scenario& scenario) const;
   Eigen::VectorXd user_gradient(const Eigen::VectorXd& x, const Scenario& scenario) const;

@@ -18,19 +18,21 @@ struct Place {
 
 /// Rings about the predicted direction, or a row in the wedge.
 std::vector<Place> scan(const DirectionModel& model) {
-  constexpr int kRings = 12;
-  constexpr int kSpokes = 36;
-  constexpr int kRow = 97;  // a wedge is one-dimensional: finer for less
+  // A direction that has to be simulated costs as much as all the others together.
+  const bool dear = !model.turns.empty();
+  const int rings = dear ? 3 : 12;
+  const int spokes = dear ? 12 : 36;
+  const int row = dear ? 17 : 97;  // a wedge is one-dimensional: finer for less
   const double alpha = model.half_angle;
   std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
   if (alpha > 0 && model.planar) {
-    for (int i = 0; i < kRow; ++i) grid.emplace_back(alpha * (2.0 * i / (kRow - 1) - 1), 0);
+    for (int i = 0; i < row; ++i) grid.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
   } else if (alpha > 0) {
-    grid.reserve(1 + kRings * kSpokes);
-    for (int spoke = 0; spoke < kSpokes; ++spoke) {
-      const double angle = 2 * M_PI * spoke / kSpokes;
+    grid.reserve(1 + rings * spokes);
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const double angle = 2 * M_PI * spoke / spokes;
       const Eigen::Vector2d end(alpha * std::cos(angle), alpha * std::sin(angle));
-      for (int ring = 1; ring <= kRings; ++ring) grid.emplace_back(end * ring / kRings);
+      for (int ring = 1; ring <= rings; ++ring) grid.emplace_back(end * ring / rings);
     }
   }
   std::vector<double> values;
@@ -109,10 +111,10 @@ Place refine(const DirectionModel& model, Place place) {
 /// The maxima over the cone, largest first.
 std::vector<Place> maxima(const DirectionModel& model) {
   const std::vector<Place> places = scan(model);
-  constexpr std::size_t kMost = 6;
+  const std::size_t most = model.turns.empty() ? 6 : 3;
   // Places apart from each other, so that equal maxima are all found.
   std::vector<Place> seeds;
-  while (seeds.size() < kMost) {
+  while (seeds.size() < most) {
     const Place* best = nullptr;
     for (const Place& place : places) {
       const auto near = [&](const Place& seed) {
@@ -187,10 +189,13 @@ std::map<std::string, double> objective_terms(const CaptureProblem& problem,
                                               const Configuration& configuration) {
   std::map<std::string, double> out;
   CaptureProblem one = problem;
+  const std::vector<UserTerm> none;  // those of the user are no quantities
   for (ObjectiveTerm term : problem.objective) {
     term.size = 1;
     one.objective = {term};
-    out[to_string(term.quantity)] = nominal_value(one, formulation, configuration);
+    DirectionModel model(one, formulation, configuration);
+    model.user_terms = &none;
+    out[to_string(term.quantity)] = model.value(Eigen::Vector2d::Zero());
   }
   return out;
 }

@@ -24,7 +24,7 @@ class SampledProgram final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
-  bool has_hessian() const override { return true; }
+  bool has_hessian() const override { return formulation_.has_hessian(); }
   void lagrangian_hessian(const Eigen::VectorXd& xtz, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;
 

@@ -146,7 +146,8 @@ class Search {
 
   SearchResult run() {
     find_solutions();
-    if (!isolated_) follow_curves();
+    // A curve takes thousands of evaluations: not where each of them is a simulation.
+    if (!isolated_ && !simulates_turn(problem_)) follow_curves();
     out_.unseen = unseen();
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasible;

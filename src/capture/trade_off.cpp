@@ -27,7 +27,11 @@ constexpr double kNearLeast = 1e-6, kNearZero = 1e-5;
 constexpr double kSame = 1e-4;
 
 CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
-  problem.objective = {{quantity}};
+  ObjectiveTerm alone{quantity};
+  for (const ObjectiveTerm& stated : problem.objective) {
+    if (stated.quantity == quantity) alone.after = stated.after;
+  }
+  problem.objective = {alone};
   problem.measure = {};
   return problem;
 }

@@ -129,6 +129,7 @@ Json objective_section_json(const CaptureProblem& problem) {
   const ObjectiveTerm& first = problem.objective.front();
   if (problem.objective.size() == 1 && first.size == 1 && first.length == 1) {
     json["quantity"] = word_of(objective_names(), first.quantity);
+    if (first.after > 0) json["after"] = number_json(first.after);
     return json;
   }
   json["terms"] = Json::array();
@@ -136,6 +137,7 @@ Json objective_section_json(const CaptureProblem& problem) {
     json["terms"].push_back({{"quantity", word_of(objective_names(), term.quantity)},
                              {"size", number_json(term.size)},
                              {"length", number_json(term.length)}});
+    if (term.after > 0) json["terms"].back()["after"] = number_json(term.after);
   }
   return json;
 }

@@ -44,7 +44,8 @@ const Names<ObjectiveQuantity>& objective_names() {
       {"total_angular_momentum", ObjectiveQuantity::TotalAngularMomentum},
       {"base_momentum", ObjectiveQuantity::BaseMomentum},
       {"impulse_magnitude", ObjectiveQuantity::ImpulseMagnitude},
-      {"joint_rate_norm", ObjectiveQuantity::JointRateNorm}};
+      {"joint_rate_norm", ObjectiveQuantity::JointRateNorm},
+      {"attitude_turned", ObjectiveQuantity::AttitudeTurned}};
   return names;
 }
 

@@ -228,12 +228,23 @@ void read_proof(MapReader& map, const Plan& plan, Proof& proof) {
   if (node == nullptr) return;
   ReadContext& context = map.context();
   MapReader fields(context, *node, "certificate.proof");
+  const VariableSpec& variables = plan.problem.variables;
+  const bool has_angle = variables.base_attitude == AttitudeFreedom::Axis;
+  const bool has_time = variables.contact_time_upper > variables.contact_time_lower;
+  const auto read_ends = [&](MapReader& box, const std::string& key, std::optional<Ends>& out) {
+    const Node* ends = box.child(key, Need::Required);
+    if (ends == nullptr) return;
+    const auto values = read_numbers(context, *ends, box.path_of(key), Dimension::None, 2);
+    if (values) out = Ends{(*values)[0], (*values)[1]};
+  };
   const auto read_boxes = [&](const std::string& key, std::vector<JointBox>& out) {
     read_list(fields, key, [&](const Node& item, const std::string& path) {
       MapReader box(context, item, path);
       JointBox ends;
       read_joint_list(box, "lower", plan.problem.robot.n(), ends.lower);
       read_joint_list(box, "upper", plan.problem.robot.n(), ends.upper);
+      if (has_angle) read_ends(box, "base_angle", ends.base_angle);
+      if (has_time) read_ends(box, "contact_time", ends.contact_time);
       box.finish();
       out.push_back(std::move(ends));
     });

@@ -119,7 +119,13 @@ Json optional_json(const std::optional<double>& x) { return x ? number_json(*x) 
 
 Json proof_json(const Proof& proof) {
   const auto box = [](const JointBox& b) {
-    return Json{{"lower", array_json(b.lower)}, {"upper", array_json(b.upper)}};
+    Json json{{"lower", array_json(b.lower)}, {"upper", array_json(b.upper)}};
+    const auto add = [&json](const char* key, const std::optional<Ends>& ends) {
+      if (ends) json[key] = {number_json(ends->lower), number_json(ends->upper)};
+    };
+    add("base_angle", b.base_angle);
+    add("contact_time", b.contact_time);
+    return json;
   };
   return {{"status", word_of(proof_status_names(), proof.status)},
           {"statement", proof.statement},

@@ -1,6 +1,5 @@
 #include "io/problem_reader.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -299,34 +298,6 @@ void resolve_cone(MapReader& map, CaptureProblem& problem) {
   }
 }
 
-/// A robust measure needs something to be robust against: asked once the cone is known.
-void check_measure(MapReader& map, const CaptureProblem& problem) {
-  const auto refuse = [&](const std::string& what) {
-    map.context().add(map.line_of("objective"), "missing-key",
-                      fmt::format("{}.measure: {}", map.path_of("objective"), what));
-  };
-  const UncertaintySpec& spread = problem.uncertainty;
-  if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
-    refuse("'worst_case' needs uncertainty.cone_half_angle > 0");
-  }
-  const bool sampled =
-      problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
-  const JointVectord& joints = spread.joint_position;
-  const double widest =
-      std::max({joints.size() > 0 ? joints.maxCoeff() : 0, spread.cone_half_angle,
-                spread.closing_speed, spread.restitution, spread.target_mass, spread.target_inertia,
-                spread.contact_point, spread.contact_time});
-  if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
-  const double tail = (1 - problem.measure.cvar_level) * problem.measure.samples;
-  if (problem.measure.kind == RiskMeasure::Cvar && !(tail >= 2 - 1e-9)) {
-    map.context().add(
-        map.line_of("objective"), "out-of-range",
-        fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
-                    "2 are needed, or a single one decides",
-                    map.path_of("objective"), problem.measure.samples, tail));
-  }
-}
-
 }  // namespace
 
 CaptureProblem read_problem_map(const Node& node, ReadContext& context, const std::string& path,
@@ -358,7 +329,7 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   if (context.findings.empty()) check_wedge(map, problem);
   if (context.findings.empty()) resolve_cone(map, problem);
   const bool cone_known = !problem.uncertainty.cone_confidence || context.findings.empty();
-  if (cone_known) check_measure(map, problem);
+  if (cone_known) check_objective(map, problem);
   return problem;
 }
 

@@ -26,6 +26,9 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
 /// A section; absent it is an empty map, so that its keys are known and its defaults stand.
 MapReader section(MapReader& map, const std::string& key);
 
+/// A word or a number; not for null.
+bool is_scalar(const Node* node);
+
 // One function per section (*_section*.cpp). `map` is that of the whole problem.
 
 void read_impact_section(MapReader& map, CaptureProblem& problem);
@@ -58,5 +61,7 @@ std::vector<std::string> link_names(const RobotModel& robot);
 
 /// Findings that need several sections at once.
 void check_problem(MapReader& map, const CaptureProblem& problem);
+/// The same of what is minimised: asked once the cone of directions is known.
+void check_objective(MapReader& map, const CaptureProblem& problem);
 
 }  // namespace stillbase::io

@@ -10,14 +10,14 @@
 
 namespace stillbase::io {
 
+bool is_scalar(const Node* node) {
+  return node != nullptr && (node->kind == Node::Kind::Plain || node->kind == Node::Kind::Quoted);
+}
+
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kManyTimes = 1'000'000'000;
-
-bool is_scalar(const Node* node) {
-  return node != nullptr && (node->kind == Node::Kind::Plain || node->kind == Node::Kind::Quoted);
-}
 
 bool is_word(const Node* node, std::string_view word) {
   return is_scalar(node) && node->text == word;
@@ -220,77 +220,6 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
                "features of the target");
   }
   section_map.finish();
-}
-
-namespace {
-
-Dimension dimension_of(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return Dimension::AngularImpulse;
-    case ObjectiveQuantity::BaseMomentum:
-    case ObjectiveQuantity::ImpulseMagnitude:
-      return Dimension::Impulse;
-    case ObjectiveQuantity::BaseAngularVelocity:
-    case ObjectiveQuantity::JointRateNorm:
-      return Dimension::AngularVelocity;
-  }
-  return Dimension::None;
-}
-
-void read_objective_terms(MapReader& objective, const Node& list, CaptureProblem& problem) {
-  ReadContext& context = objective.context();
-  const std::string path = objective.path_of("terms");
-  if (list.kind != Node::Kind::Sequence || list.items.empty()) {
-    context.add(list.line, "wrong-type",
-                fmt::format("{}: must be a list of {{quantity: , size: }}", path));
-    return;
-  }
-  problem.objective.clear();
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    MapReader fields(context, list.items[i], fmt::format("{}[{}]", path, i));
-    ObjectiveTerm term;
-    fields.choice("quantity", term.quantity, objective_names(), Need::Required);
-    fields.number("size", term.size, dimension_of(term.quantity), kPositive, Need::Required);
-    fields.number("length", term.length, Dimension::Length, kPositive);
-    fields.finish();
-    for (const ObjectiveTerm& other : problem.objective) {
-      if (other.quantity != term.quantity) continue;
-      context.add(list.items[i].line, "duplicate-name",
-                  fmt::format("{}: there is already a term of this quantity", fields.path()));
-    }
-    problem.objective.push_back(term);
-  }
-}
-
-}  // namespace
-
-void read_objective_section(MapReader& map, CaptureProblem& problem) {
-  ObjectiveTerm& first = problem.objective.front();
-  if (is_scalar(map.child("objective"))) {
-    map.choice("objective", first.quantity, objective_names());
-    return;
-  }
-  MapReader objective = section(map, "objective");
-  if (const Node* terms = objective.child("terms")) {
-    read_objective_terms(objective, *terms, problem);
-    if (objective.has("quantity")) {
-      objective.child("quantity");
-      objective.context().add(
-          objective.line_of("quantity"), "not-used",
-          fmt::format("{}: stands beside terms; state one of them", objective.path_of("quantity")));
-    }
-  } else {
-    objective.choice("quantity", first.quantity, objective_names(), Need::Required);
-  }
-  MeasureSpec& measure = problem.measure;
-  objective.choice("measure", measure.kind, measure_names());
-  objective.number("cvar_level", measure.cvar_level, Dimension::None, {.lower = 0, .upper = 0.999});
-  // Every sample costs a local solve as much as the prediction does.
-  objective.integer("samples", measure.samples, 1, 100000);
-  objective.unsigned_integer("sample_seed", measure.seed);
-  objective.finish();
 }
 
 void read_hand_section(MapReader& map, CaptureProblem& problem) {

@@ -1,5 +1,6 @@
 #include <stillbase/plan/scenario.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
@@ -121,6 +122,8 @@ std::string to_string(ObjectiveQuantity quantity) {
       return "impulse_magnitude";
     case ObjectiveQuantity::JointRateNorm:
       return "joint_rate_norm";
+    case ObjectiveQuantity::AttitudeTurned:
+      return "attitude_turned";
   }
   return "";
 }
@@ -136,6 +139,8 @@ std::string unit_of(ObjectiveQuantity quantity) {
     case ObjectiveQuantity::BaseAngularVelocity:
     case ObjectiveQuantity::JointRateNorm:
       return "rad/s";
+    case ObjectiveQuantity::AttitudeTurned:
+      return "rad";
   }
   return "";
 }
@@ -151,6 +156,12 @@ std::string objective_name(const CaptureProblem& problem) {
 std::string objective_unit_name(const CaptureProblem& problem) {
   const ObjectiveTerm& first = problem.objective.front();
   return problem.objective.size() == 1 && first.size == 1 ? unit_of(first.quantity) : "1";
+}
+
+bool simulates_turn(const CaptureProblem& problem) {
+  return std::any_of(
+      problem.objective.begin(), problem.objective.end(),
+      [](const ObjectiveTerm& term) { return term.quantity == ObjectiveQuantity::AttitudeTurned; });
 }
 
 }  // namespace stillbase

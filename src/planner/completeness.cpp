@@ -11,15 +11,34 @@ namespace stillbase {
 namespace {
 
 /// A candidate is solved to 1e-9 of its constraints; nothing else is this near to a solution.
-constexpr double kNear = 1e-6;
+constexpr double kNear = 1e-6;      // rad, m
+constexpr double kNearTime = 1e-5;  // s: targets are slow
 
-bool is_near(const RobotModel& robot, const JointBox& box, const JointVectord& phi) {
-  for (int k = 0; k < robot.n(); ++k) {
+double middle_of(const Ends& ends) { return (ends.lower + ends.upper) / 2; }
+
+/// Angle about the attitude's axis from the stated attitude.
+double base_angle(const CaptureProblem& problem, const Configuration& at) {
+  return rotation_log(at.base.orientation * problem.base.orientation.conjugate())
+      .dot(problem.variables.base_attitude_axis);
+}
+
+bool is_near(const CaptureProblem& problem, const JointBox& box, const Configuration& at) {
+  for (int k = 0; k < problem.robot.n(); ++k) {
     const double middle = (box.lower[k] + box.upper[k]) / 2;
-    double apart = phi[k] - middle;
+    double apart = at.phi[k] - middle;
     const auto index = static_cast<std::size_t>(k);
-    if (robot.joints[index].type == JointType::Continuous) apart = wrap_angle(apart);
+    if (problem.robot.joints[index].type == JointType::Continuous) apart = wrap_angle(apart);
     if (std::abs(apart) > (box.upper[k] - box.lower[k]) / 2 + kNear) return false;
+  }
+  if (box.base_angle) {
+    const double apart = wrap_angle(base_angle(problem, at) - middle_of(*box.base_angle));
+    const double half = (box.base_angle->upper - box.base_angle->lower) / 2;
+    if (std::abs(apart) > half + kNear) return false;
+  }
+  if (box.contact_time) {
+    const double apart = at.contact_time - middle_of(*box.contact_time);
+    const double half = (box.contact_time->upper - box.contact_time->lower) / 2;
+    if (std::abs(apart) > half + kNearTime) return false;
   }
   return true;
 }
@@ -41,8 +60,7 @@ void match_candidates(const CaptureProblem& problem, const SearchResult& found, 
   for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
     for (std::size_t c = 0; c < found.candidates.size() && proof.candidates[s] < 0; ++c) {
       const bool solved = status_of(found.certificates[c]) != PlanStatus::Infeasible;
-      if (solved &&
-          is_near(problem.robot, proof.solutions[s], found.candidates[c].configuration.phi)) {
+      if (solved && is_near(problem, proof.solutions[s], found.candidates[c].configuration)) {
         proof.candidates[s] = static_cast<int>(c);
       }
     }
@@ -65,6 +83,8 @@ std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, co
       if (!problem.variables.joints[static_cast<std::size_t>(k)]) continue;
       x.push_back((box.lower[k] + box.upper[k]) / 2);
     }
+    if (box.base_angle) x.push_back(wrap_angle(middle_of(*box.base_angle)));
+    if (box.contact_time) x.push_back(middle_of(*box.contact_time));
     points.push_back(Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
   }
   return points;

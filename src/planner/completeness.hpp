@@ -7,7 +7,7 @@
 
 namespace stillbase {
 
-/// The proof of a problem whose encounter is the same at every posture.
+/// The proof of a problem, or why there is none.
 Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
                       const StopCondition& stop);
 

@@ -12,37 +12,45 @@
 //                    r = det(Htilde_omega) s - h' adj(Htilde_omega) L; r = s where L = 0 is asked
 //                    for
 // Determinants by expansion: a quotient of intervals is wider than both its parts.
+//
+// Of the hand's axes, the approach axis a has to lie along -n: its two components normal to n
+// vanish, and it does not point along n (an inequality, side_conditions.hpp). All axes R have to be
+// the wanted ones D: e = 1/2 sum r_i x d_i = sin(angle) axis vanishes, and the turn between them is
+// none of 180 deg (inequalities as well). These equations are the planner's rows.
 #pragma once
 
-#include <stillbase/proof/proof.hpp>
-
+#include <algorithm>
 #include <array>
 #include <cassert>
 
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/jump_kernel.hpp"
-#include "proof/interval.hpp"
-
-/// Dual numbers are wide: their matrices take the joints of the determinants and some locked ones.
-template <int N>
-inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Dual<N>> = 8;
+#include "proof/zero_problem.hpp"
 
 namespace stillbase::proof {
 
 /// Largest number of joints that move during the impact: determinants of one more row.
 inline constexpr int kMaxMovingJoints = 3;
 
-enum class RowKind { HandPosition, Total, Base, CouplingAtZeroTotal, Coupling };
+enum class RowKind { HandPosition, HandAxis, HandPose, Total, Base, CouplingAtZeroTotal, Coupling };
 
-/// One scalar equation: a component of the hand's distance from its point, along a direction of
-/// the total momentum, or row `index` of base part or coupling part.
+/// One scalar equation: a component of the hand's distance from its point, of its approach axis
+/// along a direction normal to n, of its rotation error, of the total momentum along a direction,
+/// or row `index` of base part or coupling part.
 struct Row {
   RowKind kind;
   int index = 0;
-  Vector3d direction = Vector3d::Zero();  ///< Total
+  /// HandAxis: in E. Total: in B while the encounter is fixed, else in E.
+  Vector3d direction = Vector3d::Zero();
   double scale = 1;  ///< typical size, a power of two by which the row is divided
 };
+
+/// Rows whose determinants grow with the joints that move.
+inline bool needs_few_moving_joints(const Row& row) {
+  return row.kind == RowKind::Base || row.kind == RowKind::CouplingAtZeroTotal ||
+         row.kind == RowKind::Coupling;
+}
 
 /// Determinant of the leading m x m block by expansion along the first column, m <= 4.
 template <class S>
@@ -68,16 +76,18 @@ S determinant(const std::array<std::array<S, 4>, 4>& M, int m) {
   return sum;
 }
 
-/// Values of the rows at joint positions phi (n).
+/// Values of the rows where the variables are x.
 template <class S>
 std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>& rows,
-                             const JointVector<S>& phi) {
+                             std::span<const S> x) {
   const RobotModel& robot = problem.robot;
-  const Kinematics<S> kin = compute_kinematics<S>(robot, phi);
+  const EncounterModel& encounter = problem.encounter;
+  const EncounterRange<S> at = encounter_over<S>(encounter, x);
+  const Kinematics<S> kin = compute_kinematics<S>(robot, at.phi);
   const InertiaMatrices<S> inertia = compute_inertia<S>(robot, kin);
   const HandJacobian<S> jacobian = compute_hand_jacobian<S>(robot, kin);
   const TildeInertia<S> tilde = compute_tilde_inertia<S>(inertia);
-  const Vector6<S> F = problem.F.cast<S>();
+  const Vector6<S>& F = at.F;
   const Vector3<S> f = F.template head<3>();
   const Vector3<S> L = momentum_change<S>(inertia, jacobian, F);
 
@@ -87,10 +97,11 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
     if (index >= problem.locked.size() || !problem.locked[index]) moving.push_back(k);
   }
   const int m = static_cast<int>(moving.size());
-  assert(m <= kMaxMovingJoints);
+  const bool has_determinants = std::any_of(rows.begin(), rows.end(), needs_few_moving_joints);
+  assert(m <= kMaxMovingJoints || !has_determinants);
   std::array<std::array<S, 4>, 4> M;
   std::array<S, 4> s;
-  for (int a = 0; a < m; ++a) {
+  for (int a = 0; has_determinants && a < m; ++a) {
     const int k = moving[a];
     for (int b = 0; b < m; ++b) M[a][b] = tilde.Htilde_phi(k, moving[b]);
     M[a][a] += S(problem.added_inertia[k]);
@@ -125,11 +136,24 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
     S value(0.0);
     switch (row.kind) {
       case RowKind::HandPosition:
-        value = kin.r_bh[row.index] - S(problem.hand_point[row.index]);
+        value = kin.r_bh[row.index] - at.hand_point[row.index];
         break;
+      case RowKind::HandAxis: {
+        const Vector3<S> a = kin.R_hand * Vector3<S>(encounter.approach_axis.cast<S>());
+        value = Vector3<S>(at.R_BE * Vector3<S>(row.direction.cast<S>())).dot(a);
+        break;
+      }
+      case RowKind::HandPose: {
+        const Matrix3<S> wanted = wanted_axes<S>(encounter, at);
+        const int j = (row.index + 1) % 3, k = (row.index + 2) % 3;
+        for (int i = 0; i < 3; ++i) {
+          value += kin.R_hand(j, i) * wanted(k, i) - kin.R_hand(k, i) * wanted(j, i);
+        }
+        break;
+      }
       case RowKind::Total: {
         const Vector3<S> direction = row.direction.cast<S>();
-        value = direction.dot(L);
+        value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE * direction).dot(L);
         break;
       }
       case RowKind::Base:

@@ -126,13 +126,15 @@ Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
 /// The zero of a box that holds exactly one, to rounding.
 template <int N>
 Box<N> tighten(const System<N>& system, Box<N> X) {
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < 60; ++round) {
     const double before = width_of(X);
     bool is_regular = false;
     Box<N> next = X;
     if (krawczyk(linearise(system, X), next, is_regular) == Verdict::Empty) break;
     X = next;
-    if (width_of(X) > 0.5 * before) break;
+    // Slow at first where slopes change much, fast near the zero, and at an end by rounding.
+    const bool is_slow = width_of(X) > 0.5 * before;
+    if (is_slow && (width_of(X) < 1e-9 || width_of(X) > 0.99 * before)) break;
   }
   return X;
 }
@@ -155,7 +157,7 @@ class Search {
       open.pop_back();
       if (is_settled(X)) continue;
       ++out_.boxes;
-      if (!reduce(X)) continue;
+      if (system_.excludes(X) || !reduce(X)) continue;
       if (width_of(X) <= options_.min_width) {
         out_.undecided.push_back(X);
         continue;

@@ -54,6 +54,8 @@ class System {
   virtual void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const = 0;
   /// Values alone.
   virtual void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const = 0;
+  /// Whether no point of a box is of interest, zero or not.
+  virtual bool excludes(const Box<N>&) const { return false; }
 };
 
 struct EncloseOptions {
@@ -83,7 +85,8 @@ struct Enclosure {
   bool complete() const { return undecided.empty(); }
 };
 
-/// Every zero of f in the domain lies in one of the zeros' boxes or in an undecided box.
+/// Every zero of f in the domain that the system does not exclude lies in one of the zeros' boxes
+/// or in an undecided box. (Excluded ones may be among them.)
 ///
 /// A box without a zero of some f_i (natural or mean-value extension) is dropped; the rest is cut
 /// by the componentwise Newton operator and by Krawczyk's

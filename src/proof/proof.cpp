@@ -1,5 +1,3 @@
-#include <stillbase/proof/proof.hpp>
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,10 +5,9 @@
 
 #include "proof/case_rows.hpp"
 #include "proof/enclose.hpp"
+#include "proof/side_conditions.hpp"
 
-namespace stillbase {
-
-namespace proof {
+namespace stillbase::proof {
 namespace {
 
 constexpr int kMaxJointsInProof = kMaxJointsOf<Dual<0>>;
@@ -25,13 +22,27 @@ Proof not_applicable(const std::string& reason) {
   return out;
 }
 
+/// Two unit vectors normal to f and to each other.
+std::pair<Vector3d, Vector3d> normals_of(const Vector3d& f) {
+  int smallest = 0;
+  f.cwiseAbs().minCoeff(&smallest);
+  const Vector3d u = f.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
+  return {u, f.cross(u).normalized()};
+}
+
 /// All equations, those that may vanish identically included.
 std::vector<Row> all_rows(const ZeroProblem& problem) {
   std::vector<Row> rows;
+  const EncounterModel& encounter = problem.encounter;
   const auto add_three = [&](RowKind kind) {
     for (int i = 0; i < 3; ++i) rows.push_back({kind, i, Vector3d::Zero(), 1});
   };
   if (problem.has_hand_point) add_three(RowKind::HandPosition);
+  if (problem.has_hand_axis) {
+    rows.push_back({RowKind::HandAxis, 0, encounter.u, 1});
+    rows.push_back({RowKind::HandAxis, 1, encounter.v, 1});
+  }
+  if (problem.has_hand_axes) add_three(RowKind::HandPose);
   const CaseConstraint wanted = problem.impact_case;
   bool total =
       wanted == CaseConstraint::C || wanted == CaseConstraint::C1 || wanted == CaseConstraint::C2;
@@ -46,14 +57,14 @@ std::vector<Row> all_rows(const ZeroProblem& problem) {
   }
   if (total) {
     // Without a moment L = r x f is normal to f: two components say it all.
-    const Vector3d f = problem.F.head<3>();
-    int smallest = 0;
-    f.cwiseAbs().minCoeff(&smallest);
-    const Vector3d u = f.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
-    const Vector3d v = f.cross(u).normalized();
+    const bool is_fixed = encounter.is_fixed();
+    const Vector3d f = is_fixed ? Vector3d(encounter.F.head<3>()) : encounter.n;
+    const auto [u, v] = normals_of(f);
     rows.push_back({RowKind::Total, 0, u, 1});
     rows.push_back({RowKind::Total, 1, v, 1});
-    if (!problem.F.tail<3>().isZero(0)) rows.push_back({RowKind::Total, 2, f.normalized(), 1});
+    const bool has_moment =
+        is_fixed ? !encounter.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
+    if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized(), 1});
   }
   if (base) add_three(RowKind::Base);
   if (coupling) add_three(total ? RowKind::CouplingAtZeroTotal : RowKind::Coupling);
@@ -72,13 +83,20 @@ class RowSystem final : public System<N> {
   void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const override {
     fill(x, f);
   }
+  bool excludes(const Box<N>& box) const override { return kept_over(box) == Kept::No; }
+
+  /// Whether the side conditions hold over a box.
+  Kept kept_over(const Box<N>& box) const {
+    if (problem_.side_conditions.empty()) return Kept::Yes;
+    std::array<Number, N> x;
+    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Number(box[i]);
+    return keeps_side_conditions(problem_, x);
+  }
 
  private:
   template <class S>
   void fill(const std::array<S, N>& x, std::array<S, N>& f) const {
-    JointVector<S> phi = problem_.start.template cast<S>();
-    for (int i = 0; i < N; ++i) phi[problem_.free[static_cast<std::size_t>(i)]] = x[i];
-    const std::vector<S> values = evaluate_rows<S>(problem_, rows_, phi);
+    const std::vector<S> values = evaluate_rows<S>(problem_, rows_, x);
     std::copy(values.begin(), values.end(), f.begin());
   }
 
@@ -88,39 +106,62 @@ class RowSystem final : public System<N> {
 
 template <int N>
 Box<N> domain_of(const ZeroProblem& problem, std::array<bool, N>& periodic) {
+  const EncounterModel& encounter = problem.encounter;
+  const Interval whole_turn(-kPi.upper(), kPi.upper());
   Box<N> box;
-  for (int i = 0; i < N; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(problem.free[index])];
+  periodic.fill(false);
+  for (std::size_t i = 0; i < encounter.free.size(); ++i) {
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(encounter.free[i])];
     periodic[i] = joint.type == JointType::Continuous;
-    box[i] = periodic[i] ? Interval(-kPi.upper(), kPi.upper())
-                         : Interval(problem.lower[index], problem.upper[index]);
+    box.side[i] = periodic[i] ? whole_turn : Interval(encounter.lower[i], encounter.upper[i]);
+  }
+  if (encounter.attitude_is_free) {
+    const auto i = static_cast<std::size_t>(encounter.attitude_index());
+    periodic[i] = encounter.attitude_max >= kPi.lower();
+    box.side[i] =
+        periodic[i] ? whole_turn : Interval(-encounter.attitude_max, encounter.attitude_max);
+  }
+  if (encounter.time_is_free) {
+    box[encounter.time_index()] = Interval(encounter.time_lower / encounter.time_unit,
+                                           encounter.time_upper / encounter.time_unit);
   }
   return box;
 }
 
-/// Sizes of the rows over evenly spread postures; rows that vanish everywhere are dropped.
+/// The rows that say something, with their sizes, and the variables that they depend on.
 template <int N>
-std::vector<Row> live_rows(const ZeroProblem& problem, std::vector<Row> rows) {
+struct Survey {
+  std::vector<Row> rows;
+  std::array<bool, N> matters{};
+};
+
+/// Sizes of the rows over evenly spread points; rows that vanish everywhere are dropped.
+template <int N>
+Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
   constexpr int kSamples = 16;
   constexpr double kZero = 1e-10;  // of the largest row of its kind
   std::array<bool, N> periodic;
   const Box<N> domain = domain_of<N>(problem, periodic);
   std::vector<double> size(rows.size(), 0);
+  std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
   for (int sample = 0; sample < kSamples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, N, 0);
-    JointVector<Dual<N>> phi = problem.start.template cast<Dual<N>>();
+    std::array<Dual<N>, N> x;
     for (int i = 0; i < N; ++i) {
       const double at = domain[i].lower() + u[i] * (domain[i].upper() - domain[i].lower());
-      phi[problem.free[static_cast<std::size_t>(i)]] = Dual<N>(Interval(at), i);
+      x[static_cast<std::size_t>(i)] = Dual<N>(Interval(at), i);
     }
-    const auto values = evaluate_rows<Dual<N>>(problem, rows, phi);
+    const auto values = evaluate_rows<Dual<N>>(problem, rows, x);
     for (std::size_t r = 0; r < rows.size(); ++r) {
       size[r] = std::max(size[r], boost::numeric::norm(values[r].v));
-      for (const Interval& d : values[r].d) size[r] = std::max(size[r], boost::numeric::norm(d));
+      for (std::size_t i = 0; i < N; ++i) {
+        const double slope = boost::numeric::norm(values[r].d[i]);
+        size[r] = std::max(size[r], slope);
+        slopes[r][i] = std::max(slopes[r][i], slope);
+      }
     }
   }
-  std::vector<Row> live;
+  Survey<N> out;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     double largest = 0;
     for (std::size_t q = 0; q < rows.size(); ++q) {
@@ -128,44 +169,81 @@ std::vector<Row> live_rows(const ZeroProblem& problem, std::vector<Row> rows) {
     }
     if (!(size[r] > kZero * largest)) continue;
     rows[r].scale = std::exp2(std::round(std::log2(size[r])));  // divides without rounding
-    live.push_back(rows[r]);
+    out.rows.push_back(rows[r]);
+    for (std::size_t i = 0; i < N; ++i) {
+      out.matters[i] = out.matters[i] || slopes[r][i] > kZero * size[r];
+    }
   }
-  return live;
+  return out;
+}
+
+/// Something other than a joint that the equations do not depend on; empty: nothing.
+template <int N>
+std::string idle_variable(const EncounterModel& encounter, const Survey<N>& survey) {
+  const auto is_idle = [&](bool is_free, int index) {
+    return is_free && !survey.matters[static_cast<std::size_t>(index)];
+  };
+  if (is_idle(encounter.attitude_is_free, encounter.attitude_index())) return "the base attitude";
+  if (is_idle(encounter.time_is_free, encounter.time_index())) return "the contact time";
+  return "";
 }
 
 template <int N>
-JointBox joint_box(const ZeroProblem& problem, const Box<N>& box) {
-  JointBox out{problem.start, problem.start};
-  for (int i = 0; i < N; ++i) {
-    const int k = problem.free[static_cast<std::size_t>(i)];
-    out.lower[k] = box[i].lower();
-    out.upper[k] = box[i].upper();
+JointBox joint_box(const EncounterModel& encounter, const Box<N>& box) {
+  JointBox out{encounter.start, encounter.start, {}, {}};
+  for (std::size_t i = 0; i < encounter.free.size(); ++i) {
+    out.lower[encounter.free[i]] = box.side[i].lower();
+    out.upper[encounter.free[i]] = box.side[i].upper();
+  }
+  if (encounter.attitude_is_free) {
+    const Interval& angle = box[encounter.attitude_index()];
+    out.base_angle = Ends{angle.lower(), angle.upper()};
+  }
+  if (encounter.time_is_free) {
+    const Interval& time = box[encounter.time_index()];
+    out.contact_time = Ends{time.lower() * encounter.time_unit, time.upper() * encounter.time_unit};
   }
   return out;
 }
 
 template <int N>
 Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
-  const std::vector<Row> rows = live_rows<N>(problem, all_rows(problem));
+  const EncounterModel& encounter = problem.encounter;
+  const std::string variable = encounter.is_fixed() ? "free joint" : "free variable";
+  const Survey<N> survey = survey_of<N>(problem, all_rows(problem));
+  const std::vector<Row>& rows = survey.rows;
   if (static_cast<int>(rows.size()) != N) {
     return not_applicable("no proof: " + counted(static_cast<int>(rows.size()), "equation") +
-                          " for " + counted(N, "free joint") +
+                          " for " + counted(N, variable) +
+                          ", so the solutions are not isolated points");
+  }
+  const std::string idle = idle_variable(encounter, survey);
+  if (!idle.empty()) {
+    return not_applicable("no proof: no equation depends on " + idle +
                           ", so the solutions are not isolated points");
   }
   std::array<bool, N> periodic;
   const Box<N> domain = domain_of<N>(problem, periodic);
+  const RowSystem<N> system(problem, rows);
   const Enclosure<N> found = enclose_zeros<N>(
-      RowSystem<N>(problem, rows), domain, periodic,
+      system, domain, periodic,
       {.max_boxes = options.max_boxes, .min_width = options.min_width, .stop = options.stop});
   Proof out;
   out.boxes = found.boxes;
-  for (const Zero<N>& zero : found.zeros) out.solutions.push_back(joint_box(problem, zero.tight));
-  for (const Box<N>& box : found.undecided) out.undecided.push_back(joint_box(problem, box));
-  out.status = found.complete() ? ProofStatus::Complete : ProofStatus::Undecided;
+  for (const Box<N>& box : found.undecided) out.undecided.push_back(joint_box(encounter, box));
+  for (const Zero<N>& zero : found.zeros) {
+    const Kept kept = system.kept_over(zero.tight);
+    if (kept == Kept::No) continue;
+    (kept == Kept::Yes ? out.solutions : out.undecided).push_back(joint_box(encounter, zero.tight));
+  }
+  const bool is_complete = out.undecided.empty();
+  out.status = is_complete ? ProofStatus::Complete : ProofStatus::Undecided;
   const std::string solutions = counted(static_cast<int>(out.solutions.size()), "solution");
-  if (found.complete() && out.solutions.empty()) {
-    out.statement = "proven: there is no solution within the joint limits";
-  } else if (found.complete()) {
+  if (is_complete && out.solutions.empty()) {
+    const bool only_limits = encounter.is_fixed() && problem.side_conditions.empty();
+    out.statement = std::string("proven: there is no solution within the ") +
+                    (only_limits ? "joint limits" : "bounds");
+  } else if (is_complete) {
     out.statement = "proven complete: " + solutions + " enclosed";
   } else {
     out.statement = "not decided: " + solutions + " enclosed, " +
@@ -176,19 +254,29 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
 }
 
 }  // namespace
-}  // namespace proof
 
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options) {
-  using namespace proof;
+  const RobotModel& robot = problem.robot;
+  const EncounterModel& encounter = problem.encounter;
+  const std::vector<Row> rows = all_rows(problem);
   const std::size_t moving =
-      static_cast<std::size_t>(problem.robot.n()) -
+      static_cast<std::size_t>(robot.n()) -
       static_cast<std::size_t>(std::count(problem.locked.begin(), problem.locked.end(), true));
-  if (problem.robot.n() > kMaxJointsInProof || moving > kMaxMovingJoints) {
+  if (moving > kMaxMovingJoints &&
+      (encounter.num_variables() > 3 ||
+       std::any_of(rows.begin(), rows.end(), needs_few_moving_joints))) {
     return not_applicable("no proof: more than " + std::to_string(kMaxMovingJoints) +
                           " joints move during the impact");
   }
+  if (robot.n() > kMaxJointsInProof) {
+    return not_applicable("no proof: the robot has more than " + std::to_string(kMaxJointsInProof) +
+                          " joints");
+  }
+  if (encounter.spin && !encounter.spin->is_valid()) {
+    return not_applicable("no proof: the target tumbles too often until the contact");
+  }
   const RoundUpward upward;
-  switch (problem.free.size()) {
+  switch (encounter.num_variables()) {
     case 1:
       return enclose<1>(problem, options);
     case 2:
@@ -196,9 +284,10 @@ Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options)
     case 3:
       return enclose<3>(problem, options);
     default:
-      return not_applicable("no proof: it takes one to three free joints, here are " +
-                            std::to_string(problem.free.size()));
+      return not_applicable(std::string("no proof: it takes one to three free ") +
+                            (encounter.is_fixed() ? "joints" : "variables") + ", here are " +
+                            std::to_string(encounter.num_variables()));
   }
 }
 
-}  // namespace stillbase
+}  // namespace stillbase::proof

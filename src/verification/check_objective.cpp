@@ -10,14 +10,26 @@
 namespace stillbase::verification {
 namespace {
 
+/// The quantity of a term in its own unit.
+std::vector<ObjectiveTerm> alone(ObjectiveTerm term) {
+  term.size = 1;
+  return {term};
+}
+
+/// Directions before the local refinement: few where each of them is simulated.
+int cone_samples(const Context& context) {
+  constexpr int kSimulated = 60;
+  const int most = context.options.cone_samples;
+  return simulates_turn(context.problem) ? std::min(kSimulated, most) : most;
+}
+
 /// Value of the problem's measure, by `reference`.
 double measure_value(const CaptureProblem& problem, const TargetMotion* motion,
                      const ContactEvent& event, const PostureResponse& response,
                      const Configuration& at, double worst) {
   switch (problem.measure.kind) {
     case RiskMeasure::Nominal:
-      return objective_value(problem.objective, response,
-                             impulse_along(problem, event, response, event.n));
+      return objective_value(problem, response, impulse_along(problem, event, response, event.n));
     case RiskMeasure::WorstCase:
       return worst;
     case RiskMeasure::Expectation:
@@ -32,15 +44,16 @@ void check_nominal_optimum(const Context& context, ClaimList& claims) {
   if (!context.plan.nominal_optimum) return;
   const NominalOptimum& stated = *context.plan.nominal_optimum;
   const ObjectiveNumbers found = objective_numbers(context, stated.configuration);
+  const double tolerance =
+      objective_tolerance(context.problem, context.options.recompute_tolerance);
+  const double worst_tolerance = std::max(tolerance, context.options.worst_case_tolerance);
   claims.same("nominal_optimum_nominal", relative_error(stated.nominal, found.nominal, found.scale),
-              context.options.recompute_tolerance, fmt::format("{:.9g}", found.nominal));
+              tolerance, fmt::format("{:.9g}", found.nominal));
   claims.same("nominal_optimum_worst_case",
-              relative_error(stated.worst_case, found.worst_case, found.scale),
-              context.options.worst_case_tolerance, fmt::format("{:.9g}", found.worst_case));
+              relative_error(stated.worst_case, found.worst_case, found.scale), worst_tolerance,
+              fmt::format("{:.9g}", found.worst_case));
   claims.same("nominal_optimum_value", relative_error(stated.value, found.measure, found.scale),
-              context.problem.measure.kind == RiskMeasure::WorstCase
-                  ? context.options.worst_case_tolerance
-                  : context.options.recompute_tolerance,
+              context.problem.measure.kind == RiskMeasure::WorstCase ? worst_tolerance : tolerance,
               fmt::format("{:.9g} of the measure", found.measure));
   claims.at_most("nominal_optimum_is_lowest",
                  (found.nominal - context.plan.objective.nominal) / std::max(found.scale, 1e-300),
@@ -57,16 +70,15 @@ ObjectiveNumbers objective_numbers(const Context& context, const Configuration& 
   const TargetMotion* moving = motion ? &*motion : nullptr;
   const ContactEvent event = contact_event(problem, moving, at);
   auto value = [&](const Vector3d& d) {
-    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+    return objective_value(problem, response, impulse_along(problem, event, response, d));
   };
   ObjectiveNumbers out;
   out.scale = objective_scale(problem.objective, response,
                               impulse_along(problem, event, response, event.n));
   out.nominal = value(event.n);
-  out.worst_case =
-      worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
-                      problem.uncertainty.cone_plane_normal, context.options.cone_samples)
-          .value;
+  out.worst_case = worst_over_cone(value, event.n, problem.uncertainty.cone_half_angle,
+                                   problem.uncertainty.cone_plane_normal, cone_samples(context))
+                       .value;
   out.measure = measure_value(problem, moving, event, response, at, out.worst_case);
   return out;
 }
@@ -75,7 +87,7 @@ void check_objective(const Context& context, const ContactEvent& event,
                      const PostureResponse& response, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
   const ObjectiveValue& stated = context.plan.objective;
-  const double tolerance = context.options.recompute_tolerance;
+  const double tolerance = objective_tolerance(problem, context.options.recompute_tolerance);
   const std::string name = objective_name(problem), unit = objective_unit_name(problem);
 
   std::vector<std::string> objections;
@@ -84,7 +96,7 @@ void check_objective(const Context& context, const ContactEvent& event,
   claims.none_wrong("objective_name", objections, fmt::format("{} in {}", name, unit));
 
   auto value = [&](const Vector3d& d) {
-    return objective_value(problem.objective, response, impulse_along(problem, event, response, d));
+    return objective_value(problem, response, impulse_along(problem, event, response, d));
   };
   auto scale = [&](const Vector3d& d) {
     return objective_scale(problem.objective, response, impulse_along(problem, event, response, d));
@@ -97,11 +109,11 @@ void check_objective(const Context& context, const ContactEvent& event,
   for (const ObjectiveTerm& term : problem.objective) {
     const auto found = stated.terms.find(to_string(term.quantity));
     const Vector6d Fbar = impulse_along(problem, event, response, event.n);
-    worst_term = std::max(worst_term,
-                          found == stated.terms.end()
-                              ? kInfinity
-                              : relative_error(found->second, term_value(term, response, Fbar),
-                                               objective_scale({{term.quantity}}, response, Fbar)));
+    worst_term = std::max(
+        worst_term, found == stated.terms.end()
+                        ? kInfinity
+                        : relative_error(found->second, term_value(problem, term, response, Fbar),
+                                         objective_scale(alone(term), response, Fbar)));
   }
   claims.same("objective_terms", worst_term, tolerance, "each term in its own unit");
   check_nominal_optimum(context, claims);
@@ -136,7 +148,7 @@ void check_objective(const Context& context, const ContactEvent& event,
   }
 
   const WorstDirection worst =
-      worst_over_cone(value, event.n, half_angle, plane, context.options.cone_samples);
+      worst_over_cone(value, event.n, half_angle, plane, cone_samples(context));
   const double excess = (worst.value - stated.worst_case) /
                         std::max(std::abs(stated.worst_case), 1e-6 * scale(event.n));
   claims.at_most("worst_case_sampled", excess, context.options.cone_tolerance, "1",

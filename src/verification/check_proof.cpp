@@ -7,34 +7,23 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/free_variables.hpp"
 #include "verification/recount.hpp"
 
 namespace stillbase::verification {
 namespace {
 
-// Candidates meet their constraints to 1e-9; another solution is never this near.
-constexpr double kNear = 1e-6;
-
-bool is_near(const RobotModel& robot, const JointBox& box, const Eigen::VectorXd& phi) {
-  for (int k = 0; k < robot.n(); ++k) {
-    double apart = phi[k] - (box.lower[k] + box.upper[k]) / 2;
-    if (robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
-      apart = std::remainder(apart, 2 * M_PI);
-    }
-    if (!(std::abs(apart) <= (box.upper[k] - box.lower[k]) / 2 + kNear)) return false;
-  }
-  return true;
-}
-
-/// How far the middle of a box is from a solution, relative to the size of the momenta.
-double residual_in(const Context& context, const ContactEvent& event, const JointBox& box) {
+/// How far the middle of a box is from a solution, relative to the size of the momenta and to 1 m.
+double residual_in(const Context& context, const Configuration& at) {
   const CaptureProblem& problem = context.problem;
-  const Eigen::VectorXd phi = (box.lower + box.upper) / 2;
-  const PostureResponse response = posture_response(problem, phi);
+  const PostureResponse response = posture_response(problem, at.phi);
+  const auto motion = target_motion(
+      problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
+  const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
   const Vector6d Fbar = impulse_along(problem, event, response, event.n);
   const reference::Impact impact = response.impact(Fbar);
   const double scale = response.momentum_scale(Fbar);
-  double residual = 0;
+  double residual = hand_residual(problem, event, at, response.dynamics);
   const auto demand = [&](const Vector3d& zero) {
     residual = std::max(residual, zero.norm() / scale);
   };
@@ -57,7 +46,7 @@ double residual_in(const Context& context, const ContactEvent& event, const Join
       break;
   }
   if (context.plan.certificate.proof.lower_bound) {
-    residual = std::max(residual, objective_value(problem.objective, response, Fbar) /
+    residual = std::max(residual, objective_value(problem, response, Fbar) /
                                       objective_scale(problem.objective, response, Fbar));
   }
   return residual;
@@ -94,20 +83,23 @@ void check_statements(const Plan& plan, ClaimList& claims) {
 }
 
 /// Solutions that a search of its own finds are in the boxes.
-void check_completeness(const Context& context, const ContactEvent& event, ClaimList& claims) {
+void check_completeness(const Context& context, const FreeVariables& variables,
+                        const Recount& recount, ClaimList& claims) {
   const Proof& proof = context.plan.certificate.proof;
-  const Recount recount = search_solutions(context, event);
   if (!recount.not_done.empty()) return;
   std::vector<std::string> outside;
-  for (const Eigen::VectorXd& phi : recount.solutions) {
-    const auto holds = [&](const JointBox& box) {
-      return is_near(context.problem.robot, box, phi);
-    };
+  for (const Configuration& at : recount.solutions) {
+    const auto holds = [&](const JointBox& box) { return variables.holds(box, at); };
     const bool is_known = std::any_of(proof.solutions.begin(), proof.solutions.end(), holds) ||
                           std::any_of(proof.undecided.begin(), proof.undecided.end(), holds);
     if (is_known) continue;
     std::string posture;
-    for (const double x : phi) posture += fmt::format("{}{:.6f}", posture.empty() ? "" : ", ", x);
+    for (const double x : at.phi) {
+      posture += fmt::format("{}{:.6f}", posture.empty() ? "" : ", ", x);
+    }
+    if (!(proof.solutions.empty() || !proof.solutions.front().contact_time)) {
+      posture += fmt::format(" at {:.6f} s", at.contact_time);
+    }
     outside.push_back("(" + posture + ")");
   }
   claims.none_wrong(
@@ -119,19 +111,22 @@ void check_completeness(const Context& context, const ContactEvent& event, Claim
 
 }  // namespace
 
-void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims) {
+void check_proof(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
   if (proof.status == ProofStatus::NotApplicable) return;
+  const FreeVariables variables(context.problem);
+  const Recount recount = search_solutions(context);
   double worst = 0;
   std::vector<std::string> unlisted, unproven;
   std::vector<int> boxes_of(plan.candidates.size(), 0);
   for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
-    worst = std::max(worst, residual_in(context, event, proof.solutions[s]));
+    const Configuration middle = variables.at(variables.middle_of(proof.solutions[s]));
+    worst = std::max(worst, residual_in(context, middle));
     const int c = s < proof.candidates.size() ? proof.candidates[s] : -1;
     const bool listed = c >= 0 && c < static_cast<int>(plan.candidates.size()) &&
-                        is_near(context.problem.robot, proof.solutions[s],
-                                plan.candidates[static_cast<std::size_t>(c)].configuration.phi);
+                        variables.holds(proof.solutions[s],
+                                        plan.candidates[static_cast<std::size_t>(c)].configuration);
     if (listed) {
       ++boxes_of[static_cast<std::size_t>(c)];
     } else {
@@ -143,8 +138,8 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   claims.none_wrong("proof_solutions_listed", unlisted,
                     "enclosed solutions that no candidate stands for");
   // With freedom left over, candidates may be local minima at which the objective is not zero.
-  const bool is_whole_list = proof.status == ProofStatus::Complete && !proof.lower_bound &&
-                             context.problem.constraints.impact_case != CaseConstraint::None;
+  const bool is_whole_list =
+      proof.status == ProofStatus::Complete && !recount.asks_for_zero && recount.not_done.empty();
   for (std::size_t c = 0; is_whole_list && c < boxes_of.size(); ++c) {
     if (boxes_of[c] != 1) {
       unproven.push_back(fmt::format("candidate {} in {} of them", c, boxes_of[c]));
@@ -153,7 +148,7 @@ void check_proof(const Context& context, const ContactEvent& event, ClaimList& c
   claims.none_wrong("proof_candidates_enclosed", unproven,
                     "candidates that are not in exactly one enclosed solution");
   check_statements(plan, claims);
-  check_completeness(context, event, claims);
+  check_completeness(context, variables, recount, claims);
 }
 
 }  // namespace stillbase::verification

@@ -52,7 +52,7 @@ ObjectiveNumbers objective_numbers(const Context& context, const Configuration& 
 void check_candidates(const Context& context, ClaimList& claims);
 
 /// The enclosed solutions and the candidates are the same; nothing where there is no proof.
-void check_proof(const Context& context, const ContactEvent& event, ClaimList& claims);
+void check_proof(const Context& context, ClaimList& claims);
 
 /// Torques along the approach against the effort limits, and as stated.
 void check_torques(const Context& context, ClaimList& claims);

@@ -4,9 +4,18 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <stillbase/simulation/settings.hpp>
+
 #include "verification/recomputation.hpp"
 
 namespace stillbase::verification {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+/// The planner's fixed steps and the adaptive ones here, relative.
+constexpr double kIntegratorsAgree = 1e-6;
+
+}  // namespace
 
 Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* motion,
                           const Configuration& configuration, const PostureResponse& response,
@@ -52,8 +61,38 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
   return (1 + scenario.restitution) * closing_speed / inverse_mass * unit;
 }
 
-double term_value(const ObjectiveTerm& term, const PostureResponse& response,
-                  const Vector6d& Fbar) {
+double attitude_turned(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, double after, const RobotModel* planned) {
+  const PostImpactSpec& spec = problem.post_impact;
+  const auto kind =
+      spec.controllers.empty() ? std::nullopt : controller_from_name(spec.controllers.front());
+  if (!kind) throw std::invalid_argument("attitude_turned needs a controller");
+  const reference::Impact jump = response.impact(Fbar);
+  PlantState state;
+  state.phi = response.phi;
+  state.Omega = jump.Delta_Omega;
+  state.phidot = jump.Delta_phidot;
+  SimulationOptions options = plant_options_of(spec, planned ? *planned : problem.robot);
+  if (planned && !options.controller_robot) options.controller_robot = *planned;
+  options.integrator = IntegratorKind::Dopri5;
+  options.relative_tolerance = 1e-10;
+  options.absolute_tolerance = 1e-12;
+  options.horizon = after;
+  options.output_period = 0;
+  const SimulationResult result = simulate_post_impact(problem.robot, problem.resistance, state,
+                                                       controller_of(*kind, spec), options);
+  if (result.status != SimulationStatus::Finished) return kPi;
+  return state.base.orientation.angularDistance(result.trace.back().state.base.orientation);
+}
+
+double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance) {
+  return simulates_turn(problem) ? std::max(kIntegratorsAgree, recompute_tolerance)
+                                 : recompute_tolerance;
+}
+
+double term_value(const CaptureProblem& problem, const ObjectiveTerm& term,
+                  const PostureResponse& response, const Vector6d& Fbar,
+                  const RobotModel* planned) {
   switch (term.quantity) {
     case ObjectiveQuantity::BaseAngularMomentum:
       return (response.dynamics.Htilde_omega * (response.B * Fbar)).norm();
@@ -71,15 +110,17 @@ double term_value(const ObjectiveTerm& term, const PostureResponse& response,
       return Fbar.head<3>().norm();
     case ObjectiveQuantity::JointRateNorm:
       return response.impact(Fbar).Delta_phidot.norm();
+    case ObjectiveQuantity::AttitudeTurned:
+      return attitude_turned(problem, response, Fbar, term.after, planned);
   }
   throw std::logic_error("no such objective");
 }
 
-double objective_value(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
-                       const Vector6d& Fbar) {
+double objective_value(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, const RobotModel* planned) {
   double sum = 0;
-  for (const ObjectiveTerm& term : terms) {
-    sum += std::pow(term_value(term, response, Fbar) / term.size, 2);
+  for (const ObjectiveTerm& term : problem.objective) {
+    sum += std::pow(term_value(problem, term, response, Fbar, planned) / term.size, 2);
   }
   return std::sqrt(sum);
 }
@@ -109,6 +150,10 @@ double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureRes
           size = std::max(size, response.impact(along).Delta_phidot.norm());
         }
         break;
+      case ObjectiveQuantity::AttitudeTurned:
+        // At the rate that the base would take up alone.
+        size = std::min(kPi, 3 * momentum / response.dynamics.Htilde_omega.trace() * term.after);
+        break;
     }
     sum += size * size / (term.size * term.size);
   }
@@ -125,8 +170,7 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
     }
     const PostureResponse& at = displaced ? *displaced : response;
     const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
-    squares.emplace_back(std::pow(objective_value(problem.objective, at, Fbar), 2),
-                         scenario.weight);
+    squares.emplace_back(std::pow(objective_value(problem, at, Fbar), 2), scenario.weight);
   }
   // The mean of the worst share of the weight; of all of it for the expectation.
   double left = problem.measure.kind == RiskMeasure::Cvar ? 1 - problem.measure.cvar_level : 1.0;

@@ -126,6 +126,7 @@ std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem
 
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
   PostureResponse response;
+  response.phi = phi;
   response.dynamics = reference::compute(problem.robot, {phi, {}, {}});
   response.added_inertia = added_inertia_of(problem.resistance, problem.robot.n());
   if (problem.resistance.model == ResistanceModel::Locked) {

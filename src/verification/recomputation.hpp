@@ -56,6 +56,7 @@ std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem
 
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
+  Eigen::VectorXd phi;               ///< n
   reference::Dynamics dynamics;      ///< at rest
   Eigen::VectorXd added_inertia;     ///< n
   std::vector<bool> locked;          ///< n or empty
@@ -88,12 +89,25 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
                           const Configuration& configuration, const PostureResponse& response,
                           const Scenario& scenario);
 
-/// One term of an objective for an impulse, in its own unit.
-double term_value(const ObjectiveTerm& term, const PostureResponse& response, const Vector6d& Fbar);
+/// How far the base has turned `after` seconds after an impulse under the problem's first
+/// controller, rad: simulated with adaptive steps from the jump of `reference`. At most pi; pi when
+/// the simulation breaks off.
+/// @param planned the robot that the controller was made for; null: the problem's
+double attitude_turned(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, double after, const RobotModel* planned = nullptr);
 
-/// The problem's objective for an impulse, and the size that it is measured against.
-double objective_value(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
-                       const Vector6d& Fbar);
+/// The most by which objectives of the problem as predicted may be misstated, relative: two
+/// integrations of one motion agree less well than two evaluations of one formula.
+double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance);
+
+/// One term of an objective for an impulse, in its own unit.
+double term_value(const CaptureProblem& problem, const ObjectiveTerm& term,
+                  const PostureResponse& response, const Vector6d& Fbar,
+                  const RobotModel* planned = nullptr);
+
+/// The problem's objective for an impulse, and the size that some terms are measured against.
+double objective_value(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, const RobotModel* planned = nullptr);
 double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
                        const Vector6d& Fbar);
 

@@ -5,116 +5,154 @@
 
 #include <stillbase/core/random.hpp>
 
+#include "verification/free_variables.hpp"
+
 namespace stillbase::verification {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSolved = 1e-10;     // of the relative residual
 constexpr double kSame = 1e-5;        // rad, m
 constexpr double kDifference = 1e-6;  // rad, m; step of the differences
-constexpr double kLive = 1e-5;  // of the largest singular value: an equation that says something
+constexpr double kLive = 1e-5;    // of the largest singular value: an equation that says something
+constexpr double kInside = 1e-6;  // solutions nearer to a bound may count as beyond it
 constexpr int kIterations = 25;
+constexpr int kHandRows = 6, kRows = 15;
 
-/// The equations over the free joints, relative to the size of the momenta and to 1 m.
+bool has_hand_point(const CaptureProblem& problem) {
+  return problem.hand.position || !problem.impulse.direction;
+}
+
+/// The hand's distance from its point (3) and the sines of the turn of its axes (3), in B.
+Eigen::Matrix<double, kHandRows, 1> hand_rows(const CaptureProblem& problem,
+                                              const ContactEvent& event, const Configuration& at,
+                                              const reference::Dynamics& dynamics) {
+  Eigen::Matrix<double, kHandRows, 1> rows = Eigen::Matrix<double, kHandRows, 1>::Zero();
+  const HandSpec& hand = problem.hand;
+  if (hand.constraint == HandConstraint::None) return rows;
+  if (has_hand_point(problem) && problem.variables.base_position == PositionFreedom::Fixed) {
+    Vector3d wanted;
+    if (hand.position && hand.frame == Frame::Base) {
+      wanted = *hand.position;
+    } else {
+      wanted = at.base.inverse() * (hand.position ? *hand.position : event.feature->point);
+    }
+    rows.head<3>() = dynamics.hand_position - wanted;
+  }
+  if (hand.constraint == HandConstraint::Axis) {
+    rows.tail<3>() = event.n.cross(Vector3d(dynamics.hand_rotation * hand.approach_axis));
+  } else if (const auto wanted = wanted_hand_axes(problem, event, at)) {
+    const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
+    for (int i = 0; i < 3; ++i) {
+      rows.tail<3>() += dynamics.hand_rotation.col(i).cross(D.col(i)) / 2;
+    }
+  }
+  return rows;
+}
+
+/// The equations over the variables, relative to the size of the momenta and to 1 m.
 class Equations {
  public:
-  Equations(const Context& context, const ContactEvent& event)
-      : problem_(context.problem), event_(event) {
-    for (int k = 0; k < problem_.robot.n(); ++k) {
-      if (problem_.variables.joints[static_cast<std::size_t>(k)]) free_.push_back(k);
-    }
-    F_ << event.n, event.moment;
-    if (problem_.impulse.source == ImpulseSource::Given) {
-      F_.tail<3>() /= problem_.impulse.magnitude;
-    }
+  Equations(const CaptureProblem& problem, const FreeVariables& variables)
+      : problem_(problem), variables_(variables) {
+    if (problem.impulse.direction) return;
+    Configuration last{problem.start, problem.base, problem.variables.contact_time_upper};
+    motion_ = target_motion(problem, last, Vector3d::Zero(), problem.variables.contact_time_lower);
   }
 
-  int size() const { return static_cast<int>(free_.size()); }
-  const Joint& joint(int i) const {
-    return problem_.robot.joints[static_cast<std::size_t>(free_[static_cast<std::size_t>(i)])];
-  }
   void ask_for_zero() { zero_ = true; }
 
-  Eigen::VectorXd posture(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd phi = problem_.start;
-    for (int i = 0; i < size(); ++i) phi[free_[static_cast<std::size_t>(i)]] = x[i];
-    return phi;
+  ContactEvent event_at(const Configuration& at) const {
+    return contact_event(problem_, motion_ ? &*motion_ : nullptr, at);
   }
 
   Eigen::VectorXd residual(const Eigen::VectorXd& x) const {
+    const Configuration at = variables_.at(x);
+    const ContactEvent event = event_at(at);
+    Vector6d F;
+    F << event.n, event.moment;
+    if (problem_.impulse.source == ImpulseSource::Given) {
+      F.tail<3>() /= problem_.impulse.magnitude;
+    }
     PostureResponse response;
-    response.dynamics = reference::compute(problem_.robot, {posture(x), {}, {}});
+    response.dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
     response.added_inertia = added_inertia_of(problem_.resistance, problem_.robot.n());
     if (problem_.resistance.model == ResistanceModel::Locked) {
       response.locked = problem_.resistance.locked;
     }
     response.r_gh = response.dynamics.hand_position - response.dynamics.centroid;
-    const reference::Impact impact = response.impact(F_);
-    const double scale = response.momentum_scale(F_);
-    Eigen::VectorXd rows = Eigen::VectorXd::Zero(12);
-    if (problem_.hand.constraint == HandConstraint::Position && problem_.hand.position &&
-        problem_.variables.base_position == PositionFreedom::Fixed) {
-      const Vector3d wanted = problem_.hand.frame == Frame::Base
-                                  ? *problem_.hand.position
-                                  : problem_.base.inverse() * *problem_.hand.position;
-      rows.head<3>() = response.dynamics.hand_position - wanted;
-    }
+    const reference::Impact impact = response.impact(F);
+    const double scale = response.momentum_scale(F);
+    Eigen::VectorXd rows = Eigen::VectorXd::Zero(kRows);
+    rows.head<kHandRows>() = hand_rows(problem_, event, at, response.dynamics);
     const CaseConstraint wanted = problem_.constraints.impact_case;
     const bool is_total =
         wanted == CaseConstraint::C || wanted == CaseConstraint::C1 || wanted == CaseConstraint::C2;
     const bool zero_total =
         zero_ && problem_.objective.front().quantity == ObjectiveQuantity::TotalAngularMomentum;
-    if (is_total || zero_total) rows.segment<3>(3) = impact.total / scale;
+    if (is_total || zero_total) rows.segment<3>(6) = impact.total / scale;
     if (wanted == CaseConstraint::G2 || (zero_ && !zero_total)) {
-      rows.segment<3>(6) = impact.base / scale;
+      rows.segment<3>(9) = impact.base / scale;
     }
     if (wanted == CaseConstraint::C2 || wanted == CaseConstraint::G3) {
-      rows.segment<3>(9) = impact.coupling / scale;
+      rows.segment<3>(12) = impact.coupling / scale;
     }
     return rows;
   }
 
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& x) const {
-    Eigen::MatrixXd J(12, size());
-    for (int i = 0; i < size(); ++i) {
-      const Eigen::VectorXd step = kDifference * Eigen::VectorXd::Unit(size(), i);
+    const Eigen::Index n = x.size();
+    Eigen::MatrixXd J(kRows, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::VectorXd step = kDifference * Eigen::VectorXd::Unit(n, i);
       J.col(i) = (residual(x + step) - residual(x - step)) / (2 * kDifference);
     }
     return J;
   }
 
+  /// The inequalities, with a little to spare.
+  bool is_allowed(const Configuration& at) const {
+    const ContactEvent event = event_at(at);
+    const reference::Dynamics dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
+    const VariableSpec& variables = problem_.variables;
+    const HandSpec& hand = problem_.hand;
+    if (hand.constraint == HandConstraint::Axis &&
+        event.n.dot(dynamics.hand_rotation * hand.approach_axis) > 0) {
+      return false;
+    }
+    if (const auto wanted = wanted_hand_axes(problem_, event, at)) {
+      const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
+      if ((dynamics.hand_rotation.transpose() * D).trace() < 0) return false;
+    }
+    const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
+    if (event.feature && (time_is_free || problem_.impulse.source != ImpulseSource::Given) &&
+        closing_speed(problem_, event, event.n) <
+            problem_.constraints.closing_speed_min + kInside) {
+      return false;
+    }
+    if (variables.base_position == PositionFreedom::Box && has_hand_point(problem_)) {
+      const Vector3d point = hand.position ? *hand.position : event.feature->point;
+      const Vector3d station = point - at.base.orientation * Vector3d(dynamics.hand_position);
+      if (((station - variables.base_position_lower).array() < kInside).any() ||
+          ((variables.base_position_upper - station).array() < kInside).any()) {
+        return false;
+      }
+    }
+    return true;
+  }
+
  private:
   const CaptureProblem& problem_;
-  const ContactEvent& event_;
-  std::vector<int> free_;
-  Vector6d F_;
+  const FreeVariables& variables_;
+  std::optional<TargetMotion> motion_;
   bool zero_ = false;
 };
 
-struct Domain {
-  Eigen::VectorXd lower, upper;
-  std::vector<bool> turns;
-};
-
-Domain domain_of(const Equations& equations, double margin) {
-  const int n = equations.size();
-  Domain domain{Eigen::VectorXd(n), Eigen::VectorXd(n), std::vector<bool>()};
-  for (int i = 0; i < n; ++i) {
-    const Joint& joint = equations.joint(i);
-    const bool turns = joint.type == JointType::Continuous;
-    domain.turns.push_back(turns);
-    domain.lower[i] = turns ? -kPi : joint.lower + margin;
-    domain.upper[i] = turns ? kPi : joint.upper - margin;
-  }
-  return domain;
+Eigen::VectorXd start_point(const FreeVariables& variables, int index) {
+  const Eigen::VectorXd u = low_discrepancy_point(index, variables.size(), 0);
+  return variables.lower + u.cwiseProduct(variables.upper - variables.lower);
 }
 
-Eigen::VectorXd start_point(const Domain& domain, int index) {
-  const Eigen::VectorXd u = low_discrepancy_point(index, static_cast<int>(domain.lower.size()), 0);
-  return domain.lower + u.cwiseProduct(domain.upper - domain.lower);
-}
-
-/// Number of equations that say something at a posture; singular ones count less.
+/// Number of equations that say something at a point; singular ones count less.
 int rank_of(const Eigen::MatrixXd& J) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J);
   const auto& sigma = svd.singularValues();
@@ -123,11 +161,11 @@ int rank_of(const Eigen::MatrixXd& J) {
   return rank;
 }
 
-/// The most equations that are independent at one of a few postures.
-int generic_rank(const Equations& equations, const Domain& domain) {
+/// The most equations that are independent at one of a few points.
+int generic_rank(const Equations& equations, const FreeVariables& variables) {
   int rank = 0;
   for (int sample = 0; sample < 8; ++sample) {
-    rank = std::max(rank, rank_of(equations.jacobian(start_point(domain, sample + 1))));
+    rank = std::max(rank, rank_of(equations.jacobian(start_point(variables, sample + 1))));
   }
   return rank;
 }
@@ -154,21 +192,13 @@ std::optional<Eigen::VectorXd> solve(const Equations& equations, Eigen::VectorXd
   return std::nullopt;
 }
 
-std::string objection(const CaptureProblem& problem, int free) {
-  const VariableSpec& variables = problem.variables;
-  const HandConstraint hand = problem.hand.constraint;
-  if (free < 1 || free > 3) return "not one to three free joints";
-  if (variables.base_attitude != AttitudeFreedom::Fixed ||
-      variables.base_position == PositionFreedom::Box ||
-      variables.contact_time_upper > variables.contact_time_lower) {
-    return "base or contact time are free";
+std::string objection(const CaptureProblem& problem) {
+  const AttitudeFreedom attitude = problem.variables.base_attitude;
+  if (attitude == AttitudeFreedom::Cone || attitude == AttitudeFreedom::Free) {
+    return "the base attitude is free about more than one axis";
   }
-  if (hand == HandConstraint::Axis || hand == HandConstraint::Pose) return "the hand's axes count";
-  if (hand == HandConstraint::Position && !problem.hand.position &&
-      variables.base_position == PositionFreedom::Fixed) {
-    return "the hand meets a moving target";
-  }
-  return "";
+  const int free = FreeVariables(problem).size();
+  return free < 1 || free > 3 ? "not one to three variables" : "";
 }
 
 bool is_angular(const std::vector<ObjectiveTerm>& objective) {
@@ -181,18 +211,24 @@ bool is_angular(const std::vector<ObjectiveTerm>& objective) {
 
 }  // namespace
 
-Recount search_solutions(const Context& context, const ContactEvent& event) {
+double hand_residual(const CaptureProblem& problem, const ContactEvent& event,
+                     const Configuration& at, const reference::Dynamics& dynamics) {
+  return hand_rows(problem, event, at, dynamics).cwiseAbs().maxCoeff();
+}
+
+Recount search_solutions(const Context& context) {
   const CaptureProblem& problem = context.problem;
-  Equations equations(context, event);
-  const int n = equations.size();
   Recount out;
-  out.not_done = objection(problem, n);
+  out.not_done = objection(problem);
   if (!out.not_done.empty()) return out;
-  const Domain domain = domain_of(equations, problem.constraints.joint_limit_margin);
-  int rank = generic_rank(equations, domain);
+  const FreeVariables variables(problem);
+  const int n = variables.size();
+  Equations equations(problem, variables);
+  int rank = generic_rank(equations, variables);
   if (rank < n && is_angular(problem.objective)) {
+    out.asks_for_zero = true;
     equations.ask_for_zero();
-    rank = generic_rank(equations, domain);
+    rank = generic_rank(equations, variables);
   }
   if (rank < n) {
     out.not_done = "the equations leave freedom";
@@ -200,29 +236,18 @@ Recount search_solutions(const Context& context, const ContactEvent& event) {
   }
   constexpr int kStarts[] = {100, 400, 1000};
   out.starts = kStarts[n - 1];
+  std::vector<Eigen::VectorXd> points;
   for (int s = 0; s < out.starts && !context.options.stop.reached(); ++s) {
-    auto x = solve(equations, start_point(domain, s));
-    if (!x || rank_of(equations.jacobian(*x)) < n) continue;
-    bool is_inside = true;
-    for (int i = 0; i < n; ++i) {
-      if (domain.turns[static_cast<std::size_t>(i)]) (*x)[i] = std::remainder((*x)[i], 2 * kPi);
-      is_inside = is_inside && (*x)[i] >= domain.lower[i] && (*x)[i] <= domain.upper[i];
-    }
-    if (!is_inside) continue;
-    const Eigen::VectorXd phi = equations.posture(*x);
+    auto x = solve(equations, start_point(variables, s));
+    if (!x || rank_of(equations.jacobian(*x)) < n || !variables.bring_inside(*x)) continue;
+    const Configuration at = variables.at(*x);
+    if (!equations.is_allowed(at)) continue;
     const auto is_same = [&](const Eigen::VectorXd& other) {
-      double apart = 0;
-      for (int k = 0; k < problem.robot.n(); ++k) {
-        const bool turns =
-            problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous;
-        const double d = phi[k] - other[k];
-        apart = std::max(apart, std::abs(turns ? std::remainder(d, 2 * kPi) : d));
-      }
-      return apart <= kSame;
+      return variables.distance(*x, other) <= kSame;
     };
-    if (std::none_of(out.solutions.begin(), out.solutions.end(), is_same)) {
-      out.solutions.push_back(phi);
-    }
+    if (std::any_of(points.begin(), points.end(), is_same)) continue;
+    points.push_back(*x);
+    out.solutions.push_back(at);
   }
   return out;
 }

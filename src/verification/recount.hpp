@@ -10,15 +10,20 @@
 namespace stillbase::verification {
 
 struct Recount {
-  std::string not_done;                    ///< why the problem is none of those; empty: it is
-  std::vector<Eigen::VectorXd> solutions;  ///< phi (n), distinct
+  std::string not_done;  ///< why the problem is none of those; empty: it is
+  /// The equations leave freedom, so the objective's zeros were looked for.
+  bool asks_for_zero = false;
+  std::vector<Configuration> solutions;  ///< distinct; base position as stated
   int starts = 0;
 };
 
-/// Postures within the joint limits that meet the hand's point and the wanted case and, where these
-/// equations leave freedom, make the objective zero; isolated ones. For problems with one to three
-/// free joints and everything else fixed.
-/// @param event at the stated base pose and contact time
-Recount search_solutions(const Context& context, const ContactEvent& event);
+/// Configurations within the bounds that meet the hand's equations, the wanted case and the
+/// inequalities and, where these equations leave freedom, make the objective zero; isolated ones.
+/// For problems with one to three variables among joints, base angle about an axis and time.
+Recount search_solutions(const Context& context);
+
+/// How far the hand is from what is asked of it at a configuration: m, and sines of angles.
+double hand_residual(const CaptureProblem& problem, const ContactEvent& event,
+                     const Configuration& at, const reference::Dynamics& dynamics);
 
 }  // namespace stillbase::verification

@@ -156,7 +156,7 @@ TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
   outcome.hit = truth.impulse.source == ImpulseSource::Given || closing_speed(truth, event, d) > 0;
-  outcome.objective = objective_value(truth.objective, response, Fbar);
+  outcome.objective = objective_value(truth, response, Fbar, &nominal.plan.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
   if (truth.post_impact.controllers.empty()) {

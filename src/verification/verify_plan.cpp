@@ -113,6 +113,10 @@ std::vector<std::string> structural_objections(const Plan& plan) {
       objections.demand(box.lower.size() == n && box.upper.size() == n && box.lower.allFinite() &&
                             box.upper.allFinite(),
                         "certificate.proof: boxes");
+      for (const std::optional<Ends>& ends : {box.base_angle, box.contact_time}) {
+        objections.demand(!ends || (std::isfinite(ends->lower) && std::isfinite(ends->upper)),
+                          "certificate.proof: boxes");
+      }
     }
   }
   if (plan.problem.approach.enabled && plan.approach.status == ApproachStatus::Found) {
@@ -173,7 +177,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
-      group("proof", [&] { check_proof(context, event, claims); });
+      group("proof", [&] { check_proof(context, claims); });
       group("consistency", [&] { check_consistency(context, claims); });
       group("approach", [&] { check_approach(context, claims); });
       if (options.post_impact) {

@@ -51,6 +51,14 @@ TEST_CASE("the front of two quantities is that of one contact feature") {
                              "variables.feature");
 }
 
+TEST_CASE("a front with the turn of the base needs to be told when") {
+  const Workshop shop;
+  require_wrong_command_line(
+      shop,
+      "plan " + source_path(kProblem) + " -o plan.json --pareto joint_rate_norm,attitude_turned",
+      "'after'");
+}
+
 TEST_CASE("an unknown subcommand is named beside the known ones") {
   const Workshop shop;
   require_wrong_command_line(shop, "frobnicate plan.json", "no subcommand 'frobnicate'");

@@ -95,6 +95,39 @@ TEST_CASE("where there is a choice of features a plan says which one each config
   CHECK(refusal(json.dump()) == "missing-key");
 }
 
+TEST_CASE("the boxes of a proof name base angle and contact time where those are variables") {
+  Plan plan = random_plan();
+  plan.problem.variables.base_attitude = AttitudeFreedom::Axis;
+  plan.problem.variables.contact_time_upper = plan.problem.variables.contact_time_lower + 1;
+  Proof& proof = plan.certificate.proof;
+  double end = -0.1 / 3;
+  for (auto* boxes : {&proof.solutions, &proof.undecided}) {
+    for (JointBox& box : *boxes) {
+      box.base_angle = Ends{end, end + 1e-17};
+      box.contact_time = Ends{60 + end, 61 + end};
+      end += 0.1;
+    }
+  }
+  const std::string text = plan_to_json(plan, kTool);
+  const Plan again = read_plan(text, "plan.json").plan;
+  CHECK(plan_to_json(again, kTool) == text);
+  const JointBox& last = again.certificate.proof.undecided.back();
+  CHECK(last.base_angle->lower == proof.undecided.back().base_angle->lower);
+  CHECK(last.contact_time->upper == proof.undecided.back().contact_time->upper);
+  for (const char* key : {"base_angle", "contact_time"}) {
+    auto json = nlohmann::json::parse(text);
+    auto& box = json["certificate"]["proof"]["solutions"][0];
+    box[key] = {1};
+    CHECK_FALSE(refusal(json.dump()).empty());
+    box.erase(key);
+    CHECK(refusal(json.dump()) == "missing-key");
+    // Where it is no variable nobody asks for it.
+    auto fixed = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
+    fixed["certificate"]["proof"]["solutions"][0][key] = {0, 1};
+    CHECK(refusal(fixed.dump()) == "unknown-key");
+  }
+}
+
 TEST_CASE("a proof that contradicts itself is refused") {
   auto json = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
   auto spoiled = json;

@@ -205,6 +205,73 @@ TEST_CASE("a wedge is refused where something leaves its plane") {
   CHECK_THAT(tilted[0].message, Catch::Contains("covariance.orientation"));
 }
 
+TEST_CASE("the turn after the impact needs its time, a controller and an instantaneous impact") {
+  const std::string text =
+      replaced(kProblem, "objective: base_angular_momentum",
+               "objective: {quantity: attitude_turned, after: 5 s}") +
+      "post_impact: {controllers: [rns], residual_base_rate_max: 1, attitude_change_max: 1}\n";
+  const CaptureProblem problem = read(text);
+  REQUIRE(problem.objective.size() == 1);
+  CHECK(problem.objective[0].quantity == ObjectiveQuantity::AttitudeTurned);
+  CHECK(problem.objective[0].after == 5);
+  const int line = line_of(text, "objective:");
+  const auto refuses_objective = [&](const std::string& from, const std::string& to,
+                                     const std::string& rule, const std::string& part) {
+    INFO(from << " -> " << to);
+    refuses(replaced(text, from, to), line, rule, {part});
+  };
+  refuses_objective(", after: 5 s", "", "missing-key", "after");
+  refuses_objective("{quantity: attitude_turned, after: 5 s}", "attitude_turned", "missing-key",
+                    "after");
+  refuses_objective("attitude_turned, after", "joint_rate_norm, after", "not-used",
+                    "attitude_turned");
+  for (const char* time : {"0 s", "-1 s", "3601 s"}) {
+    refuses_objective("after: 5 s", std::string("after: ") + time, "out-of-range", "after");
+  }
+  refuses_objective("after: 5 s", "after: 5 m", "wrong-unit", "after");
+  refuses_objective("after: 5 s", "after: 11 s", "out-of-range", "post_impact.horizon");
+  refuses_objective("controllers: [rns], residual_base_rate_max: 1, attitude_change_max: 1",
+                    "controllers: []", "missing-key", "post_impact.controllers");
+  refuses_objective("attitude_change_max: 1}", "attitude_change_max: 1, contact: compliant}",
+                    "not-supported", "post_impact.contact");
+  for (const auto& [measure, kind] :
+       {std::pair("worst_case", RiskMeasure::WorstCase),
+        std::pair("expectation", RiskMeasure::Expectation), std::pair("cvar", RiskMeasure::Cvar)}) {
+    const std::string with = std::string("after: 5 s, measure: ") + measure + "}";
+    CHECK(read(replaced(text, "after: 5 s}", with)).measure.kind == kind);
+  }
+}
+
+TEST_CASE("the turn after the impact as one of several terms reads back the same") {
+  const std::string text =
+      replaced(replaced(kProblem, "cone_half_angle: 10 deg", "cone_half_angle: 0"),
+               "objective: base_angular_momentum",
+               "objective:\n"
+               "  terms:\n"
+               "    - {quantity: attitude_turned, size: 2 deg, after: 1 min}\n"
+               "    - {quantity: joint_rate_norm, size: 0.1 rad/s}") +
+      "post_impact: {controllers: [none], horizon: 60 s, residual_base_rate_max: 1, "
+      "attitude_change_max: 1}\n";
+  const CaptureProblem problem = read(text);
+  REQUIRE(problem.objective.size() == 2);
+  CHECK(problem.objective[0].after == 60);
+  CHECK(problem.objective[0].size == Approx(2 * M_PI / 180).epsilon(1e-15));
+  CHECK(problem.objective[1].after == 0);
+  const std::string alone = replaced(replaced(text, "size: 2 deg, ", "size: 1, "),
+                                     "    - {quantity: joint_rate_norm, size: 0.1 rad/s}\n", "");
+  for (const CaptureProblem& one : {problem, read(alone)}) {
+    const std::string json = problem_to_json(one);
+    const CaptureProblem again = read_problem_text(json, "copy.json", one.urdf);
+    CHECK(problem_to_json(again) == json);
+    CHECK(again.objective[0].quantity == ObjectiveQuantity::AttitudeTurned);
+    CHECK(again.objective[0].after == 60);
+  }
+  refuses(replaced(text, "after: 1 min", "length: 1 m"), line_of(text, "attitude_turned"),
+          "missing-key", {"objective.terms[0]", "after"});
+  refuses(replaced(text, "0.1 rad/s}", "0.1 rad/s, after: 2 s}"), line_of(text, "joint_rate_norm"),
+          "not-used", {"objective.terms[1].after"});
+}
+
 TEST_CASE("a tail of fewer than two samples is refused") {
   const auto with = [](const std::string& level, const std::string& samples) {
     return replaced(kProblem, "objective: base_angular_momentum",

@@ -46,6 +46,14 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
     }
     problem.measure.samples = 20;
     problem.measure.cvar_level = 0.73;
+    if (trial < 3) {
+      problem.objective.push_back({ObjectiveQuantity::AttitudeTurned, 0.1});
+      problem.objective.back().after = 0.3;
+      problem.post_impact.controllers = {trial == 0 ? "rns_damped" : "joint_damping"};
+    }
+    const double tolerance =
+        verification::objective_tolerance(problem, 1e-10);  // a simulation is less exact
+    CHECK(tolerance == (trial < 3 ? 1e-6 : 1e-10));
     const Formulation formulation(problem);
     const Eigen::VectorXd x =
         formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 3));
@@ -59,7 +67,7 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
       const double stated = Measure(problem, formulation).reported(x);
       CHECK(stated > 0);
       CHECK(verification::sampled_measure(problem, motion ? &*motion : nullptr, at, response) ==
-            Approx(stated).epsilon(1e-10));
+            Approx(stated).epsilon(tolerance));
     }
     const auto event = verification::contact_event(problem, motion ? &*motion : nullptr, at);
     const Vector6d Fbar = verification::impulse_along(problem, event, response, event.n);
@@ -67,7 +75,7 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
     for (const ObjectiveTerm& term : problem.objective) {
       INFO(to_string(term.quantity));
       CHECK(terms.at(to_string(term.quantity)) ==
-            Approx(verification::term_value(term, response, Fbar)).epsilon(1e-10));
+            Approx(verification::term_value(problem, term, response, Fbar)).epsilon(tolerance));
     }
   }
 }

@@ -7,7 +7,9 @@
 //   constraints  hand equations, case equations reduced to independent rows, closing speed
 //
 // The only place where the impact model and the optimizers meet. The robot is at rest when it is
-// hit. Every evaluation with derivatives costs one evaluation of the model.
+// hit. Every evaluation with derivatives costs one evaluation of the model; an objective with
+// attitude_turned takes a simulation for every value and 2 N more for its derivatives (central
+// differences).
 #pragma once
 
 #include <functional>
@@ -62,7 +64,8 @@ struct ScenarioEvaluation {
 class Formulation final : public nlp::Problem {
  public:
   /// @throws InputError when there are fewer free variables than independent equations (with the
-  /// count), or when the problem's parts do not fit together
+  /// count), or when the problem's parts do not fit together (a simulated quantity without
+  /// controller)
   explicit Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms = {});
   ~Formulation() override;
 
@@ -74,8 +77,9 @@ class Formulation final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
-  /// Exact: the lines of the gradient, differentiated forwards. Not with terms of the user.
-  bool has_hessian() const override { return user_terms().empty(); }
+  /// Exact: the lines of the gradient, differentiated forwards. Not with terms of the user, and not
+  /// when the turn of the base is simulated.
+  bool has_hessian() const override;
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;
   double objective_scale() const override { return 1; }
@@ -100,8 +104,8 @@ class Formulation final : public nlp::Problem {
   /// Degrees of freedom that the equations leave.
   int freedom() const { return num_variables() - num_equations(); }
 
-  /// The vector y behind the objective, all terms below each other, divided by its typical size,
-  /// with its Jacobian (size of y x N).
+  /// The vector y behind the objective, all terms of the problem below each other, divided by its
+  /// typical size, with its Jacobian (size of y x N). Terms of the user are not in it.
   void objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                         Eigen::MatrixXd& jacobian) const;
   /// Typical size of y by which the objective is divided.

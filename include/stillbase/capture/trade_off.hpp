@@ -42,8 +42,9 @@ struct TradeOff {
 };
 
 /// The front of two quantities, both as predicted, under the constraints of the problem. Its own
-/// objective does not count. Each end is the best in one quantity of all that have the least of the
-/// other (to 1e-6 of it; to 1e-5 of its value at the other end where it can vanish).
+/// objective does not count, but for the time of attitude_turned, which has to be one of its terms.
+/// Each end is the best in one quantity of all that have the least of the other (to 1e-6 of it; to
+/// 1e-5 of its value at the other end where it can vanish).
 ///
 /// @throws std::invalid_argument for equal quantities, fewer than two levels, or an optimizer that
 /// is not in the registry

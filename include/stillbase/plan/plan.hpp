@@ -54,9 +54,16 @@ enum class ProofStatus {
 };
 std::string to_string(ProofStatus status);
 
-/// Joint values between two ends (n each), rad or m.
+struct Ends {
+  double lower = 0, upper = 0;
+};
+
+/// Values of the variables between two ends.
 struct JointBox {
-  JointVectord lower, upper;
+  JointVectord lower, upper;              ///< n, rad or m; equal for joints that are not free
+  std::optional<Ends> base_angle = {};    ///< of the base about its axis from the stated attitude,
+                                          ///< rad; empty: that is no variable
+  std::optional<Ends> contact_time = {};  ///< s; empty: it is fixed
 };
 
 /// What branch and bound with intervals says about all solutions at once. The ends are rounded

@@ -69,7 +69,10 @@ enum class ObjectiveQuantity {
   TotalAngularMomentum,  ///< |Delta L_g|, N m s
   BaseMomentum,          ///< |[P; L / length]|, [P; L] = H_b Delta Omega of (1), N s
   ImpulseMagnitude,      ///< p, N s
-  JointRateNorm          ///< |Delta phidot|, rad/s
+  JointRateNorm,         ///< |Delta phidot|, rad/s
+  /// Angle from the base's attitude at the impact to that `after` seconds later, rad, at most pi (a
+  /// whole turn is none); pi where the simulation breaks off.
+  AttitudeTurned
 };
 
 /// One of several quantities that are made small together: sum (|y_i| / size_i)^2.
@@ -77,6 +80,7 @@ struct ObjectiveTerm {
   ObjectiveQuantity quantity = ObjectiveQuantity::BaseAngularMomentum;
   double size = 1;    ///< value that counts as one, in the unit of the quantity
   double length = 1;  ///< BaseMomentum: m that turn angular into linear momentum
+  double after = 0;   ///< AttitudeTurned: s after the impact, under the first controller
 };
 
 /// What is minimised over the uncertainty set. All are measures of |y|^2, reported as a root.

@@ -36,5 +36,7 @@ std::string to_string(ObjectiveQuantity quantity);
 std::string unit_of(ObjectiveQuantity quantity);
 std::string objective_name(const CaptureProblem& problem);
 std::string objective_unit_name(const CaptureProblem& problem);
+/// Whether a term of the objective takes a simulation (attitude_turned).
+bool simulates_turn(const CaptureProblem& problem);
 
 }  // namespace stillbase

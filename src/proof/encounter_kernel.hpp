@@ -1,0 +1,187 @@
+// What the variables of a box make of the encounter: posture, wrench per unit of impulse, where the
+// hand must be, which axes it must have, closing speed. For dual intervals of any size.
+//
+// The variables are the planner's (capture/layout.hpp), in its order: free joints, angle of the
+// base about an axis of N from the stated attitude, contact time. The base position is none: a free
+// station follows the hand.
+//
+// What is the same at every point of the box is taken as the doubles that the planner uses: the
+// wrench while neither attitude nor time are free, the target's axes and its contact point while
+// the time is not. With the time free the target's motion is enclosed (spin.hpp).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <stillbase/plan/problem.hpp>
+
+#include "proof/interval.hpp"
+#include "proof/spin.hpp"
+
+/// Dual numbers are wide: their matrices take the joints of the determinants and some locked ones.
+template <int N>
+inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Dual<N>> = 8;
+
+namespace stillbase::proof {
+
+/// Frame E in which the direction of the impulse never changes.
+enum class DirectionFrame { Base, Inertial, Target };
+
+/// The constants of an encounter.
+struct EncounterModel {
+  // Variables. Entry i < free.size() of x is the position of joint free[i].
+  JointVectord start;                ///< n, positions of the joints that are not free
+  std::vector<int> free;             ///< indices of the free joints
+  std::vector<double> lower, upper;  ///< one per free joint; not used for continuous joints
+  bool attitude_is_free = false;     ///< the next entry: angle about attitude_axis, rad
+  Vector3d attitude_axis = Vector3d::UnitZ();  ///< unit, in N
+  double attitude_max = 0;                     ///< rad; pi or more: a full turn
+  bool time_is_free = false;                   ///< the last entry: contact time / time_unit
+  double time_lower = 0, time_upper = 0;       ///< s; equal: fixed
+  double time_unit = 1;  ///< s, a power of two: about a radian of the target's turn
+
+  Matrix3d R_NB = Matrix3d::Identity();  ///< stated
+  Vector3d base_position = Vector3d::Zero();
+
+  // The impulse.
+  DirectionFrame frame = DirectionFrame::Base;
+  Vector3d n = Vector3d::UnitX(), u = Vector3d::UnitY(), v = Vector3d::UnitZ();  ///< in E
+  Vector3d moment = Vector3d::Zero();  ///< per unit of impulse, in E
+  Vector6d F = Vector6d::Zero();  ///< wrench per unit of impulse in B at stated attitude and time
+
+  // The target, of which the direction is a feature's normal.
+  std::optional<SpinEnclosure> spin;          ///< with the time free
+  Matrix3d R_NT = Matrix3d::Identity();       ///< at the fixed contact time, like the next three
+  Vector3d omega = Vector3d::Zero();          ///< in T, rad/s
+  Vector3d contact_point = Vector3d::Zero();  ///< in N, m
+  double closing_speed = 0;                   ///< m/s; a stated one as well
+  double estimate_time = 0;                   ///< s
+  Vector3d centroid = Vector3d::Zero();       ///< in N at the time of the estimate, m
+  Vector3d velocity = Vector3d::Zero();       ///< of the centroid in N, m/s
+  Vector3d feature_point = Vector3d::Zero();  ///< in T, m
+
+  // Where the hand must be.
+  std::optional<Vector3d> hand_point;  ///< stated; empty: at the contact point
+  Frame hand_frame = Frame::Inertial;
+  Vector3d fixed_hand_point = Vector3d::Zero();  ///< in B, while is_fixed(), m
+  std::optional<Matrix3d> hand_axes;  ///< stated, in hand_frame; empty: by hand_axes_in_E
+  Matrix3d hand_axes_in_E = Matrix3d::Identity();
+  Vector3d approach_axis = Vector3d::UnitZ();  ///< in the hand frame
+
+  int num_variables() const {
+    return static_cast<int>(free.size()) + attitude_is_free + time_is_free;
+  }
+  int attitude_index() const { return static_cast<int>(free.size()); }
+  int time_index() const { return attitude_index() + attitude_is_free; }
+  /// Whether the encounter is the same at every point.
+  bool is_fixed() const { return !attitude_is_free && !time_is_free; }
+};
+
+/// The encounter over a box.
+template <class S>
+struct EncounterRange {
+  JointVector<S> phi;  ///< n
+  Matrix3<S> R_NB;
+  Matrix3<S> R_BE;
+  Vector6<S> F;              ///< [n; moment] in B
+  Vector3<S> contact_point;  ///< of hand and target in N, m: the stated one, else the feature's
+  Vector3<S> hand_point;     ///< the same in B, where the base position is stated
+  S closing_speed = S(0.0);  ///< m/s
+};
+
+/// A function of time over the box of `time`, from enclosures of it and of its rate.
+template <int N>
+Dual<N> in_time(const Number& value, const Number& rate, const Dual<N>& time) {
+  Dual<N> out(value.v);
+  for (std::size_t i = 0; i < out.d.size(); ++i) out.d[i] = rate.v * time.d[i];
+  return out;
+}
+
+template <int N, int Rows, int Cols>
+Eigen::Matrix<Dual<N>, Rows, Cols> in_time(const Eigen::Matrix<Number, Rows, Cols>& value,
+                                           const Eigen::Matrix<Number, Rows, Cols>& rate,
+                                           const Dual<N>& time) {
+  Eigen::Matrix<Dual<N>, Rows, Cols> out;
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    out.data()[i] = in_time(value.data()[i], rate.data()[i], time);
+  }
+  return out;
+}
+
+/// Rotation by `angle` about a constant unit axis: E + sin K + (1 - cos) K^2.
+template <class S>
+Matrix3<S> turn_about(const Vector3d& axis, const S& angle) {
+  const Matrix3<S> K = skew<double>(axis).template cast<S>();
+  Matrix3<S> R = K * sin(angle) + Matrix3<S>(K * K) * (S(1.0) - cos(angle));
+  for (int i = 0; i < 3; ++i) R(i, i) += S(1.0);
+  return R;
+}
+
+/// @param x num_variables() entries
+template <class S>
+EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S> x) {
+  EncounterRange<S> out;
+  out.phi = model.start.template cast<S>();
+  for (std::size_t i = 0; i < model.free.size(); ++i) out.phi[model.free[i]] = x[i];
+  out.R_NB = model.R_NB.template cast<S>();
+  if (model.attitude_is_free) {
+    const S& angle = x[static_cast<std::size_t>(model.attitude_index())];
+    out.R_NB = turn_about<S>(model.attitude_axis, angle) * out.R_NB;
+  }
+  const Matrix3<S> R_BN = out.R_NB.transpose();
+
+  out.closing_speed = S(model.closing_speed);
+  out.contact_point = model.contact_point.template cast<S>();
+  Matrix3<S> R_NT = model.R_NT.template cast<S>();
+  if (model.time_is_free && model.spin) {
+    const S time = x[static_cast<std::size_t>(model.time_index())] * S(model.time_unit);
+    const SpinRange spin = model.spin->over(time.v);
+    R_NT = in_time(spin.R, spin.R_rate, time);
+    const Vector3<S> omega = in_time(spin.omega, spin.omega_rate, time);
+    const Vector3<S> r = model.feature_point.template cast<S>();
+    const Vector3<S> velocity = model.velocity.template cast<S>();
+    out.contact_point = Vector3<S>(model.centroid.template cast<S>()) +
+                        velocity * (time - S(model.estimate_time)) + R_NT * r;
+    const Vector3<S> velocity_in_T =
+        Vector3<S>(R_NT.transpose() * velocity) + Vector3<S>(omega.cross(r));
+    out.closing_speed = Vector3<S>(model.n.template cast<S>()).dot(velocity_in_T);
+  }
+  switch (model.frame) {
+    case DirectionFrame::Base:
+      out.R_BE.setIdentity();
+      break;
+    case DirectionFrame::Inertial:
+      out.R_BE = R_BN;
+      break;
+    case DirectionFrame::Target:
+      out.R_BE = R_BN * R_NT;
+      break;
+  }
+  if (model.is_fixed()) {
+    out.F = model.F.template cast<S>();
+  } else {
+    out.F.template head<3>() = out.R_BE * Vector3<S>(model.n.template cast<S>());
+    out.F.template tail<3>() = out.R_BE * Vector3<S>(model.moment.template cast<S>());
+  }
+  if (model.hand_point) out.contact_point = model.hand_point->template cast<S>();
+  if (model.is_fixed()) {
+    out.hand_point = model.fixed_hand_point.template cast<S>();
+  } else if (model.hand_point && model.hand_frame == Frame::Base) {
+    out.hand_point = out.contact_point;
+  } else {
+    out.hand_point =
+        R_BN * Vector3<S>(out.contact_point - Vector3<S>(model.base_position.template cast<S>()));
+  }
+  return out;
+}
+
+/// Axes in B that the hand must have.
+template <class S>
+Matrix3<S> wanted_axes(const EncounterModel& model, const EncounterRange<S>& at) {
+  if (!model.hand_axes) return at.R_BE * Matrix3<S>(model.hand_axes_in_E.template cast<S>());
+  const Matrix3<S> R = model.hand_axes->template cast<S>();
+  return model.hand_frame == Frame::Base ? R : Matrix3<S>(at.R_NB.transpose() * R);
+}
+
+}  // namespace stillbase::proof

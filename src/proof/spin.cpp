@@ -1,0 +1,351 @@
+#include "proof/spin.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include <stillbase/core/rotation.hpp>
+
+namespace stillbase::proof {
+namespace {
+
+constexpr int kTerms = 16;             // of a step: (0.1)^16 is below the rounding
+constexpr double kTurnPerStep = 0.1;   // a h
+constexpr int kTermsOverSpan = 8;      // about the middle of a span
+constexpr double kWorthExpanding = 2;  // a r beyond which the sum says less than |R_ij| <= 1
+constexpr double kMaxSteps = 20000;
+constexpr double kMaxApart = 1e-7;  // of an attitude: solutions could hardly be told apart
+// Lengths of L and of R's rows are kept but for the rounding of the points that steps begin at.
+constexpr double kSlack = 1.001;
+constexpr double kSqrtTwoTimesNorm = 2.5;  // > sqrt(2) times the Frobenius norm of R
+
+double magnitude(const Interval& x) { return boost::numeric::norm(x); }
+
+/// std::sqrt rounds upwards in the mode that is set.
+Interval root(const Interval& x) {
+  const double low = std::sqrt(std::fmax(0, x.lower()));
+  return Interval(low > 0 ? std::nextafter(low, 0.0) : 0.0, std::sqrt(std::fmax(0, x.upper())));
+}
+
+template <class Vector>
+Interval length(const Vector& v) {
+  Interval sum(0.0);
+  for (int i = 0; i < 3; ++i) sum += boost::numeric::square(v[i].v);
+  return root(sum);
+}
+
+/// Bounds the spectral norm: the largest sum of magnitudes over rows and columns.
+double norm_bound(const Matrix3<Number>& M) {
+  double largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    double row = 0, column = 0;
+    for (int j = 0; j < 3; ++j) {
+      row += magnitude(M(i, j).v);
+      column += magnitude(M(j, i).v);
+    }
+    largest = std::fmax(largest, std::fmax(row, column));
+  }
+  return largest;
+}
+
+Matrix3<Number> inverse_of(const Matrix3<Number>& M) {
+  const Vector3<Number> a = M.col(0), b = M.col(1), c = M.col(2);
+  const Vector3<Number> bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
+  const Number det = a.dot(bc);
+  Matrix3<Number> out;
+  for (int j = 0; j < 3; ++j) {
+    out(0, j) = bc[j] / det;
+    out(1, j) = ca[j] / det;
+    out(2, j) = ab[j] / det;
+  }
+  return out;
+}
+
+/// x^k of a number that is not negative, rounded upwards.
+double power(double x, int k) {
+  double out = 1;
+  for (int i = 0; i < k; ++i) out *= x;
+  return out;
+}
+
+/// s^k for |s| <= r.
+Interval power_of_span(double r, int k) {
+  const double high = power(r, k);
+  return Interval(k % 2 == 0 ? (k == 0 ? 1.0 : 0.0) : -high, high);
+}
+
+template <class Matrix>
+void widen(Matrix& M, double by) {
+  for (Eigen::Index i = 0; i < M.size(); ++i) M.data()[i].v += Interval(-by, by);
+}
+
+template <class Matrix>
+void cut(Matrix& M, double bound) {
+  const Interval whole(-bound, bound);
+  for (Eigen::Index i = 0; i < M.size(); ++i) {
+    Interval& x = M.data()[i].v;
+    x = is_disjoint(x, whole) ? whole : boost::numeric::intersect(x, whole);
+  }
+}
+
+template <class Matrix>
+void fill(Matrix& M, double bound) {
+  for (Eigen::Index i = 0; i < M.size(); ++i) M.data()[i] = Number(Interval(-bound, bound));
+}
+
+/// Moves every entry to a double in its middle. @return sum of what they were apart from it
+template <class Matrix>
+double to_middle(Matrix& M) {
+  double apart = 0;
+  for (Eigen::Index i = 0; i < M.size(); ++i) {
+    Interval& x = M.data()[i].v;
+    const double m = middle(x);
+    apart += magnitude(x - m);
+    x = Interval(m);
+  }
+  return apart;
+}
+
+/// sum_k c_k s^k by Horner's rule.
+template <class Matrix>
+Matrix sum_at(const std::vector<Matrix>& c, const Interval& s) {
+  Matrix out = c.back();
+  for (std::size_t k = c.size() - 1; k-- > 0;) out = out * Number(s) + c[k];
+  return out;
+}
+
+/// The sum and its derivative for |s| <= r.
+template <class Matrix>
+void sum_over(const std::vector<Matrix>& c, double r, Matrix& value, Matrix& rate) {
+  value = c[0];
+  rate.setZero();
+  for (std::size_t k = 1; k < c.size(); ++k) {
+    const int order = static_cast<int>(k);
+    value += c[k] * Number(power_of_span(r, order));
+    rate += c[k] * Number(power_of_span(r, order - 1) * static_cast<double>(k));
+  }
+}
+
+/// A turn about a constant axis at a constant rate.
+struct Turning {
+  Matrix3<Number> R, rate;
+};
+
+/// exp([omega x] dt) and its derivative. @param omega not zero
+Turning turning(const Vector3<Number>& omega, const Interval& dt) {
+  const Interval speed = length(omega);
+  Matrix3<Number> K = skew<Number>(omega);
+  for (int i = 0; i < 9; ++i) K.data()[i] /= Number(speed);
+  const Matrix3<Number> K2 = K * K;
+  const Number angle(speed * dt);
+  const Number s = sin(angle), c = cos(angle);
+  Turning out;
+  out.R = K * s + K2 * (Number(1.0) - c);
+  for (int i = 0; i < 3; ++i) out.R(i, i) += Number(1.0);
+  out.rate = Matrix3<Number>(K * c + K2 * s) * Number(speed);
+  return out;
+}
+
+/// Index of the axis of symmetry of a body whose principal axes are those of T; -1: it has none.
+int axis_of_symmetry(const Matrix3d& I) {
+  if (!I.isDiagonal(0)) return -1;
+  for (int e = 0; e < 3; ++e) {
+    if (I((e + 1) % 3, (e + 1) % 3) == I((e + 2) % 3, (e + 2) % 3)) return e;
+  }
+  return -1;
+}
+
+}  // namespace
+
+SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower,
+                             double upper)
+    : start_(estimate.time), lower_(lower), upper_(upper) {
+  const Eigen::Quaterniond q = estimate.pose.orientation.normalized();
+  R_0_ = q.toRotationMatrix();
+  const bool turns =
+      !body.is_point_mass && !body.inertia.isZero(0) && !estimate.angular_velocity.isZero(0);
+  double between = 0;  // smallest and largest moment, inverted
+  if (turns) {
+    // Constant up to rounding: as the planner decides it.
+    const Vector3d w = q.conjugate() * estimate.angular_velocity;
+    const Vector3d L = body.inertia * w;
+    constant_rate_ =
+        w.cross(L).norm() <= 8 * std::numeric_limits<double>::epsilon() * w.norm() * L.norm();
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> moments(body.inertia, Eigen::EigenvaluesOnly);
+    between = (1 / moments.eigenvalues()[0] + 1 / moments.eigenvalues()[2]) / 2;
+  }
+
+  const RoundUpward upward;
+  omega_0_.setZero();
+  if (!turns) return;
+  const Matrix3<Number> R_0 = R_0_.cast<Number>();
+  omega_0_ = R_0.transpose() * Vector3<Number>(estimate.angular_velocity.cast<Number>());
+  rate_ = length(omega_0_).upper();
+  if (constant_rate_) return;
+  const Matrix3<Number> I = body.inertia.cast<Number>();
+  symmetry_ = axis_of_symmetry(body.inertia);
+  if (symmetry_ >= 0) {
+    const double across = body.inertia((symmetry_ + 1) % 3, (symmetry_ + 1) % 3);
+    const double along = body.inertia(symmetry_, symmetry_);
+    nutation_.setZero();
+    nutation_[symmetry_] = omega_0_[symmetry_] * (Number(along) - Number(across)) / Number(across);
+    precession_ = omega_0_ + nutation_;
+    if (length(nutation_).lower() > 0) return;
+    symmetry_ = -1;
+  }
+  J_ = inverse_of(I);
+  const State start{I * omega_0_, R_0};
+  momentum_ = kSlack * length(start.L).upper();
+  rate_ = norm_bound(J_) * momentum_;
+  Matrix3<Number> spread = J_;
+  for (int i = 0; i < 3; ++i) spread(i, i) -= Number(between);
+  parting_ = norm_bound(spread) * momentum_;
+  step_ = kTurnPerStep / rate_;
+  if (upper > start_) is_valid_ = march(start, upper, ahead_);
+  if (lower < start_) is_valid_ = is_valid_ && march(start, lower, behind_);
+}
+
+void SpinEnclosure::expand(const State& at, int terms, std::vector<Vector3<Number>>& L,
+                           std::vector<Matrix3<Number>>& R,
+                           std::vector<Vector3<Number>>& omega) const {
+  L.assign(1, at.L);
+  R.assign(1, at.R);
+  omega.assign(1, Vector3<Number>(J_ * at.L));
+  for (int k = 0; k + 1 < terms; ++k) {
+    Vector3<Number> L_next = Vector3<Number>::Zero();
+    Matrix3<Number> R_next = Matrix3<Number>::Zero();
+    for (int j = 0; j <= k; ++j) {
+      const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k - j);
+      L_next += L[a].cross(omega[b]);
+      R_next += R[a] * skew<Number>(omega[b]);
+    }
+    const Number divisor(static_cast<double>(k + 1));
+    for (int i = 0; i < 3; ++i) L_next[i] /= divisor;
+    for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
+    L.push_back(L_next);
+    R.push_back(R_next);
+    omega.push_back(J_ * L_next);
+  }
+}
+
+bool SpinEnclosure::march(const State& start, double end, std::vector<Node>& nodes) const {
+  const double direction = end > start_ ? 1 : -1;
+  State point = start;
+  double apart_L = to_middle(point.L), apart_R = to_middle(point.R);
+  double time = start_;
+  std::vector<Vector3<Number>> omega;
+  for (int steps = 0; direction * (end - time) > 0; ++steps) {
+    if (steps > kMaxSteps) return false;
+    const double next = time + direction * step_;
+    const Interval h = Interval(next) - Interval(time);
+    const double length_h = magnitude(h);
+    Node node;
+    node.time = time;
+    expand(point, kTerms, node.L, node.R, omega);
+    const double x = parting_ * length_h;  // at most kTurnPerStep: exp(x) <= 1 + x + x^2
+    node.apart_L = apart_L * (1 + x + x * x);
+    node.apart_R = apart_R + length_h * kSqrtTwoTimesNorm * (norm_bound(J_) * node.apart_L);
+    const double remainder = power(rate_ * length_h, kTerms);
+    point = {sum_at(node.L, h), sum_at(node.R, h)};
+    widen(point.L, momentum_ * remainder);
+    widen(point.R, kSlack * remainder);
+    apart_L = node.apart_L + to_middle(point.L);
+    apart_R = node.apart_R + to_middle(point.R);
+    bool keeps_length = length(point.L).upper() <= momentum_;
+    for (int i = 0; i < 3; ++i) {
+      keeps_length = keeps_length && length(Vector3<Number>(point.R.row(i))).upper() <= kSlack;
+    }
+    if (!keeps_length || !(apart_R <= kMaxApart)) return false;
+    // The steps before the span are needed no more.
+    const bool reached = direction > 0 ? next >= lower_ : next <= upper_;
+    if (reached) nodes.push_back(std::move(node));
+    time = next;
+  }
+  return true;
+}
+
+SpinEnclosure::State SpinEnclosure::at_instant(double time) const {
+  const bool is_ahead = time > start_ || behind_.empty();
+  const std::vector<Node>& nodes = is_ahead ? ahead_ : behind_;
+  const double passed = std::abs(time - nodes.front().time) / step_;
+  std::size_t i = std::min(nodes.size() - 1, static_cast<std::size_t>(passed));
+  const auto lies_before = [&](std::size_t k) {
+    return is_ahead ? nodes[k].time <= time : nodes[k].time >= time;
+  };
+  while (i > 0 && !lies_before(i)) --i;
+  while (i + 1 < nodes.size() && lies_before(i + 1)) ++i;
+  const Node& node = nodes[i];
+  const Interval s = Interval(time) - Interval(node.time);
+  const double remainder = power(rate_ * magnitude(s), kTerms);
+  State out{sum_at(node.L, s), sum_at(node.R, s)};
+  widen(out.L, momentum_ * remainder + node.apart_L);
+  widen(out.R, kSlack * remainder + node.apart_R);
+  return out;
+}
+
+SpinRange SpinEnclosure::over_constant_rate(const Interval& time) const {
+  SpinRange out;
+  out.R = R_0_.cast<Number>();
+  out.R_rate.setZero();
+  out.omega = omega_0_;
+  out.omega_rate.setZero();
+  if (rate_ == 0) return out;
+  const Turning turn = turning(omega_0_, time - start_);
+  out.R_rate = out.R * turn.rate;
+  out.R = out.R * turn.R;
+  return out;
+}
+
+SpinRange SpinEnclosure::over_symmetric_body(const Interval& time) const {
+  const Interval dt = time - start_;
+  const Matrix3<Number> R_0 = R_0_.cast<Number>();
+  const Turning outer = turning(precession_, dt);
+  const Turning inner = turning(nutation_, dt);
+  const Matrix3<Number> back = inner.R.transpose(), back_rate = inner.rate.transpose();
+  SpinRange out;
+  out.R = R_0 * Matrix3<Number>(outer.R * back);
+  out.R_rate = R_0 * (Matrix3<Number>(outer.rate * back) + Matrix3<Number>(outer.R * back_rate));
+  out.omega = inner.R * omega_0_;
+  out.omega_rate = nutation_.cross(out.omega);
+  return out;
+}
+
+SpinRange SpinEnclosure::over_any_time() const {
+  SpinRange out;
+  fill(out.R, kSlack);
+  fill(out.R_rate, kSlack * rate_);
+  fill(out.omega, rate_);
+  fill(out.omega_rate, rate_ * rate_);
+  return out;
+}
+
+SpinRange SpinEnclosure::over(const Interval& time) const {
+  if (constant_rate_) return over_constant_rate(time);
+  if (symmetry_ >= 0) return over_symmetric_body(time);
+  SpinRange out = over_any_time();
+  const double c = middle(time);
+  const double r = std::fmax(magnitude(time - c), 0);
+  const double x = rate_ * r;
+  const bool is_inside = time.lower() >= lower_ && time.upper() <= upper_;
+  if (!is_inside || !(x <= kWorthExpanding)) return out;
+  std::vector<Vector3<Number>> L, omega;
+  std::vector<Matrix3<Number>> R;
+  expand(at_instant(c), kTermsOverSpan, L, R, omega);
+  sum_over(R, r, out.R, out.R_rate);
+  sum_over(omega, r, out.omega, out.omega_rate);
+  // Remainders: coefficients of R, omega at any time are at most rate^k, rate^(k+1).
+  const double last = power(x, kTermsOverSpan),
+               before = kTermsOverSpan * power(x, kTermsOverSpan - 1);
+  widen(out.R, kSlack * last);
+  widen(out.R_rate, kSlack * (rate_ * before));
+  widen(out.omega, rate_ * last);
+  widen(out.omega_rate, rate_ * (rate_ * before));
+  cut(out.R, kSlack);
+  cut(out.R_rate, kSlack * rate_);
+  cut(out.omega, rate_);
+  cut(out.omega_rate, rate_ * rate_);
+  return out;
+}
+
+}  // namespace stillbase::proof

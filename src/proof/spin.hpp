@@ -1,0 +1,94 @@
+// Where the target's axes point over a span of time: the exact motion, enclosed.
+//
+// Without torque the angular momentum L in T and the attitude R = R_NT obey
+//   L' = L x omega,  R' = R [omega x],  omega = I^-1 L.
+// About a principal axis omega is constant and the turn is written down. So it is for a body with
+// an axis of symmetry e and the moments A along and B across it (both principal axes of T): with
+// nutation = (A - B)/B (omega_0 . e) e and precession = L_0/B = omega_0 + nutation
+//   R(t) = R_0 exp([precession x] t) exp(-[nutation x] t),  omega(t) = exp([nutation x] t) omega_0.
+// Otherwise the motion is enclosed step by step:
+//  - From a point (a pair of doubles) one step of length h is a Taylor sum in interval arithmetic.
+//    |L| and the rows of R keep their length, so with a = |I^-1| |L| the k-th Taylor coefficients
+//    are at most a^k |L| and a^k at all times (induction over the recurrence): the remainder after
+//    p terms is at most (a h)^p of that.
+//  - The true motion starts within delta of that point. Two motions L_1, L_2 part no faster than
+//    d/dt |L_1 - L_2| <= mu |L_1 - L_2|, mu = |L| |I^-1 - c E| for any c, for
+//    (L_1 - L_2) . (L_1' - L_2') = (L_1 - L_2) . (L_1 x (omega_1 - omega_2)),
+//    and attitudes part by |R_1 - R_2|' <= sqrt(2) |R| |omega_1 - omega_2|.
+//    Distances are propagated, not boxes: nothing wraps.
+// Over a wider span the Taylor sum about its middle is taken (Moore, Interval Analysis, 1966).
+//
+// The planner's own motion (target/target.hpp) is the same one integrated in floating point; it
+// stays within 1e-9 of these enclosures (tests/proof).
+#pragma once
+
+#include <vector>
+
+#include <stillbase/target/target.hpp>
+
+#include "proof/interval.hpp"
+
+namespace stillbase::proof {
+
+using Number = Dual<0>;
+
+/// Enclosures over one span of time.
+struct SpinRange {
+  Matrix3<Number> R;           ///< R_NT
+  Matrix3<Number> R_rate;      ///< 1/s
+  Vector3<Number> omega;       ///< in T, rad/s
+  Vector3<Number> omega_rate;  ///< in T, rad/s^2
+};
+
+class SpinEnclosure {
+ public:
+  /// @param estimate its attitude at its time as the rotation matrix of doubles; its rate
+  /// @param lower, upper span of times that may be asked for, s
+  SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower, double upper);
+
+  /// No: the target tumbles too often for an enclosure that is worth anything.
+  bool is_valid() const { return is_valid_; }
+  /// Bound on |omega|, rad/s.
+  double rate() const { return rate_; }
+  /// @param time where it leaves the span, only bounds that hold at all times come back
+  /// @pre a RoundUpward stands on the stack; is_valid()
+  SpinRange over(const Interval& time) const;
+
+ private:
+  /// Taylor coefficients from a point, and how far the true motion may be from it there.
+  struct Node {
+    double time = 0;
+    std::vector<Vector3<Number>> L;
+    std::vector<Matrix3<Number>> R;
+    double apart_L = 0, apart_R = 0;  ///< during the step that begins here
+  };
+  struct State {
+    Vector3<Number> L;
+    Matrix3<Number> R;
+  };
+  void expand(const State& at, int terms, std::vector<Vector3<Number>>& L,
+              std::vector<Matrix3<Number>>& R, std::vector<Vector3<Number>>& omega) const;
+  /// Steps away from the estimate until `end`; false: the enclosure has become too wide.
+  bool march(const State& start, double end, std::vector<Node>& nodes) const;
+  State at_instant(double time) const;
+  SpinRange over_constant_rate(const Interval& time) const;
+  SpinRange over_symmetric_body(const Interval& time) const;
+  SpinRange over_any_time() const;
+
+  bool is_valid_ = true;
+  double start_ = 0;  ///< time of the estimate
+  double lower_ = 0, upper_ = 0;
+  bool constant_rate_ = true;
+  int symmetry_ = -1;                      ///< axis of T; -1: none
+  Vector3<Number> precession_, nutation_;  ///< in T, rad/s
+  Vector3<Number> omega_0_;                ///< in T
+  Matrix3d R_0_;
+  Matrix3<Number> J_;                 ///< I^-1, in T
+  double momentum_ = 0;               ///< bound on |L|
+  double rate_ = 0;                   ///< bound on |omega|: |I^-1| momentum_
+  double parting_ = 0;                ///< mu, 1/s
+  double step_ = 0;                   ///< s
+  std::vector<Node> ahead_, behind_;  ///< of the estimate, nearest first
+};
+
+}  // namespace stillbase::proof

@@ -1,0 +1,141 @@
+// Variables, encounter, equations and inequalities of a capture problem.
+#include "proof/zero_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/core/rotation.hpp>
+#include <stillbase/impact/gradient.hpp>
+#include <stillbase/plan/encounter.hpp>
+
+namespace stillbase::proof {
+namespace {
+
+void set_variables(const CaptureProblem& problem, EncounterModel& out) {
+  const VariableSpec& variables = problem.variables;
+  out.start = problem.start;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    if (!variables.joints[index]) continue;
+    const Joint& joint = problem.robot.joints[index];
+    const double margin = problem.constraints.joint_limit_margin;
+    out.free.push_back(k);
+    out.lower.push_back(joint.lower + margin);
+    out.upper.push_back(joint.upper - margin);
+  }
+  out.attitude_is_free = variables.base_attitude == AttitudeFreedom::Axis;
+  out.attitude_axis = variables.base_attitude_axis;
+  out.attitude_max = variables.base_attitude_max;
+  out.time_lower = variables.contact_time_lower;
+  out.time_upper = variables.contact_time_upper;
+  out.time_is_free = out.time_upper > out.time_lower;
+}
+
+/// The feature's motion at a fixed time as the planner's doubles, over a span of times enclosed.
+void set_target(const CaptureProblem& problem, EncounterModel& out) {
+  const TargetState& estimate = problem.target_state;
+  out.feature_point = chosen_feature(problem).point;
+  if (out.time_is_free) {
+    const double rate = std::max({estimate.angular_velocity.norm(), estimate.linear_velocity.norm(),
+                                  1 / (out.time_upper - out.time_lower)});
+    out.time_unit = std::exp2(-std::round(std::log2(rate)));
+    // Boxes are tried a little larger than they are.
+    out.spin.emplace(*problem.target, estimate, out.time_lower - out.time_unit,
+                     out.time_upper + out.time_unit);
+    out.estimate_time = estimate.time;
+    out.centroid = estimate.pose.position;
+    out.velocity = estimate.linear_velocity;
+    return;
+  }
+  const auto motion = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
+  const TargetState state = motion->state(out.time_lower);
+  out.R_NT = state.pose.orientation.toRotationMatrix();
+  const Vector3d omega = out.R_NT.transpose() * state.angular_velocity;
+  const Vector3d velocity = out.R_NT.transpose() * state.linear_velocity;
+  out.contact_point = state.pose.position + out.R_NT * out.feature_point;
+  out.closing_speed = out.n.dot(velocity + omega.cross(out.feature_point));
+}
+
+EncounterModel encounter_model(const CaptureProblem& problem, const Vector6d& F) {
+  EncounterModel out;
+  set_variables(problem, out);
+  const ImpulseSpec& impulse = problem.impulse;
+  out.F = F;
+  out.R_NB = problem.base.orientation.toRotationMatrix();
+  out.base_position = problem.base.position;
+  if (impulse.direction) {
+    out.frame =
+        impulse.direction_frame == Frame::Base ? DirectionFrame::Base : DirectionFrame::Inertial;
+    out.n = *impulse.direction;
+    out.closing_speed = impulse.closing_speed;
+  } else {
+    out.frame = DirectionFrame::Target;
+    out.n = chosen_feature(problem).normal;
+    set_target(problem, out);
+  }
+  int smallest = 0;
+  out.n.cwiseAbs().minCoeff(&smallest);
+  out.u = out.n.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
+  out.v = out.n.cross(out.u);
+  if (impulse.source == ImpulseSource::Given) out.moment = impulse.moment / impulse.magnitude;
+
+  const HandSpec& hand = problem.hand;
+  out.hand_point = hand.position;
+  out.hand_frame = hand.frame;
+  const bool is_in_base = hand.position && hand.frame == Frame::Base;
+  const Vector3d point_N = hand.position ? *hand.position : out.contact_point;
+  out.fixed_hand_point =
+      is_in_base ? point_N
+                 : Vector3d(problem.base.orientation.conjugate() * (point_N - out.base_position));
+  out.approach_axis = hand.approach_axis;
+  if (hand.orientation) {
+    out.hand_axes = hand.orientation->toRotationMatrix();
+  } else {
+    const Matrix3d facing =
+        Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -out.n).toRotationMatrix();
+    out.hand_axes_in_E = rotation_exp(out.n * hand.roll).toRotationMatrix() * facing;
+  }
+  return out;
+}
+
+}  // namespace
+
+ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
+  ZeroProblem out;
+  out.robot = problem.robot;
+  out.encounter = encounter_model(problem, F);
+  out.impact_case = problem.constraints.impact_case;
+  const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
+  out.added_inertia = resistance.added_inertia;
+  out.locked = resistance.locked;
+
+  const VariableSpec& variables = problem.variables;
+  const HandConstraint hand = problem.hand.constraint;
+  const bool is_predicted = !problem.impulse.direction;
+  const bool has_point = problem.hand.position || is_predicted;
+  out.has_hand_point = hand != HandConstraint::None && has_point &&
+                       variables.base_position == PositionFreedom::Fixed;
+  out.has_hand_axis = hand == HandConstraint::Axis;
+  out.has_hand_axes = hand == HandConstraint::Pose;
+  std::vector<SideCondition>& sides = out.side_conditions;
+  // Where the equations hold these are cosines of 0 or 180 deg (of a turn by 180 deg at least one
+  // is below -1/3): bounds in between exclude more boxes than the planner's zero and no solution.
+  if (out.has_hand_axis) sides.push_back({SideKind::HandFacing, 0, -kInfinity, -0.5});
+  for (int i = 0; i < 3 && out.has_hand_axes; ++i) {
+    sides.push_back({SideKind::PoseFacing, i, 0.5, kInfinity});
+  }
+  // At a fixed time it is the same everywhere, and of a stated impulse nothing is asked.
+  const double slowest = problem.constraints.closing_speed_min;
+  const bool is_slow =
+      out.encounter.closing_speed < slowest && problem.impulse.source != ImpulseSource::Given;
+  if (is_predicted && (out.encounter.time_is_free || is_slow)) {
+    sides.push_back({SideKind::ClosingSpeed, 0, slowest, kInfinity});
+  }
+  for (int i = 0; i < 3 && has_point && variables.base_position == PositionFreedom::Box; ++i) {
+    sides.push_back({SideKind::BasePosition, i, variables.base_position_lower[i],
+                     variables.base_position_upper[i]});
+  }
+  return out;
+}
+
+}  // namespace stillbase::proof

@@ -1,0 +1,133 @@
+#include "verification/free_variables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+// Candidates meet their constraints to 1e-9; another solution is never this near.
+constexpr double kNear = 1e-6;      // rad, m
+constexpr double kNearTime = 1e-5;  // s: targets are slow
+
+double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
+
+double beyond(double apart, const double lower, const double upper) {
+  return std::abs(apart) - (upper - lower) / 2;
+}
+
+}  // namespace
+
+FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) {
+  const VariableSpec& variables = problem.variables;
+  std::vector<double> low, high;
+  const double margin = problem.constraints.joint_limit_margin;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    if (!variables.joints[static_cast<std::size_t>(k)]) continue;
+    const bool turns = joint.type == JointType::Continuous;
+    joints_.push_back(k);
+    turns_.push_back(turns);
+    low.push_back(turns ? -kPi : joint.lower + margin);
+    high.push_back(turns ? kPi : joint.upper - margin);
+  }
+  has_angle_ = variables.base_attitude == AttitudeFreedom::Axis;
+  if (has_angle_) {
+    const double most = std::min(variables.base_attitude_max, kPi);
+    turns_.push_back(most == kPi);
+    low.push_back(-most);
+    high.push_back(most);
+  }
+  has_time_ = variables.contact_time_upper > variables.contact_time_lower;
+  if (has_time_) {
+    time_unit_ = (variables.contact_time_upper - variables.contact_time_lower) / (2 * kPi);
+    turns_.push_back(false);
+    low.push_back(variables.contact_time_lower / time_unit_);
+    high.push_back(variables.contact_time_upper / time_unit_);
+  }
+  lower = Eigen::Map<Eigen::VectorXd>(low.data(), static_cast<Eigen::Index>(low.size()));
+  upper = Eigen::Map<Eigen::VectorXd>(high.data(), static_cast<Eigen::Index>(high.size()));
+}
+
+Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
+  Configuration out;
+  out.phi = problem_.start;
+  out.base = problem_.base;
+  out.contact_time = problem_.variables.contact_time_lower;
+  Eigen::Index i = 0;
+  for (const int k : joints_) out.phi[k] = x[i++];
+  if (has_angle_) {
+    const Eigen::AngleAxisd turn(x[i++], problem_.variables.base_attitude_axis);
+    out.base.orientation = turn * problem_.base.orientation;
+  }
+  if (has_time_) {
+    // A step of Newton's may go anywhere, the target's motion is known a little beyond the bounds.
+    constexpr double kBeyond = 0.5;  // s
+    const VariableSpec& variables = problem_.variables;
+    out.contact_time = std::clamp(x[i] * time_unit_, variables.contact_time_lower - kBeyond,
+                                  variables.contact_time_upper + kBeyond);
+  }
+  return out;
+}
+
+double FreeVariables::base_angle(const Configuration& at) const {
+  const Eigen::AngleAxisd turn(at.base.orientation * problem_.base.orientation.conjugate());
+  return turn.angle() * turn.axis().dot(problem_.variables.base_attitude_axis);
+}
+
+Eigen::VectorXd FreeVariables::middle_of(const JointBox& box) const {
+  Eigen::VectorXd x = (lower + upper) / 2;
+  Eigen::Index i = 0;
+  for (const int k : joints_) x[i++] = (box.lower[k] + box.upper[k]) / 2;
+  if (has_angle_ && box.base_angle) x[i] = (box.base_angle->lower + box.base_angle->upper) / 2;
+  i += has_angle_;
+  if (has_time_ && box.contact_time) {
+    x[i] = (box.contact_time->lower + box.contact_time->upper) / 2 / time_unit_;
+  }
+  return x;
+}
+
+bool FreeVariables::holds(const JointBox& box, const Configuration& at) const {
+  for (int k = 0; k < problem_.robot.n(); ++k) {
+    double apart = at.phi[k] - (box.lower[k] + box.upper[k]) / 2;
+    if (problem_.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
+      apart = wrapped(apart);
+    }
+    if (!(beyond(apart, box.lower[k], box.upper[k]) <= kNear)) return false;
+  }
+  if (has_angle_ != box.base_angle.has_value() || has_time_ != box.contact_time.has_value()) {
+    return false;
+  }
+  if (has_angle_) {
+    const Ends& ends = *box.base_angle;
+    const double apart = wrapped(base_angle(at) - (ends.lower + ends.upper) / 2);
+    if (!(beyond(apart, ends.lower, ends.upper) <= kNear)) return false;
+  }
+  if (has_time_) {
+    const Ends& ends = *box.contact_time;
+    const double apart = at.contact_time - (ends.lower + ends.upper) / 2;
+    if (!(beyond(apart, ends.lower, ends.upper) <= kNearTime)) return false;
+  }
+  return true;
+}
+
+double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  double largest = 0;
+  for (int i = 0; i < size(); ++i) {
+    const double d = a[i] - b[i];
+    largest = std::max(largest, std::abs(turns_[static_cast<std::size_t>(i)] ? wrapped(d) : d));
+  }
+  return largest;
+}
+
+bool FreeVariables::bring_inside(Eigen::VectorXd& x) const {
+  bool is_inside = true;
+  for (int i = 0; i < size(); ++i) {
+    if (turns_[static_cast<std::size_t>(i)]) x[i] = wrapped(x[i]);
+    is_inside = is_inside && x[i] >= lower[i] && x[i] <= upper[i];
+  }
+  return is_inside;
+}
+
+}  // namespace stillbase::verification
