@@ -103,10 +103,10 @@ impact:
 variables:
   base_attitude: {freedom: cone, axis: [0, 0, 1], max: 0.1}
   feature: a
-objective: {quantity: base_angular_velocity}
+objective: {quantity: attitude_turned, after: 5 s}
 constraints: {joint_rate_scale: 0.5}
 uncertainty: {cone_half_angle: from_covariance, confidence: 0.9}
-post_impact: {contact: latch}
+post_impact: {controllers: [none], residual_base_rate_max: 1, attitude_change_max: 1}
 )";
 
 inline Subject problem_subject() {
@@ -142,14 +142,22 @@ inline Subject plan_subject() {
   locked.problem.resistance.locked = locked.impact.resistance.locked = {true, false};
   locked.problem.objective.clear();
   for (const auto& [word, quantity] : io::objective_names()) {
-    locked.problem.objective.push_back({quantity, 2, 3});
+    const bool turns = quantity == ObjectiveQuantity::AttitudeTurned;
+    locked.problem.objective.push_back({quantity, 2, 3, turns ? 1.0 : 0.0});
     locked.objective.terms[std::string(word)] = 1;
+  }
+  locked.problem.variables.base_attitude = AttitudeFreedom::Axis;
+  for (auto* boxes : {&locked.certificate.proof.solutions, &locked.certificate.proof.undecided}) {
+    for (JointBox& box : *boxes) box.base_angle = Ends{-0.1, 0.1};
   }
   add(locked);
   Plan choice = random_plan("problems/deos_features.yaml");
   choice.problem.resistance = choice.impact.resistance =
       read_problem(source_path("problems/deos_features.yaml")).resistance;
   choice.configuration.feature = choice.nominal_optimum->configuration.feature = "lower_edge";
+  for (auto* boxes : {&choice.certificate.proof.solutions, &choice.certificate.proof.undecided}) {
+    for (JointBox& box : *boxes) box.contact_time = Ends{59, 60};
+  }
   for (Candidate& candidate : choice.candidates) candidate.configuration.feature = "upper_edge";
   add(choice);
   return subject;

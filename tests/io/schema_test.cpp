@@ -179,7 +179,9 @@ TEST_CASE("the problem's schema says of every field what the table of fields say
     std::string words = cells[1];
     if (!cells[2].empty()) words += (words.empty() ? "[" : " [") + cells[2] + "]";
     if (!cells[3].empty() && cells[3] != "required") {
-      words += (words.empty() ? "default: " : "; default: ") + cells[3];
+      const bool is_condition = cells[3].rfind("required", 0) == 0;
+      words +=
+          (words.empty() ? "" : "; ") + std::string(is_condition ? "" : "default: ") + cells[3];
     }
     INFO(field);
     if (!words.empty()) {
