@@ -153,8 +153,8 @@ TEST_CASE("fronts and benchmarks are what their schemas say") {
                    " --starts 8 --pareto base_angular_momentum,joint_rate_norm -o front.json")
               .code == 0);
   std::set<std::string> others;
-  for (const char* quantity :
-       {"base_angular_velocity", "total_angular_momentum", "base_momentum", "impulse_magnitude"}) {
+  for (const char* quantity : {"base_angular_velocity", "total_angular_momentum", "base_momentum",
+                               "impulse_magnitude", "attitude_turned"}) {
     others.insert(std::string("points[].") + quantity);
   }
   require_fit(shop, "pareto", {json::parse(shop.text("front.json"))}, others);
