@@ -145,8 +145,19 @@ std::vector<RunRecord> refined_best(const std::vector<BenchmarkInstance>& instan
   return out;
 }
 
+/// Files of other people are not replaced.
+void refuse_foreign(const std::string& folder) {
+  if (!fs::is_directory(folder) || fs::is_empty(folder) || fs::exists(fs::path(folder) / "runs")) {
+    return;
+  }
+  throw FileError(folder + ": holds files, but no runs of a benchmark; choose another folder");
+}
+
 int run(const Options& options) {
   if (options.list) return list();
+  if (options.update_best_known && !options.selection.problems.empty()) {
+    throw CommandLineError("--update-best-known: belongs to the suite, not to problem files");
+  }
   const SuiteSpec suite = read_suite(options.suite);
   const int jobs =
       options.jobs > 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
@@ -166,6 +177,7 @@ int run(const Options& options) {
     return bench_planners(planners);
   }
 
+  if (!temporary) refuse_foreign(folder);
   const std::vector<BenchmarkInstance> instances = select_instances(suite, options.selection);
   const std::vector<RunRequest> requests = requests_of(instances, options.selection);
   BestKnownTable best_known = read_known(suite.best_known, instances);

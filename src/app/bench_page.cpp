@@ -47,6 +47,17 @@ PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
       "our own evaluation; the value is the objective's norm over its typical size. Intervals: 95 "
       "% bootstrap over problems. Cost: evaluations + {:g} per gradient.",
       analysis.problems, analysis.seeds, kBenchmarkViolation, gradient_cost));
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    if (!(figures.hessians_per_run > 0)) continue;
+    out.paragraphs.push_back(
+        fmt::format("Exact second derivatives are not in the cost: {} asked for them {:.0f} times "
+                    "in a run.",
+                    figures.optimizer, figures.hessians_per_run));
+  }
+  out.paragraphs.emplace_back(
+      "Not finished: crashed, out of memory, or stopped by the clock. Distinct: solutions that are "
+      "feasible and optimal to first order, more than 1e-4 apart; points of a continuum count "
+      "each.");
   out.table.header = {"optimizer", "runs"};
   for (const std::size_t target : kShownTargets) {
     out.table.header.push_back("to " + precision_words(target));
@@ -97,8 +108,9 @@ std::string speed_words(const BenchmarkAnalysis& analysis) {
   const OptimizerFigures& most = *std::max_element(
       analysis.optimizers.begin(), analysis.optimizers.end(),
       [](const auto& a, const auto& b) { return a.distinct_per_second < b.distinct_per_second; });
-  std::string out = fmt::format("In a second {} finds {} distinct solutions and {} {}",
-                                first.optimizer, words(first), second.optimizer, words(second));
+  std::string out = fmt::format(
+      "In a second {} finds {} distinct solutions (points of a continuum counted each) and {} {}",
+      first.optimizer, words(first), second.optimizer, words(second));
   const bool is_named = &most == &first || &most == &second;
   if (!is_named) out += fmt::format("; {} finds most, {}", most.optimizer, words(most));
   return out + ".";
@@ -235,10 +247,8 @@ Page bench_page(const BenchmarkAnalysis& analysis, double gradient_cost) {
 Page bench_times_page(const BenchmarkAnalysis& analysis) {
   PageSection out;
   out.heading = "Seconds";
-  out.paragraphs = {
-      "Measured, so different on every machine and in every run. Distinct: solutions that are "
-      "feasible and optimal to first order, apart from each other by more than 1e-4.",
-      speed_words(analysis)};
+  out.paragraphs = {"Measured, so different on every machine and in every run.",
+                    speed_words(analysis)};
   out.table.header = {"optimizer", "runs", "seconds", "seconds per run", "distinct per second"};
   for (const OptimizerFigures& figures : analysis.optimizers) {
     out.table.rows.push_back(

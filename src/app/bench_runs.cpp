@@ -88,9 +88,12 @@ std::vector<BenchmarkInstance> select_instances(const SuiteSpec& suite,
       }
     }
   }
-  if (out.empty()) {
-    throw CommandLineError(
-        fmt::format("--select {}: no instance has such a name", fmt::join(selection.select, ",")));
+  for (const std::string& part : selection.select) {
+    const bool is_known = std::any_of(
+        out.begin(), out.end(), [&](const BenchmarkInstance& i) { return names(part, i.name); });
+    if (!is_known) {
+      throw CommandLineError(fmt::format("--select {}: no instance has such a name", part));
+    }
   }
   return out;
 }
@@ -112,6 +115,11 @@ std::vector<RunRequest> requests_of(const std::vector<BenchmarkInstance>& instan
       throw CommandLineError(
           fmt::format("--optimizers {}: unknown; there are {}", label, fmt::join(known, ", ")));
     }
+    const bool is_repeated =
+        std::any_of(contestants.begin(), contestants.end(), [&](const Contestant& other) {
+          return other.optimizer == name && other.library_defaults == (mark != std::string::npos);
+        });
+    if (is_repeated) throw CommandLineError(fmt::format("--optimizers {}: twice", label));
     contestants.push_back({name, mark != std::string::npos, selection.seeds});
   }
   if (selection.optimizers.empty()) {

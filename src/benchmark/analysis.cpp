@@ -6,6 +6,7 @@
 #include <set>
 
 #include <stillbase/core/random.hpp>
+#include <stillbase/nlp/optimizer.hpp>
 
 namespace stillbase {
 
@@ -102,13 +103,15 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
   for (const Run& run : runs) {
     const RunRecord& record = *run.record;
     ++out.runs;
-    out.unfinished += record.end == RunEnd::Finished ? 0 : 1;
+    const bool by_the_clock = record.stop_reason == nlp::to_string(nlp::StopReason::Deadline);
+    out.unfinished += record.end == RunEnd::Finished && !by_the_clock ? 0 : 1;
     if (run.solved(kTightestTarget)) solved.insert(run.instance());
     by_family[record.family].first += run.solved(kTightestTarget) ? 1 : 0;
     by_family[record.family].second += 1;
     runtimes.push_back(run.runtime);
     variables.push_back(record.variables);
     distinct += static_cast<double>(record.distinct_solutions);
+    out.hessians_per_run += static_cast<double>(record.hessians);
     evaluations += static_cast<double>(record.evaluations);
     out.seconds += record.seconds;
   }
@@ -120,6 +123,7 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
     }
     out.running_time.push_back(std::move(times));
   }
+  out.hessians_per_run /= std::max(1.0, static_cast<double>(out.runs));
   out.seconds_to_tightest = seconds_by_group(runs, analysis.groups);
   out.problems_solved = static_cast<int>(solved.size());
   for (const auto& [family, part] : by_family) out.by_family[family] = part.first / part.second;

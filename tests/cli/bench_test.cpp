@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <regex>
 
 #include <nlohmann/json.hpp>
@@ -38,6 +39,24 @@ const char* const kFiles[] = {"bench.json", "runs.csv",         "report.md",
                               "ecdf.svg",   "data_profile.svg", "performance_profile.svg"};
 
 }  // namespace
+
+TEST_CASE("bench leaves foreign files alone and says what it was asked wrongly") {
+  const Workshop shop;
+  std::filesystem::create_directory(shop.path("own"));
+  shop.write("own/report.md", "mine");
+  const std::string small = "--optimizers nlopt-slsqp --seeds 1 --budget 50 ";
+  const Outcome foreign = shop.run(bench(small + "--select spart/nominal/1 -o own"));
+  CHECK(foreign.code == 7);
+  CHECK(foreign.err.find("holds files, but no runs of a benchmark") != std::string::npos);
+  CHECK(shop.text("own/report.md") == "mine");
+  const std::string problem = "'" + source_path("problems/planar_two_link_c2_a.yaml") + "' ";
+  for (const std::string& wrong :
+       {problem + "--update-best-known", std::string("--select spart/nominal/1,nowhere"),
+        std::string("--optimizers nlopt-slsqp,nlopt-slsqp")}) {
+    CAPTURE(wrong);
+    CHECK(shop.run(bench(wrong)).code == 2);
+  }
+}
 
 TEST_CASE("the quick benchmark runs every optimizer on every kind of problem") {
   const Workshop shop;

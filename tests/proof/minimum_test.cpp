@@ -76,6 +76,8 @@ double value_at(const MinimumProblem& problem, const Eigen::VectorXd& phi) {
         case ObjectiveQuantity::JointRateNorm:
           y = unit.Delta_phidot;
           break;
+        case ObjectiveQuantity::AttitudeTurned:
+          throw std::logic_error("not of the jump alone");
       }
       sum += (p * y / term.size).squaredNorm();
     }
@@ -198,17 +200,13 @@ TEST_CASE("a spatial arm at a point: the bound is the least value of its enclose
   problem.constraints.joint_limit_margin = 0;
   const Vector3d n = Vector3d(-2, -1, -2).normalized();
   MinimumProblem minimum = bounded(problem, {n, Vector3d(-2.1, -1, -2), Vector3d(-2, -1.1, -2)});
-  ZeroProblem equations;
-  equations.robot = problem.robot;
-  equations.start = problem.start;
-  equations.added_inertia = minimum.added_inertia;
-  equations.free = minimum.free;
-  equations.lower = minimum.lower;
-  equations.upper = minimum.upper;
-  equations.F << n, Vector3d::Zero();
-  equations.has_hand_point = true;
-  equations.hand_point = minimum.hand_point;
-  const Proof proof = enclose_solutions(equations);
+  problem.hand.constraint = HandConstraint::Position;
+  problem.hand.frame = Frame::Base;
+  problem.hand.position = minimum.hand_point;
+  problem.variables.base_position = PositionFreedom::Fixed;
+  Vector6d F;
+  F << n, Vector3d::Zero();
+  const Proof proof = prove(problem, F);
   REQUIRE(proof.status == ProofStatus::Complete);
   REQUIRE_FALSE(proof.solutions.empty());
   double least = 1e300;

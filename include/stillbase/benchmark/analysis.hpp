@@ -20,7 +20,8 @@ inline constexpr std::size_t kTightestTarget = 50;
 
 struct OptimizerFigures {
   std::string optimizer;
-  long runs = 0, unfinished = 0;            ///< unfinished: crashed, timed out or out of memory
+  long runs = 0, unfinished = 0;            ///< unfinished: crashed, out of memory or out of time
+  double hessians_per_run = 0;              ///< exact second derivatives asked for, mean
   std::vector<BootstrapInterval> solved;    ///< part of the runs, per shown target
   int problems_solved = 0;                  ///< at least once, at the tightest target
   std::map<std::string, double> by_family;  ///< part of the runs solved at the tightest target
