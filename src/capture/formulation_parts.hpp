@@ -142,6 +142,7 @@ struct Formulation::Parts {
   void add_margin_rows();
   void add_clearance_rows();
   void drop_structural_rows();
+  void set_combinations_aside();
 
   // What they are worth (formulation_kernel.hpp, rows_kernel.hpp).
   template <class S>

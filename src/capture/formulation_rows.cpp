@@ -57,6 +57,7 @@ Formulation::Parts::Parts(const CaptureProblem& p)
   if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
   add_rows();
   drop_structural_rows();
+  set_combinations_aside();
   int equations = 0;
   for (const Row& row : rows) equations += row.lower == row.upper;
   if (equations > layout.size) {
@@ -162,6 +163,11 @@ void Formulation::Parts::add_case_rows() {
       rows.push_back({RowKind::CouplingColumn, columns[i],
                       "case_coupling_column_" + std::to_string(columns[i] + 1), 0, 0});
     }
+    // Where two columns are nearly parallel they say little: what counts are the components.
+    for (int i = 0; i < 3; ++i) {
+      implied_rows.push_back(
+          {RowKind::CaseCoupling, i, "case_coupling_" + std::to_string(i + 1), 0, 0});
+    }
   }
 }
 
@@ -184,6 +190,41 @@ void Formulation::Parts::drop_structural_rows() {
   std::vector<Row> kept;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (alive[i]) kept.push_back(rows[i]);
+  }
+  rows = kept;
+}
+
+void Formulation::Parts::set_combinations_aside() {
+  // A planar robot whose plane is none of the axes' planes: its rows are multiples of each other.
+  constexpr double kCombination = 1e-10;  // of a row's size over all samples
+  constexpr int kSamples = 8;
+  const Eigen::Index each = layout.size + 1;
+  std::vector<Eigen::VectorXd> profiles(rows.size(), Eigen::VectorXd::Zero(kSamples * each));
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const Eigen::VectorXd x = start_point(low_discrepancy_point(sample, start_dimension(), 0));
+    const Local<double> local = localise<double>(x);
+    const auto at = posture(local);
+    const auto response = hit(local, at, predicted());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      auto part = profiles[i].segment(sample * each, each);
+      part[0] = value_of(rows[i], local, at, response) - rows[i].lower;
+      part.tail(layout.size) = compress(local, gradient_of(rows[i], local, at, response));
+    }
+  }
+  std::vector<Row> kept;
+  std::vector<Eigen::VectorXd> basis;  // orthonormal, of the equations kept
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool is_equation = rows[i].lower == rows[i].upper;
+    Eigen::VectorXd rest = profiles[i].normalized();
+    for (int pass = 0; pass < 2 && is_equation; ++pass) {
+      for (const Eigen::VectorXd& direction : basis) rest -= direction.dot(rest) * direction;
+    }
+    if (is_equation && rest.norm() <= kCombination) {
+      implied_rows.push_back(rows[i]);
+      continue;
+    }
+    if (is_equation) basis.push_back(rest.normalized());
+    kept.push_back(rows[i]);
   }
   rows = kept;
 }

@@ -3,7 +3,7 @@
 // The base part of an arm whose joints give way in two directions only is M z with z of two
 // components: three equations, two of which say it all. Away from z = 0 their gradients are
 // independent, at z = 0 they are not, and there sequential quadratic programming stops: the
-// optimizers get two of them. What a plan reports are all.
+// optimizers get two of them. What a plan reports, and is judged by, are all.
 #include <Eigen/SVD>
 #include <algorithm>
 
@@ -47,8 +47,13 @@ std::vector<Eigen::MatrixXd> jacobians_at_solutions(const Formulation& formulati
   return out;
 }
 
+Eigen::Index rank_of(const Eigen::MatrixXd& J) {
+  return (relative_sizes(J).array() > kRank).count();
+}
+
 /// How well the rows whose number is not in `left_out` determine the solutions: the middle over the
-/// Jacobians of their smallest relative singular value.
+/// Jacobians of their smallest relative singular value that counts; 0 where the rank is not what
+/// that of all rows is.
 double independence(const std::vector<Eigen::MatrixXd>& jacobians,
                     const std::vector<Eigen::Index>& left_out) {
   std::vector<double> least;
@@ -60,7 +65,9 @@ double independence(const std::vector<Eigen::MatrixXd>& jacobians,
         kept.row(to++) = J.row(i);
       }
     }
-    least.push_back(relative_sizes(kept).minCoeff());
+    const Eigen::Index rank = rank_of(J);
+    if (rank == 0 || kept.rows() < rank || rank_of(kept) < rank) return 0;
+    least.push_back(relative_sizes(kept)[rank - 1]);
   }
   std::nth_element(least.begin(), least.begin() + static_cast<long>(least.size() / 2), least.end());
   return least[least.size() / 2];
@@ -70,36 +77,33 @@ double independence(const std::vector<Eigen::MatrixXd>& jacobians,
 
 void Formulation::set_implied_rows_aside() {
   Parts& parts = *parts_;
-  std::vector<Eigen::Index> candidates;  // among the equations
-  std::vector<std::size_t> equations;    // among the rows
+  std::vector<std::size_t> equations;  // among the rows
+  std::vector<Eigen::Index> candidates;
   for (std::size_t i = 0; i < parts.rows.size(); ++i) {
     if (parts.rows[i].lower != parts.rows[i].upper) continue;
-    if (is_case_row(parts.rows[i]))
+    if (is_case_row(parts.rows[i])) {
       candidates.push_back(static_cast<Eigen::Index>(equations.size()));
+    }
     equations.push_back(i);
   }
   if (candidates.size() < 2) return;
   const std::vector<Eigen::MatrixXd> jacobians = jacobians_at_solutions(*this);
   constexpr std::size_t kFewest = 3;
   if (jacobians.size() < kFewest) return;
-  std::vector<Eigen::Index> left_out;
-  const auto count = static_cast<Eigen::Index>(equations.size());
-  Eigen::Index rank = 0;
-  for (const Eigen::MatrixXd& J : jacobians) {
-    rank = std::max<Eigen::Index>(rank, (relative_sizes(J).array() > kRank).count());
-  }
   // One after the other: the one without which the rest is most independent.
-  while (count - static_cast<Eigen::Index>(left_out.size()) > rank && !candidates.empty()) {
-    const auto with = [&](Eigen::Index candidate) {
+  std::vector<Eigen::Index> left_out;
+  while (!candidates.empty()) {
+    std::vector<double> rest;
+    for (const Eigen::Index candidate : candidates) {
       std::vector<Eigen::Index> more = left_out;
       more.push_back(candidate);
-      return independence(jacobians, more);
-    };
-    const auto best =
-        std::max_element(candidates.begin(), candidates.end(),
-                         [&](Eigen::Index a, Eigen::Index b) { return with(a) < with(b); });
-    left_out.push_back(*best);
-    candidates.erase(best);
+      rest.push_back(independence(jacobians, more));
+    }
+    const auto best = std::max_element(rest.begin(), rest.end());
+    if (!(*best > 0)) break;
+    const auto at = candidates.begin() + (best - rest.begin());
+    left_out.push_back(*at);
+    candidates.erase(at);
   }
   std::sort(left_out.rbegin(), left_out.rend());
   for (const Eigen::Index i : left_out) {

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 
+#include <Eigen/Geometry>
+
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/capture/search.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/problem_file.hpp>
 
@@ -48,6 +51,41 @@ TEST_CASE("equations that are independent where they hold all stay") {
   CHECK(Formulation(shipped("planar_two_link_c2_a")).num_equations() == 2);
   // The total momentum (2) and the approach axis (2).
   CHECK(Formulation(shipped("iiwa_case_c")).num_equations() == 4);
+}
+
+TEST_CASE("a planar problem in a slanting plane is that of its twin in the plane of two axes") {
+  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  REQUIRE(problem.impulse.direction_frame == Frame::Base);
+  const Eigen::Quaterniond slant(Eigen::AngleAxisd(0.5236, Vector3d::UnitX()));
+  problem.base.orientation = slant;
+  problem.impulse.direction = slant * *problem.impulse.direction;
+  problem.impulse.direction_frame = Frame::Inertial;
+  const Formulation formulation(problem);
+  CHECK(formulation.num_equations() == 2);
+  const SearchResult result = search(problem, formulation, {});
+  CHECK(result.candidates.size() == 8);
+  for (const Eigen::VectorXd& x : result.points) {
+    for (const ConstraintValue& value : formulation.report(x)) CHECK(value.violation <= 1e-9);
+  }
+}
+
+TEST_CASE("hand and case equations of a slanting plane: each is kept once") {
+  CaptureProblem problem = shipped("planar_three_link_null");
+  const Eigen::Quaterniond slant(Eigen::AngleAxisd(0.5236, Vector3d::UnitX()));
+  problem.base.orientation = slant;
+  problem.hand.position = slant * Vector3d(1.8, 0.05, 0);  // the impulse passes the centroid there
+  problem.hand.frame = Frame::Inertial;
+  problem.impulse.direction = slant * *problem.impulse.direction;
+  problem.impulse.direction_frame = Frame::Inertial;
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_axis = slant * Vector3d::UnitZ();
+  problem.constraints.impact_case = CaseConstraint::C;
+  const Formulation formulation(problem);
+  CHECK(formulation.num_variables() == 4);
+  CHECK(formulation.num_equations() == 3);
+  const SearchResult result = search(problem, formulation, {});
+  CHECK(result.status == PlanStatus::Feasible);
+  CHECK(result.candidates.front().max_violation <= 1e-9);
 }
 
 }  // namespace stillbase
