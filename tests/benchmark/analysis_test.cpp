@@ -28,7 +28,8 @@ RunRecord run(const std::string& optimizer, int instance, std::uint64_t seed, do
 
 }  // namespace
 
-TEST_CASE("references are the known values or what beats them; points that are not exact beat nothing") {
+TEST_CASE(
+    "references are the known values or what beats them; points that are not exact beat nothing") {
   RunRecord violated = run("a", 0, 1, 0.1, 5);
   violated.improvements[0].violation = 5e-7;
   const auto out = reference_values({violated, run("a", 0, 2, 0.5, 5), run("a", 1, 1, 2, 5)},
