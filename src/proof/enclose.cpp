@@ -292,7 +292,14 @@ Box<N> moved_towards(Box<N> X, const Box<N>& other, const std::array<bool, N>& p
 template <int N>
 Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
                            const std::array<bool, N>& periodic, const EncloseOptions& options) {
-  Enclosure<N> found = Search<N>(system, options).run(domain);
+  // A solver meets its equations to a tolerance: just inside a limit it takes a zero just outside
+  // for one inside. Such a zero is listed as undecided.
+  constexpr double kEdge = 1e-7;
+  Box<N> searched = domain;
+  for (int i = 0; i < N; ++i) {
+    if (!periodic[i]) searched[i] += Interval(-kEdge, kEdge);
+  }
+  Enclosure<N> found = Search<N>(system, options).run(searched);
   Enclosure<N> out;
   out.boxes = found.boxes;
   out.limit_reached = found.limit_reached;
@@ -300,7 +307,7 @@ Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
     bool outside = false, on_edge = false;
     for (int i = 0; i < N; ++i) {
       if (periodic[i]) continue;
-      outside = outside || is_disjoint(zero.tight[i], domain[i]);
+      outside = outside || is_disjoint(zero.tight[i], searched[i]);
       on_edge = on_edge || !is_inside(zero.tight[i], domain[i]);
     }
     if (outside) continue;  // found through a box that was made larger

@@ -93,6 +93,7 @@ struct Enclosure {
 ///   K(X) = c - Y f(c) + (E - Y J(X)) (X - c),  Y near J(c)^-1,
 /// dropped when K and X do not meet, proven to hold exactly one zero when K lies inside X, and
 /// divided otherwise. So that zeros on an edge are found as well, X is tried a little larger.
+/// Zeros less than 1e-7 outside of the domain are undecided ones.
 /// @param periodic variables that are angles of a full turn [-pi, pi]: what lies a turn apart is
 /// one
 /// @pre a RoundUpward stands on the stack
