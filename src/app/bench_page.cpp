@@ -45,8 +45,8 @@ PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
       "{} problems, {} seeds each. A run solves a problem to a precision when a point with "
       "violation at most {:g} is no worse than the best known value by more than it, as judged by "
       "our own evaluation; the value is the objective's norm over its typical size. Intervals: 95 "
-      "% bootstrap over problems. Cost: evaluations + {:g} per gradient.",
-      analysis.problems, analysis.seeds, kBenchmarkViolation, gradient_cost));
+      "% bootstrap over problems. Cost: evaluations + {:g} per gradient, at most {}.",
+      analysis.problems, analysis.seeds, kBenchmarkViolation, gradient_cost, analysis.budget));
   for (const OptimizerFigures& figures : analysis.optimizers) {
     if (!(figures.hessians_per_run > 0)) continue;
     out.paragraphs.push_back(
@@ -88,7 +88,7 @@ PageSection recommendation(const BenchmarkAnalysis& analysis) {
   const OptimizerFigures& second = analysis.optimizers[1];
   out.paragraphs = {
       fmt::format("By default {}: it solves {} of its runs to {}, more than any other; {} follows "
-                  "with {} ({} problems, {} seeds, {} evaluations).",
+                  "with {} ({} problems, {} seeds, a cost of {} evaluations).",
                   first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
                   second.optimizer, percent(second.solved.back()), analysis.problems,
                   analysis.seeds, analysis.budget),

@@ -41,11 +41,14 @@ Runtime runtime_of(const RunRecord& record, double best_known,
   const auto cost = [gradient_cost](long evaluations, long gradients) {
     return static_cast<double>(evaluations) + gradient_cost * static_cast<double>(gradients);
   };
+  // Evaluations alone end a run: the same number for all. With derivatives it has then cost more.
+  const auto budget = static_cast<double>(record.request.budget);
   Runtime out;
-  out.spent = cost(record.evaluations, record.gradients);
+  out.spent = std::min(cost(record.evaluations, record.gradients), budget);
   out.to_target.assign(precisions.size(), kInfinity);
   for (const Improvement& point : record.improvements) {
     if (!(point.violation <= kBenchmarkViolation)) continue;
+    if (cost(point.evaluations, point.gradients) > budget) break;
     for (std::size_t i = 0; i < precisions.size(); ++i) {
       if (point.value > best_known + precisions[i]) continue;
       out.to_target[i] = std::min(out.to_target[i], cost(point.evaluations, point.gradients));

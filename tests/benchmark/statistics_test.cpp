@@ -37,6 +37,11 @@ TEST_CASE(
   const Runtime out = runtime_of(record, 1.0, {1.0, 0.1, 0.01}, 0.5);
   CHECK(out.to_target == std::vector<double>{24, 60, kNever});
   CHECK(out.spent == 120);
+  // 50 evaluations and 20 gradients cost 60: more than the budget.
+  record.request.budget = 59;
+  const Runtime cut = runtime_of(record, 1.0, {1.0, 0.1, 0.01}, 0.5);
+  CHECK(cut.to_target == std::vector<double>{24, kNever, kNever});
+  CHECK(cut.spent == 59);
 }
 
 TEST_CASE("expected running time counts what failures spent") {

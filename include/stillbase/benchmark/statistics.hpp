@@ -24,7 +24,8 @@ struct Runtime {
 
 /// Cost at which value <= best_known + precision was first met with violation <=
 /// kBenchmarkViolation.
-/// A crashed run keeps what it reached before.
+/// What came at a higher cost than the run's budget does not count. A crashed run keeps what it
+/// reached before.
 Runtime runtime_of(const RunRecord& record, double best_known,
                    const std::vector<double>& precisions, double gradient_cost);
 
