@@ -147,6 +147,7 @@ class Search {
 
   SearchResult run() {
     find_solutions();
+    if (out_.stopped && simulates_turn(problem_)) keep_best_alone();
     // A curve takes thousands of evaluations: not where each of them is a simulation.
     if (!isolated_ && !simulates_turn(problem_)) follow_curves();
     out_.unseen = unseen();
@@ -227,6 +228,15 @@ class Search {
       if (found.violation <= kFeasible) keep_distinct(formulation_, found, solutions_);
       if (options_.on_progress) options_.on_progress(start + 1, starts);
     }
+  }
+
+  /// What is still to be said of a solution takes a hundred simulations where the objective is
+  /// simulated: after a deadline or an interrupt that is done for the best one.
+  void keep_best_alone() {
+    const auto best =
+        std::min_element(solutions_.begin(), solutions_.end(),
+                         [](const Solution& a, const Solution& b) { return better(a, b); });
+    if (best != solutions_.end()) solutions_ = {Solution(*best)};
   }
 
   /// Where the solutions form curves: the best ones of each curve in place of those that the starts
