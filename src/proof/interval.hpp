@@ -156,13 +156,11 @@ struct Dual {
   }
 };
 
-}  // namespace stillbase::proof
-
-/// What Eigen's fixed products ask of a number type. Nothing here compares or takes square roots.
-template <int N>
-struct Eigen::NumTraits<stillbase::proof::Dual<N>>
-    : Eigen::GenericNumTraits<stillbase::proof::Dual<N>> {
-  using Real = stillbase::proof::Dual<N>;
+/// What Eigen's fixed products ask of a number type, with the costs of reading, adding and
+/// multiplying. Nothing here compares or takes square roots.
+template <class T, int Read, int Add, int Multiply>
+struct ProductTraits : Eigen::GenericNumTraits<T> {
+  using Real = T;
   using NonInteger = Real;
   using Nested = Real;
   using Literal = double;
@@ -171,8 +169,14 @@ struct Eigen::NumTraits<stillbase::proof::Dual<N>>
     IsInteger = 0,
     IsSigned = 1,
     RequireInitialization = 1,
-    ReadCost = 8,
-    AddCost = 20,
-    MulCost = 60
+    ReadCost = Read,
+    AddCost = Add,
+    MulCost = Multiply
   };
 };
+
+}  // namespace stillbase::proof
+
+template <int N>
+struct Eigen::NumTraits<stillbase::proof::Dual<N>>
+    : stillbase::proof::ProductTraits<stillbase::proof::Dual<N>, 8, 20, 60> {};

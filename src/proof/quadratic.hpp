@@ -244,21 +244,6 @@ struct Quadratic {
 
 }  // namespace stillbase::proof
 
-/// What Eigen's fixed products ask of a number type. Nothing here compares or takes square roots.
 template <int N>
 struct Eigen::NumTraits<stillbase::proof::Quadratic<N>>
-    : Eigen::GenericNumTraits<stillbase::proof::Quadratic<N>> {
-  using Real = stillbase::proof::Quadratic<N>;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = double;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 10,
-    AddCost = 15,
-    MulCost = 80
-  };
-};
+    : stillbase::proof::ProductTraits<stillbase::proof::Quadratic<N>, 10, 15, 80> {};

@@ -6,7 +6,8 @@
 
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
+
+#include "verification/failed_claims.hpp"
 
 namespace stillbase {
 namespace {
@@ -17,17 +18,6 @@ const Plan& two_link_plan() {
   static const Plan plan = make_plan(
       read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml"));
   return plan;
-}
-
-std::string failures(const Plan& plan) {
-  VerifyOptions options;
-  options.post_impact = false;
-  options.cone_samples = 200;
-  std::string names;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
-    if (!claim.pass) names += claim.name + " ";
-  }
-  return names;
 }
 
 }  // namespace
