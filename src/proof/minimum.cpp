@@ -75,10 +75,10 @@ class ImpactProgram final : public Program<N> {
 
   const JointMap<N>& map() const { return map_; }
 
-  void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
-                std::vector<Quadratic<N>>& values) const override {
-    using S = Quadratic<N>;
-    const ImpactForms<S> forms(problem_, basis_, map_.posture(x));
+  void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
+                std::vector<Fraction<N>>& values) const override {
+    using S = Form<N>;
+    const ImpactForms<N> forms(problem_, basis_, map_.posture(x));
     if (problem_.has_hand_point) {
       for (int i = 0; i < 3; ++i) {
         S off = forms.hand()[i] - S(problem_.hand_point[i]);
@@ -120,7 +120,7 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
 }  // namespace
 }  // namespace proof
 
-int max_minimum_joints() { return kMaxJointsOf<proof::Quadratic<2>>; }
+int max_minimum_joints() { return kMaxJointsOf<proof::Form<2>>; }
 
 BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
                              const MinimumOptions& options) {

@@ -239,10 +239,10 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
-  const BoundedMinimum cut = bound_minimum(minimum, least, {.max_boxes = 100});
+  const BoundedMinimum cut = bound_minimum(minimum, least, {.max_boxes = 10});
   CHECK(cut.limit_reached);
   CHECK(cut.lower_bound <= least);
-  CHECK(bound_minimum(minimum, least, {.max_boxes = 100}).lower_bound == cut.lower_bound);
+  CHECK(bound_minimum(minimum, least, {.max_boxes = 10}).lower_bound == cut.lower_bound);
   std::atomic<bool> interrupted = true;
   const BoundedMinimum stopped =
       bound_minimum(minimum, least, {.stop = {.interrupted = &interrupted}});
