@@ -10,24 +10,19 @@
 // which no part is negative.
 #pragma once
 
-#include <stillbase/proof/minimum.hpp>
-
 #include <Eigen/Cholesky>
 #include <array>
 #include <vector>
 
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
-#include "proof/quadratic.hpp"
-
-/// Forms are wide numbers: their matrices take as many joints as a redundant arm has.
-template <int N>
-inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Quadratic<N>> = 8;
+#include "proof/encounter_forms.hpp"
+#include "proof/minimum_problem.hpp"
 
 namespace stillbase::proof {
 
 /// Wrenches whose combinations the impulses are: the one itself, or unit wrenches. Everything is
-/// linear in them.
+/// linear in them. In E, so that the coefficients are the same at every point of a box.
 struct WrenchBasis {
   std::vector<Vector6d> wrenches;
   std::vector<std::vector<double>> coefficients;  ///< per impulse, exact
@@ -51,27 +46,41 @@ struct WrenchBasis {
   }
 };
 
-/// What one box of postures says about every impulse.
+/// What one box of configurations says about every impulse.
 template <class S>
 class ImpactForms {
  public:
-  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const JointVector<S>& phi)
-      : problem_(problem), kinematics_(compute_kinematics<S>(problem.robot, phi)) {
-    inertia_ = compute_inertia<S>(problem.robot, kinematics_);
+  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const EncounterRange<S>& at)
+      : problem_(problem),
+        robot_(problem.where.robot),
+        encounter_(at),
+        kinematics_(compute_kinematics<S>(robot_, at.phi)) {
+    inertia_ = compute_inertia<S>(robot_, kinematics_);
     tilde_ = compute_tilde_inertia<S>(inertia_);
     factorise();
-    const HandJacobian<S> jacobian = compute_hand_jacobian<S>(problem.robot, kinematics_);
+    const HandJacobian<S> jacobian = compute_hand_jacobian<S>(robot_, kinematics_);
     inverse_mass_ = inverse_of(inertia_.mass);
-    for (const Vector6d& F : basis.wrenches) responses_.push_back(respond(jacobian, F));
+    for (const Vector6d& F_E : basis.wrenches) {
+      Vector6<S> F;
+      F.template head<3>() = at.R_BE * Vector3<S>(F_E.head<3>().cast<S>());
+      F.template tail<3>() = at.R_BE * Vector3<S>(F_E.tail<3>().cast<S>());
+      responses_.push_back(respond(jacobian, F));
+    }
   }
 
   /// Of the hand, in B, m.
   const Vector3<S>& hand() const { return kinematics_.r_bh; }
+  const Matrix3<S>& hand_axes() const { return kinematics_.R_hand; }
 
   /// |y|^2 after an impulse, with the sizes of its terms.
   S square_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
     const Response at = combined(coefficients);
     S scale(impulse.numerator), inverse(1.0);
+    if (impulse.closing) {
+      const Vector3<S> d = Vector3d(impulse.F.head<3>()).cast<S>();
+      const S speed = d.dot(velocity_in_T<S>(encounter_, impulse.closing->point));
+      scale *= positive_part(speed + S(impulse.closing->offset));
+    }
     const bool by_law = impulse.target_inverse_mass.has_value();
     S divisor(1.0);
     if (by_law) {
@@ -102,9 +111,10 @@ class ImpactForms {
   };
 
   void factorise() {
-    for (int k = 0; k < problem_.robot.n(); ++k) {
+    const ZeroProblem& where = problem_.where;
+    for (int k = 0; k < robot_.n(); ++k) {
       const auto index = static_cast<std::size_t>(k);
-      if (index >= problem_.locked.size() || !problem_.locked[index]) moving_.push_back(k);
+      if (index >= where.locked.size() || !where.locked[index]) moving_.push_back(k);
     }
     joints_ = static_cast<int>(moving_.size());
     size_ = joints_ + 3;
@@ -112,7 +122,7 @@ class ImpactForms {
       if (i < joints_) {
         const int k = moving_[i];
         S value = tilde_.Htilde_phi(k, moving_[j]);
-        if (i == j) value += S(problem_.added_inertia[k]);
+        if (i == j) value += S(where.added_inertia[k]);
         return value;
       }
       if (j < joints_) return tilde_.Htilde_omegaphi(i - joints_, moving_[j]);
@@ -160,8 +170,7 @@ class ImpactForms {
     }
   }
 
-  Response respond(const HandJacobian<S>& jacobian, const Vector6d& F_d) const {
-    const Vector6<S> F = F_d.cast<S>();
+  Response respond(const HandJacobian<S>& jacobian, const Vector6<S>& F) const {
     const Vector3<S> f = F.template head<3>();
     Response out;
     out.wrench = F;
@@ -244,6 +253,8 @@ class ImpactForms {
   }
 
   const MinimumProblem& problem_;
+  const RobotModel& robot_;
+  const EncounterRange<S>& encounter_;
   Kinematics<S> kinematics_;
   InertiaMatrices<S> inertia_;
   TildeInertia<S> tilde_;

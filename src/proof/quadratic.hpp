@@ -185,6 +185,23 @@ struct Quadratic {
     return x.expanded({c, -s, -c / 2.0}, sine(whole) / 6.0, cosine(whole));
   }
 
+  /// f_0 + f_1 d + f_2 d^2 + f_3 d^3, d = x - c: Taylor's series of a function about the middle of
+  /// x.
+  /// @param f its coefficients there, the last one over all of x
+  /// @param whole its values over all of x
+  friend Quadratic series(const Quadratic& x, const std::array<Interval, 4>& f,
+                          const Interval& whole) {
+    return x.expanded({f[0], f[1], f[2]}, f[3], whole);
+  }
+  /// max(x, 0)
+  friend Quadratic positive_part(const Quadratic& x) {
+    const Interval whole = x.range();
+    if (!x.is_bounded() || whole.lower() >= 0) return x;
+    if (whole.upper() <= 0) return Quadratic();
+    if (-whole.lower() < whole.upper()) return x + any(Interval(0, -whole.lower()));
+    return any(Interval(0, whole.upper()));
+  }
+
   /// (1 - t) x + t y, 0 <= t <= 1: at most the larger of both.
   friend Quadratic mixture(const Quadratic& x, const Quadratic& y, double t) {
     const double s = 1 - t;  // off by rounding, as the products are

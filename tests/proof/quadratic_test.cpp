@@ -32,7 +32,15 @@ const Written kFunctions[] = {
        return d * d * Wide(0.7);
      }},
     {[](const Form& x, const Form& y) { return inverse_of(x * x + y * y + 0.1); },
-     [](Wide x, Wide y) { return 1 / (x * x + y * y + Wide(0.1)); }}};
+     [](Wide x, Wide y) { return 1 / (x * x + y * y + Wide(0.1)); }},
+    {[](const Form& x, const Form& y) { return positive_part(x - y * 0.5); },
+     [](Wide x, Wide y) { return std::max(x - y / 2, Wide(0)); }},
+    {[](const Form& x, const Form& y) {
+       const Form z = x + y;
+       const Interval s = sine(Interval(z.c)), c = cosine(Interval(z.c)), whole = z.range();
+       return series(z, {s, c, -s / 2.0, -cosine(whole) / 6.0}, sine(whole));
+     },
+     [](Wide x, Wide y) { return std::sin(x + y); }}};
 
 /// The part of a form that does not say "about", at eps.
 Wide polynomial(const Form& form, const std::array<Wide, 2>& eps) {
