@@ -102,6 +102,10 @@ std::string minimum_objection(const CaptureProblem& problem) {
   if (is_mean && has_positive(problem.uncertainty.joint_position)) {
     return "the samples differ in their posture";
   }
+  const auto joints = std::count(variables.joints.begin(), variables.joints.end(), true);
+  if (joints > 3) {  // before a target's motion is enclosed for nothing
+    return fmt::format("it takes one to three free variables, here are {} joints", joints);
+  }
   const MinimumProblem bounded = proof::minimum_problem(problem, {});
   const proof::EncounterModel& encounter = bounded.where.encounter;
   if (is_mean && problem.uncertainty.contact_time > 0 && encounter.time_is_free) {

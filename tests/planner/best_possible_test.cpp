@@ -109,6 +109,28 @@ TEST_CASE("base angle, contact time, a moving target, a station box: proven to a
   CHECK(proof.statement.find("not counting") == std::string::npos);
 }
 
+TEST_CASE("of a wedge that turns with the base only its middle is bounded, which is true") {
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.variables.joints = {false, true, false};
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_axis = Vector3d(1, 0.5, 0.3).normalized();
+  problem.variables.base_attitude_max = 0.5;
+  problem.impulse.direction_frame = Frame::Inertial;
+  problem.impulse.direction = Vector3d(-1, 0.6, 0.4).normalized();
+  problem.hand.constraint = HandConstraint::None;
+  problem.hand.position.reset();
+  problem.variables.base_position = PositionFreedom::Free;
+  problem.uncertainty.cone_half_angle = 0.5;
+  problem.objective = {{ObjectiveQuantity::JointRateNorm}};
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(proof.statement);
+  CHECK(proof.statement.find("contradiction") == std::string::npos);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * 0.1);
+}
+
 TEST_CASE("means over samples: proven to a hundredth, with the number of samples") {
   CaptureProblem problem = without_path("planar_three_link_null");
   problem.measure.kind = GENERATE(RiskMeasure::Expectation, RiskMeasure::Cvar);
