@@ -246,6 +246,14 @@ struct ArticulatedForms {
     for (const int k : joints_of_hand()) r = outwards(k, r) + p[k];
     return r;
   }
+  /// In B.
+  Matrix3<S> hand_axes() const {
+    Matrix3<S> R = robot.R_hand.template cast<S>();
+    for (const int k : joints_of_hand()) {
+      for (int i = 0; i < 3; ++i) R.col(i) = outwards(k, R.col(i));
+    }
+    return R;
+  }
   /// A vector in B as one in the axes of the body that carries the hand.
   Vector3<S> in_hand_body(Vector3<S> x) const {
     const std::vector<int> way = joints_of_hand();

@@ -11,8 +11,6 @@
 // part of the sum is negative.
 #pragma once
 
-#include <stillbase/proof/minimum.hpp>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -21,10 +19,8 @@
 #include "dynamics/rigid_inertia.hpp"
 #include "proof/articulated_forms.hpp"
 #include "proof/bound.hpp"
-
-/// Forms are wide numbers: their matrices take as many joints as a redundant arm has.
-template <int N, int K>
-inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Taylor<N, K>> = 8;
+#include "proof/encounter_forms.hpp"
+#include "proof/minimum_problem.hpp"
 
 namespace stillbase::proof {
 
@@ -53,15 +49,17 @@ struct WrenchBasis {
   }
 };
 
-/// What one box of postures says about every impulse.
+/// What one box of configurations says about every impulse.
 template <int N>
 class ImpactForms {
  public:
   using S = Form<N>;
 
-  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const JointVector<S>& phi)
+  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const EncounterRange<S>& at)
       : problem_(problem),
-        arm_(problem.robot, phi, problem.added_inertia, problem.locked, needs_composite()),
+        encounter_(at),
+        arm_(problem.where.robot, at.phi, problem.where.added_inertia, problem.where.locked,
+             needs_composite()),
         hand_(arm_.hand_position()) {
     if (needs_composite()) {
       const S& mass = arm_.composite.M(0, 0);
@@ -70,33 +68,52 @@ class ImpactForms {
       Htilde_omega_ = arm_.composite.J - parallel_axis<S>(mass, r_bg_);
     }
     factorise();
-    for (const Vector6d& F : basis.wrenches) responses_.push_back(respond(F));
+    for (const Vector6d& F_E : basis.wrenches) {
+      Vector6<S> F;
+      F << at.R_BE * Vector3<S>(F_E.head<3>().cast<S>()),
+          at.R_BE * Vector3<S>(F_E.tail<3>().cast<S>());
+      responses_.push_back(respond(F));
+    }
   }
 
   /// Of the hand, in B, m.
   const Vector3<S>& hand() const { return hand_; }
+  Matrix3<S> hand_axes() const { return arm_.hand_axes(); }
 
   /// |y|^2 after an impulse, with the sizes of its terms. Of a contact law
-  ///   p = numerator / divisor, divisor = F' W_h F + target_inverse_mass.
+  ///   p = scale / divisor, divisor = F' W_h F + target_inverse_mass.
   Fraction<N> square_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
     const Response at = combined(coefficients);
+    const S scale = scale_of(impulse);
     Fraction<N> out;
     for (const ObjectiveTerm& term : problem_.objective) {
-      const S factor = S(impulse.numerator) / S(term.size);
+      const S factor = scale / S(term.size);
       for_each_component(term, at, [&](const S& y) {
         if (!y.is_zero()) out.numerator += square(y * factor);
       });
     }
     if (!impulse.target_inverse_mass) return out;
-    S divisor(*impulse.target_inverse_mass);
-    for (const int k : arm_.joints_of_hand()) {
-      if (arm_.moves[k]) divisor += square(at.u[k]) * arm_.inverse_D[k];
-    }
-    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * inverse_D_[i];
-    out.denominator = square(divisor);
+    out.denominator = square(divisor_of(impulse, at));
     const Interval least(*impulse.target_inverse_mass);
     out.least_denominator = (least * least).lower();
     return out;
+  }
+
+  /// The same as one form: parts of a sum cannot be kept apart.
+  S quotient_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
+    const Response at = combined(coefficients);
+    const S scale = scale_of(impulse);
+    const bool by_law = impulse.target_inverse_mass.has_value();
+    const S divisor = by_law ? divisor_of(impulse, at) : S(1.0);
+    const S inverse = by_law ? inverse_of(divisor) : S(1.0);
+    S sum(0.0);
+    for (const ObjectiveTerm& term : problem_.objective) {
+      const S factor = scale / S(term.size);
+      for_each_component(term, at, [&](const S& y) {
+        if (!y.is_zero()) sum += square((by_law ? quotient(y, divisor, inverse) : y) * factor);
+      });
+    }
+    return sum;
   }
 
  private:
@@ -108,6 +125,25 @@ class ImpactForms {
     Vector6<S> base;   ///< twist of the base, [v; omega]
     Vector3<S> total;  ///< L
   };
+
+  /// Of an impulse by a contact law: (1+e) v_n; of a given one the impulse itself.
+  S scale_of(const ImpulseCase& impulse) const {
+    S scale(impulse.numerator);
+    if (!impulse.closing) return scale;
+    const Vector3<S> d = Vector3d(impulse.F.head<3>()).cast<S>();
+    const S speed = d.dot(velocity_in_T<S>(encounter_, impulse.closing->point));
+    return scale * positive_part(speed + S(impulse.closing->offset));
+  }
+
+  /// F' W_h F + target_inverse_mass
+  S divisor_of(const ImpulseCase& impulse, const Response& at) const {
+    S divisor(*impulse.target_inverse_mass);
+    for (const int k : arm_.joints_of_hand()) {
+      if (arm_.moves[k]) divisor += square(at.u[k]) * arm_.inverse_D[k];
+    }
+    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * inverse_D_[i];
+    return divisor;
+  }
 
   /// Whether the objective asks for momenta of the robot as one body.
   bool needs_composite() const {
@@ -160,15 +196,14 @@ class ImpactForms {
     }
   }
 
-  Response respond(const Vector6d& F_d) const {
-    const RobotModel& robot = problem_.robot;
-    const Vector6<S> F = F_d.cast<S>();
+  /// @param F in B
+  Response respond(const Vector6<S>& F) const {
     const Vector3<S> f = F.template head<3>();
     Response out;
     if (needs_composite()) out.total = (hand_ - r_bg_).cross(f) + F.template tail<3>();
     Vector6<S> b;  // on the body, about its origin and in its axes
     const Vector3<S> f_b = arm_.in_hand_body(f);
-    const Vector3<S> lever = robot.p_hand.template cast<S>();
+    const Vector3<S> lever = arm_.robot.p_hand.template cast<S>();
     b << f_b, arm_.in_hand_body(F.template tail<3>()) + lever.cross(f_b);
     for (const int k : arm_.joints_of_hand()) {
       if (arm_.moves[k]) {
@@ -201,7 +236,7 @@ class ImpactForms {
     for (std::size_t b = 0; b < coefficients.size(); ++b) {
       const S factor(coefficients[b]);
       const Response& one = responses_[b];
-      for (int k = 0; k < problem_.robot.n(); ++k) out.u[k] += one.u[k] * factor;
+      for (int k = 0; k < arm_.robot.n(); ++k) out.u[k] += one.u[k] * factor;
       for (int i = 0; i < 6; ++i) out.z[i] += one.z[i] * factor;
       out.total += one.total * factor;
       out.base += one.base * factor;
@@ -247,8 +282,8 @@ class ImpactForms {
   template <class Use>
   void for_each_rate(const Response& at, const Use& use) const {
     std::vector<Vector6<S>> twists;
-    for (int k = 0; k < problem_.robot.n(); ++k) {
-      const int parent = problem_.robot.joints[k].parent;
+    for (int k = 0; k < arm_.robot.n(); ++k) {
+      const int parent = arm_.robot.joints[k].parent;
       Vector6<S> twist = arm_.twist_from_parent(
           k, parent == kBase ? at.base : twists[static_cast<std::size_t>(parent)]);
       if (arm_.moves[k]) {
@@ -262,6 +297,7 @@ class ImpactForms {
   }
 
   const MinimumProblem& problem_;
+  const EncounterRange<S>& encounter_;
   ArticulatedForms<S> arm_;
   Vector3<S> hand_, r_bg_;
   Matrix3<S> Htilde_omega_;

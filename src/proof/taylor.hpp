@@ -11,6 +11,7 @@
 // kUnit of the result or, for products, kProduct of the factors' sizes.
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -267,17 +268,43 @@ struct Taylor {
     std::array<Interval, K + 1> series;
     series[0] = k;
     for (std::size_t j = 1; j <= K; ++j) series[j] = -series[j - 1] * k;
-    return x.expanded(series, -series[K] / whole, Interval(1.0) / whole);
+    return x.expanded(series, K + 1, -series[K] / whole, Interval(1.0) / whole);
   }
   friend Taylor sin(const Taylor& x) {
     const Interval whole = x.range();
-    return x.expanded(turning_series(sine(Interval(x.c())), cosine(Interval(x.c()))),
+    return x.expanded(turning_series(sine(Interval(x.c())), cosine(Interval(x.c()))), K + 1,
                       turning_rest(sine(whole), cosine(whole)), sine(whole));
   }
   friend Taylor cos(const Taylor& x) {
     const Interval whole = x.range();
-    return x.expanded(turning_series(cosine(Interval(x.c())), -sine(Interval(x.c()))),
+    return x.expanded(turning_series(cosine(Interval(x.c())), -sine(Interval(x.c()))), K + 1,
                       turning_rest(cosine(whole), -sine(whole)), cosine(whole));
+  }
+
+  /// f_0 + f_1 d + ... + f_n d^n, d = x - c: Taylor's series of a function about the middle of x,
+  /// of any degree.
+  /// @param f its coefficients there, the last one over all of x
+  /// @param whole its values over all of x
+  template <std::size_t Terms>
+  friend Taylor series(const Taylor& x, const std::array<Interval, Terms>& f,
+                       const Interval& whole) {
+    std::array<Interval, K + 1> kept;
+    kept.fill(Interval(0.0));
+    constexpr std::size_t kKept = std::min<std::size_t>(Terms - 1, K + 1);
+    std::copy_n(f.begin(), kKept, kept.begin());
+    // What comes after it, as a multiple of the first power that is left.
+    const double off = x.size_about_middle();
+    double rest = 0;
+    for (std::size_t j = Terms; j-- > kKept;) rest = rest * off + boost::numeric::norm(f[j]);
+    return x.expanded(kept, static_cast<int>(kKept), Interval(-rest, rest), whole);
+  }
+  /// max(x, 0)
+  friend Taylor positive_part(const Taylor& x) {
+    const Interval whole = x.range();
+    if (!x.is_bounded() || whole.lower() >= 0) return x;
+    if (whole.upper() <= 0) return Taylor();
+    if (-whole.lower() < whole.upper()) return x + any(Interval(0, -whole.lower()));
+    return any(Interval(0, whole.upper()));
   }
 
   /// (1 - t) x + t y, 0 <= t <= 1: at most the larger of both.
@@ -392,15 +419,20 @@ struct Taylor {
     return found;
   }
 
-  /// sum f_j d^j + rest d^(K+1), d = x - c; or only that it lies in `whole`, where that says more.
-  Taylor expanded(const std::array<Interval, K + 1>& f, const Interval& rest,
+  double size_about_middle() const {
+    double off = r;
+    for (int i = 1; i < kSize; ++i) off += std::fabs(coefficient[static_cast<std::size_t>(i)]);
+    return off;
+  }
+
+  /// sum f_j d^j + rest d^power, d = x - c; or only that it lies in `whole`, where that says more.
+  Taylor expanded(const std::array<Interval, K + 1>& f, int power, const Interval& rest,
                   const Interval& whole) const {
     Taylor d = *this;
     d.coefficient[0] = 0;
-    double off = r;
-    for (const double each : d.coefficient) off += std::fabs(each);
-    double power = off;
-    for (int j = 0; j < K; ++j) power *= off;
+    double open = boost::numeric::norm(rest);
+    const double off = size_about_middle();
+    for (int j = 0; j < power; ++j) open *= off;
     Taylor out;
     const int single = only_variable();
     if (single >= 0) {
@@ -416,7 +448,7 @@ struct Taylor {
       out = any(f[K]);
       for (int j = K - 1; j >= 0; --j) out = out * d + any(f[static_cast<std::size_t>(j)]);
     }
-    out.r += boost::numeric::norm(rest) * power;
+    out.r += open;
     out.settle();
     const Taylor flat = any(whole);
     return flat.r < out.r ? flat : out;

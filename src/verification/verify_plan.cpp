@@ -178,7 +178,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
       group("proof", [&] {
-        check_bound(context, event, claims);
+        check_bound(context, claims);
         check_proof(context, claims);
       });
       group("consistency", [&] { check_consistency(context, claims); });
