@@ -2,7 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
+#include <optional>
 #include <queue>
+#include <thread>
 
 #include "proof/form_bounds.hpp"
 
@@ -135,6 +138,22 @@ Quadratic<N> best_mixture(std::vector<Quadratic<N>> forms, const Part<N>& part) 
   return best;
 }
 
+/// Work for threads: f(i) for all i below count, each with its own rounding mode.
+template <class F>
+void in_threads(std::size_t count, const F& f) {
+  constexpr std::size_t kEach = 8;  // fewer calls are not worth a thread
+  const std::size_t most = std::max(1u, std::thread::hardware_concurrency());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    const RoundUpward upward;
+    for (std::size_t i = next++; i < count; i = next++) f(i);
+  };
+  std::vector<std::thread> others;
+  while (others.size() + 1 < std::min(most, count / kEach)) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+}
+
 template <int N>
 class Search {
  public:
@@ -142,24 +161,38 @@ class Search {
       : program_(program), options_(options) {}
 
   Bound run(const std::vector<Box<N>>& domain) {
-    for (const Box<N>& box : domain) look(box, -std::numeric_limits<double>::infinity());
-    while (!open_.empty() && !(open_.top().lower >= options_.goal)) {
+    std::vector<Node> boxes;
+    for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box});
+    look_at(boxes);
+    while (!open_.empty() && !(open_.top().lower >= options_.goal) && out_.suspects.empty()) {
       if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
         out_.limit_reached = true;
         break;
       }
-      const Node node = open_.top();
-      open_.pop();
-      divide(node);
+      if (options_.on_progress) options_.on_progress(out_.boxes);
+      // So many at a time whatever the number of threads: the same answer anywhere.
+      boxes.clear();
+      while (boxes.size() < kAtATime && !open_.empty() && !(open_.top().lower >= options_.goal)) {
+        divide(open_.top(), boxes);
+        open_.pop();
+      }
+      look_at(boxes);
     }
     double lower = set_aside_;
     if (!open_.empty()) lower = std::min(lower, open_.top().lower);
     out_.nothing_below_cut = lower >= options_.cut;
     out_.lower = std::min(lower, options_.cut);
+    while (out_.limit_reached && !open_.empty() && out_.suspects.size() < kSuspects) {
+      out_.suspects.push_back(middle_of(open_.top().box));
+      open_.pop();
+    }
     return out_;
   }
 
  private:
+  static constexpr std::size_t kAtATime = 64;  ///< boxes
+  static constexpr std::size_t kSuspects = 8;
+
   struct Node {
     double lower;
     long serial;  ///< of equal bounds the first
@@ -169,36 +202,78 @@ class Search {
     }
   };
 
-  /// Cuts the box, bounds what is left and puts it on the list.
-  void look(Box<N> X, double lower) {
+  /// What became of a box.
+  struct Look {
+    Node node;
+    bool is_left = true;  ///< not wholly above the cut
+    long evaluations = 0;
+    std::optional<double> middle;  ///< max_k f_k there
+  };
+
+  /// Cuts boxes, bounds what is left and puts it on the list.
+  void look_at(const std::vector<Node>& boxes) {
+    std::vector<Look> looks(boxes.size());
+    in_threads(boxes.size(), [&](std::size_t i) { looks[i] = look(boxes[i]); });
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+      Look& seen = looks[i];
+      out_.boxes += seen.evaluations;
+      if (seen.middle && *seen.middle < options_.goal) try_point(middle_of(boxes[i].box));
+      if (!seen.is_left) continue;
+      if (width_of(seen.node.box) <= options_.min_width) {
+        set_aside_ = std::min(set_aside_, seen.node.lower);
+        continue;
+      }
+      seen.node.serial = serial_++;
+      open_.push(seen.node);
+    }
+  }
+
+  void try_point(const Eigen::VectorXd& x) {
+    if (!options_.value_at || !out_.suspects.empty()) return;
+    std::fesetround(FE_TONEAREST);
+    const double value = options_.value_at(x);
+    std::fesetround(FE_UPWARD);
+    if (value < options_.goal) out_.suspects.push_back(x);
+  }
+
+  Look look(const Node& node) const {
+    Look out;
+    out.node = node;
+    Box<N>& X = out.node.box;
     for (int round = 0; round < kMaxRounds; ++round) {
-      ++out_.boxes;
+      ++out.evaluations;
       Part<N> part;
       part.side.fill(Interval(-1, 1));
-      if (!reduce(X, part, lower)) return;
-      if (lower > options_.cut) return;
+      std::optional<double> middle;
+      out.is_left = reduce(X, part, out.node.lower, middle);
+      if (round == 0) out.middle = middle;
+      if (!out.is_left || out.node.lower > options_.cut) {
+        out.is_left = false;
+        break;
+      }
       const double before = volume(X);
       X = part_of(X, part);
-      if (lower >= options_.goal || !(volume(X) <= kWorthwhile * before)) break;
+      if (out.node.lower >= options_.goal || !(volume(X) <= kWorthwhile * before)) break;
     }
-    if (width_of(X) <= options_.min_width) {
-      set_aside_ = std::min(set_aside_, lower);
-      return;
-    }
-    open_.push({lower, serial_++, X});
+    return out;
   }
 
   /// One evaluation; false: nothing of the box is left.
-  bool reduce(const Box<N>& X, Part<N>& part, double& lower) {
+  /// @param at_middle max_k f_k at the middle of the box, about; only where nothing else is asked
+  /// for
+  bool reduce(const Box<N>& X, Part<N>& part, double& lower,
+              std::optional<double>& at_middle) const {
     std::array<Form<N>, N> x;
     for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Form<N>(X[i], i);
-    equations_.clear();
-    values_.clear();
-    program_.evaluate(x, equations_, values_);
+    std::vector<Form<N>> all_equations;
+    std::vector<Fraction<N>> values;
+    program_.evaluate(x, all_equations, values);
+    if (all_equations.empty()) at_middle = largest_at_middle(values);
     std::vector<Quadratic<N>> equations, excesses;
-    for (const Form<N>& equation : equations_) equations.push_back(equation.template folded<2>());
+    for (const Form<N>& equation : all_equations)
+      equations.push_back(equation.template folded<2>());
     double weight = 0;  // largest q0 / denominator
-    for (const Fraction<N>& value : values_) {
+    for (const Fraction<N>& value : values) {
       const Interval denominators = value.denominator.range();
       const double least = std::fmax(value.least_denominator, denominators.lower());
       const double q0 = std::fmax(value.denominator.c(), least);
@@ -227,6 +302,23 @@ class Search {
     return true;
   }
 
+  static std::optional<double> largest_at_middle(const std::vector<Fraction<N>>& values) {
+    double largest = -kInfinite;
+    for (const Fraction<N>& value : values) {
+      const double one = value.numerator.c() / value.denominator.c();
+      const bool is_known = value.numerator.is_bounded() && value.denominator.is_bounded();
+      if (!is_known || !(value.denominator.c() > 0) || !std::isfinite(one)) return std::nullopt;
+      largest = std::fmax(largest, one);
+    }
+    return largest;
+  }
+
+  static Eigen::VectorXd middle_of(const Box<N>& X) {
+    Eigen::VectorXd out(N);
+    for (int i = 0; i < N; ++i) out[i] = middle(X[i]);
+    return out;
+  }
+
   static Box<N> part_of(const Box<N>& X, const Part<N>& part) {
     Box<N> out;
     for (int i = 0; i < N; ++i) {
@@ -245,27 +337,23 @@ class Search {
     return product;
   }
 
-  void divide(const Node& node) {
+  static void divide(const Node& node, std::vector<Node>& out) {
     int widest = 0;
     for (int i = 1; i < N; ++i) {
       if (width_of(node.box[i]) > width_of(node.box[widest])) widest = i;
     }
     const Interval side = node.box[widest];
     const double split = middle(side);
-    Box<N> left = node.box, right = node.box;
-    left[widest] = Interval(side.lower(), split);
-    right[widest] = Interval(split, side.upper());
-    look(left, node.lower);
-    look(right, node.lower);
+    out.insert(out.end(), 2, node);
+    out[out.size() - 2].box[widest] = Interval(side.lower(), split);
+    out[out.size() - 1].box[widest] = Interval(split, side.upper());
   }
 
   const Program<N>& program_;
   const BoundOptions& options_;
   std::priority_queue<Node> open_;
-  double set_aside_ = std::numeric_limits<double>::infinity();  ///< boxes too small to divide
+  double set_aside_ = kInfinite;  ///< least bound of boxes too small to divide
   long serial_ = 0;
-  std::vector<Form<N>> equations_;
-  std::vector<Fraction<N>> values_;
   Bound out_;
 };
 

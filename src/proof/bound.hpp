@@ -12,8 +12,11 @@
 // optimization, Acta Numerica 13 (2004).
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <stillbase/core/interrupt.hpp>
 
@@ -50,6 +53,10 @@ struct BoundOptions {
   long max_boxes = 20000;
   double min_width = 1e-9;  ///< boxes below it are not divided any more
   StopCondition stop = {};  ///< counts as the limit
+  std::function<void(long boxes)> on_progress = {};
+  /// Of a problem without equations max_k f_k at a point, or more, in the default rounding mode:
+  /// the search ends at the first point that is below the goal.
+  std::function<double(const Eigen::VectorXd& x)> value_at = {};
 };
 
 struct Bound {
@@ -58,9 +65,13 @@ struct Bound {
   bool nothing_below_cut = false;  ///< `lower` is the cut: no point reaches it
   bool limit_reached = false;      ///< before the goal
   long boxes = 0;                  ///< looked at
+  /// Where the search should look again: a point below the goal, or, where the limit was reached,
+  /// middles of the boxes of which least is known.
+  std::vector<Eigen::VectorXd> suspects;
 };
 
-/// Two or three variables; of a single one the other has an interval without width.
+/// In as many threads as there are; the answer does not depend on them. Two or three variables; of
+/// a single one the other has an interval without width.
 /// @param domain boxes that cover it
 /// @pre a RoundUpward stands on the stack
 template <int N>

@@ -61,14 +61,14 @@ TEST_CASE("of two nearly equal minima the lower one is the bound") {
   CHECK_FALSE(bound.nothing_below_cut);
   // With the value of the other valley for the best known one the bound is not fooled.
   const double other = two_valleys(1, 0.5);
-  const Bound wrong = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = other, .goal = other});
+  const auto wrong = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = other, .goal = other});
   CHECK(wrong.lower <= least);
 }
 
 TEST_CASE("where nothing reaches the best known value that is said") {
   const Bound bound = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 0.9, .goal = 0.89});
   CHECK((bound.nothing_below_cut || bound.lower >= 0.89));
-  const Bound to_the_end = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 0.9});
+  const auto to_the_end = bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 0.9});
   CHECK(to_the_end.nothing_below_cut);
   CHECK(to_the_end.lower == 0.9);
 }
@@ -137,24 +137,24 @@ TEST_CASE("a quotient is bounded without a division") {
   CHECK(bound.lower <= least);
   CHECK(bound.lower >= least * (1 - 1e-6));
   // Cut short it holds as well, with the denominator as large as it gets.
-  const Bound early = bound_of<2>(quotient, cube<2>(-2, 2.1),
-                                  {.cut = 1.001 * least, .goal = least, .max_boxes = 3});
+  const auto early = bound_of<2>(quotient, cube<2>(-2, 2.1),
+                                 {.cut = 1.001 * least, .goal = least, .max_boxes = 3});
   CHECK(early.limit_reached);
   CHECK(early.lower <= least);
 }
 
 TEST_CASE("limits and interrupts leave a bound that holds, and the same request the same answer") {
-  const Bound cut_short =
+  const auto cut_short =
       bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .max_boxes = 40});
   CHECK(cut_short.limit_reached);
   CHECK(cut_short.lower <= two_valleys(-1, -0.5));
   CHECK(std::isfinite(cut_short.lower));
   std::atomic<bool> interrupted = true;
-  const Bound stopped = bound_of<2>(
-      kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .stop = {.interrupted = &interrupted}});
+  const auto stopped = bound_of<2>(kTwoValleys, cube<2>(-2, 2),
+                                   {.cut = 1.01, .goal = 1, .stop = {.interrupted = &interrupted}});
   CHECK(stopped.limit_reached);
   CHECK(stopped.lower <= cut_short.lower);
-  const Bound again =
+  const auto again =
       bound_of<2>(kTwoValleys, cube<2>(-2, 2), {.cut = 1.01, .goal = 1, .max_boxes = 40});
   CHECK(again.lower == cut_short.lower);
   CHECK(again.boxes == cut_short.boxes);
