@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <stillbase/capture/robust.hpp>
-#include <stillbase/proof/minimum.hpp>
 
+#include "capture/measure.hpp"
 #include "planner/candidates.hpp"
 
 namespace stillbase {
@@ -14,6 +14,8 @@ namespace {
 
 /// Of the objective's typical size: as good as zero.
 constexpr double kZero = 1e-9;
+/// Largest violation of a configuration that is allowed.
+constexpr double kFeasible = 1e-9;
 
 /// Whether the wedge's plane is the same in the contact frame at every configuration.
 bool is_wedge_constant(const CaptureProblem& problem) {
@@ -130,19 +132,41 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
 
 }  // namespace
 
-void add_bound(const CaptureProblem& problem, const Formulation& formulation,
-               const SearchResult& found, const StopCondition& stop, Proof& proof) {
-  // A path that decides where the robot is hit leads to other encounters.
-  if (!minimum_objection(problem).empty() || path_decides(problem)) return;
+std::optional<double> best_value(const SearchResult& found) {
   std::optional<double> best;
   for (std::size_t c = 0; c < found.candidates.size(); ++c) {
     if (status_of(found.certificates[c]) == PlanStatus::Infeasible) continue;
     const double value = found.candidates[c].value;
     best = best ? std::min(*best, value) : value;
   }
-  if (!best || *best <= kZero * formulation.objective_unit()) return;
-  const MinimumBound bound = prove_minimum(
-      problem, scenarios_of(problem, formulation, found, *best), proof, *best, {.stop = stop});
+  return best;
+}
+
+bool is_zero_reached(const Formulation& formulation, const SearchResult& found) {
+  const std::optional<double> best = best_value(found);
+  return best && *best <= kZero * formulation.objective_unit();
+}
+
+std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
+                                          const Formulation& formulation, const SearchResult& found,
+                                          const Proof& enclosed, MinimumOptions options) {
+  // A path that decides where the robot is hit leads to other encounters.
+  if (!minimum_objection(problem).empty() || path_decides(problem)) return std::nullopt;
+  const std::optional<double> best = best_value(found);
+  if (!best || is_zero_reached(formulation, found)) return std::nullopt;
+  const Measure measure(problem, formulation);
+  options.value_at = [&](const Configuration& at) {
+    const Eigen::VectorXd x = formulation.variables(at);
+    for (const ConstraintValue& constraint : formulation.report(x)) {
+      if (!(constraint.violation <= kFeasible)) return kInfinity;
+    }
+    return measure.reported(x);
+  };
+  return prove_minimum(problem, scenarios_of(problem, formulation, found, *best), enclosed, *best,
+                       options);
+}
+
+void state_bound(const MinimumBound& bound, Proof& proof) {
   proof.boxes += bound.boxes;
   const bool is_proven = bound.lower_bound > 0;
   if (proof.status != ProofStatus::NotApplicable) {

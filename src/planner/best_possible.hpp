@@ -1,17 +1,28 @@
 // The bound beside the search: how much better could any posture be than the best candidate?
 #pragma once
 
+#include <optional>
+
 #include <stillbase/capture/search.hpp>
+#include <stillbase/proof/minimum.hpp>
 
 namespace stillbase {
 
-/// Adds to a proof a lower bound of the problem's measure over all postures and the gap of the best
-/// candidate to it, where that says something.
-///
-/// Nothing is added where the measure is zero at the best candidate (no less is possible), where
-/// the bound is zero, or for problems that minimum_objection() is about. A problem whose solutions
-/// could not be enclosed keeps its status: the bound alone is proven.
-void add_bound(const CaptureProblem& problem, const Formulation& formulation,
-               const SearchResult& found, const StopCondition& stop, Proof& proof);
+/// The least value of the measure among the candidates that meet the constraints; empty: none does.
+std::optional<double> best_value(const SearchResult& found);
+
+/// Whether it is zero but for rounding: no less is possible.
+bool is_zero_reached(const Formulation& formulation, const SearchResult& found);
+
+/// A lower bound of the problem's measure over all configurations.
+/// @param enclosed the proof so far
+/// @return empty where minimum_objection() is about the problem, or where is_zero_reached()
+std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
+                                          const Formulation& formulation, const SearchResult& found,
+                                          const Proof& enclosed, MinimumOptions options);
+
+/// Adds it to a proof, where it says something. A problem whose solutions could not be enclosed
+/// keeps its status: the bound alone is proven.
+void state_bound(const MinimumBound& bound, Proof& proof);
 
 }  // namespace stillbase

@@ -40,6 +40,9 @@ ImpactSummary predict_impact(const CaptureProblem& problem, const Formulation& f
 
 namespace {
 
+/// Relative: values nearer than that are the same.
+constexpr double kBetter = 1e-6;
+
 /// Search and proof; what the search had missed is added.
 SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
                               const CollisionScene& scene, const PlannerOptions& options,
@@ -75,7 +78,37 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     match_candidates(problem, found, proof);
   }
   state_what_was_missed(proof);
-  add_bound(problem, formulation, found, options.stop, proof);
+  const auto bounded = [&] {
+    MinimumOptions bound_options;
+    bound_options.stop = options.stop;
+    bound_options.on_progress = [&](long boxes) {
+      progress("proof", static_cast<int>(boxes), static_cast<int>(bound_options.max_boxes));
+    };
+    return bound_measure(problem, formulation, found, proof, bound_options);
+  };
+  std::optional<MinimumBound> bound = bounded();
+  // Where the bound points at better configurations the search looks again.
+  constexpr int kMostTimes = 8;
+  bool was_missed = false;
+  for (int time = 0; time < kMostTimes && bound && !bound->suspects.empty(); ++time) {
+    if (options.stop.reached()) break;
+    for (const Configuration& at : bound->suspects) {
+      search_options.more_starts.push_back(formulation.variables(at));
+    }
+    SearchResult again = search(problem, formulation, search_options);
+    if (!(best_value(again) < (1 - kBetter) * best_value(found).value())) break;
+    was_missed = true;
+    found = std::move(again);
+    match_candidates(problem, found, proof);
+    bound = bounded();
+  }
+  if (bound) state_bound(*bound, proof);
+  if (proof.status == ProofStatus::NotApplicable && is_zero_reached(formulation, found)) {
+    proof.statement += "; the best one is zero, no less is possible";
+  }
+  if (was_missed) {
+    proof.statement += "; the best one, which the search had missed, was found by the proof";
+  }
   plan.solver_calls = found.solver_calls;
   plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
   plan.timing["proof"] = seconds_since(proof_begin);

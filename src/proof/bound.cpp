@@ -158,13 +158,13 @@ template <int N>
 class Search {
  public:
   Search(const Program<N>& program, const BoundOptions& options)
-      : program_(program), options_(options) {}
+      : program_(program), options_(options), goal_(options.goal) {}
 
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
     for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box});
     look_at(boxes);
-    while (!open_.empty() && !(open_.top().lower >= options_.goal) && out_.suspects.empty()) {
+    while (!open_.empty() && !(open_.top().lower >= goal_) && out_.suspects.empty()) {
       if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
         out_.limit_reached = true;
         break;
@@ -172,7 +172,7 @@ class Search {
       if (options_.on_progress) options_.on_progress(out_.boxes);
       // So many at a time whatever the number of threads: the same answer anywhere.
       boxes.clear();
-      while (boxes.size() < kAtATime && !open_.empty() && !(open_.top().lower >= options_.goal)) {
+      while (boxes.size() < kAtATime && !open_.empty() && !(open_.top().lower >= goal_)) {
         divide(open_.top(), boxes);
         open_.pop();
       }
@@ -192,6 +192,7 @@ class Search {
  private:
   static constexpr std::size_t kAtATime = 64;  ///< boxes
   static constexpr std::size_t kSuspects = 8;
+  static constexpr double kWorthAProof = 1e-3;  ///< of the goal
 
   struct Node {
     double lower;
@@ -207,7 +208,7 @@ class Search {
     Node node;
     bool is_left = true;  ///< not wholly above the cut
     long evaluations = 0;
-    std::optional<double> middle;  ///< max_k f_k there
+    std::optional<double> middle;  ///< max_k f_k at the box's middle, or a little more
   };
 
   /// Cuts boxes, bounds what is left and puts it on the list.
@@ -217,7 +218,10 @@ class Search {
     for (std::size_t i = 0; i < looks.size(); ++i) {
       Look& seen = looks[i];
       out_.boxes += seen.evaluations;
-      if (seen.middle && *seen.middle < options_.goal) try_point(middle_of(boxes[i].box));
+      if (seen.middle && *seen.middle < options_.goal) {
+        try_point(middle_of(boxes[i].box));
+        expect_at_most(*seen.middle);
+      }
       if (!seen.is_left) continue;
       if (width_of(seen.node.box) <= options_.min_width) {
         set_aside_ = std::min(set_aside_, seen.node.lower);
@@ -234,6 +238,13 @@ class Search {
     const double value = options_.value_at(x);
     std::fesetround(FE_UPWARD);
     if (value < options_.goal) out_.suspects.push_back(x);
+  }
+
+  /// The bound will not be above the f_k of any point: as near to them is good enough.
+  void expect_at_most(double value) {
+    if (!(options_.goal > 0 && options_.goal < kInfinite)) return;
+    const double reachable = value * (options_.goal / options_.cut);
+    goal_ = std::fmin(goal_, reachable > kWorthAProof * options_.goal ? reachable : -kInfinite);
   }
 
   Look look(const Node& node) const {
@@ -305,10 +316,11 @@ class Search {
   static std::optional<double> largest_at_middle(const std::vector<Fraction<N>>& values) {
     double largest = -kInfinite;
     for (const Fraction<N>& value : values) {
-      const double one = value.numerator.c() / value.denominator.c();
-      const bool is_known = value.numerator.is_bounded() && value.denominator.is_bounded();
-      if (!is_known || !(value.denominator.c() > 0) || !std::isfinite(one)) return std::nullopt;
-      largest = std::fmax(largest, one);
+      const Form<N>&n = value.numerator, &d = value.denominator;
+      const double divisor = std::fmax(d.c() - d.r, value.least_denominator);
+      const double at_most = (n.c() + n.r) / divisor;
+      if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return std::nullopt;
+      largest = std::fmax(largest, at_most);
     }
     return largest;
   }
@@ -351,6 +363,7 @@ class Search {
 
   const Program<N>& program_;
   const BoundOptions& options_;
+  double goal_;  ///< what is still worth looking for
   std::priority_queue<Node> open_;
   double set_aside_ = kInfinite;  ///< least bound of boxes too small to divide
   long serial_ = 0;

@@ -88,6 +88,21 @@ std::string words(const CaptureProblem& problem, const MinimumProblem& bounded,
   return text;
 }
 
+/// Where the encounter's variables are x, everything else as stated.
+Configuration configuration_at(const CaptureProblem& problem, const proof::EncounterModel& model,
+                               const Eigen::VectorXd& x) {
+  Configuration out{model.start, problem.base, problem.variables.contact_time_lower};
+  for (std::size_t i = 0; i < model.free.size(); ++i) {
+    out.phi[model.free[i]] = x[static_cast<Eigen::Index>(i)];
+  }
+  if (model.attitude_is_free) {
+    const Eigen::AngleAxisd turn(x[model.attitude_index()], model.attitude_axis);
+    out.base.orientation = turn * problem.base.orientation;
+  }
+  if (model.time_is_free) out.contact_time = x[model.time_index()] * model.time_unit;
+  return out;
+}
+
 }  // namespace
 
 std::string minimum_objection(const CaptureProblem& problem) {
@@ -137,8 +152,19 @@ MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scen
   MinimumProblem bounded = proof::minimum_problem(problem, scenarios);
   const bool only_points = is_list_of_points(enclosed);
   if (only_points) bounded.places = enclosed.solutions;
-  const BoundedMinimum found = proof::bound_minimum(bounded, best, options);
+  const proof::EncounterModel& encounter = bounded.where.encounter;
+  std::function<double(const Eigen::VectorXd&)> value_at;
+  if (options.value_at) {
+    value_at = [&](const Eigen::VectorXd& x) {
+      return options.value_at(configuration_at(problem, encounter, x));
+    };
+  }
+  const BoundedMinimum found = proof::bound_minimum(bounded, best, options, value_at);
   MinimumBound out;
+  out.limit_reached = found.limit_reached;
+  for (const Eigen::VectorXd& x : found.suspects) {
+    out.suspects.push_back(configuration_at(problem, encounter, x));
+  }
   out.boxes = found.boxes;
   // A bound just above the best value is that value's rounding.
   out.lower_bound = found.nothing_as_good ? found.lower_bound : std::min(found.lower_bound, best);

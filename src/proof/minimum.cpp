@@ -197,22 +197,33 @@ class ImpactProgram final : public Program<N> {
 };
 
 template <int N>
-BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options) {
+BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
+                     const std::function<double(const Eigen::VectorXd& x)>& value_at) {
   const double cut = best * (1 + kBestIsKnownTo), goal = best * (1 - options.relative_gap);
   const ImpactProgram<N> program(problem);
   const bool is_mean =
       problem.measure == RiskMeasure::Expectation || problem.measure == RiskMeasure::Cvar;
   const long work =
       is_mean ? 1 + static_cast<long>(problem.impulses.size() / kImpulsesPerPosture) : 1;
-  const Bound found = bound_below<N>(program, domain_of<N>(problem),
-                                     {.cut = cut * cut,
-                                      .goal = goal * goal * (1 + 4 * kUnitVector),
-                                      .max_boxes = options.max_boxes / work,
-                                      .stop = options.stop});
+  BoundOptions search{
+      .cut = cut * cut,
+      .goal = goal * goal * (1 + 4 * kUnitVector),
+      .max_boxes = options.max_boxes * 3 / std::max(3, problem.where.robot.n()) / work,
+      .stop = options.stop,
+      .on_progress = options.on_progress};
+  const int used = problem.where.encounter.num_variables();
+  if (value_at) {
+    search.value_at = [&](const Eigen::VectorXd& x) {
+      const double value = value_at(x.head(used));
+      return value * value;
+    };
+  }
+  const Bound found = bound_below<N>(program, domain_of<N>(problem), search);
   BoundedMinimum out;
   out.boxes = found.boxes;
   out.limit_reached = found.limit_reached;
   out.nothing_as_good = found.nothing_below_cut;
+  for (const Eigen::VectorXd& x : found.suspects) out.suspects.push_back(x.head(used));
   if (found.lower > 0) {  // the root is rounded up
     out.lower_bound =
         std::nextafter(std::nextafter(std::sqrt(found.lower), 0.0) * (1 - kUnitVector), 0.0);
@@ -225,7 +236,8 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
 int max_minimum_joints() { return kMaxJointsOf<Form<2>>; }
 
 BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
-                             const MinimumOptions& options) {
+                             const MinimumOptions& options,
+                             const std::function<double(const Eigen::VectorXd& x)>& value_at) {
   const EncounterModel& encounter = problem.where.encounter;
   assert(problem.where.robot.n() <= max_minimum_joints());
   assert(!problem.impulses.empty() && best > 0);
@@ -234,9 +246,9 @@ BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
   switch (encounter.num_variables()) {
     case 1:
     case 2:
-      return bound<2>(problem, best, options);
+      return bound<2>(problem, best, options, value_at);
     case 3:
-      return bound<3>(problem, best, options);
+      return bound<3>(problem, best, options, value_at);
     default:
       assert(!"one to three variables");
       return {};

@@ -53,13 +53,16 @@ struct BoundedMinimum {
   bool nothing_as_good = false;  ///< no configuration reaches the best known value: it is wrong
   bool limit_reached = false;    ///< of boxes or by the stop condition
   long boxes = 0;
+  std::vector<Eigen::VectorXd> suspects;  ///< values of the encounter's variables
 };
 
 /// @param best value of the best configuration known, > 0: nothing above it is looked at
 /// @pre at most max_minimum_joints() joints, one to three variables, an enclosure of the target's
 /// motion that is valid
+/// @param value_at the measure where the encounter's variables are x; may be empty
 BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
-                             const MinimumOptions& options = {});
+                             const MinimumOptions& options = {},
+                             const std::function<double(const Eigen::VectorXd& x)>& value_at = {});
 int max_minimum_joints();
 
 }  // namespace stillbase::proof

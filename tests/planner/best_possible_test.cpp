@@ -153,4 +153,38 @@ TEST_CASE("where the best candidate is zero no bound is looked for") {
   CHECK_FALSE(zero.certificate.proof.lower_bound.has_value());
 }
 
+/// Joint rates vanish where the arm lies along the impulse, in valleys a few degrees wide.
+CaptureProblem narrow_valleys() {
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.hand.constraint = HandConstraint::None;
+  problem.objective = {{ObjectiveQuantity::JointRateNorm}};
+  problem.measure.kind = RiskMeasure::Nominal;
+  problem.variables.joints = {true, false, true};
+  problem.start[1] = 0;
+  return problem;
+}
+
+TEST_CASE("a better posture that the search had missed is found by the proof") {
+  CaptureProblem problem = narrow_valleys();
+  problem.search.starts = 1;
+  const Plan plan = make_plan(problem);
+  INFO(plan.certificate.proof.statement);
+  CHECK(plan.certificate.proof.statement.find("which the search had missed") != std::string::npos);
+  CHECK(best_of(plan) < 1e-9);
+  CHECK(plan.certificate.proof.statement.find("no less is possible") != std::string::npos);
+}
+
+TEST_CASE("three free joints without any equation: the least worst case of an arm of seven") {
+  CaptureProblem problem = without_path("iiwa_cone");
+  problem.hand.constraint = HandConstraint::None;
+  for (std::size_t k = 0; k < 7; ++k) problem.variables.joints[k] = k == 1 || k == 3 || k == 5;
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  INFO(proof.statement);
+  CHECK(proof.statement.find("proven: no posture has a worst case below 0.053") == 0);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * (1 - 1e-3));
+}
+
 }  // namespace stillbase

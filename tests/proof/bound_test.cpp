@@ -170,4 +170,30 @@ TEST_CASE("equations without a solution leave nothing") {
   CHECK(bound.nothing_below_cut);
 }
 
+TEST_CASE("a point that is better than the best known one ends the search and is handed over") {
+  BoundOptions options{.cut = two_valleys(1, 0.5), .goal = two_valleys(1, 0.5) * (1 - 1e-4)};
+  int asked = 0;
+  options.value_at = [&](const Eigen::VectorXd& x) {
+    ++asked;
+    return two_valleys(x[0], x[1]);
+  };
+  const Bound found = bound_of<2>(kTwoValleys, cube<2>(-2, 2), options);
+  REQUIRE(found.suspects.size() == 1);
+  CHECK(two_valleys(found.suspects[0][0], found.suspects[0][1]) < options.goal);
+  CHECK(asked > 0);
+  CHECK_FALSE(found.nothing_below_cut);
+  // Whoever knows better may say so: then the bound is the functions' own.
+  options.value_at = [](const Eigen::VectorXd&) { return 10.0; };
+  const Bound own = bound_of<2>(kTwoValleys, cube<2>(-2, 2), options);
+  CHECK_FALSE(own.limit_reached);
+  CHECK(own.suspects.empty());
+  CHECK(own.lower <= two_valleys(-1, -0.5));
+  CHECK(own.lower >= two_valleys(-1, -0.5) * (1 - 3e-4));
+  // Of a search that was cut short the least known boxes are handed over.
+  options.max_boxes = 5;
+  const Bound early = bound_of<2>(kTwoValleys, cube<2>(-2, 2), options);
+  CHECK(early.limit_reached);
+  CHECK(early.suspects.size() > 1);
+}
+
 }  // namespace stillbase::proof

@@ -2,7 +2,7 @@
 // below.
 //
 // Branch and bound over the planner's variables (free joints, angle of the base about an axis,
-// contact time; one to three of them) with quadratic forms whose rests are rounded outwards: the
+// contact time; one to three of them) with Taylor models whose rests are rounded outwards: the
 // same guarantee as proof.hpp, for problems whose objective vanishes nowhere or whose measure is no
 // predicted value. Every measure is bounded over finitely many impulses:
 //   worst case    at least the largest |y| over some directions of the cone
@@ -18,6 +18,7 @@
 // that is simulated, samples of the posture, samples of the contact time where the time is free.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,14 @@ namespace stillbase {
 
 struct MinimumOptions {
   double relative_gap = 1e-3;  ///< of the best known value: good enough
-  /// Boxes looked at, about 20 to 100 us each; of means over many samples fewer, for each costs
-  /// more. A count, so that the answer is the same on every machine.
-  long max_boxes = 20000;
+  /// Boxes looked at, about 100 us each with three joints; of more joints, or of means over many
+  /// samples, fewer, for each costs more. A count, so that the answer is the same on every machine.
+  long max_boxes = 400000;
   StopCondition stop = {};  ///< the bound that was reached counts
+  std::function<void(long boxes)> on_progress = {};
+  /// The measure at a configuration, infinite where a constraint is violated. Where it is below the
+  /// best value by more than the gap the proof ends: that one is better. May be empty.
+  std::function<double(const Configuration&)> value_at = {};
 };
 
 /// What a bound says, in words and numbers.
@@ -41,6 +46,10 @@ struct MinimumBound {
   double lower_bound = 0;  ///< of the problem's measure, in its unit; zero: nothing was found out
   double gap = 0;          ///< best candidate's measure minus the lower bound
   long boxes = 0;          ///< looked at
+  bool limit_reached = false;  ///< of boxes or by the stop condition
+  /// Where a search should look again: a better configuration that turned up, or, where the limit
+  /// was reached, those of which least is known.
+  std::vector<Configuration> suspects;
 };
 
 /// Why the minimum of a capture problem cannot be bounded; empty: it can.
