@@ -10,13 +10,13 @@ inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Taylor<N, K>> = 8
 
 namespace stillbase::proof {
 
-/// The target's turn to second order in time, about the middle of the box.
+/// The target's turn to fourth order in time, about the middle of the box.
 template <int N, int K>
 TargetTurn<Taylor<N, K>> turn_over(const SpinEnclosure& spin, const Taylor<N, K>& time) {
   const SpinSeries motion = spin.series(time.c(), time.range());
   const auto entry = [&](const auto& f, const auto& whole, Eigen::Index i) {
-    const std::array<Interval, 4> terms = {f[0].data()[i].v, f[1].data()[i].v, f[2].data()[i].v,
-                                           f[3].data()[i].v};
+    std::array<Interval, SpinSeries::kTerms> terms;
+    for (std::size_t k = 0; k < terms.size(); ++k) terms[k] = f[k].data()[i].v;
     return series(time, terms, whole.data()[i].v);
   };
   TargetTurn<Taylor<N, K>> out;

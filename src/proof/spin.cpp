@@ -375,7 +375,7 @@ void SpinEnclosure::expand_motion(const SpinRange& at, int terms, std::vector<Ma
 }
 
 SpinSeries SpinEnclosure::series(double about, const Interval& time) const {
-  constexpr std::size_t kTermsOfSeries = 4;
+  constexpr std::size_t kTermsOfSeries = SpinSeries::kTerms;
   SpinSeries out;
   out.whole = over(time);
   std::vector<Matrix3<Number>> R_there, R_anywhere;

@@ -41,12 +41,13 @@ struct SpinRange {
   Vector3<Number> omega_rate;  ///< in T, rad/s^2
 };
 
-/// Taylor's series about an instant: coefficients of orders 0, 1, 2 there, and the one of order 3
+/// Taylor's series about an instant: coefficients of orders 0 to 4 there, and the one of order 5
 /// over a span of time, which makes the sum exact for every time of the span.
 struct SpinSeries {
-  std::array<Matrix3<Number>, 4> R;      ///< R_NT, 1/s^k
-  std::array<Vector3<Number>, 4> omega;  ///< in T, rad/s^(k+1)
-  SpinRange whole;                       ///< over the span
+  static constexpr std::size_t kTerms = 6;
+  std::array<Matrix3<Number>, kTerms> R;      ///< R_NT, 1/s^k
+  std::array<Vector3<Number>, kTerms> omega;  ///< in T, rad/s^(k+1)
+  SpinRange whole;                            ///< over the span
 };
 
 class SpinEnclosure {
