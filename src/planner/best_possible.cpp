@@ -15,16 +15,45 @@ namespace {
 /// Of the objective's typical size: as good as zero.
 constexpr double kZero = 1e-9;
 
-/// Directions within the cone, in B: its middle, its rim and some between.
-std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vector3d& n) {
+/// Whether the wedge's plane is the same in the contact frame at every configuration.
+bool is_wedge_constant(const CaptureProblem& problem) {
+  const bool is_in_base =
+      problem.impulse.direction && problem.impulse.direction_frame == Frame::Base;
+  if (is_in_base) return true;
+  const Vector3d normal = problem.base.orientation * *problem.uncertainty.cone_plane_normal;
+  constexpr double kParallel = 1e-12;
+  const auto turns_within = [&](const Vector3d& axis) {
+    return axis.cross(normal).norm() <= kParallel * axis.norm();
+  };
+  const VariableSpec& variables = problem.variables;
+  if (variables.base_attitude != AttitudeFreedom::Fixed &&
+      !turns_within(variables.base_attitude_axis)) {
+    return false;
+  }
+  if (problem.impulse.direction || variables.contact_time_upper == variables.contact_time_lower) {
+    return true;
+  }
+  const TargetBody& target = *problem.target;
+  const Eigen::Quaterniond R_TN = problem.target_state.pose.orientation.conjugate();
+  const Vector3d omega = R_TN * problem.target_state.angular_velocity;
+  const Vector3d L = target.inertia * omega;
+  const bool keeps_axis =
+      target.is_point_mass || L.cross(omega).norm() <= kParallel * L.norm() * omega.norm();
+  return keeps_axis && turns_within(problem.target_state.angular_velocity);
+}
+
+/// Directions within the cone about n, in the contact frame: its rim and some between.
+/// @param plane_normal of the wedge, in the same frame
+std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vector3d& n,
+                                        const std::optional<Vector3d>& plane_normal) {
   std::vector<Vector3d> out;
   const double alpha = problem.uncertainty.cone_half_angle;
   const auto add = [&](const Vector3d& side, double angle) {
     out.push_back(std::cos(angle) * n + std::sin(angle) * side);
   };
-  if (problem.uncertainty.cone_plane_normal) {
+  if (plane_normal) {
     constexpr int kEachSide = 6;
-    const Vector3d side = problem.uncertainty.cone_plane_normal->cross(n).normalized();
+    const Vector3d side = plane_normal->cross(n).normalized();
     for (int i = 1; i <= kEachSide; ++i) {
       add(side, alpha * i / kEachSide);
       add(side, -alpha * i / kEachSide);
@@ -42,10 +71,10 @@ std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vec
   return out;
 }
 
-/// Where the cone's maxima are at the best candidates, in B: there the bound has to be sharp.
+/// Where the cone's maxima are at the best candidates: there the bound has to be sharp.
 std::vector<Vector3d> active_directions(const CaptureProblem& problem,
                                         const Formulation& formulation, const SearchResult& found,
-                                        double best, const Encounter& encounter) {
+                                        double best) {
   constexpr double kNearlyBest = 1.02;
   constexpr int kMostCandidates = 6;
   constexpr double kNearlyActive = 0.95;
@@ -56,41 +85,35 @@ std::vector<Vector3d> active_directions(const CaptureProblem& problem,
     const auto maxima = cone_maxima(problem, formulation, candidate.configuration);
     for (const ConeMaximum& maximum : maxima) {
       if (maximum.value < kNearlyActive * maxima.front().value) continue;
-      out.push_back(encounter.R_EB.transpose() * maximum.scenario.direction);
+      out.push_back(maximum.scenario.direction);
     }
   }
   return out;
 }
 
-/// The impulse of the contact law along a direction of the cone.
-ImpulseCase impulse_along(const CaptureProblem& problem, const Encounter& encounter,
-                          const Vector3d& direction) {
-  ImpulseCase out;
-  out.F << direction, encounter.F.tail<3>();
-  if (encounter.magnitude_given) {
-    out.numerator = problem.impulse.magnitude;
-    return out;
+/// The encounters over which the measure is bounded.
+std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulation& formulation,
+                                   const SearchResult& found, double best) {
+  const RiskMeasure measure = problem.measure.kind;
+  if (measure == RiskMeasure::Expectation || measure == RiskMeasure::Cvar) {
+    return draw_scenarios(problem);
   }
-  const double speed =
-      encounter.speed_stated ? encounter.closing_speed : direction.dot(encounter.velocity);
-  out.numerator = (1 + problem.impulse.restitution) * std::max(speed, 0.0);
-  const Vector3d lever = encounter.r.cross(direction);
-  out.target_inverse_mass =
-      1 / encounter.target_mass + lever.dot(encounter.target_inverse_inertia * lever);
-  return out;
-}
-
-std::vector<ImpulseCase> impulses_of(const CaptureProblem& problem, const Formulation& formulation,
-                                     const SearchResult& found, double best) {
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  const Encounter encounter = formulation.encounter(stated);
-  const Vector3d n = encounter.F.head<3>();
-  std::vector<ImpulseCase> out = {impulse_along(problem, encounter, n)};
+  const Scenario predicted = formulation.predicted_scenario();
+  const Vector3d n = predicted.direction;
+  std::vector<Scenario> out = {predicted};
   const bool is_cone = problem.uncertainty.cone_half_angle > 0;
-  if (problem.measure.kind != RiskMeasure::WorstCase || !is_cone) return out;
-  std::vector<Vector3d> directions =
-      active_directions(problem, formulation, found, best, encounter);
-  for (const Vector3d& direction : spread_directions(problem, n)) directions.push_back(direction);
+  if (measure != RiskMeasure::WorstCase || !is_cone) return out;
+  std::optional<Vector3d> plane_normal;
+  if (problem.uncertainty.cone_plane_normal) {
+    // Of a wedge that turns with the base only its middle is always in it.
+    if (!is_wedge_constant(problem)) return out;
+    const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
+    plane_normal = formulation.encounter(stated).R_EB * *problem.uncertainty.cone_plane_normal;
+  }
+  std::vector<Vector3d> directions = active_directions(problem, formulation, found, best);
+  for (const Vector3d& direction : spread_directions(problem, n, plane_normal)) {
+    directions.push_back(direction);
+  }
   std::vector<Vector3d> known = {n};
   for (const Vector3d& direction : directions) {
     // A little inside, so that rounding does not put it outside of the cone.
@@ -99,7 +122,8 @@ std::vector<ImpulseCase> impulses_of(const CaptureProblem& problem, const Formul
     const auto is_same = [&](const Vector3d& other) { return (other - inside).norm() < kSame; };
     if (std::any_of(known.begin(), known.end(), is_same)) continue;
     known.push_back(inside);
-    out.push_back(impulse_along(problem, encounter, inside));
+    out.push_back(predicted);
+    out.back().direction = inside;
   }
   return out;
 }
@@ -117,8 +141,8 @@ void add_bound(const CaptureProblem& problem, const Formulation& formulation,
     best = best ? std::min(*best, value) : value;
   }
   if (!best || *best <= kZero * formulation.objective_unit()) return;
-  const MinimumBound bound = prove_minimum(problem, impulses_of(problem, formulation, found, *best),
-                                           proof, *best, {.stop = stop});
+  const MinimumBound bound = prove_minimum(
+      problem, scenarios_of(problem, formulation, found, *best), proof, *best, {.stop = stop});
   proof.boxes += bound.boxes;
   const bool is_proven = bound.lower_bound > 0;
   if (proof.status != ProofStatus::NotApplicable) {

@@ -22,7 +22,7 @@ std::vector<Quadratic<N>> with_eliminations(std::vector<Quadratic<N>> equations)
   for (std::size_t p = 0; p < count; ++p) {
     for (std::size_t q = p + 1; q < count; ++q) {
       for (int k = 0; k < N; ++k) {
-        const double s = equations[q].a[k], t = equations[p].a[k];
+        const double s = equations[q].a(k), t = equations[p].a(k);
         const double size = std::fmax(std::fabs(s), std::fabs(t));
         if (!(size > 0) || s == 0 || t == 0) continue;
         equations.push_back(equations[p] * Quadratic<N>(s / size) -
@@ -40,7 +40,7 @@ class Multipliers {
  public:
   Multipliers(const std::vector<Quadratic<N>>& equations, const Part<N>& part) : part_(part) {
     for (const Quadratic<N>& g : equations) {
-      if (!g.is_bounded() || g.linear_size() == 0 || rows_.size() == static_cast<std::size_t>(N)) {
+      if (!g.is_bounded() || g.size_of(1) == 0 || rows_.size() == static_cast<std::size_t>(N)) {
         continue;
       }
       rows_.push_back(g);
@@ -73,7 +73,7 @@ class Multipliers {
     for (std::size_t j = 0; j < rows_.size(); ++j) {
       out += rows_[j] * Quadratic<N>(lambda[static_cast<Eigen::Index>(j)]);
     }
-    const Quadratic<N> bent = out + penalty_ * Quadratic<N>(2 * out.square_size());
+    const Quadratic<N> bent = out + penalty_ * Quadratic<N>(2 * out.size_of(2));
     const double before = least(f, part_), linear = least(out, part_), convex = least(bent, part_);
     if (convex > linear && convex > before) return bent;
     return linear > before ? out : f;
@@ -83,9 +83,9 @@ class Multipliers {
   Eigen::Matrix<double, 1, N> slopes(const Quadratic<N>& form) const {
     Eigen::Matrix<double, 1, N> out;
     for (int i = 0; i < N; ++i) {
-      double slope = form.a[i];
+      double slope = form.a(i);
       for (int j = 0; j < N; ++j) {
-        const double bend = form.q[form.pair(std::min(i, j), std::max(i, j))];
+        const double bend = form.q(std::min(i, j), std::max(i, j));
         slope += (i == j ? 2 : 1) * bend * middle(part_[j]);
       }
       out[i] = slope * width_of(part_[i]) / 2;
@@ -118,8 +118,8 @@ Quadratic<N> best_mixture(std::vector<Quadratic<N>> forms, const Part<N>& part) 
       if (!form.is_bounded()) continue;
       // Mixing is concave in t, with its bends about where a slope changes its sign.
       for (int i = 0; i < N; ++i) {
-        if (!(best.a[i] * form.a[i] < 0)) continue;
-        const double t = best.a[i] / (best.a[i] - form.a[i]);
+        if (!(best.a(i) * form.a(i) < 0)) continue;
+        const double t = best.a(i) / (best.a(i) - form.a(i));
         if (!(t > 0 && t < 1)) continue;
         const Quadratic<N> mixed = mixture(best, form, t);
         const double reached = least(mixed, part);
@@ -190,27 +190,40 @@ class Search {
 
   /// One evaluation; false: nothing of the box is left.
   bool reduce(const Box<N>& X, Part<N>& part, double& lower) {
-    std::array<Quadratic<N>, N> x;
-    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Quadratic<N>(X[i], i);
+    std::array<Form<N>, N> x;
+    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Form<N>(X[i], i);
     equations_.clear();
     values_.clear();
     program_.evaluate(x, equations_, values_);
-    const std::vector<Quadratic<N>> rows = with_eliminations(equations_);
+    std::vector<Quadratic<N>> equations, excesses;
+    for (const Form<N>& equation : equations_) equations.push_back(equation.template folded<2>());
+    double weight = 0;  // largest q0 / denominator
+    for (const Fraction<N>& value : values_) {
+      const Interval denominators = value.denominator.range();
+      const double least = std::fmax(value.least_denominator, denominators.lower());
+      const double q0 = std::fmax(value.denominator.c(), least);
+      const Form<N> excess = value.numerator - value.denominator * Form<N>(options_.cut);
+      excesses.push_back((excess * Form<N>(1 / q0)).template folded<2>());
+      weight = std::fmax(weight, q0 / least);
+    }
+    const std::vector<Quadratic<N>> rows = with_eliminations(equations);
     for (const Quadratic<N>& row : rows) {
       if (!cut_by_equation(row, part)) return false;
     }
-    const Multipliers<N> multipliers(equations_, part);
-    for (Quadratic<N>& value : values_) value = multipliers.relieved(value);
-    const Quadratic<N> mixed = best_mixture(values_, part);
-    lower = std::max(lower, least(mixed, part));
-    if (!cut_by_value(mixed, options_.cut, part)) return false;
-    for (const Quadratic<N>& value : values_) {
-      if (!cut_by_value(value, options_.cut, part)) return false;
+    const Multipliers<N> multipliers(equations, part);
+    for (Quadratic<N>& excess : excesses) excess = multipliers.relieved(excess);
+    const Quadratic<N> mixed = best_mixture(excesses, part);
+    if (!cut_above_zero(mixed, part)) return false;
+    for (const Quadratic<N>& excess : excesses) {
+      if (!cut_above_zero(excess, part)) return false;
     }
     for (const Quadratic<N>& row : rows) {
       if (!cut_by_equation(row, part)) return false;
     }
-    lower = std::max(lower, least(mixed, part));
+    // Of an f that is below the cut by d the excess is at most d denominator / q0 below zero.
+    const double excess = least(mixed, part);
+    const Interval below = Interval(options_.cut) + Interval(std::fmin(excess, 0)) * weight;
+    lower = std::max(lower, below.lower());
     return true;
   }
 
@@ -218,7 +231,7 @@ class Search {
     Box<N> out;
     for (int i = 0; i < N; ++i) {
       const Quadratic<N> x(X[i], i);
-      const Interval side = Interval(x.c) + Interval(x.a[i]) * part[i];
+      const Interval side = Interval(x.c()) + Interval(x.a(i)) * part[i];
       out[i] = is_disjoint(side, X[i]) ? X[i] : boost::numeric::intersect(side, X[i]);
     }
     return out;
@@ -251,7 +264,8 @@ class Search {
   std::priority_queue<Node> open_;
   double set_aside_ = std::numeric_limits<double>::infinity();  ///< boxes too small to divide
   long serial_ = 0;
-  std::vector<Quadratic<N>> equations_, values_;
+  std::vector<Form<N>> equations_;
+  std::vector<Fraction<N>> values_;
   Bound out_;
 };
 

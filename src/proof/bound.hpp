@@ -1,4 +1,4 @@
-// A lower bound of a global minimum, by branch and bound with quadratic forms.
+// A lower bound of a global minimum, by branch and bound with Taylor models.
 //
 //   min over x of max_k f_k(x), subject to g_j(x) = 0 and x in a box
 //
@@ -18,22 +18,31 @@
 #include <stillbase/core/interrupt.hpp>
 
 #include "proof/enclose.hpp"
-#include "proof/quadratic.hpp"
+#include "proof/taylor.hpp"
 
 namespace stillbase::proof {
+
+/// f = numerator / denominator, which is positive. Nothing is divided: where f exceeds a value t,
+/// numerator - t denominator is positive, and of that a wide box says more.
+template <int N>
+struct Fraction {
+  Form<N> numerator;
+  Form<N> denominator = 1.0;
+  double least_denominator = 1;  ///< known otherwise, > 0
+};
 
 template <int N>
 class Program {
  public:
   virtual ~Program() = default;
   /// The forms of all g_j and f_k where the variables have the forms x. Both lists come empty.
-  virtual void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
-                        std::vector<Quadratic<N>>& values) const = 0;
+  virtual void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
+                        std::vector<Fraction<N>>& values) const = 0;
 };
 
 struct BoundOptions {
-  /// Points above this do not count: the bound is never larger.
-  double cut = std::numeric_limits<double>::infinity();
+  /// Points above this do not count: the bound is never larger. Finite.
+  double cut = 0;
   /// A bound that is good enough.
   double goal = std::numeric_limits<double>::infinity();
   /// Boxes that are looked at. A count, not a time: the same request gives the same answer

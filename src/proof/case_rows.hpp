@@ -26,6 +26,7 @@
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/jump_kernel.hpp"
+#include "proof/hand_rows.hpp"
 #include "proof/zero_problem.hpp"
 
 namespace stillbase::proof {
@@ -138,19 +139,12 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
       case RowKind::HandPosition:
         value = kin.r_bh[row.index] - at.hand_point[row.index];
         break;
-      case RowKind::HandAxis: {
-        const Vector3<S> a = kin.R_hand * Vector3<S>(encounter.approach_axis.cast<S>());
-        value = Vector3<S>(at.R_BE * Vector3<S>(row.direction.cast<S>())).dot(a);
+      case RowKind::HandAxis:
+        value = axis_along<S>(encounter, at, kin.R_hand, row.direction);
         break;
-      }
-      case RowKind::HandPose: {
-        const Matrix3<S> wanted = wanted_axes<S>(encounter, at);
-        const int j = (row.index + 1) % 3, k = (row.index + 2) % 3;
-        for (int i = 0; i < 3; ++i) {
-          value += kin.R_hand(j, i) * wanted(k, i) - kin.R_hand(k, i) * wanted(j, i);
-        }
+      case RowKind::HandPose:
+        value = axes_error<S>(encounter, at, kin.R_hand, row.index);
         break;
-      }
       case RowKind::Total: {
         const Vector3<S> direction = row.direction.cast<S>();
         value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE * direction).dot(L);

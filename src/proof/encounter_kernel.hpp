@@ -88,6 +88,22 @@ struct EncounterRange {
   Vector3<S> contact_point;  ///< of hand and target in N, m: the stated one, else the feature's
   Vector3<S> hand_point;     ///< the same in B, where the base position is stated
   S closing_speed = S(0.0);  ///< m/s
+  // With the time free: the target's motion, in T.
+  Vector3<S> target_velocity = Vector3<S>::Zero();  ///< of its centroid, m/s
+  Vector3<S> target_omega = Vector3<S>::Zero();     ///< rad/s
+};
+
+/// Velocity of a point of the target, in T, m/s. @param point in T, m
+template <class S>
+Vector3<S> velocity_in_T(const EncounterRange<S>& at, const Vector3d& point) {
+  return at.target_velocity + at.target_omega.cross(Vector3<S>(point.cast<S>()));
+}
+
+/// Attitude and rate of the target over a span of time.
+template <class S>
+struct TargetTurn {
+  Matrix3<S> R_NT;
+  Vector3<S> omega;  ///< in T, rad/s
 };
 
 /// A function of time over the box of `time`, from enclosures of it and of its rate.
@@ -107,6 +123,13 @@ Eigen::Matrix<Dual<N>, Rows, Cols> in_time(const Eigen::Matrix<Number, Rows, Col
     out.data()[i] = in_time(value.data()[i], rate.data()[i], time);
   }
   return out;
+}
+
+/// The target's turn as numbers that know how it changes with time.
+template <int N>
+TargetTurn<Dual<N>> turn_over(const SpinEnclosure& spin, const Dual<N>& time) {
+  const SpinRange range = spin.over(time.v);
+  return {in_time(range.R, range.R_rate, time), in_time(range.omega, range.omega_rate, time)};
 }
 
 /// Rotation by `angle` about a constant unit axis: E + sin K + (1 - cos) K^2.
@@ -136,16 +159,16 @@ EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S>
   Matrix3<S> R_NT = model.R_NT.template cast<S>();
   if (model.time_is_free && model.spin) {
     const S time = x[static_cast<std::size_t>(model.time_index())] * S(model.time_unit);
-    const SpinRange spin = model.spin->over(time.v);
-    R_NT = in_time(spin.R, spin.R_rate, time);
-    const Vector3<S> omega = in_time(spin.omega, spin.omega_rate, time);
+    const TargetTurn<S> turn = turn_over(*model.spin, time);
+    R_NT = turn.R_NT;
     const Vector3<S> r = model.feature_point.template cast<S>();
     const Vector3<S> velocity = model.velocity.template cast<S>();
     out.contact_point = Vector3<S>(model.centroid.template cast<S>()) +
                         velocity * (time - S(model.estimate_time)) + R_NT * r;
-    const Vector3<S> velocity_in_T =
-        Vector3<S>(R_NT.transpose() * velocity) + Vector3<S>(omega.cross(r));
-    out.closing_speed = Vector3<S>(model.n.template cast<S>()).dot(velocity_in_T);
+    out.target_omega = turn.omega;
+    out.target_velocity = R_NT.transpose() * velocity;
+    out.closing_speed =
+        Vector3<S>(model.n.template cast<S>()).dot(velocity_in_T<S>(out, model.feature_point));
   }
   switch (model.frame) {
     case DirectionFrame::Base:

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "proof/enclose.hpp"
-#include "proof/quadratic.hpp"
+#include "proof/taylor.hpp"
 
 namespace stillbase::proof {
 
@@ -19,12 +19,12 @@ inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// All values over a part of all terms but a_i eps_i.
 template <int N>
 Interval without(const Quadratic<N>& form, const Part<N>& part, int i) {
-  Interval sum = Interval(form.c) + Interval(-form.r, form.r);
+  Interval sum = Interval(form.c()) + Interval(-form.r, form.r);
   for (int k = 0; k < N; ++k) {
-    if (k != i) sum += Interval(form.a[k]) * part[k];
-    sum += Interval(form.q[form.pair(k, k)]) * boost::numeric::square(part[k]);
+    if (k != i) sum += Interval(form.a(k)) * part[k];
+    sum += Interval(form.q(k, k)) * boost::numeric::square(part[k]);
     for (int j = k + 1; j < N; ++j) {
-      sum += Interval(form.q[form.pair(k, j)]) * (part[k] * part[j]);
+      sum += Interval(form.q(k, j)) * (part[k] * part[j]);
     }
   }
   return sum;
@@ -36,25 +36,26 @@ bool cut_by_equation(const Quadratic<N>& form, Part<N>& part) {
   if (!form.is_bounded()) return true;
   if (!contains_zero(without(form, part, N))) return false;
   for (int i = 0; i < N; ++i) {
-    if (form.a[i] == 0) continue;
-    const Interval solved = -without(form, part, i) / Interval(form.a[i]);
+    if (form.a(i) == 0) continue;
+    const Interval solved = -without(form, part, i) / Interval(form.a(i));
     if (is_disjoint(solved, part[i])) return false;
     part[i] = boost::numeric::intersect(part[i], solved);
   }
   return true;
 }
 
-/// Cuts off where the form exceeds the cut; false: nothing is left.
+/// Cuts off where the form is positive; false: nothing is left.
 template <int N>
-bool cut_by_value(const Quadratic<N>& form, double cut, Part<N>& part) {
-  if (!form.is_bounded() || !(cut < kInfinite)) return true;
+bool cut_above_zero(const Quadratic<N>& form, Part<N>& part) {
+  if (!form.is_bounded()) return true;
+  if (without(form, part, N).lower() > 0) return false;
   for (int i = 0; i < N; ++i) {
-    if (form.a[i] == 0) continue;
-    // a eps <= what the cut leaves to it.
-    const double left = (Interval(cut) - without(form, part, i)).upper();
-    const Interval end = Interval(left) / Interval(form.a[i]);
+    if (form.a(i) == 0) continue;
+    // a eps <= what is left to it.
+    const double left = -without(form, part, i).lower();
+    const Interval end = Interval(left) / Interval(form.a(i));
     const Interval allowed =
-        form.a[i] > 0 ? Interval(-kInfinite, end.upper()) : Interval(end.lower(), kInfinite);
+        form.a(i) > 0 ? Interval(-kInfinite, end.upper()) : Interval(end.lower(), kInfinite);
     if (is_disjoint(allowed, part[i])) return false;
     part[i] = boost::numeric::intersect(part[i], allowed);
   }
@@ -76,15 +77,15 @@ struct Parabola {
       m[i] = middle(part[i]);
       h[i] = std::fmax(part[i].upper() - m[i], m[i] - part[i].lower());
     }
-    c = Interval(form.c) - Interval(form.r);
+    c = Interval(form.c()) - Interval(form.r);
     for (int i = 0; i < N; ++i) {
-      const Interval square(form.q[form.pair(i, i)]);
-      c += (Interval(form.a[i]) + square * m[i]) * m[i];
-      a[i] = Interval(form.a[i]) + square * m[i] * 2.0;
+      const Interval square(form.q(i, i));
+      c += (Interval(form.a(i)) + square * m[i]) * m[i];
+      a[i] = Interval(form.a(i)) + square * m[i] * 2.0;
       Q[i][i] = square * h[i] * h[i];
       for (int j = 0; j < N; ++j) {
         if (j == i) continue;
-        const Interval mixed(form.q[form.pair(std::min(i, j), std::max(i, j))]);
+        const Interval mixed(form.q(std::min(i, j), std::max(i, j)));
         if (j > i) c += mixed * m[i] * m[j];
         a[i] += mixed * m[j];
         Q[i][j] = mixed * h[i] * h[j] / 2.0;

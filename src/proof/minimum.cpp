@@ -1,99 +1,198 @@
-#include <stillbase/proof/minimum.hpp>
+#include "proof/minimum_problem.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "proof/bound.hpp"
+#include "proof/domain.hpp"
+#include "proof/hand_rows.hpp"
 #include "proof/objective_kernel.hpp"
+#include "proof/side_conditions.hpp"
 
-namespace stillbase {
+namespace stillbase::proof {
 
-namespace proof {
 namespace {
 
-/// By which the planner's own postures may miss their constraints, with some to spare: m, rad.
-constexpr double kFeasible = 2e-9;
+/// The planner's integration of a tumbling target is within 1e-9 of its motion; of the distance of
+/// its contact point with some to spare, m.
+constexpr double kIntegrated = 4e-9;
 /// The best known value is right to this.
 constexpr double kBestIsKnownTo = 1e-6;
-/// Directions are unit vectors but for rounding.
+/// Directions are unit vectors but for rounding, and weights sum up to one.
 constexpr double kUnitVector = 1e-12;
+/// Impulses whose forms take about as long as those of the posture.
+constexpr std::size_t kImpulsesPerPosture = 16;
 
-/// How the variables of the search become a posture. One that is not needed stays at zero. Where
-/// base or time are variables as well, impulses and the hand's point become forms here.
+/// All values of the variables; those that are not needed stay at zero.
 template <int N>
-class JointMap {
- public:
-  explicit JointMap(const MinimumProblem& problem) : problem_(problem) {}
-
-  template <class S>
-  JointVector<S> posture(const std::array<S, N>& x) const {
-    JointVector<S> phi = problem_.start.template cast<S>();
-    for (std::size_t i = 0; i < problem_.free.size(); ++i) phi[problem_.free[i]] = x[i];
-    return phi;
-  }
-
-  std::vector<Box<N>> domain() const {
-    std::vector<Box<N>> out;
-    for (const JointBox& place : problem_.places) {
-      Box<N> box;
-      for (int i = 0; i < size(); ++i) {
-        const int k = problem_.free[static_cast<std::size_t>(i)];
-        box[i] = Interval(place.lower[k], place.upper[k]) + Interval(-kFeasible, kFeasible);
-      }
-      out.push_back(box);
-    }
-    if (out.empty()) out.push_back(limits());
-    return out;
-  }
-
- private:
-  int size() const { return static_cast<int>(problem_.free.size()); }
-
-  Box<N> limits() const {
+std::vector<Box<N>> domain_of(const MinimumProblem& problem) {
+  const EncounterModel& model = problem.where.encounter;
+  const Interval slack(-kFeasible, kFeasible);
+  const Interval time_slack = slack / Interval(model.time_unit);
+  std::vector<Box<N>> out;
+  for (const JointBox& place : problem.places) {
     Box<N> box;
-    for (int i = 0; i < size(); ++i) {
-      const auto index = static_cast<std::size_t>(i);
-      const int k = problem_.free[index];
-      const bool turns =
-          problem_.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous;
-      box[i] = turns ? Interval(-kPi.upper(), kPi.upper())
-                     : Interval(problem_.lower[index], problem_.upper[index]) +
-                           Interval(-kFeasible, kFeasible);
+    for (std::size_t i = 0; i < model.free.size(); ++i) {
+      const int k = model.free[i];
+      box.side[i] = Interval(place.lower[k], place.upper[k]) + slack;
     }
-    return box;
+    if (model.attitude_is_free) {
+      const Ends& ends = place.base_angle.value();
+      box[model.attitude_index()] = Interval(ends.lower, ends.upper) + slack;
+    }
+    if (model.time_is_free) {
+      const Ends& ends = place.contact_time.value();
+      box[model.time_index()] =
+          Interval(ends.lower, ends.upper) / Interval(model.time_unit) + time_slack;
+    }
+    out.push_back(box);
   }
+  if (!out.empty()) return out;
+  std::array<bool, N> periodic;
+  Box<N> box = domain_of<N>(problem.where.robot, model, periodic);
+  for (int i = 0; i < model.num_variables(); ++i) {
+    if (periodic[static_cast<std::size_t>(i)]) continue;
+    box[i] += model.time_is_free && i == model.time_index() ? time_slack : slack;
+  }
+  return {box};
+}
 
-  const MinimumProblem& problem_;
-};
+/// Weights of the worst impulses, their squares ordered by `squares`: of sum one, each at most its
+/// share.
+std::vector<double> tail_weights(const std::vector<ImpulseCase>& impulses,
+                                 const std::vector<double>& squares, double level) {
+  std::vector<std::size_t> order(impulses.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return squares[a] > squares[b] || (squares[a] == squares[b] && a < b);
+  });
+  std::vector<double> out(impulses.size(), 0.0);
+  double left = 1;
+  for (const std::size_t k : order) {
+    out[k] = std::min(left, impulses[k].weight / (1 - level));
+    left -= out[k];
+    if (!(left > 0)) break;
+  }
+  return out;
+}
 
 template <int N>
 class ImpactProgram final : public Program<N> {
  public:
   explicit ImpactProgram(const MinimumProblem& problem)
-      : problem_(problem), map_(problem), basis_(problem.impulses) {}
+      : problem_(problem), basis_(problem.impulses) {}
 
-  const JointMap<N>& map() const { return map_; }
-
-  void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
-                std::vector<Quadratic<N>>& values) const override {
-    using S = Quadratic<N>;
-    const ImpactForms<S> forms(problem_, basis_, map_.posture(x));
-    if (problem_.has_hand_point) {
-      for (int i = 0; i < 3; ++i) {
-        S off = forms.hand()[i] - S(problem_.hand_point[i]);
-        off.r += kFeasible;
-        equations.push_back(off);
-      }
+  void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
+                std::vector<Fraction<N>>& values) const override {
+    using S = Form<N>;
+    const ZeroProblem& where = problem_.where;
+    if (is_excluded(x)) {
+      equations.push_back(S(1.0));  // vanishes nowhere
+      return;
     }
-    for (std::size_t k = 0; k < problem_.impulses.size(); ++k) {
-      values.push_back(forms.square_of(problem_.impulses[k], basis_.coefficients[k]));
-    }
+    const EncounterRange<S> at = encounter_over<S>(where.encounter, x);
+    const ImpactForms<N> forms(problem_, basis_, at);
+    add_equations(at, forms, equations);
+    add_inequalities(at, forms, equations);
+    measure(forms, values);
   }
 
  private:
+  bool is_excluded(const std::array<Form<N>, N>& x) const {
+    if (problem_.where.side_conditions.empty()) return false;
+    std::array<Number, N> box;
+    for (std::size_t i = 0; i < N; ++i) box[i] = Number(x[i].range());
+    return keeps_side_conditions(problem_.where, box) == Kept::No;
+  }
+
+  void add_equations(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
+                     std::vector<Form<N>>& equations) const {
+    const ZeroProblem& where = problem_.where;
+    const EncounterModel& encounter = where.encounter;
+    const auto add = [&](Form<N> off) {
+      off.r += encounter.time_is_free ? kFeasible + kIntegrated : kFeasible;
+      equations.push_back(off);
+    };
+    for (int i = 0; i < 3; ++i) {
+      if (where.has_hand_point) add(forms.hand()[i] - at.hand_point[i]);
+      if (where.has_hand_axes) add(axes_error(encounter, at, forms.hand_axes(), i));
+    }
+    if (!where.has_hand_axis) return;
+    add(axis_along(encounter, at, forms.hand_axes(), encounter.u));
+    add(axis_along(encounter, at, forms.hand_axes(), encounter.v));
+  }
+
+  /// A value that has to be between bounds which cut the box, as an equation for what is left open.
+  void add_inequalities(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
+                        std::vector<Form<N>>& equations) const {
+    const auto add = [&](const SideCondition& side, const Form<N>& value) {
+      const Interval range = value.range();
+      const double lower = std::fmax(side.lower, range.lower());
+      const double upper = std::fmin(side.upper, range.upper());
+      const bool cuts = lower > range.lower() || upper < range.upper();
+      if (!value.is_bounded() || !cuts) return;
+      // The range is rounded outwards: an end that is just outside of it cuts nothing off.
+      equations.push_back(value - Form<N>::any(Interval(std::fmin(lower, upper), upper)));
+    };
+    for (const SideCondition& side : problem_.where.side_conditions) {
+      if (side.kind == SideKind::ClosingSpeed) add(side, at.closing_speed);
+      if (side.kind == SideKind::BasePosition) {
+        const Vector3<Form<N>> r_bh = at.R_NB * forms.hand();
+        add(side, at.contact_point[side.index] - r_bh[side.index]);
+      }
+    }
+  }
+
+  /// What the measure's square is nowhere below.
+  void measure(const ImpactForms<N>& forms, std::vector<Fraction<N>>& values) const {
+    const std::vector<ImpulseCase>& impulses = problem_.impulses;
+    const bool is_tail = problem_.measure == RiskMeasure::Cvar;
+    if (problem_.measure != RiskMeasure::Expectation && !is_tail) {
+      for (std::size_t k = 0; k < impulses.size(); ++k) {
+        values.push_back(forms.square_of(impulses[k], basis_.coefficients[k]));
+      }
+      return;
+    }
+    std::vector<Form<N>> squares;
+    for (std::size_t k = 0; k < impulses.size(); ++k) {
+      squares.push_back(forms.quotient_of(impulses[k], basis_.coefficients[k]));
+    }
+    const auto add_mean = [&](const std::vector<double>& weights) {
+      Form<N> sum;
+      for (std::size_t k = 0; k < squares.size(); ++k) {
+        if (weights[k] > 0) sum += squares[k] * Form<N>(weights[k]);
+      }
+      values.push_back({sum});
+    };
+    if (is_tail) {
+      add_tails(squares, add_mean);
+      return;
+    }
+    std::vector<double> weights;
+    for (const ImpulseCase& impulse : impulses) weights.push_back(impulse.weight);
+    add_mean(weights);
+  }
+
+  /// The tails that are the worst ones in the middle of the box and near its sides.
+  template <class AddMean>
+  void add_tails(const std::vector<Form<N>>& squares, const AddMean& add_mean) const {
+    std::vector<std::vector<double>> known;
+    for (int i = -1; i < 2 * N; ++i) {
+      std::vector<double> at;
+      for (const Form<N>& square : squares) {
+        const double sign = i % 2 == 0 ? 1 : -1;
+        at.push_back(i < 0 ? square.c() : square.c() + sign * square.a(i / 2));
+      }
+      const std::vector<double> weights = tail_weights(problem_.impulses, at, problem_.cvar_level);
+      if (std::find(known.begin(), known.end(), weights) != known.end()) continue;
+      known.push_back(weights);
+      add_mean(weights);
+    }
+  }
+
   const MinimumProblem& problem_;
-  JointMap<N> map_;
   WrenchBasis basis_;
 };
 
@@ -101,10 +200,14 @@ template <int N>
 BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options) {
   const double cut = best * (1 + kBestIsKnownTo), goal = best * (1 - options.relative_gap);
   const ImpactProgram<N> program(problem);
-  const Bound found = bound_below<N>(program, program.map().domain(),
+  const bool is_mean =
+      problem.measure == RiskMeasure::Expectation || problem.measure == RiskMeasure::Cvar;
+  const long work =
+      is_mean ? 1 + static_cast<long>(problem.impulses.size() / kImpulsesPerPosture) : 1;
+  const Bound found = bound_below<N>(program, domain_of<N>(problem),
                                      {.cut = cut * cut,
                                       .goal = goal * goal * (1 + 4 * kUnitVector),
-                                      .max_boxes = options.max_boxes,
+                                      .max_boxes = options.max_boxes / work,
                                       .stop = options.stop});
   BoundedMinimum out;
   out.boxes = found.boxes;
@@ -118,25 +221,26 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
 }
 
 }  // namespace
-}  // namespace proof
 
-int max_minimum_joints() { return kMaxJointsOf<proof::Quadratic<2>>; }
+int max_minimum_joints() { return kMaxJointsOf<Form<2>>; }
 
 BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
                              const MinimumOptions& options) {
-  assert(problem.robot.n() <= max_minimum_joints());
+  const EncounterModel& encounter = problem.where.encounter;
+  assert(problem.where.robot.n() <= max_minimum_joints());
   assert(!problem.impulses.empty() && best > 0);
-  const proof::RoundUpward upward;
-  switch (problem.free.size()) {
+  assert(!encounter.spin || encounter.spin->is_valid());
+  const RoundUpward upward;
+  switch (encounter.num_variables()) {
     case 1:
     case 2:
-      return proof::bound<2>(problem, best, options);
+      return bound<2>(problem, best, options);
     case 3:
-      return proof::bound<3>(problem, best, options);
+      return bound<3>(problem, best, options);
     default:
-      assert(!"one to three free joints");
+      assert(!"one to three variables");
       return {};
   }
 }
 
-}  // namespace stillbase
+}  // namespace stillbase::proof

@@ -1,28 +1,26 @@
-// The objective over a whole box of postures at once, by quadratic forms.
+// The objective over a whole box of postures at once, by Taylor models.
 //
-// With A = Htilde_phi + added inertia over the joints that move, h = Htilde_omegaphi, L the
-// momentum impulse about the system centroid (16) and s = tau - H_vphi' f / m the jump (6) reads
-//   [A h'; h Htilde_omega] [Delta phidot; Delta omega] = [s; L],
-// K x = b for short, and F' W_h F = |f|^2 / m + b' K^-1 b. K is positive definite, but its entries
-// cancel; so it is first taken to near the identity by the Cholesky factor of its middle,
+// The arm is solved by articulated bodies (articulated_forms.hpp), the base by its articulated
+// inertia K:
+//   K [v; omega] = b,  b what of the wrench the joints pass on,
+//   F' W_h F = sum over the joints of z_k^2 / D_k + b' K^-1 b.
+// K is positive definite, but its entries cancel; so it is first taken to near the identity by the
+// Cholesky factor of its middle,
 //   (G K G') (G'^-1 x) = G b,  G any regular matrix of doubles,
-// and then factorised once, G K G' = C D C': z = C^-1 G b gives b' K^-1 b = sum z_i^2 / D_i, of
-// which no part is negative.
+// and then factorised once, G K G' = C D C': z = C^-1 G b gives b' K^-1 b = sum z_i^2 / D_i. No
+// part of the sum is negative.
 #pragma once
 
-#include <stillbase/proof/minimum.hpp>
-
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <vector>
 
-#include "dynamics/inertia_kernel.hpp"
-#include "dynamics/kinematics_kernel.hpp"
-#include "proof/quadratic.hpp"
-
-/// Forms are wide numbers: their matrices take as many joints as a redundant arm has.
-template <int N>
-inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Quadratic<N>> = 8;
+#include "dynamics/rigid_inertia.hpp"
+#include "proof/articulated_forms.hpp"
+#include "proof/bound.hpp"
+#include "proof/encounter_forms.hpp"
+#include "proof/minimum_problem.hpp"
 
 namespace stillbase::proof {
 
@@ -51,86 +49,124 @@ struct WrenchBasis {
   }
 };
 
-/// What one box of postures says about every impulse.
-template <class S>
+/// What one box of configurations says about every impulse.
+template <int N>
 class ImpactForms {
  public:
-  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const JointVector<S>& phi)
-      : problem_(problem), kinematics_(compute_kinematics<S>(problem.robot, phi)) {
-    inertia_ = compute_inertia<S>(problem.robot, kinematics_);
-    tilde_ = compute_tilde_inertia<S>(inertia_);
+  using S = Form<N>;
+
+  ImpactForms(const MinimumProblem& problem, const WrenchBasis& basis, const EncounterRange<S>& at)
+      : problem_(problem),
+        encounter_(at),
+        arm_(problem.where.robot, at.phi, problem.where.added_inertia, problem.where.locked,
+             needs_composite()),
+        hand_(arm_.hand_position()) {
+    if (needs_composite()) {
+      const S& mass = arm_.composite.M(0, 0);
+      const Matrix3<S>& h = arm_.composite.H;  // -m skew(r_bg)
+      r_bg_ = Vector3<S>(h(1, 2), h(2, 0), h(0, 1)) * inverse_of(mass);
+      Htilde_omega_ = arm_.composite.J - parallel_axis<S>(mass, r_bg_);
+    }
     factorise();
-    const HandJacobian<S> jacobian = compute_hand_jacobian<S>(problem.robot, kinematics_);
-    inverse_mass_ = inverse_of(inertia_.mass);
-    for (const Vector6d& F : basis.wrenches) responses_.push_back(respond(jacobian, F));
+    for (const Vector6d& F_E : basis.wrenches) {
+      Vector6<S> F;
+      F << at.R_BE * Vector3<S>(F_E.head<3>().cast<S>()),
+          at.R_BE * Vector3<S>(F_E.tail<3>().cast<S>());
+      responses_.push_back(respond(F));
+    }
   }
 
   /// Of the hand, in B, m.
-  const Vector3<S>& hand() const { return kinematics_.r_bh; }
+  const Vector3<S>& hand() const { return hand_; }
+  Matrix3<S> hand_axes() const { return arm_.hand_axes(); }
 
-  /// |y|^2 after an impulse, with the sizes of its terms.
-  S square_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
+  /// |y|^2 after an impulse, with the sizes of its terms. Of a contact law
+  ///   p = scale / divisor, divisor = F' W_h F + target_inverse_mass.
+  Fraction<N> square_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
     const Response at = combined(coefficients);
-    S scale(impulse.numerator), inverse(1.0);
-    const bool by_law = impulse.target_inverse_mass.has_value();
-    S divisor(1.0);
-    if (by_law) {
-      divisor = S(*impulse.target_inverse_mass);
-      for (int i = 0; i < 3; ++i) divisor += square(S(impulse.F[i])) * inverse_mass_;
-      for (int i = 0; i < size_; ++i) divisor += square(at.z[i]) * inverse_D_[i];
-      inverse = inverse_of(divisor);
+    const S scale = scale_of(impulse);
+    Fraction<N> out;
+    for (const ObjectiveTerm& term : problem_.objective) {
+      const S factor = scale / S(term.size);
+      for_each_component(term, at, [&](const S& y) {
+        if (!y.is_zero()) out.numerator += square(y * factor);
+      });
     }
+    if (!impulse.target_inverse_mass) return out;
+    out.denominator = square(divisor_of(impulse, at));
+    const Interval least(*impulse.target_inverse_mass);
+    out.least_denominator = (least * least).lower();
+    return out;
+  }
+
+  /// The same as one form: parts of a sum cannot be kept apart.
+  S quotient_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
+    const Response at = combined(coefficients);
+    const S scale = scale_of(impulse);
+    const bool by_law = impulse.target_inverse_mass.has_value();
+    const S divisor = by_law ? divisor_of(impulse, at) : S(1.0);
+    const S inverse = by_law ? inverse_of(divisor) : S(1.0);
     S sum(0.0);
     for (const ObjectiveTerm& term : problem_.objective) {
       const S factor = scale / S(term.size);
       for_each_component(term, at, [&](const S& y) {
-        if (y.is_zero()) return;
-        sum += square((by_law ? quotient(y, divisor, inverse) : y) * factor);
+        if (!y.is_zero()) sum += square((by_law ? quotient(y, divisor, inverse) : y) * factor);
       });
     }
     return sum;
   }
 
  private:
-  static constexpr int kMaxSize = kMaxJointsOf<S> + 3;
-  using Column = std::array<S, kMaxSize>;
+  using Column = std::array<S, 6>;
 
   struct Response {
-    Column z, x;        ///< C^-1 G b, K^-1 b
-    Vector3<S> total;   ///< L
-    Vector6<S> wrench;  ///< on the base, R_bh' F
+    PerBody<S, S> u;   ///< of the wrench along joint k, the joints beyond it free
+    Column z;          ///< C^-1 G b
+    Vector6<S> base;   ///< twist of the base, [v; omega]
+    Vector3<S> total;  ///< L
   };
 
-  void factorise() {
-    for (int k = 0; k < problem_.robot.n(); ++k) {
-      const auto index = static_cast<std::size_t>(k);
-      if (index >= problem_.locked.size() || !problem_.locked[index]) moving_.push_back(k);
+  /// Of an impulse by a contact law: (1+e) v_n; of a given one the impulse itself.
+  S scale_of(const ImpulseCase& impulse) const {
+    S scale(impulse.numerator);
+    if (!impulse.closing) return scale;
+    const Vector3<S> d = Vector3d(impulse.F.head<3>()).cast<S>();
+    const S speed = d.dot(velocity_in_T<S>(encounter_, impulse.closing->point));
+    return scale * positive_part(speed + S(impulse.closing->offset));
+  }
+
+  /// F' W_h F + target_inverse_mass
+  S divisor_of(const ImpulseCase& impulse, const Response& at) const {
+    S divisor(*impulse.target_inverse_mass);
+    for (const int k : arm_.joints_of_hand()) {
+      if (arm_.moves[k]) divisor += square(at.u[k]) * arm_.inverse_D[k];
     }
-    joints_ = static_cast<int>(moving_.size());
-    size_ = joints_ + 3;
-    const auto entry = [&](int i, int j) -> S {
-      if (i < joints_) {
-        const int k = moving_[i];
-        S value = tilde_.Htilde_phi(k, moving_[j]);
-        if (i == j) value += S(problem_.added_inertia[k]);
-        return value;
-      }
-      if (j < joints_) return tilde_.Htilde_omegaphi(i - joints_, moving_[j]);
-      return tilde_.Htilde_omega(i - joints_, j - joints_);
+    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * inverse_D_[i];
+    return divisor;
+  }
+
+  /// Whether the objective asks for momenta of the robot as one body.
+  bool needs_composite() const {
+    const auto asks = [](const ObjectiveTerm& term) {
+      return term.quantity == ObjectiveQuantity::BaseAngularMomentum ||
+             term.quantity == ObjectiveQuantity::TotalAngularMomentum ||
+             term.quantity == ObjectiveQuantity::BaseMomentum;
     };
-    std::array<Column, kMaxSize> K;  // lower triangle
-    Eigen::MatrixXd middle(size_, size_);
-    for (int i = 0; i < size_; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        K[i][j] = entry(i, j);
-        middle(i, j) = middle(j, i) = K[i][j].c;
-      }
+    return std::any_of(problem_.objective.begin(), problem_.objective.end(), asks);
+  }
+
+  void factorise() {
+    Matrix6<S> K;  // lower triangle
+    Matrix6d middle;
+    for (int j = 0; j < 6; ++j) {
+      K.col(j) = arm_.articulated.column(j);
+      for (int i = j; i < 6; ++i) middle(i, j) = middle(j, i) = K(i, j).c();
     }
     precondition(middle);
-    for (int i = 0; i < size_; ++i) {
+    for (int i = 0; i < 6; ++i) {
       Column GK;  // row i of G K
-      for (int j = 0; j < size_; ++j) {
-        for (int k = 0; k <= i; ++k) GK[j] += (k > j ? K[k][j] : K[j][k]) * S(G_(i, k));
+      for (int j = 0; j < 6; ++j) {
+        for (int k = 0; k <= i; ++k) GK[j] += (k > j ? K(k, j) : K(j, k)) * S(G_(i, k));
       }
       for (int j = 0; j <= i; ++j) {
         S value(0.0);
@@ -149,43 +185,45 @@ class ImpactForms {
   }
 
   /// G, lower triangular with G middle G' near the identity.
-  void precondition(const Eigen::MatrixXd& middle) {
-    const Eigen::LLT<Eigen::MatrixXd> llt(middle);
-    const Eigen::MatrixXd E = Eigen::MatrixXd::Identity(size_, size_);
+  void precondition(const Matrix6d& middle) {
+    const Eigen::LLT<Matrix6d> llt(middle);
+    const Matrix6d E = Matrix6d::Identity();
     G_ = E;
     if (llt.info() != Eigen::Success) return;
-    const Eigen::MatrixXd inverse = llt.matrixL().solve(E);
+    const Matrix6d inverse = llt.matrixL().solve(E);
     if (inverse.allFinite() && (inverse.diagonal().array() != 0).all()) {
       G_ = inverse.triangularView<Eigen::Lower>();
     }
   }
 
-  Response respond(const HandJacobian<S>& jacobian, const Vector6d& F_d) const {
-    const Vector6<S> F = F_d.cast<S>();
+  /// @param F in B
+  Response respond(const Vector6<S>& F) const {
     const Vector3<S> f = F.template head<3>();
     Response out;
-    out.wrench = F;
-    out.wrench.template tail<3>() += kinematics_.r_bh.cross(f);
-    const Vector3<S> r_gh = kinematics_.r_bh - inertia_.r_bg;
-    out.total = r_gh.cross(f) + F.template tail<3>();
-    Column b, y;  // y = G'^-1 x
-    for (int i = 0; i < size_; ++i) {
-      if (i < joints_) {
-        const int k = moving_[i];
-        const Vector3<S> p = inertia_.H_bphi.template block<3, 1>(0, k);
-        b[i] = jacobian.J_phi.col(k).dot(F) - p.dot(f) * inverse_mass_;
-      } else {
-        b[i] = out.total[i - joints_];
+    if (needs_composite()) out.total = (hand_ - r_bg_).cross(f) + F.template tail<3>();
+    Vector6<S> b;  // on the body, about its origin and in its axes
+    const Vector3<S> f_b = arm_.in_hand_body(f);
+    const Vector3<S> lever = arm_.robot.p_hand.template cast<S>();
+    b << f_b, arm_.in_hand_body(F.template tail<3>()) + lever.cross(f_b);
+    for (const int k : arm_.joints_of_hand()) {
+      if (arm_.moves[k]) {
+        out.u[k] = b[arm_.index(k)];
+        b -= arm_.U[k] * quotient(out.u[k], arm_.D[k], arm_.inverse_D[k]);
       }
+      b = arm_.wrench_on_parent(k, b);
+    }
+    Column y;  // G'^-1 x
+    for (int i = 0; i < 6; ++i) {
       for (int k = 0; k <= i; ++k) out.z[i] += b[k] * S(G_(i, k));
       for (int k = 0; k < i; ++k) out.z[i] -= C_[i][k] * out.z[k];
     }
-    for (int i = size_ - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
       y[i] = quotient(out.z[i], D_[i], inverse_D_[i]);
-      for (int k = i + 1; k < size_; ++k) y[i] -= C_[k][i] * y[k];
+      for (int k = i + 1; k < 6; ++k) y[i] -= C_[k][i] * y[k];
     }
-    for (int i = 0; i < size_; ++i) {
-      for (int k = i; k < size_; ++k) out.x[i] += y[k] * S(G_(k, i));
+    out.base.setZero();
+    for (int i = 0; i < 6; ++i) {
+      for (int k = i; k < 6; ++k) out.base[i] += y[k] * S(G_(k, i));
     }
     return out;
   }
@@ -194,16 +232,14 @@ class ImpactForms {
     if (coefficients.size() == 1 && coefficients.front() == 1) return responses_.front();
     Response out;
     out.total.setZero();
-    out.wrench.setZero();
+    out.base.setZero();
     for (std::size_t b = 0; b < coefficients.size(); ++b) {
       const S factor(coefficients[b]);
       const Response& one = responses_[b];
-      for (int i = 0; i < size_; ++i) {
-        out.z[i] += one.z[i] * factor;
-        out.x[i] += one.x[i] * factor;
-      }
+      for (int k = 0; k < arm_.robot.n(); ++k) out.u[k] += one.u[k] * factor;
+      for (int i = 0; i < 6; ++i) out.z[i] += one.z[i] * factor;
       out.total += one.total * factor;
-      out.wrench += one.wrench * factor;
+      out.base += one.base * factor;
     }
     return out;
   }
@@ -211,10 +247,10 @@ class ImpactForms {
   /// The vector behind a term, per unit of impulse, without its size.
   template <class Use>
   void for_each_component(const ObjectiveTerm& term, const Response& at, const Use& use) const {
-    const Vector3<S> omega(at.x[joints_], at.x[joints_ + 1], at.x[joints_ + 2]);
+    const Vector3<S> omega = at.base.template tail<3>();
     switch (term.quantity) {
       case ObjectiveQuantity::BaseAngularMomentum: {
-        const Vector3<S> base = tilde_.Htilde_omega * omega;
+        const Vector3<S> base = Htilde_omega_ * omega;
         for (int i = 0; i < 3; ++i) use(base[i]);
         break;
       }
@@ -225,9 +261,8 @@ class ImpactForms {
         for (int i = 0; i < 3; ++i) use(at.total[i]);
         break;
       case ObjectiveQuantity::BaseMomentum: {
-        // H_b Delta Omega = R_bh' F - H_bphi Delta phidot, the upper rows of (3) as a jump.
-        Vector6<S> momentum = at.wrench;
-        for (int i = 0; i < joints_; ++i) momentum -= inertia_.H_bphi.col(moving_[i]) * at.x[i];
+        Vector6<S> momentum = Vector6<S>::Zero();
+        for (int i = 0; i < 6; ++i) momentum += arm_.composite.column(i) * at.base[i];
         for (int i = 0; i < 3; ++i) use(momentum[i]);
         for (int i = 3; i < 6; ++i) use(momentum[i] / S(term.length));
         break;
@@ -236,22 +271,38 @@ class ImpactForms {
         use(S(1.0));
         break;
       case ObjectiveQuantity::JointRateNorm:
-        for (int i = 0; i < joints_; ++i) use(at.x[i]);
+        for_each_rate(at, use);
         break;
       case ObjectiveQuantity::AttitudeTurned:
         break;  // simulated: minimum_objection() refuses it
     }
   }
 
+  /// Joint rates, outwards from the base.
+  template <class Use>
+  void for_each_rate(const Response& at, const Use& use) const {
+    std::vector<Vector6<S>> twists;
+    for (int k = 0; k < arm_.robot.n(); ++k) {
+      const int parent = arm_.robot.joints[k].parent;
+      Vector6<S> twist = arm_.twist_from_parent(
+          k, parent == kBase ? at.base : twists[static_cast<std::size_t>(parent)]);
+      if (arm_.moves[k]) {
+        const S left = at.u[k] - arm_.U[k].dot(twist);
+        const S rate = quotient(left, arm_.D[k], arm_.inverse_D[k]);
+        twist[arm_.index(k)] += rate;
+        use(rate);
+      }
+      twists.push_back(twist);
+    }
+  }
+
   const MinimumProblem& problem_;
-  Kinematics<S> kinematics_;
-  InertiaMatrices<S> inertia_;
-  TildeInertia<S> tilde_;
-  S inverse_mass_;
-  std::vector<int> moving_;
-  int joints_ = 0, size_ = 0;
-  Eigen::MatrixXd G_;
-  std::array<Column, kMaxSize> C_, CD_;  ///< strictly below the diagonal: C, and C D
+  const EncounterRange<S>& encounter_;
+  ArticulatedForms<S> arm_;
+  Vector3<S> hand_, r_bg_;
+  Matrix3<S> Htilde_omega_;
+  Matrix6d G_;
+  std::array<Column, 6> C_, CD_;  ///< strictly below the diagonal: C, and C D
   Column D_, inverse_D_;
   std::vector<Response> responses_;
 };

@@ -4,6 +4,7 @@
 #include <stillbase/core/random.hpp>
 
 #include "proof/case_rows.hpp"
+#include "proof/domain.hpp"
 #include "proof/enclose.hpp"
 #include "proof/side_conditions.hpp"
 
@@ -104,30 +105,6 @@ class RowSystem final : public System<N> {
   const std::vector<Row>& rows_;
 };
 
-template <int N>
-Box<N> domain_of(const ZeroProblem& problem, std::array<bool, N>& periodic) {
-  const EncounterModel& encounter = problem.encounter;
-  const Interval whole_turn(-kPi.upper(), kPi.upper());
-  Box<N> box;
-  periodic.fill(false);
-  for (std::size_t i = 0; i < encounter.free.size(); ++i) {
-    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(encounter.free[i])];
-    periodic[i] = joint.type == JointType::Continuous;
-    box.side[i] = periodic[i] ? whole_turn : Interval(encounter.lower[i], encounter.upper[i]);
-  }
-  if (encounter.attitude_is_free) {
-    const auto i = static_cast<std::size_t>(encounter.attitude_index());
-    periodic[i] = encounter.attitude_max >= kPi.lower();
-    box.side[i] =
-        periodic[i] ? whole_turn : Interval(-encounter.attitude_max, encounter.attitude_max);
-  }
-  if (encounter.time_is_free) {
-    box[encounter.time_index()] = Interval(encounter.time_lower / encounter.time_unit,
-                                           encounter.time_upper / encounter.time_unit);
-  }
-  return box;
-}
-
 /// The rows that say something, with their sizes, and the variables that they depend on.
 template <int N>
 struct Survey {
@@ -141,7 +118,7 @@ Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
   constexpr int kSamples = 16;
   constexpr double kZero = 1e-10;  // of the largest row of its kind
   std::array<bool, N> periodic;
-  const Box<N> domain = domain_of<N>(problem, periodic);
+  const Box<N> domain = domain_of<N>(problem.robot, problem.encounter, periodic);
   std::vector<double> size(rows.size(), 0);
   std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
   for (int sample = 0; sample < kSamples; ++sample) {
@@ -223,7 +200,7 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
                           ", so the solutions are not isolated points");
   }
   std::array<bool, N> periodic;
-  const Box<N> domain = domain_of<N>(problem, periodic);
+  const Box<N> domain = domain_of<N>(problem.robot, encounter, periodic);
   const RowSystem<N> system(problem, rows);
   const Enclosure<N> found = enclose_zeros<N>(
       system, domain, periodic,

@@ -183,7 +183,7 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   omega_0_ = R_0.transpose() * Vector3<Number>(estimate.angular_velocity.cast<Number>());
   rate_ = length(omega_0_).upper();
   if (constant_rate_) return;
-  const Matrix3<Number> I = body.inertia.cast<Number>();
+  I_ = body.inertia.cast<Number>();
   symmetry_ = axis_of_symmetry(body.inertia);
   if (symmetry_ >= 0) {
     const double across = body.inertia((symmetry_ + 1) % 3, (symmetry_ + 1) % 3);
@@ -194,8 +194,8 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
     if (length(nutation_).lower() > 0) return;
     symmetry_ = -1;
   }
-  J_ = inverse_of(I);
-  const State start{I * omega_0_, R_0};
+  J_ = inverse_of(I_);
+  const State start{I_ * omega_0_, R_0};
   momentum_ = kSlack * length(start.L).upper();
   rate_ = norm_bound(J_) * momentum_;
   Matrix3<Number> spread = J_;
@@ -345,6 +345,48 @@ SpinRange SpinEnclosure::over(const Interval& time) const {
   cut(out.R_rate, kSlack * rate_);
   cut(out.omega, rate_);
   cut(out.omega_rate, rate_ * rate_);
+  return out;
+}
+
+/// Coefficients of the motion that passes through `at`, for every motion that does.
+void SpinEnclosure::expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Number>>& R,
+                                  std::vector<Vector3<Number>>& omega) const {
+  if (!constant_rate_ && symmetry_ < 0) {
+    std::vector<Vector3<Number>> L;
+    expand({I_ * at.omega, at.R}, terms, L, R, omega);
+    return;
+  }
+  R.assign(1, at.R);
+  omega.assign(1, at.omega);
+  for (int k = 0; k + 1 < terms; ++k) {
+    const Number divisor(static_cast<double>(k + 1));
+    Vector3<Number> omega_next = Vector3<Number>::Zero();
+    if (!constant_rate_) omega_next = nutation_.cross(omega[static_cast<std::size_t>(k)]);
+    Matrix3<Number> R_next = Matrix3<Number>::Zero();
+    for (int j = 0; j <= k; ++j) {
+      R_next +=
+          R[static_cast<std::size_t>(j)] * skew<Number>(omega[static_cast<std::size_t>(k - j)]);
+    }
+    for (int i = 0; i < 3; ++i) omega_next[i] /= divisor;
+    for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
+    omega.push_back(omega_next);
+    R.push_back(R_next);
+  }
+}
+
+SpinSeries SpinEnclosure::series(double about, const Interval& time) const {
+  constexpr std::size_t kTermsOfSeries = 4;
+  SpinSeries out;
+  out.whole = over(time);
+  std::vector<Matrix3<Number>> R_there, R_anywhere;
+  std::vector<Vector3<Number>> omega_there, omega_anywhere;
+  expand_motion(over(Interval(about)), kTermsOfSeries, R_there, omega_there);
+  expand_motion(out.whole, kTermsOfSeries, R_anywhere, omega_anywhere);
+  for (std::size_t k = 0; k < kTermsOfSeries; ++k) {
+    const bool is_last = k + 1 == kTermsOfSeries;
+    out.R[k] = is_last ? R_anywhere[k] : R_there[k];
+    out.omega[k] = is_last ? omega_anywhere[k] : omega_there[k];
+  }
   return out;
 }
 

@@ -22,6 +22,7 @@
 // stays within 1e-9 of these enclosures (tests/proof).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <stillbase/target/target.hpp>
@@ -40,6 +41,14 @@ struct SpinRange {
   Vector3<Number> omega_rate;  ///< in T, rad/s^2
 };
 
+/// Taylor's series about an instant: coefficients of orders 0, 1, 2 there, and the one of order 3
+/// over a span of time, which makes the sum exact for every time of the span.
+struct SpinSeries {
+  std::array<Matrix3<Number>, 4> R;      ///< R_NT, 1/s^k
+  std::array<Vector3<Number>, 4> omega;  ///< in T, rad/s^(k+1)
+  SpinRange whole;                       ///< over the span
+};
+
 class SpinEnclosure {
  public:
   /// @param estimate its attitude at its time as the rotation matrix of doubles; its rate
@@ -53,6 +62,8 @@ class SpinEnclosure {
   /// @param time where it leaves the span, only bounds that hold at all times come back
   /// @pre a RoundUpward stands on the stack; is_valid()
   SpinRange over(const Interval& time) const;
+  /// @param about an instant within the span
+  SpinSeries series(double about, const Interval& time) const;
 
  private:
   /// Taylor coefficients from a point, and how far the true motion may be from it there.
@@ -74,6 +85,8 @@ class SpinEnclosure {
   SpinRange over_constant_rate(const Interval& time) const;
   SpinRange over_symmetric_body(const Interval& time) const;
   SpinRange over_any_time() const;
+  void expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Number>>& R,
+                     std::vector<Vector3<Number>>& omega) const;
 
   bool is_valid_ = true;
   double start_ = 0;  ///< time of the estimate
@@ -83,7 +96,7 @@ class SpinEnclosure {
   Vector3<Number> precession_, nutation_;  ///< in T, rad/s
   Vector3<Number> omega_0_;                ///< in T
   Matrix3d R_0_;
-  Matrix3<Number> J_;                 ///< I^-1, in T
+  Matrix3<Number> I_, J_;             ///< inertia and its inverse, in T
   double momentum_ = 0;               ///< bound on |L|
   double rate_ = 0;                   ///< bound on |omega|: |I^-1| momentum_
   double parting_ = 0;                ///< mu, 1/s

@@ -8,6 +8,8 @@
 #include <stillbase/core/random.hpp>
 
 #include "verification/checks.hpp"
+#include "verification/free_variables.hpp"
+#include "verification/recount.hpp"
 #include "verification/worst_direction.hpp"
 
 namespace stillbase::verification {
@@ -19,99 +21,106 @@ constexpr int kDescents = 4;
 constexpr int kSteps = 60;
 constexpr int kConeSamples = 60;
 
-/// Postures that the problem allows, and what they are worth.
-class Postures {
+/// Configurations that the problem allows, but for what a bound does not count, and what they are
+/// worth.
+class Configurations {
  public:
-  Postures(const Context& context, const ContactEvent& event)
-      : context_(context), problem_(context.problem), event_(event) {
-    const double margin = problem_.constraints.joint_limit_margin;
-    for (int k = 0; k < problem_.robot.n(); ++k) {
-      if (!problem_.variables.joints[static_cast<std::size_t>(k)]) continue;
-      const Joint& joint = problem_.robot.joints[static_cast<std::size_t>(k)];
-      const bool turns = joint.type == JointType::Continuous;
-      free_.push_back(k);
-      lower_.push_back(turns ? -M_PI : joint.lower + margin);
-      upper_.push_back(turns ? M_PI : joint.upper - margin);
-      turns_.push_back(turns);
-    }
-    if (problem_.hand.constraint == HandConstraint::None ||
-        problem_.variables.base_position != PositionFreedom::Fixed || !problem_.hand.position) {
-      return;
-    }
-    hand_ = problem_.hand.frame == Frame::Base
-                ? *problem_.hand.position
-                : Vector3d(problem_.base.inverse() * *problem_.hand.position);
+  explicit Configurations(const Context& context)
+      : context_(context), problem_(context.problem), variables_(problem_) {
+    if (problem_.impulse.direction) return;
+    const Configuration last{problem_.start, problem_.base, problem_.variables.contact_time_upper};
+    motion_ =
+        target_motion(problem_, last, Vector3d::Zero(), problem_.variables.contact_time_lower);
   }
 
-  int size() const { return static_cast<int>(free_.size()); }
-
   Eigen::VectorXd start(int index) const {
-    const Eigen::VectorXd u = low_discrepancy_point(index, size(), 1);
-    Eigen::VectorXd phi = problem_.start;
-    for (int i = 0; i < size(); ++i) phi[free_[i]] = lower_[i] + u[i] * (upper_[i] - lower_[i]);
-    return phi;
+    const Eigen::VectorXd u = low_discrepancy_point(index, variables_.size(), 1);
+    return variables_.lower + u.cwiseProduct(variables_.upper - variables_.lower);
   }
 
   /// Moved by a step of this size in a random direction.
-  Eigen::VectorXd beside(Eigen::VectorXd phi, double step, Random& random) const {
-    for (const int k : free_) phi[k] += step * random.uniform(-1, 1);
-    return phi;
+  static Eigen::VectorXd beside(Eigen::VectorXd x, double step, Random& random) {
+    for (double& entry : x) entry += step * random.uniform(-1, 1);
+    return x;
   }
 
-  /// Brought to the hand's point (Gauss-Newton); empty: it does not get there within the limits.
-  std::optional<Eigen::VectorXd> allowed(Eigen::VectorXd phi) const {
-    for (int iteration = 0; hand_ && iteration < 30; ++iteration) {
-      const reference::Dynamics at = reference::compute(problem_.robot, {phi, {}, {}});
-      const Vector3d off = Vector3d(at.hand_position) - *hand_;
+  /// Brought to where the hand has to be (Gauss-Newton); empty: it does not get there within the
+  /// bounds.
+  std::optional<Eigen::VectorXd> allowed(Eigen::VectorXd x) const {
+    for (int iteration = 0; asks_for_hand() && iteration < 30; ++iteration) {
+      const Vector6d off = rows(x);
       if (off.norm() <= 1e-11) break;
       if (iteration == 29) return std::nullopt;
-      Eigen::MatrixXd J(3, size());
-      for (int i = 0; i < size(); ++i) J.col(i) = at.J.col(6 + free_[i]).head<3>();
+      Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, x.size());
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const Eigen::VectorXd step = kDifference * Eigen::VectorXd::Unit(x.size(), i);
+        J.col(i) = (rows(x + step) - rows(x - step)) / (2 * kDifference);
+      }
       Eigen::VectorXd step = -J.completeOrthogonalDecomposition().solve(off);
       if (step.norm() > 0.5) step *= 0.5 / step.norm();
-      for (int i = 0; i < size(); ++i) phi[free_[i]] += step[i];
+      x += step;
     }
-    for (int i = 0; i < size(); ++i) {
-      const double x = phi[free_[i]];
-      if (!turns_[i] && !(x >= lower_[i] && x <= upper_[i])) return std::nullopt;
-    }
-    return phi;
+    if (!variables_.bring_inside(x)) return std::nullopt;
+    const Configuration at = variables_.at(x);
+    const reference::Dynamics dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
+    if (!keeps_inequalities(problem_, event_at(at), at, dynamics)) return std::nullopt;
+    return x;
   }
 
-  /// The problem's measure: as predicted, or the largest value over the cone.
-  double measure(const Eigen::VectorXd& phi) const {
-    const PostureResponse response = posture_response(problem_, phi);
+  /// The problem's measure: as predicted, the largest value over the cone, or over its samples.
+  double measure(const Configuration& at) const {
+    const PostureResponse response = posture_response(problem_, at.phi);
+    const RiskMeasure kind = problem_.measure.kind;
+    if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
+      return sampled_measure(problem_, motion_ ? &*motion_ : nullptr, at, response);
+    }
+    const ContactEvent event = event_at(at);
     const auto value = [&](const Vector3d& d) {
-      return objective_value(problem_, response, impulse_along(problem_, event_, response, d));
+      return objective_value(problem_, response, impulse_along(problem_, event, response, d));
     };
-    if (problem_.measure.kind != RiskMeasure::WorstCase) return value(event_.n);
-    return worst_over_cone(value, event_.n, problem_.uncertainty.cone_half_angle,
+    if (kind != RiskMeasure::WorstCase) return value(event.n);
+    return worst_over_cone(value, event.n, problem_.uncertainty.cone_half_angle,
                            problem_.uncertainty.cone_plane_normal,
                            std::min(kConeSamples, context_.options.cone_samples))
         .value;
   }
+  double measure(const Eigen::VectorXd& x) const { return measure(variables_.at(x)); }
+  double measure(const JointBox& place) const {
+    return measure(variables_.at(variables_.middle_of(place)));
+  }
 
  private:
+  static constexpr double kDifference = 1e-6;  ///< rad, m; step of the differences
+
+  bool asks_for_hand() const { return problem_.hand.constraint != HandConstraint::None; }
+
+  ContactEvent event_at(const Configuration& at) const {
+    return contact_event(problem_, motion_ ? &*motion_ : nullptr, at);
+  }
+
+  Vector6d rows(const Eigen::VectorXd& x) const {
+    const Configuration at = variables_.at(x);
+    return hand_rows(problem_, event_at(at), at,
+                     reference::compute(problem_.robot, {at.phi, {}, {}}));
+  }
+
   const Context& context_;
   const CaptureProblem& problem_;
-  const ContactEvent& event_;
-  std::vector<int> free_;
-  std::vector<double> lower_, upper_;
-  std::vector<bool> turns_;
-  std::optional<Vector3d> hand_;
+  FreeVariables variables_;
+  std::optional<TargetMotion> motion_;  ///< of a predicted target
 };
 
 struct Found {
-  Eigen::VectorXd phi;
+  Eigen::VectorXd x;
   double value = 0;
 };
 
-/// The least measure that random postures and random steps from the best of them lead to.
-std::optional<Found> search_below(const Context& context, const Postures& postures) {
+/// The least measure that random configurations and random steps from the best of them lead to.
+std::optional<double> search_below(const Context& context, const Configurations& configurations) {
   std::vector<Found> found;
   for (int s = 0; s < kStarts && !context.options.stop.reached(); ++s) {
-    const auto phi = postures.allowed(postures.start(s));
-    if (phi) found.push_back({*phi, postures.measure(*phi)});
+    const auto x = configurations.allowed(configurations.start(s));
+    if (x) found.push_back({*x, configurations.measure(*x)});
   }
   std::sort(found.begin(), found.end(),
             [](const Found& a, const Found& b) { return a.value < b.value; });
@@ -120,8 +129,8 @@ std::optional<Found> search_below(const Context& context, const Postures& postur
     Random random(7, i);
     double step = 0.3;
     for (int k = 0; k < kSteps && !context.options.stop.reached(); ++k) {
-      const auto next = postures.allowed(postures.beside(found[i].phi, step, random));
-      const double value = next ? postures.measure(*next) : kInfinity;
+      const auto next = configurations.allowed(Configurations::beside(found[i].x, step, random));
+      const double value = next ? configurations.measure(*next) : kInfinity;
       if (value < found[i].value) {
         found[i] = {*next, value};
         step *= 1.5;
@@ -131,13 +140,39 @@ std::optional<Found> search_below(const Context& context, const Postures& postur
     }
   }
   if (found.empty()) return std::nullopt;
-  return *std::min_element(found.begin(), found.end(),
-                           [](const Found& a, const Found& b) { return a.value < b.value; });
+  return std::min_element(found.begin(), found.end(),
+                          [](const Found& a, const Found& b) { return a.value < b.value; })
+      ->value;
+}
+
+/// Where a case leaves single configurations and the bound counts it, they are all there is.
+std::optional<double> least_of_solutions(const Proof& proof, const Configurations& configurations) {
+  std::optional<double> least;
+  for (const JointBox& place : proof.solutions) {
+    const double value = configurations.measure(place);
+    least = least ? std::min(*least, value) : value;
+  }
+  return least;
+}
+
+/// What the measure is called in the words of a bound.
+std::string measure_words(const CaptureProblem& problem) {
+  switch (problem.measure.kind) {
+    case RiskMeasure::Nominal:
+      return "a predicted ";
+    case RiskMeasure::WorstCase:
+      return "a worst case";
+    case RiskMeasure::Expectation:
+      return "an expected ";
+    case RiskMeasure::Cvar:
+      return "a CVaR of ";
+  }
+  return "";
 }
 
 }  // namespace
 
-void check_bound(const Context& context, const ContactEvent& event, ClaimList& claims) {
+void check_bound(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
   if (!proof.lower_bound || !(*proof.lower_bound > 0)) return;
@@ -149,14 +184,17 @@ void check_bound(const Context& context, const ContactEvent& event, ClaimList& c
   const auto demand = [&](bool holds, const std::string& what) {
     if (!holds) objections.push_back(what);
   };
-  demand(proof.statement.find("no posture has ") != std::string::npos,
+  const std::string has = " has " + measure_words(problem);
+  demand(proof.statement.find("no posture" + has) != std::string::npos ||
+             proof.statement.find("no configuration" + has) != std::string::npos,
          "the statement does not say what is bounded");
   demand(proof.statement.compare(0, 6, "proven") == 0 || proof.status == ProofStatus::Undecided,
          "the statement does not begin with 'proven'");
   demand(proof.boxes > 0, "no box was looked at");
-  demand(problem.variables.base_attitude == AttitudeFreedom::Fixed &&
-             problem.variables.contact_time_upper <= problem.variables.contact_time_lower,
-         "base or contact time are free");
+  const AttitudeFreedom attitude = problem.variables.base_attitude;
+  const bool is_within_reach =
+      attitude != AttitudeFreedom::Cone && attitude != AttitudeFreedom::Free;
+  demand(is_within_reach, "the base attitude is free about more than one axis");
   bool is_gap = false;
   double least = plan.objective.value;
   for (const Candidate& candidate : plan.candidates) {
@@ -171,12 +209,16 @@ void check_bound(const Context& context, const ContactEvent& event, ClaimList& c
   claims.at_least("proof_bound", least, bound, kRounding * bound, unit,
                   fmt::format("least measure of the candidates; none may be below {:.9g}", bound));
 
-  const Postures postures(context, event);
-  const std::optional<Found> found = search_below(context, postures);
-  if (!found) return;  // too few postures to be met by chance
+  if (!is_within_reach) return;
+  const Configurations configurations(context);
+  const bool counts_case = problem.constraints.impact_case != CaseConstraint::None &&
+                           proof.statement.find("the case") == std::string::npos;
+  const std::optional<double> found = counts_case ? least_of_solutions(proof, configurations)
+                                                  : search_below(context, configurations);
+  if (!found) return;  // too few configurations to be met by chance
   claims.at_least(
-      "proof_bound_searched", found->value, bound, kRounding * bound, unit,
-      fmt::format("least measure that random postures lead to; none may be below {:.9g} "
+      "proof_bound_searched", *found, bound, kRounding * bound, unit,
+      fmt::format("least measure that random configurations lead to; none may be below {:.9g} "
                   "(it proves nothing; the proof does)",
                   bound));
 }

@@ -62,9 +62,9 @@ void check_families(const Context& context, ClaimList& claims);
 /// The enclosed solutions and the candidates are the same; nothing where there is no proof.
 void check_proof(const Context& context, ClaimList& claims);
 
-/// The lower bound of the measure, when it is above zero: no candidate and no posture that a search
-/// of its own finds is better.
-void check_bound(const Context& context, const ContactEvent& event, ClaimList& claims);
+/// The lower bound of the measure, when it is above zero: no candidate and no configuration that a
+/// search of its own finds is better.
+void check_bound(const Context& context, ClaimList& claims);
 
 /// Torques along the approach against the effort limits, and as stated.
 void check_torques(const Context& context, ClaimList& claims);

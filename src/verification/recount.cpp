@@ -22,33 +22,6 @@ bool has_hand_point(const CaptureProblem& problem) {
   return problem.hand.position || !problem.impulse.direction;
 }
 
-/// The hand's distance from its point (3) and the sines of the turn of its axes (3), in B.
-Eigen::Matrix<double, kHandRows, 1> hand_rows(const CaptureProblem& problem,
-                                              const ContactEvent& event, const Configuration& at,
-                                              const reference::Dynamics& dynamics) {
-  Eigen::Matrix<double, kHandRows, 1> rows = Eigen::Matrix<double, kHandRows, 1>::Zero();
-  const HandSpec& hand = problem.hand;
-  if (hand.constraint == HandConstraint::None) return rows;
-  if (has_hand_point(problem) && problem.variables.base_position == PositionFreedom::Fixed) {
-    Vector3d wanted;
-    if (hand.position && hand.frame == Frame::Base) {
-      wanted = *hand.position;
-    } else {
-      wanted = at.base.inverse() * (hand.position ? *hand.position : event.feature->point);
-    }
-    rows.head<3>() = dynamics.hand_position - wanted;
-  }
-  if (hand.constraint == HandConstraint::Axis) {
-    rows.tail<3>() = event.n.cross(Vector3d(dynamics.hand_rotation * hand.approach_axis));
-  } else if (const auto wanted = wanted_hand_axes(problem, event, at)) {
-    const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
-    for (int i = 0; i < 3; ++i) {
-      rows.tail<3>() += dynamics.hand_rotation.col(i).cross(D.col(i)) / 2;
-    }
-  }
-  return rows;
-}
-
 /// The equations over the variables, relative to the size of the momenta and to 1 m.
 class Equations {
  public:
@@ -109,35 +82,9 @@ class Equations {
     return J;
   }
 
-  /// The inequalities, with a little to spare.
   bool is_allowed(const Configuration& at) const {
-    const ContactEvent event = event_at(at);
     const reference::Dynamics dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
-    const VariableSpec& variables = problem_.variables;
-    const HandSpec& hand = problem_.hand;
-    if (hand.constraint == HandConstraint::Axis &&
-        event.n.dot(dynamics.hand_rotation * hand.approach_axis) > 0) {
-      return false;
-    }
-    if (const auto wanted = wanted_hand_axes(problem_, event, at)) {
-      const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
-      if ((dynamics.hand_rotation.transpose() * D).trace() < 0) return false;
-    }
-    const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
-    if (event.feature && (time_is_free || problem_.impulse.source != ImpulseSource::Given) &&
-        closing_speed(problem_, event, event.n) <
-            problem_.constraints.closing_speed_min + kInside) {
-      return false;
-    }
-    if (variables.base_position == PositionFreedom::Box && has_hand_point(problem_)) {
-      const Vector3d point = hand.position ? *hand.position : event.feature->point;
-      const Vector3d station = point - at.base.orientation * Vector3d(dynamics.hand_position);
-      if (((station - variables.base_position_lower).array() < kInside).any() ||
-          ((variables.base_position_upper - station).array() < kInside).any()) {
-        return false;
-      }
-    }
-    return true;
+    return keeps_inequalities(problem_, event_at(at), at, dynamics);
   }
 
  private:
@@ -210,6 +157,59 @@ bool is_angular(const std::vector<ObjectiveTerm>& objective) {
 }
 
 }  // namespace
+
+Vector6d hand_rows(const CaptureProblem& problem, const ContactEvent& event,
+                   const Configuration& at, const reference::Dynamics& dynamics) {
+  Vector6d rows = Vector6d::Zero();
+  const HandSpec& hand = problem.hand;
+  if (hand.constraint == HandConstraint::None) return rows;
+  if (has_hand_point(problem) && problem.variables.base_position == PositionFreedom::Fixed) {
+    Vector3d wanted;
+    if (hand.position && hand.frame == Frame::Base) {
+      wanted = *hand.position;
+    } else {
+      wanted = at.base.inverse() * (hand.position ? *hand.position : event.feature->point);
+    }
+    rows.head<3>() = dynamics.hand_position - wanted;
+  }
+  if (hand.constraint == HandConstraint::Axis) {
+    rows.tail<3>() = event.n.cross(Vector3d(dynamics.hand_rotation * hand.approach_axis));
+  } else if (const auto wanted = wanted_hand_axes(problem, event, at)) {
+    const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
+    for (int i = 0; i < 3; ++i) {
+      rows.tail<3>() += dynamics.hand_rotation.col(i).cross(D.col(i)) / 2;
+    }
+  }
+  return rows;
+}
+
+bool keeps_inequalities(const CaptureProblem& problem, const ContactEvent& event,
+                        const Configuration& at, const reference::Dynamics& dynamics) {
+  const VariableSpec& variables = problem.variables;
+  const HandSpec& hand = problem.hand;
+  if (hand.constraint == HandConstraint::Axis &&
+      event.n.dot(dynamics.hand_rotation * hand.approach_axis) > 0) {
+    return false;
+  }
+  if (const auto wanted = wanted_hand_axes(problem, event, at)) {
+    const Matrix3d D = (at.base.orientation.conjugate() * *wanted).toRotationMatrix();
+    if ((dynamics.hand_rotation.transpose() * D).trace() < 0) return false;
+  }
+  const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
+  if (event.feature && (time_is_free || problem.impulse.source != ImpulseSource::Given) &&
+      closing_speed(problem, event, event.n) < problem.constraints.closing_speed_min + kInside) {
+    return false;
+  }
+  if (variables.base_position == PositionFreedom::Box && has_hand_point(problem)) {
+    const Vector3d point = hand.position ? *hand.position : event.feature->point;
+    const Vector3d station = point - at.base.orientation * Vector3d(dynamics.hand_position);
+    if (((station - variables.base_position_lower).array() < kInside).any() ||
+        ((variables.base_position_upper - station).array() < kInside).any()) {
+      return false;
+    }
+  }
+  return true;
+}
 
 double hand_residual(const CaptureProblem& problem, const ContactEvent& event,
                      const Configuration& at, const reference::Dynamics& dynamics) {

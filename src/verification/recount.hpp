@@ -22,6 +22,15 @@ struct Recount {
 /// For problems with one to three variables among joints, base angle about an axis and time.
 Recount search_solutions(const Context& context);
 
+/// The hand's distance from its point (3, m) and the sines of the turn of its axes (3), in B; zero
+/// where nothing is asked.
+Vector6d hand_rows(const CaptureProblem& problem, const ContactEvent& event,
+                   const Configuration& at, const reference::Dynamics& dynamics);
+
+/// Closing speed, bounds of the base position, which way the hand faces: with a little to spare.
+bool keeps_inequalities(const CaptureProblem& problem, const ContactEvent& event,
+                        const Configuration& at, const reference::Dynamics& dynamics);
+
 /// How far the hand is from what is asked of it at a configuration: m, and sines of angles.
 double hand_residual(const CaptureProblem& problem, const ContactEvent& event,
                      const Configuration& at, const reference::Dynamics& dynamics);

@@ -184,7 +184,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("candidates", [&] { check_candidates(context, claims); });
       group("families", [&] { check_families(context, claims); });
       group("proof", [&] {
-        check_bound(context, event, claims);
+        check_bound(context, claims);
         check_proof(context, claims);
       });
       group("consistency", [&] { check_consistency(context, claims); });

@@ -65,6 +65,89 @@ TEST_CASE(
   CHECK(*proof.lower_bound >= best_of(plan) * (1 - 1e-3));
 }
 
+TEST_CASE("base angle, contact time, a moving target, a station box: proven to a hundredth") {
+  const int kind = GENERATE(0, 1, 2, 3, 4);
+  CaptureProblem problem =
+      without_path(kind == 0 ? "planar_three_link_null" : "planar_three_link_client");
+  VariableSpec& variables = problem.variables;
+  const auto fix_attitude = [&] { variables.base_attitude = AttitudeFreedom::Fixed; };
+  std::string words = "no configuration has a worst case below ";
+  if (kind == 0) {  // base angle, the hand at a point of N
+    variables.joints = {false, true, true};
+    variables.base_attitude = AttitudeFreedom::Axis;
+    variables.base_attitude_max = 0.5;
+    problem.impulse.direction_frame = Frame::Inertial;
+    problem.hand.frame = Frame::Inertial;
+  } else if (kind == 1) {  // contact time, the hand at the client
+    variables.joints = {false, true, true};
+    fix_attitude();
+    problem.hand.constraint = HandConstraint::Position;
+  } else if (kind == 2) {  // the hand at the client at a stated time
+    variables.contact_time_lower = variables.contact_time_upper = 72;
+    fix_attitude();
+    problem.hand.constraint = HandConstraint::Position;
+    words = "no posture has a worst case below ";
+  } else if (kind == 3) {  // joint and time, the station in a box
+    variables.joints = {false, true, false};
+    fix_attitude();
+    problem.hand.constraint = HandConstraint::None;
+    variables.base_position = PositionFreedom::Box;
+    variables.base_position_lower = {-0.05, -0.4, -0.1};
+    variables.base_position_upper = {0.05, 0.4, 0.1};
+  } else {  // two joints that bring the hand's axis along the normal, which turns with the time
+    variables.joints = {false, true, true};
+    fix_attitude();
+    variables.base_position = PositionFreedom::Free;
+  }
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(kind, proof.statement);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * 0.99);
+  CHECK(proof.statement.find(words) != std::string::npos);
+  CHECK(proof.statement.find("not counting") == std::string::npos);
+}
+
+TEST_CASE("of a wedge that turns with the base only its middle is bounded, which is true") {
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.variables.joints = {false, true, false};
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_axis = Vector3d(1, 0.5, 0.3).normalized();
+  problem.variables.base_attitude_max = 0.5;
+  problem.impulse.direction_frame = Frame::Inertial;
+  problem.impulse.direction = Vector3d(-1, 0.6, 0.4).normalized();
+  problem.hand.constraint = HandConstraint::None;
+  problem.hand.position.reset();
+  problem.variables.base_position = PositionFreedom::Free;
+  problem.uncertainty.cone_half_angle = 0.5;
+  problem.objective = {{ObjectiveQuantity::JointRateNorm}};
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(proof.statement);
+  CHECK(proof.statement.find("contradiction") == std::string::npos);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * 0.1);
+}
+
+TEST_CASE("means over samples: proven to a hundredth, with the number of samples") {
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.measure.kind = GENERATE(RiskMeasure::Expectation, RiskMeasure::Cvar);
+  problem.uncertainty.restitution = 0.1;
+  problem.uncertainty.target_mass = 0.2;
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(proof.statement);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * 0.99);
+  const bool is_cvar = problem.measure.kind == RiskMeasure::Cvar;
+  const std::string words = std::string(is_cvar ? "a CVaR of" : "an expected") +
+                            " base_angular_velocity (64 samples) below ";
+  CHECK(proof.statement.find("no posture has " + words) != std::string::npos);
+}
+
 TEST_CASE("where the best candidate is zero no bound is looked for") {
   const Plan zero = make_plan(without_path("planar_two_link_c2_a"));
   CHECK_FALSE(zero.certificate.proof.lower_bound.has_value());

@@ -12,8 +12,8 @@ template <int N, class F>
 class Written final : public Program<N> {
  public:
   explicit Written(F f) : f_(f) {}
-  void evaluate(const std::array<Quadratic<N>, N>& x, std::vector<Quadratic<N>>& equations,
-                std::vector<Quadratic<N>>& values) const override {
+  void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
+                std::vector<Fraction<N>>& values) const override {
     f_(x, equations, values);
   }
 
@@ -37,7 +37,7 @@ Box<N> cube(double low, double high) {
 /// Two valleys, one deeper than the other by 4e-3 only.
 constexpr auto kTwoValleys = [](const auto& x, auto&, auto& values) {
   const auto u = square(x[0]) - 1.0;
-  values.push_back(square(u) + square(x[1] - x[0] * 0.5) + x[0] * 2e-3 + 1.0);
+  values.push_back({square(u) + square(x[1] - x[0] * 0.5) + x[0] * 2e-3 + 1.0});
 };
 double two_valleys(double x, double y) {
   return std::pow(x * x - 1, 2) + std::pow(y - 0.5 * x, 2) + 2e-3 * x + 1;
@@ -77,7 +77,7 @@ TEST_CASE("a minimum on a curve is bounded to the curve, not to the box") {
   // x + 2 y on the unit circle: at least -sqrt 5.
   const auto circle = [](const auto& x, auto& equations, auto& values) {
     equations.push_back(square(x[0]) + square(x[1]) - 1.0);
-    values.push_back(x[0] + x[1] * 2.0);
+    values.push_back({x[0] + x[1] * 2.0});
   };
   const double least = -std::sqrt(5.0);
   const Bound bound = bound_of<2>(circle, cube<2>(-3, 3.1), {.cut = 0, .goal = least - 1e-6});
@@ -91,7 +91,7 @@ TEST_CASE("two surfaces of a space leave a curve, on which the bound is sharp") 
   const auto curve = [](const auto& x, auto& equations, auto& values) {
     equations.push_back(square(x[0]) + square(x[1]) + square(x[2]) - 1.0);
     equations.push_back(x[0] + x[1] + x[2]);
-    values.push_back(sin(x[0]) + x[1] * 0.3 + 2.0);
+    values.push_back({sin(x[0]) + x[1] * 0.3 + 2.0});
   };
   double least = 10;
   const Eigen::Vector3d u = Eigen::Vector3d(1, -1, 0).normalized();
@@ -112,13 +112,35 @@ TEST_CASE("the least maximum of several functions is bounded by their mixtures")
   // max of three paraboloids about the corners of a triangle: least in its middle.
   const auto corners = [](const auto& x, auto&, auto& values) {
     for (const double angle : {0.3, 2.4, 4.5}) {
-      values.push_back(square(x[0] - std::cos(angle)) + square(x[1] - std::sin(angle)));
+      values.push_back({square(x[0] - std::cos(angle)) + square(x[1] - std::sin(angle))});
     }
   };
   const Bound bound = bound_of<2>(corners, cube<2>(-2, 2.1), {.cut = 1.01, .goal = 1 - 1e-6});
   CAPTURE(bound.boxes);
   CHECK(bound.lower <= 1 + 1e-12);
   CHECK(bound.lower >= 1 - 1e-6);
+}
+
+TEST_CASE("a quotient is bounded without a division") {
+  // (x^2 + y^2 + 1) / (2 + sin x)^2: bounded where numerator and denominator are.
+  const auto quotient = [](const auto& x, auto&, auto& values) {
+    values.push_back({square(x[0]) + square(x[1]) + 1.0, square(sin(x[0]) + 2.0), 1.0});
+  };
+  double least = 10;
+  for (int i = 0; i <= 40000; ++i) {
+    const double x = -2 + 1e-4 * i;
+    least = std::min(least, (x * x + 1) / std::pow(2 + std::sin(x), 2));
+  }
+  const Bound bound =
+      bound_of<2>(quotient, cube<2>(-2, 2.1), {.cut = 1.001 * least, .goal = least * (1 - 1e-6)});
+  CAPTURE(bound.boxes);
+  CHECK(bound.lower <= least);
+  CHECK(bound.lower >= least * (1 - 1e-6));
+  // Cut short it holds as well, with the denominator as large as it gets.
+  const Bound early = bound_of<2>(quotient, cube<2>(-2, 2.1),
+                                  {.cut = 1.001 * least, .goal = least, .max_boxes = 3});
+  CHECK(early.limit_reached);
+  CHECK(early.lower <= least);
 }
 
 TEST_CASE("limits and interrupts leave a bound that holds, and the same request the same answer") {
@@ -142,7 +164,7 @@ TEST_CASE("equations without a solution leave nothing") {
   const auto apart = [](const auto& x, auto& equations, auto& values) {
     equations.push_back(square(x[0]) + square(x[1]) - 1.0);
     equations.push_back(x[0] + x[1] - 1.5);
-    values.push_back(x[0]);
+    values.push_back({x[0]});
   };
   const Bound bound = bound_of<2>(apart, cube<2>(-2, 2), {.cut = 5, .goal = 4});
   CHECK(bound.nothing_below_cut);

@@ -10,48 +10,44 @@
 #include <stillbase/proof/proof.hpp>
 #include <stillbase/reference/reference.hpp>
 
+#include "proof/minimum_problem.hpp"
+
 namespace stillbase {
 namespace {
+
+using proof::bound_minimum;
+using proof::BoundedMinimum;
+using proof::ImpulseCase;
+using proof::MinimumProblem;
 
 CaptureProblem shipped(const std::string& name) {
   return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
 }
 
-/// The free joints, the hand's point and the impulses along `directions` (in B) of a problem.
-MinimumProblem bounded(const CaptureProblem& problem, const std::vector<Vector3d>& directions) {
-  MinimumProblem out;
-  out.robot = problem.robot;
-  out.start = problem.start;
-  out.objective = problem.objective;
-  out.added_inertia = JointVectord::Zero(problem.robot.n());
-  for (int k = 0; k < problem.robot.n(); ++k) {
-    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
-    out.free.push_back(k);
-    out.lower.push_back(joint.lower);
-    out.upper.push_back(joint.upper);
-  }
-  if (problem.hand.position) {
-    out.has_hand_point = true;
-    out.hand_point = problem.hand.frame == Frame::Base
-                         ? *problem.hand.position
-                         : Vector3d(problem.base.inverse() * *problem.hand.position);
-  }
+std::vector<Scenario> along(const CaptureProblem& problem,
+                            const std::vector<Vector3d>& directions) {
+  std::vector<Scenario> out;
   for (const Vector3d& direction : directions) {
-    ImpulseCase impulse;
-    impulse.F.head<3>() = direction.normalized();
-    impulse.numerator = (1 + problem.impulse.restitution) * problem.impulse.closing_speed;
-    impulse.target_inverse_mass = 1 / problem.target->mass;
-    out.impulses.push_back(impulse);
+    Scenario scenario;
+    scenario.direction = direction.normalized();
+    scenario.restitution = problem.impulse.restitution;
+    out.push_back(scenario);
   }
   return out;
 }
 
+/// The problem with impulses along `directions` of the contact frame, which is that of the base.
+MinimumProblem bounded(const CaptureProblem& problem, const std::vector<Vector3d>& directions) {
+  return proof::minimum_problem(problem, along(problem, directions));
+}
+
 /// What is bounded, at one posture, by the second implementation of the dynamics.
 double value_at(const MinimumProblem& problem, const Eigen::VectorXd& phi) {
-  const reference::Dynamics at = reference::compute(problem.robot, {phi, {}, {}});
+  const reference::Dynamics at = reference::compute(problem.where.robot, {phi, {}, {}});
   double largest = 0;
   for (const ImpulseCase& impulse : problem.impulses) {
-    const auto unit = reference::impact(at, problem.added_inertia, problem.locked, impulse.F);
+    const auto unit =
+        reference::impact(at, problem.where.added_inertia, problem.where.locked, impulse.F);
     const double p = impulse.numerator / (unit.hand_inverse_mass + *impulse.target_inverse_mass);
     double sum = 0;
     for (const ObjectiveTerm& term : problem.objective) {
@@ -197,13 +193,13 @@ TEST_CASE("two free joints without any equation: predicted value and worst case 
 TEST_CASE("a spatial arm at a point: the bound is the least value of its enclosed postures") {
   CaptureProblem problem = shipped("spart_3dof_point");
   problem.variables.base_attitude = AttitudeFreedom::Fixed;
+  problem.variables.base_position = PositionFreedom::Fixed;
   problem.constraints.joint_limit_margin = 0;
   const Vector3d n = Vector3d(-2, -1, -2).normalized();
   MinimumProblem minimum = bounded(problem, {n, Vector3d(-2.1, -1, -2), Vector3d(-2, -1.1, -2)});
   problem.hand.constraint = HandConstraint::Position;
   problem.hand.frame = Frame::Base;
-  problem.hand.position = minimum.hand_point;
-  problem.variables.base_position = PositionFreedom::Fixed;
+  problem.hand.position = minimum.where.encounter.fixed_hand_point;
   Vector6d F;
   F << n, Vector3d::Zero();
   const Proof proof = prove(problem, F);
@@ -239,24 +235,25 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
-  const BoundedMinimum cut = bound_minimum(minimum, least, {.max_boxes = 100});
+  const BoundedMinimum cut = bound_minimum(minimum, least, {.max_boxes = 10});
   CHECK(cut.limit_reached);
   CHECK(cut.lower_bound <= least);
-  CHECK(bound_minimum(minimum, least, {.max_boxes = 100}).lower_bound == cut.lower_bound);
+  CHECK(bound_minimum(minimum, least, {.max_boxes = 10}).lower_bound == cut.lower_bound);
   std::atomic<bool> interrupted = true;
   const BoundedMinimum stopped =
       bound_minimum(minimum, least, {.stop = {.interrupted = &interrupted}});
   CHECK(stopped.limit_reached);
   CHECK(stopped.lower_bound <= least);
   // One free joint and no point for the hand.
-  minimum.has_hand_point = false;
-  minimum.free = {2};
-  minimum.robot.joints[2].type = JointType::Revolute;
-  minimum.lower = {0.2};
-  minimum.upper = {1.1};
+  minimum.where.has_hand_point = false;
+  minimum.where.robot.joints[2].type = JointType::Revolute;
+  proof::EncounterModel& encounter = minimum.where.encounter;
+  encounter.free = {2};
+  encounter.lower = {0.2};
+  encounter.upper = {1.1};
   std::vector<Eigen::VectorXd> row;
   for (int i = 0; i <= 2000; ++i) {
-    Eigen::VectorXd phi = minimum.start;
+    Eigen::VectorXd phi = encounter.start;
     phi[2] = 0.2 + 0.9 * i / 2000;
     row.push_back(phi);
   }
@@ -272,16 +269,20 @@ TEST_CASE("problems that cannot be bounded say why, and constraints that are lef
   CaptureProblem problem = shipped("planar_three_link_null");
   CHECK(minimum_objection(problem).empty());
   problem.constraints.clearance = 0.01;
-  problem.hand.constraint = HandConstraint::Axis;
+  problem.constraints.coupling_singular_value_min = 1e-3;
   const MinimumBound bound =
-      prove_minimum(problem, bounded(problem, wedge(M_PI, M_PI / 18, 5)).impulses, {}, 1.68e-5);
+      prove_minimum(problem, along(problem, wedge(M_PI, M_PI / 18, 5)), {}, 1.68e-5);
   CAPTURE(bound.statement);
-  CHECK(bound.statement.find("not counting the hand's axes, clearances") != std::string::npos);
+  CHECK(bound.statement.find("not counting singular values, clearances") != std::string::npos);
   CHECK(bound.statement.find("no posture has a worst case below 1.67") == 0);
   CHECK(bound.lower_bound > 0);
   CHECK(bound.gap == 1.68e-5 - bound.lower_bound);
   problem.measure.kind = RiskMeasure::Expectation;
-  CHECK_FALSE(minimum_objection(problem).empty());
+  CHECK(minimum_objection(problem).empty());
+  problem.uncertainty.joint_position = JointVectord::Constant(3, 0.01);
+  CHECK(minimum_objection(problem).find("posture") != std::string::npos);
+  problem.measure.kind = RiskMeasure::Nominal;
+  CHECK(minimum_objection(problem).empty());
 }
 
 }  // namespace stillbase

@@ -126,6 +126,39 @@ TEST_CASE("the integrated motion of a target is within its enclosure, instants a
   }
 }
 
+TEST_CASE(
+    "Taylor's series of the motion holds it over a span, what it leaves open is of third order") {
+  for (const Tumbling& example : examples()) {
+    INFO(example.name);
+    const TargetMotion motion(example.body, example.estimate, 200);
+    const SpinEnclosure spin(example.body, example.estimate, -20, 120);
+    Random random(9);
+    for (int i = 0; i < 100; ++i) {
+      const double t = random.uniform(-10, 110);
+      const double half = std::pow(10.0, random.uniform(-4, 0.9));
+      const double at = t + half * random.uniform(-1, 1);
+      const Instant exact = instant_of(example, motion, at);
+      const RoundUpward upward;
+      const SpinSeries series = spin.series(t, Interval(t - half, t + half));
+      const Number d(Interval(at) - Interval(t));
+      SpinRange sum{series.R[0], Matrix3<Number>(), series.omega[0], Vector3<Number>()};
+      Number power = d;
+      for (std::size_t k = 1; k < 4; ++k, power *= d) {
+        sum.R += series.R[k] * power;
+        sum.omega += series.omega[k] * power;
+      }
+      CHECK(farthest_beyond(sum.R, exact.R) < kPlannersAccuracy);
+      CHECK(farthest_beyond(sum.omega, exact.omega) < kPlannersAccuracy);
+      CHECK(farthest_beyond(series.whole.R, exact.R) < kPlannersAccuracy);
+      if (half > 1) continue;
+      // |omega| < 0.2: the third derivative of R is below 0.2^3 times a small number.
+      const double open = std::pow(0.2 * half, 3);
+      CHECK(widest(sum.R) < 4 * open + 1e-8);
+      CHECK(widest(sum.omega) < 4 * open + 1e-8);
+    }
+  }
+}
+
 TEST_CASE("a narrow span of time gives a narrow enclosure of the motion") {
   for (const Tumbling& example : examples()) {
     INFO(example.name);

@@ -12,15 +12,54 @@
 namespace stillbase {
 namespace {
 
+CaptureProblem without_path(const std::string& name) {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
+  problem.approach.enabled = false;
+  problem.post_impact.controllers.clear();
+  return problem;
+}
+
 const Plan& plan_of_null() {
-  static const Plan plan = [] {
-    CaptureProblem problem =
-        read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
-    problem.approach.enabled = false;
-    problem.post_impact.controllers.clear();
-    return make_plan(problem);
-  }();
+  static const Plan plan = make_plan(without_path("planar_three_link_null"));
   return plan;
+}
+
+/// Base angle free, the hand at a point of N.
+CaptureProblem free_attitude() {
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.variables.joints = {false, true, true};
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_max = 0.5;
+  problem.impulse.direction_frame = Frame::Inertial;
+  problem.hand.frame = Frame::Inertial;
+  return problem;
+}
+
+/// Contact time free, the hand at the turning client.
+CaptureProblem free_time() {
+  CaptureProblem problem = without_path("planar_three_link_client");
+  problem.variables.joints = {false, true, true};
+  problem.variables.base_attitude = AttitudeFreedom::Fixed;
+  problem.hand.constraint = HandConstraint::Position;
+  return problem;
+}
+
+/// Mean of the worst over samples that differ in everything but the posture.
+CaptureProblem sampled() {
+  CaptureProblem problem = without_path("planar_three_link_client");
+  problem.variables.base_attitude = AttitudeFreedom::Fixed;
+  problem.variables.contact_time_lower = problem.variables.contact_time_upper = 72;
+  problem.hand.constraint = HandConstraint::Position;
+  problem.measure.kind = RiskMeasure::Cvar;
+  problem.measure.samples = 12;
+  problem.uncertainty.closing_speed = 0.005;
+  problem.uncertainty.restitution = 0.1;
+  problem.uncertainty.target_mass = 0.2;
+  problem.uncertainty.target_inertia = 0.2;
+  problem.uncertainty.contact_point = 0.01;
+  problem.uncertainty.contact_time = 0.5;
+  return problem;
 }
 
 }  // namespace
@@ -50,6 +89,46 @@ TEST_CASE("better postures that were kept quiet are found by a search of its own
   Proof& proof = plan.certificate.proof;
   // As if the worst of the candidates were the best there is.
   proof.lower_bound = plan.candidates.back().value * 0.999;
+  CHECK(failures(plan).find("proof_bound_searched") != std::string::npos);
+}
+
+TEST_CASE(
+    "bounds over base angle, contact time and samples pass, and too high ones are found out") {
+  const int kind = GENERATE(0, 1, 2);
+  const CaptureProblem problem = kind == 0 ? free_attitude() : kind == 1 ? free_time() : sampled();
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(kind, proof.statement);
+  REQUIRE(proof.lower_bound.value_or(0) > 0);
+  CHECK(failures(plan) == "");
+
+  Plan boasting = plan;
+  *boasting.certificate.proof.lower_bound *= 1.001;
+  CHECK(failures(boasting).find("proof_bound ") != std::string::npos);
+  Plan nearer = plan;
+  *nearer.certificate.proof.gap /= 2;
+  CHECK(failures(nearer).find("proof_bound_statement") != std::string::npos);
+  Plan other = plan;
+  std::string& words = other.certificate.proof.statement;
+  words.replace(words.find(" has a"), 6, " can a");
+  CHECK(failures(other).find("proof_bound_statement") != std::string::npos);
+
+  // As if the good candidates had not been found: the search of verification meets better ones.
+  Plan worse = plan;
+  double best = kInfinity;
+  for (const Candidate& candidate : plan.candidates) best = std::min(best, candidate.value);
+  worse.certificate.proof.lower_bound = 1.5 * best;
+  CHECK(failures(worse).find("proof_bound_searched") != std::string::npos);
+}
+
+TEST_CASE("where a case leaves single postures only these can be below the bound") {
+  CaptureProblem problem = without_path("planar_two_link_c2_a");
+  problem.measure.kind = RiskMeasure::WorstCase;
+  Plan plan = make_plan(problem);
+  CAPTURE(plan.certificate.proof.statement);
+  REQUIRE(plan.certificate.proof.lower_bound.value_or(0) > 0);
+  CHECK(failures(plan) == "");
+  *plan.certificate.proof.lower_bound *= 1.5;
   CHECK(failures(plan).find("proof_bound_searched") != std::string::npos);
 }
 

@@ -1,72 +1,39 @@
-// A proof that no posture is better: the global minimum of a problem's measure, bounded from below.
+// A proof that no configuration is better: the global minimum of a problem's measure, bounded from
+// below.
 //
-// Branch and bound over the free joints with quadratic forms whose rests are rounded outwards: the
-// same guarantee as proof.hpp, for problems whose objective vanishes nowhere or whose measure is a
-// worst case. Over a cone the worst case is at least the largest value over finitely many of its
-// directions, so a bound of that is a bound of the worst case.
+// Branch and bound over the planner's variables (free joints, angle of the base about an axis,
+// contact time; one to three of them) with quadratic forms whose rests are rounded outwards: the
+// same guarantee as proof.hpp, for problems whose objective vanishes nowhere or whose measure is no
+// predicted value. Every measure is bounded over finitely many impulses:
+//   worst case    at least the largest |y| over some directions of the cone
+//   expectation   |y|^2 = sum w_s |y_s|^2 over the problem's samples
+//   CVaR          at least sum v_s |y_s|^2 for any weights 0 <= v_s <= w_s / (1 - level) of sum one
 //
-// Assumptions: base attitude, base position and contact time fixed, one to three free joints, the
-// same encounter at every posture. Constraints that are left out make the bound lower, never wrong:
-// the statement names them. Postures count as the planner counts them: the hand within 1e-9 m of
-// its point, joints within 1e-9 of their limits.
+// A variable that nothing depends on counts as none. Constraints that are left out make the bound
+// lower, never wrong: the statement names them. Configurations count as the planner counts them:
+// the hand within 1e-9 m of its point, variables within 1e-9 of their bounds. With the contact time
+// free the target moves exactly as Euler's equations say.
+//
+// Not bounded, with the reason: attitudes free about more than one axis, a turn after the impact
+// that is simulated, samples of the posture, samples of the contact time where the time is free.
 #pragma once
 
-#include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/plan/scenario.hpp>
 
 namespace stillbase {
 
-/// An impulse that the robot may be hit by.
-struct ImpulseCase {
-  Vector6d F = Vector6d::Zero();  ///< wrench on the hand per unit of impulse, in B
-  /// p = numerator / (F' W_h F + target_inverse_mass), the numerator (1+e) v_n; of a given impulse
-  /// p itself.
-  double numerator = 1;
-  std::optional<double> target_inverse_mass;  ///< n' W_t n, 1/kg; empty: the impulse is given
-};
-
-/// What is bounded: the largest |y| over the impulses, y the terms of the objective below each
-/// other, each divided by its size.
-struct MinimumProblem {
-  RobotModel robot;
-  JointVectord start;                ///< n, positions of the joints that are not free
-  std::vector<int> free;             ///< indices of the free joints, 1 to 3
-  std::vector<double> lower, upper;  ///< one per free joint; not used for continuous joints
-  JointVectord added_inertia;        ///< n
-  std::vector<bool> locked;          ///< n, or empty
-  bool has_hand_point = false;
-  Vector3d hand_point = Vector3d::Zero();  ///< of the hand, in B, m
-  std::vector<ObjectiveTerm> objective;
-  std::vector<ImpulseCase> impulses;
-  /// Boxes that hold every posture to be looked at; empty: all within the limits.
-  std::vector<JointBox> places;
-};
-
 struct MinimumOptions {
   double relative_gap = 1e-3;  ///< of the best known value: good enough
-  /// Boxes looked at, about 20 to 100 us each. A count, so that the answer is the same on every
-  /// machine.
+  /// Boxes looked at, about 20 to 100 us each; of means over many samples fewer, for each costs
+  /// more. A count, so that the answer is the same on every machine.
   long max_boxes = 20000;
   StopCondition stop = {};  ///< the bound that was reached counts
 };
-
-struct BoundedMinimum {
-  double lower_bound = 0;        ///< of |y|, rounded down
-  bool nothing_as_good = false;  ///< no posture reaches the best known value: it is wrong
-  bool limit_reached = false;    ///< of boxes or by the stop condition
-  long boxes = 0;
-};
-
-/// @param best value of the best posture known, > 0: nothing above it is looked at
-/// @pre at most max_minimum_joints() joints, one to three of them free
-BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
-                             const MinimumOptions& options = {});
-int max_minimum_joints();
 
 /// What a bound says, in words and numbers.
 struct MinimumBound {
@@ -80,12 +47,13 @@ struct MinimumBound {
 std::string minimum_objection(const CaptureProblem& problem);
 
 /// The bound that belongs to a capture problem, in words and numbers.
-/// @param impulses the predicted one; over a cone directions of it, the more the better
+/// @param scenarios as predicted: the predicted encounter; over a cone: encounters along directions
+/// of it (everything else as predicted), the more the better; a mean: all samples (draw_scenarios)
 /// @param enclosed the problem's own proof: where all postures are enclosed, only they are looked
 /// at
-/// @param best the least value of the problem's measure among its candidates
+/// @param best the least value of the problem's measure among its candidates, > 0
 /// @pre minimum_objection() is empty
-MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<ImpulseCase>& impulses,
+MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scenario>& scenarios,
                            const Proof& enclosed, double best, const MinimumOptions& options = {});
 
 }  // namespace stillbase

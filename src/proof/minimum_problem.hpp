@@ -1,0 +1,65 @@
+// What a lower bound is about: the measure of one problem over its configurations.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <stillbase/proof/minimum.hpp>
+
+#include "proof/zero_problem.hpp"
+
+namespace stillbase::proof {
+
+/// An impulse that the robot may be hit by. Everything is stated in the frame E in which the
+/// direction never changes (encounter_kernel.hpp).
+struct ImpulseCase {
+  Vector6d F = Vector6d::Zero();  ///< wrench on the hand per unit of impulse, in E
+  double weight = 1;              ///< in a mean
+  /// p = numerator / (F' W_h F + target_inverse_mass), the numerator (1+e) v_n; of a given impulse
+  /// p itself.
+  double numerator = 1;
+  std::optional<double> target_inverse_mass;  ///< n' W_t n, 1/kg; empty: the impulse is given
+  /// With the time free: v_n = max(F . velocity of `point` + offset, 0), the numerator 1 + e.
+  struct Closing {
+    Vector3d point = Vector3d::Zero();  ///< of the target, in T, m
+    double offset = 0;                  ///< m/s
+  };
+  std::optional<Closing> closing;
+};
+
+struct MinimumProblem {
+  /// Variables, the hand's point and the inequalities; its other equations are not asked for.
+  ZeroProblem where;
+  std::vector<ObjectiveTerm> objective;
+  std::vector<ImpulseCase> impulses;
+  /// Predicted value and worst case alike: the largest |y| over the impulses.
+  RiskMeasure measure = RiskMeasure::Nominal;
+  double cvar_level = 0;
+  /// Boxes that hold every configuration to be looked at; empty: all within the limits.
+  std::vector<JointBox> places;
+};
+
+/// By which the planner's own configurations may miss their constraints, with some to spare: m,
+/// rad, s, m/s.
+inline constexpr double kFeasible = 2e-9;
+
+/// Of variables that nothing depends on the stated values are taken.
+/// @pre no joint offsets; no time offsets while the time is free
+MinimumProblem minimum_problem(const CaptureProblem& problem,
+                               const std::vector<Scenario>& scenarios);
+
+struct BoundedMinimum {
+  double lower_bound = 0;        ///< of the measure, rounded down
+  bool nothing_as_good = false;  ///< no configuration reaches the best known value: it is wrong
+  bool limit_reached = false;    ///< of boxes or by the stop condition
+  long boxes = 0;
+};
+
+/// @param best value of the best configuration known, > 0: nothing above it is looked at
+/// @pre at most max_minimum_joints() joints, one to three variables, an enclosure of the target's
+/// motion that is valid
+BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
+                             const MinimumOptions& options = {});
+int max_minimum_joints();
+
+}  // namespace stillbase::proof
