@@ -58,7 +58,8 @@ std::string nearest_words(const Plan& plan) {
 
 std::string certificate_words(const Certificate& certificate) {
   return fmt::format("largest violation {}, KKT residual {}", size_words(certificate.max_violation),
-                     size_words(certificate.kkt_residual));
+                     std::isfinite(certificate.kkt_residual) ? size_words(certificate.kkt_residual)
+                                                             : "not known: a limit came first");
 }
 
 /// Noise of the Hessian, which is made of differences, is below this.
@@ -118,9 +119,11 @@ std::string objective_words(const Plan& plan) {
                                  size_words(objective.nominal), objective.unit);
   const double cone = plan.problem.uncertainty.cone_half_angle;
   if (cone > 0) {
-    text += fmt::format(", {} {} at worst within {:.3g} deg of the predicted direction",
-                        size_words(objective.worst_case), objective.unit, cone * kDegrees);
+    text += fmt::format(", {}{} {} at worst within {:.3g} deg of the predicted direction",
+                        objective.is_judged ? "" : "at least ", size_words(objective.worst_case),
+                        objective.unit, cone * kDegrees);
   }
+  if (!objective.is_judged) return text + "; a limit came before more was known";
   const RiskMeasure kind = plan.problem.measure.kind;
   if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
     text += fmt::format(", {} {} over the samples", size_words(objective.value), objective.unit);

@@ -20,6 +20,7 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
       encounter(formulation.encounter(at)),
       turns(turns_after_impact(p)),
       user_terms(&formulation.user_terms()),
+      stop(formulation.simulations_stop()),
       configuration(at) {
   const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
   const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
@@ -95,7 +96,7 @@ S DirectionModel::square(const Vector3<S>& d) const {
   return sum;
 }
 
-double DirectionModel::other_square(const Vector3d& d) const {
+double DirectionModel::other_square(const Vector3d& d, const StopCondition& until) const {
   const double speed = encounter.speed_stated ? encounter.closing_speed : d.dot(encounter.velocity);
   const double p = encounter.magnitude_given
                        ? problem->impulse.magnitude
@@ -106,7 +107,7 @@ double DirectionModel::other_square(const Vector3d& d) const {
       summarize_impact(problem->robot, configuration.phi, problem->resistance, p * F, speed);
   double sum = 0;
   for (const TurnAfterImpact& turn : turns) {
-    sum += turn(configuration.phi, impact.Delta_Omega, impact.Delta_phidot).squaredNorm();
+    sum += turn(configuration.phi, impact.Delta_Omega, impact.Delta_phidot, until).squaredNorm();
   }
   for (const UserTerm& term : *user_terms) {
     sum += std::pow(term.value(configuration, impact) / term.size, 2);
@@ -116,7 +117,11 @@ double DirectionModel::other_square(const Vector3d& d) const {
 
 double DirectionModel::value(const Eigen::Vector2d& c) const {
   const Vector3d d = direction(c);
-  return std::sqrt(square<double>(d) + (is_linear() ? 0 : other_square(d)));
+  if (is_linear()) return std::sqrt(square<double>(d));
+  const bool is_predicted = c.isZero(0);
+  if (!is_predicted && !is_complete()) return -kInfinity;
+  const double sum = square<double>(d) + other_square(d, is_predicted ? StopCondition{} : stop);
+  return std::isnan(sum) && !is_complete() ? -kInfinity : std::sqrt(sum);
 }
 
 void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,

@@ -24,6 +24,7 @@ struct DirectionModel {
   // What may be any function of the direction: the simulated terms and those of the user.
   std::vector<TurnAfterImpact> turns;
   const std::vector<UserTerm>* user_terms;
+  StopCondition stop;  ///< of the simulations
   Configuration configuration;
 
   DirectionModel(const CaptureProblem& p, const Formulation& formulation, const Configuration& at);
@@ -34,7 +35,11 @@ struct DirectionModel {
   Eigen::Vector2d coordinates(const Vector3d& d) const;
   /// The place itself, or the nearest on the cone's rim.
   Eigen::Vector2d project(Eigen::Vector2d c) const;
+  /// Minus infinity, less than anything, where simulations were given up; never of the predicted
+  /// direction.
   double value(const Eigen::Vector2d& c) const;
+  /// Whether no value was given up so far.
+  bool is_complete() const { return turns.empty() || !stop.reached(); }
   /// values[i] = value(places[i]), two at a time.
   void values(const std::vector<Eigen::Vector2d>& places, std::vector<double>& values) const;
 
@@ -42,7 +47,7 @@ struct DirectionModel {
   template <class S>
   S square(const Vector3<S>& d) const;
   bool is_linear() const { return turns.empty() && user_terms->empty(); }
-  double other_square(const Vector3d& d) const;
+  double other_square(const Vector3d& d, const StopCondition& until) const;
 };
 
 }  // namespace stillbase

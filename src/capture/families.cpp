@@ -148,6 +148,24 @@ class RatedCurve {
   std::vector<double> values_;
 };
 
+/// From end to end, at most kSpacing apart; of a closed curve the first one again at the end.
+std::vector<Configuration> points_along(const Formulation& formulation,
+                                        const SolutionCurve& curve) {
+  constexpr double kSpacing = 0.09;  // as the crow flies it is a little more than the arc says
+  std::vector<Configuration> out;
+  double last = 0;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const bool is_end = i + 1 == curve.points.size();
+    const double next = is_end ? curve.length : curve.points[i + 1].arc;
+    const bool is_needed = i == 0 || next - last > kSpacing || (is_end && !curve.is_closed);
+    if (!is_needed) continue;
+    last = curve.points[i].arc;
+    out.push_back(formulation.configuration(formulation.normalised(curve.points[i].x)));
+  }
+  if (curve.is_closed) out.push_back(out.front());
+  return out;
+}
+
 /// One curve's entries in the list of solutions.
 std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& formulation,
                                   const std::vector<FamilyMember>& members,
@@ -212,7 +230,8 @@ Families follow_families(const CaptureProblem& problem, const Formulation& formu
     }
   }
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0};
+    SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0,
+                          points_along(formulation, curves[i])};
     for (const FamilyMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
     const RatedCurve rated(problem, formulation, std::move(curves[i]));

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "capture/formulation_kernel.hpp"
 
@@ -118,6 +119,10 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
     const Eigen::VectorXd& x = points[static_cast<std::size_t>(i)];
     for (Eigen::Index k = 0; k < each; ++k) {
       const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
+      if (!parts.turns.empty() && parts.simulations_stop.reached()) {
+        out(i, k) = std::numeric_limits<double>::quiet_NaN();
+        continue;
+      }
       out(i, k) += parts.turn_vector(x, scenario).squaredNorm() / 2;
       out(i, k) += parts.user_objective(x, scenario);
     }

@@ -109,6 +109,7 @@ struct Formulation::Parts {
   ContactFrame frame = ContactFrame::Base;
   Vector3d n_E, u_E, v_E;                              ///< impulse direction and tangents in E
   Vector3d moment_E = Vector3d::Zero();                ///< moment per unit of impulse (given ones)
+  Matrix3d hand_axes_E = Matrix3d::Identity();         ///< wanted ones, approach axis along -n
   Vector3d r_E = Vector3d::Zero();                     ///< contact point from the target's centroid
   Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
   std::vector<Row> rows;
@@ -123,6 +124,7 @@ struct Formulation::Parts {
   mutable long evaluations = 0;
 
   std::vector<TurnAfterImpact> turns;  ///< of the objective
+  StopCondition simulations_stop;
   std::vector<UserTerm> user_terms;
 
   explicit Parts(const CaptureProblem& p);

@@ -49,6 +49,9 @@ Formulation::Parts::Parts(const CaptureProblem& p)
     motion = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
   }
   std::tie(u_E, v_E) = tangent_basis(n_E);
+  const HandSpec& hand = problem.hand;
+  hand_axes_E = rotation_exp(n_E * hand.roll).toRotationMatrix() *
+                Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E).toRotationMatrix();
   if (impulse.source == ImpulseSource::Given) moment_E = impulse.moment / impulse.magnitude;
   if (frame == ContactFrame::Target) r_E = chosen_feature(problem).point;
   if (problem.target && !problem.target->inertia.isZero(0)) {

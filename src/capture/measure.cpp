@@ -1,6 +1,8 @@
 #include "capture/measure.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <stillbase/capture/robust.hpp>
 
@@ -10,6 +12,8 @@
 namespace stillbase {
 
 namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Scenario> scenarios_of(const std::vector<ConeMaximum>& maxima) {
   std::vector<Scenario> out;
@@ -48,18 +52,52 @@ double Measure::value(const Eigen::VectorXd& x) const {
     return here.objective;
   }
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
-    return half_square(worst_case(problem_, formulation_, formulation_.configuration(x)).value);
+    const WorstCase worst = worst_at(x);
+    return worst.is_complete ? half_square(worst.value) : kUnknown;
   }
+  Known& here = known(x);
+  if (!here.sampled) {
+    const double value = sampled_value(x);
+    if (!std::isfinite(value)) return value;
+    here.sampled = value;
+  }
+  return *here.sampled;
+}
+
+double Measure::sampled_value(const Eigen::VectorXd& x) const {
   ScenarioEvaluation here;
   formulation_.evaluate_scenarios(x, samples_, false, here);
+  if (here.values.hasNaN()) return kUnknown;
   return level() ? tail_mean(here.values, weights_, *level()).mean : weights_.dot(here.values);
+}
+
+WorstCase Measure::worst_at(const Eigen::VectorXd& x) const {
+  Known& here = known(x);
+  if (here.worst) return *here.worst;
+  const WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
+  if (worst.is_complete) here.worst = worst;
+  return worst;
+}
+
+bool Measure::knows(const Eigen::VectorXd& x) const {
+  const Known& here = known(x);
+  return here.worst && (samples_.empty() || here.sampled);
+}
+
+Measure::Known& Measure::known(const Eigen::VectorXd& x) const {
+  const auto at =
+      std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
+  if (at != known_.end()) return *at;
+  known_.push_back({x, std::nullopt, std::nullopt});
+  return known_.back();
 }
 
 double Measure::reported(const Eigen::VectorXd& x) const {
   const Configuration configuration = formulation_.configuration(x);
   if (is_nominal()) return nominal_value(problem_, formulation_, configuration);
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
-    return worst_case(problem_, formulation_, configuration).value;
+    const WorstCase worst = worst_at(x);
+    return worst.is_complete ? worst.value : kUnknown;
   }
   return formulation_.objective_unit() * std::sqrt(2 * value(x));
 }

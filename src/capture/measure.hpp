@@ -2,6 +2,9 @@
 // certificate. Values are 1/2 |y|^2 / unit^2, as the nominal objective's.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
@@ -18,9 +21,14 @@ class Measure {
 
   RiskMeasure kind() const { return problem_.measure.kind; }
   bool is_nominal() const { return problem_.measure.kind == RiskMeasure::Nominal; }
+  /// NaN when simulations were given up on the way. Kept for points that were asked for before.
   double value(const Eigen::VectorXd& x) const;
   /// The same as a root, in the objective's unit.
   double reported(const Eigen::VectorXd& x) const;
+  /// Of the problem's cone, whatever the measure is; kept likewise.
+  WorstCase worst_at(const Eigen::VectorXd& x) const;
+  /// Whether value and worst case of this point were worked out.
+  bool knows(const Eigen::VectorXd& x) const;
 
   /// A few steps of local minimisation from x0, for a first ranking of many starts.
   ///
@@ -48,12 +56,23 @@ class Measure {
   std::vector<ConeMaximum> maxima_at(const Eigen::VectorXd& x) const;
   /// 1/2 |y|^2 / unit^2 of |y|.
   double half_square(double size) const;
+  double sampled_value(const Eigen::VectorXd& x) const;
   std::optional<double> level() const;
+
+  /// What was worked out of a point: worst cases and samples are dear where each takes a
+  /// simulation.
+  struct Known {
+    Eigen::VectorXd x;
+    std::optional<WorstCase> worst;
+    std::optional<double> sampled;
+  };
+  Known& known(const Eigen::VectorXd& x) const;
 
   const CaptureProblem& problem_;
   const Formulation& formulation_;
   std::vector<Scenario> samples_;  ///< Expectation, Cvar
   Eigen::VectorXd weights_;
+  mutable std::vector<Known> known_;
 };
 
 }  // namespace stillbase

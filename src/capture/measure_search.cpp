@@ -85,7 +85,9 @@ class MinimaFinder {
     const ProjectionResult exact = project_onto_constraints(formulation_, solution.x, false, 8);
     if (!(exact.violation <= solve_.feasibility_tolerance)) return std::nullopt;
     const Eigen::VectorXd x = formulation_.normalised(exact.x);
-    return Point{x, measure_.value(x)};
+    const double value = measure_.value(x);
+    if (std::isnan(value)) return std::nullopt;  // simulations were given up
+    return Point{x, value};
   }
 
   const Formulation& formulation_;
@@ -120,11 +122,14 @@ MeasureMinima measure_minima(const Formulation& formulation, const Measure& meas
     minima.push_back(std::move(point));
     minima = distinct(formulation, std::move(minima), 1e-3);
   };
-  for (std::size_t i = 0; i < approached.size() && i < static_cast<std::size_t>(options.finished);
-       ++i) {
-    if (finder.stopped()) break;
+  const auto most = static_cast<std::size_t>(options.finished);
+  for (std::size_t i = 0; i < approached.size() && i < most && !finder.stopped(); ++i) {
     if (auto point = finder.fine(approached[i].x)) keep(std::move(*point));
   }
+  // Stopped before a minimum was reached: the best of what is known.
+  const bool is_ahead =
+      !approached.empty() && (minima.empty() || approached.front().value < minima.front().value);
+  if (finder.stopped() && is_ahead) keep(approached.front());
   if (minima.empty()) return out;
 
   // From the best on: the other branches of each good posture.
@@ -142,7 +147,7 @@ MeasureMinima measure_minima(const Formulation& formulation, const Measure& meas
     for (const Eigen::VectorXd& other : other_branches(formulation, from.x)) {
       const ProjectionResult start = project_onto_constraints(formulation, other, false, 15);
       if (!(start.violation <= 1e-3)) continue;
-      if (measure.value(start.x) > kWorthASolve * minima.front().value) continue;
+      if (!(measure.value(start.x) <= kWorthASolve * minima.front().value)) continue;
       std::vector<Eigen::VectorXd> known;
       for (const Point& point : minima) known.push_back(point.x);
       if (is_near(formulation, known, start.x, 5 * kSameBasin)) continue;

@@ -148,7 +148,7 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
                      const Configuration& configuration) {
   const DirectionModel model(problem, formulation, configuration);
   const Place worst = maxima(model).front();
-  return {worst.value, model.direction(worst.c)};
+  return {worst.value, model.direction(worst.c), model.is_complete()};
 }
 
 std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,

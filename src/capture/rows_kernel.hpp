@@ -36,10 +36,7 @@ Matrix3<S> Formulation::Parts::wanted_hand_axes(const Local<S>& local) const {
     const Matrix3<S> R = hand.orientation->toRotationMatrix().cast<S>();
     return hand.frame == Frame::Base ? R : Matrix3<S>(local.R_NB.transpose() * R);
   }
-  const Matrix3d facing =
-      Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E).toRotationMatrix();
-  const Matrix3d R = rotation_exp(n_E * hand.roll).toRotationMatrix() * facing;
-  return local.view.R_EB.transpose() * R.cast<S>();
+  return local.view.R_EB.transpose() * hand_axes_E.cast<S>();
 }
 
 template <class S>

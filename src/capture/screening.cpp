@@ -18,7 +18,11 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
   if (sampled && scenarios.size() > kSamples) scenarios.resize(kSamples);
   if (kind == RiskMeasure::Nominal) scenarios.resize(1);
 
-  const Eigen::MatrixXd values = formulation.evaluate_points(points, scenarios);
+  // Where simulations were given up: behind all others.
+  const auto known = [](const Eigen::MatrixXd& all) -> Eigen::MatrixXd {
+    return all.array().isNaN().select(kInfinity, all);
+  };
+  const Eigen::MatrixXd values = known(formulation.evaluate_points(points, scenarios));
   if (kind == RiskMeasure::Cvar) {
     const auto count = static_cast<Eigen::Index>(scenarios.size());
     const Eigen::VectorXd weights =
@@ -27,7 +31,7 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
     for (Eigen::Index i = 0; i < out.size(); ++i) {
       out[i] = tail_mean(values.row(i), weights, problem.measure.cvar_level).mean;
     }
-    return out;
+    return known(out);
   }
   if (kind == RiskMeasure::Expectation) return values.rowwise().mean();
   return values.rowwise().maxCoeff();

@@ -12,78 +12,20 @@
 #include "capture/measure_search.hpp"
 #include "capture/projection.hpp"
 #include "capture/screening.hpp"
+#include "capture/solution.hpp"
 
 namespace stillbase {
 
 namespace {
 
-constexpr double kFeasible = 1e-9;  ///< largest violation of a feasible plan
-constexpr double kOptimal = 1e-6;   ///< largest KKT residual of an optimal plan
-constexpr double kSameConfiguration = 1e-5;
 constexpr int kMoreDraws = 8;       ///< of a start point that the constraints refuse
 constexpr int kDrawn = 256;         ///< more postures for the measure, of which the best are kept:
 constexpr int kKept = 16;           ///< they count where few starts are asked for
 constexpr double kSameStart = 0.1;  ///< rad between two of them
 constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
 
-struct Solution {
-  Eigen::VectorXd x;
-  double objective = kInfinity;  ///< nominal, or the measure's; 1/2 |y|^2 in objective units
-  double violation = kInfinity;
-  int reached = 1;
-  int family = -1;  ///< the curve that it is on
-};
-
-double largest_violation(const Formulation& formulation, const Eigen::VectorXd& x) {
-  double worst = 0;
-  for (const ConstraintValue& value : formulation.report(x)) {
-    worst = std::max(worst, value.violation);
-  }
-  return worst;
-}
-
-Solution judge(const Formulation& formulation, const Eigen::VectorXd& x) {
-  nlp::Evaluation at_x;
-  formulation.evaluate_value(x, at_x);
-  return {x, at_x.objective, largest_violation(formulation, x)};
-}
-
-/// The better of two points: feasible before infeasible, then the lower objective.
-bool better(const Solution& a, const Solution& b) {
-  const bool fa = a.violation <= kFeasible, fb = b.violation <= kFeasible;
-  if (fa != fb) return fa;
-  return fa ? a.objective < b.objective : a.violation < b.violation;
-}
-
-/// What a local solver leaves is close; Newton steps make constraints exact and zeros exact.
-Solution polish(const Formulation& formulation, const Solution& found) {
-  Solution best = found;
-  const auto consider = [&](const ProjectionResult& moved) {
-    const Solution trial = judge(formulation, moved.x);
-    if (better(trial, best) && formulation.distance(trial.x, found.x) < 0.1) best = trial;
-  };
-  consider(project_onto_constraints(formulation, best.x, false, 8));
-  if (best.objective < 1e-6 && best.objective > 0) {
-    consider(project_onto_constraints(formulation, best.x, true, 20));
-  }
-  return best;
-}
-
-void keep_distinct(const Formulation& formulation, const Solution& found,
-                   std::vector<Solution>& solutions) {
-  for (Solution& known : solutions) {
-    if (formulation.distance(known.x, found.x) > kSameConfiguration) continue;
-    const int reached = known.reached + found.reached;
-    const int family = std::max(known.family, found.family);
-    if (better(found, known)) known = found;
-    known.reached = reached;
-    known.family = family;
-    return;
-  }
-  solutions.push_back(found);
-}
-
-/// The measure's value; nominal value and worst case are known already, to the last bit.
+/// The measure's value; nominal value and worst case are known already, to the last bit. Not worked
+/// out, of samples: the nominal value.
 double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
   switch (measure.kind()) {
     case RiskMeasure::Nominal:
@@ -91,13 +33,17 @@ double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal
     case RiskMeasure::WorstCase:
       return worst;
     default:
-      return measure.reported(x);
+      break;
   }
+  const double value = measure.reported(x);
+  return std::isnan(value) ? nominal : value;
 }
 
-/// What the prediction alone would have chosen; see NominalOptimum.
-NominalOptimum nominal_optimum(const CaptureProblem& problem, const Formulation& formulation,
-                               const Measure& measure, const std::vector<Solution>& solutions) {
+/// What the prediction alone would have chosen; see NominalOptimum. Empty when a limit came first.
+std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
+                                              const Formulation& formulation,
+                                              const Measure& measure,
+                                              const std::vector<Solution>& solutions) {
   const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
   double lowest = kInfinity;
   for (const Solution& solution : solutions) lowest = std::min(lowest, size(solution));
@@ -107,7 +53,9 @@ NominalOptimum nominal_optimum(const CaptureProblem& problem, const Formulation&
   for (const Solution& solution : solutions) {
     if (size(solution) > lowest + kEqual) continue;
     const Configuration configuration = formulation.configuration(solution.x);
-    const double worst = worst_case(problem, formulation, configuration).value;
+    const double worst = measure.worst_at(solution.x).value;
+    const double measured = measure.value(solution.x);
+    if (!measure.knows(solution.x) || std::isnan(measured)) return std::nullopt;
     if (worst >= best.worst_case) continue;
     const double nominal = nominal_value(problem, formulation, configuration);
     best = {configuration, nominal, worst, reported(measure, solution.x, nominal, worst)};
@@ -135,11 +83,12 @@ class Search {
         optimizer_(nlp::make_optimizer(options.optimizer)),
         rescuer_(nlp::make_optimizer(kRescuer)),
         isolated_(formulation.freedom() == 0),
+        simulates_(simulates_turn(problem)),
         own_starts_(isolated_ ? 16 * options.starts : options.starts) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
     // A local solve needs about 40; creeping is cut off.
-    solve_.max_evaluations = simulates_turn(problem) ? 200 : 1000;
+    solve_.max_evaluations = simulates_ ? 200 : 1000;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasible;
     solve_.optimality_tolerance = kOptimal;
@@ -147,9 +96,9 @@ class Search {
 
   SearchResult run() {
     find_solutions();
-    if (out_.stopped && simulates_turn(problem_)) keep_best_alone();
+    if (out_.stopped && simulates_) keep_best_alone();
     // A curve takes thousands of evaluations: not where each of them is a simulation.
-    if (!isolated_ && !simulates_turn(problem_)) follow_curves();
+    if (!isolated_ && !simulates_) follow_curves();
     out_.unseen = unseen();
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasible;
@@ -159,6 +108,7 @@ class Search {
     }
     out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
     rank();
+    out_.stopped = out_.stopped || (simulates_ && options_.stop.reached());
     out_.evaluations = formulation_.evaluations();
     out_.status = out_.stopped ? PlanStatus::Limit
                   : feasible   ? PlanStatus::Feasible
@@ -192,7 +142,8 @@ class Search {
   Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0) {
     const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve_);
     ++out_.solver_calls[optimizer.info().name];
-    return polish(formulation_, judge(formulation_, formulation_.normalised(result.x)));
+    return polish(problem_, formulation_,
+                  judge(problem_, formulation_, formulation_.normalised(result.x)));
   }
 
   Solution local_minimum(const Eigen::VectorXd& x0) {
@@ -220,7 +171,7 @@ class Search {
       if (posture.violation <= kOnConstraints) on_constraints_.push_back(posture.x);
       solve_.seed = options_.seed + static_cast<std::uint64_t>(start);
       Solution found = isolated_ && start >= options_.starts
-                           ? judge(formulation_, formulation_.normalised(posture.x))
+                           ? judge(problem_, formulation_, formulation_.normalised(posture.x))
                            : local_minimum(posture.x);
       found.x = formulation_.normalised(found.x);
       ++out_.starts;
@@ -230,13 +181,21 @@ class Search {
     }
   }
 
-  /// What is still to be said of a solution takes a hundred simulations where the objective is
-  /// simulated: after a deadline or an interrupt that is done for the best one.
+  /// What is still to be said of a solution takes hundreds of simulations where the objective is
+  /// simulated: after a deadline or an interrupt what is known of the best one has to do. The best
+  /// by the measure, if that is known of any; else as predicted.
   void keep_best_alone() {
-    const auto best =
-        std::min_element(solutions_.begin(), solutions_.end(),
-                         [](const Solution& a, const Solution& b) { return better(a, b); });
+    const auto is_ahead = [this](const Solution& a, const Solution& b) {
+      const bool a_known = measure_.knows(a.x), b_known = measure_.knows(b.x);
+      if (a_known != b_known) return a_known;
+      return a_known ? rank_value(a) < rank_value(b) : better(a, b);
+    };
+    const auto best = std::min_element(solutions_.begin(), solutions_.end(), is_ahead);
     if (best != solutions_.end()) solutions_ = {Solution(*best)};
+  }
+  /// By which candidates are ordered, of a point that the measure knows.
+  double rank_value(const Solution& solution) const {
+    return measure_.is_nominal() ? measure_.worst_at(solution.x).value : measure_.value(solution.x);
   }
 
   /// Where the solutions form curves: the best ones of each curve in place of those that the starts
@@ -251,9 +210,10 @@ class Search {
     if (out_.families.empty()) return;
     solutions_.clear();
     for (const FamilyMember& member : found.solutions) {
-      Solution solution = judge(formulation_, member.x);
+      Solution solution = judge(problem_, formulation_, member.x);
       solution.reached = member.reached;
       solution.family = member.family;
+      if (!(solution.violation <= kFeasible)) continue;
       keep_distinct(formulation_, solution, solutions_);
       if (better(solution, nearest_)) nearest_ = solution;
     }
@@ -292,14 +252,17 @@ class Search {
     // What the prediction alone would choose stays in the list: another choice when the minima
     // of the measure touch something.
     for (Solution& solution : solutions_) {
-      solution.objective = measure_.value(solution.x);
-      keep_distinct(formulation_, solution, minima);
+      const double value = measure_.value(solution.x);
+      if (!std::isnan(value)) solution.objective = value;
+      if (!std::isnan(value) || minima.empty()) keep_distinct(formulation_, solution, minima);
     }
     solutions_ = std::move(minima);
   }
 
   void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
-    keep_distinct(formulation_, {x, measure_.value(x), largest_violation(formulation_, x)}, minima);
+    const double violation = largest_violation(problem_, formulation_, x);
+    if (!(violation <= kFeasible)) return;
+    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima);
   }
 
   /// Goes on from the best minima where the solver stopped short.
@@ -317,8 +280,9 @@ class Search {
       out_.solver_calls[kRescuer] += further.solver_calls;
       const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
       if (!(exact.violation <= kFeasible)) return;
-      if (!(measure_.value(exact.x) < measure_.value(best))) return;
-      keep_minimum(formulation_.normalised(exact.x), minima);
+      const Eigen::VectorXd x = formulation_.normalised(exact.x);
+      if (!(measure_.value(x) < measure_.value(best))) return;
+      keep_minimum(x, minima);
     }
   }
 
@@ -335,26 +299,34 @@ class Search {
 
   /// Candidates by the measure (the nominal one: by their worst case), with certificates.
   void rank() {
-    std::vector<std::pair<Candidate, Eigen::VectorXd>> ranked;
+    struct Ranked {
+      Candidate candidate;
+      WorstCase worst;
+      Eigen::VectorXd x;
+    };
+    if (simulates_) judge_all();
+    std::vector<Ranked> ranked;
     for (const Solution& solution : solutions_) {
       Candidate candidate;
+      const WorstCase worst = measure_.worst_at(solution.x);
       candidate.configuration = formulation_.configuration(solution.x);
       candidate.objective = nominal_value(problem_, formulation_, candidate.configuration);
-      candidate.worst_case = worst_case(problem_, formulation_, candidate.configuration).value;
+      candidate.worst_case = worst.value;
       candidate.max_violation = solution.violation;
       candidate.starts_reached = solution.reached;
       candidate.family = solution.family;
       candidate.value = reported(measure_, solution.x, candidate.objective, candidate.worst_case);
-      ranked.emplace_back(candidate, solution.x);
+      candidate.is_judged = measure_.knows(solution.x);
+      ranked.push_back({candidate, worst, solution.x});
     }
-    std::stable_sort(ranked.begin(), ranked.end(), [this](const auto& a, const auto& b) {
-      return measure_.is_nominal() ? a.first.worst_case < b.first.worst_case
-                                   : a.first.value < b.first.value;
+    std::stable_sort(ranked.begin(), ranked.end(), [this](const Ranked& a, const Ranked& b) {
+      return measure_.is_nominal() ? a.candidate.worst_case < b.candidate.worst_case
+                                   : a.candidate.value < b.candidate.value;
     });
     if (static_cast<int>(ranked.size()) > options_.max_candidates) {
       ranked.resize(static_cast<std::size_t>(options_.max_candidates));
     }
-    for (const auto& [candidate, x] : ranked) {
+    for (const auto& [candidate, worst, x] : ranked) {
       const nlp::Certificate kkt = measure_.certify(x);
       Certificate certificate;
       certificate.kkt_residual = kkt.kkt_residual;
@@ -365,8 +337,19 @@ class Search {
       certificate.unseen = out_.unseen;
       out_.candidates.push_back(candidate);
       out_.certificates.push_back(certificate);
+      out_.worst_cases.push_back(worst);
       out_.points.push_back(x);
     }
+  }
+
+  /// Worst cases and measures, for as long as there is time; then only what is known counts.
+  void judge_all() {
+    for (const Solution& solution : solutions_) {
+      if (options_.stop.reached()) break;
+      static_cast<void>(measure_.worst_at(solution.x));
+      static_cast<void>(measure_.value(solution.x));
+    }
+    if (options_.stop.reached()) keep_best_alone();
   }
 
   const CaptureProblem& problem_;
@@ -376,6 +359,7 @@ class Search {
   std::unique_ptr<nlp::Optimizer> optimizer_, rescuer_;
   nlp::OptimizeOptions solve_;
   const bool isolated_;
+  const bool simulates_;
   const int own_starts_;
   std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
   std::vector<Solution> solutions_;

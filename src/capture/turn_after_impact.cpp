@@ -1,6 +1,7 @@
 #include "capture/turn_after_impact.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <stillbase/core/error.hpp>
@@ -42,15 +43,21 @@ TurnAfterImpact::TurnAfterImpact(const CaptureProblem& problem, const ObjectiveT
 }
 
 Vector3d TurnAfterImpact::operator()(const JointVectord& phi, const Vector6d& Delta_Omega,
-                                     const JointVectord& Delta_phidot) const {
+                                     const JointVectord& Delta_phidot,
+                                     const StopCondition& stop) const {
   const Vector3d broken = M_PI / size_ * Vector3d::UnitX();
   // No gravity and no sensor of the attitude: the turn is the same from every attitude.
   PlantState state = state_at_rest(Pose{}, phi);
   state.Omega = Delta_Omega;
   state.phidot = Delta_phidot;
   if (!phi.allFinite() || !Delta_Omega.allFinite() || !Delta_phidot.allFinite()) return broken;
+  SimulationOptions options = options_;
+  options.stop = stop;
   const SimulationResult result =
-      simulate_post_impact(robot_, resistance_, state, controller_, options_);
+      simulate_post_impact(robot_, resistance_, state, controller_, options);
+  const bool is_given_up = result.status == SimulationStatus::Interrupted ||
+                           result.status == SimulationStatus::TimeLimit;
+  if (is_given_up) return Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   if (result.status != SimulationStatus::Finished) return broken;
   return rotation_log(result.trace.back().state.base.orientation) / size_;
 }

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/problem.hpp>
 #include <stillbase/simulation/simulate.hpp>
 
@@ -23,8 +24,9 @@ class TurnAfterImpact {
   /// turn is none. A simulation that breaks off counts as pi.
   /// @param phi posture in which the arm is hit, n
   /// @param Delta_Omega, Delta_phidot the jump of base and joints, from rest
+  /// @param stop from then on the simulation is given up, and the turn is NaN
   Vector3d operator()(const JointVectord& phi, const Vector6d& Delta_Omega,
-                      const JointVectord& Delta_phidot) const;
+                      const JointVectord& Delta_phidot, const StopCondition& stop) const;
 
  private:
   RobotModel robot_;

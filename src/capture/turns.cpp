@@ -17,7 +17,7 @@ Eigen::VectorXd Formulation::Parts::turn_vector(const Eigen::VectorXd& x,
   const JointVectord Delta_phidot = met.p * met.response.d.Delta_phidot;
   for (std::size_t i = 0; i < turns.size(); ++i) {
     out.segment<3>(3 * static_cast<Eigen::Index>(i)) =
-        turns[i](phi, Delta_Omega, Delta_phidot) / objective_unit;
+        turns[i](phi, Delta_Omega, Delta_phidot, simulations_stop) / objective_unit;
   }
   return out;
 }

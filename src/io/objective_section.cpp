@@ -29,9 +29,11 @@ Dimension dimension_of(ObjectiveQuantity quantity) {
 /// When the turn is looked at: needed by that quantity, of no use to the others.
 void read_after(MapReader& fields, ObjectiveTerm& term) {
   const bool turns = term.quantity == ObjectiveQuantity::AttitudeTurned;
-  const bool is_stated = fields.number("after", term.after, Dimension::Time,
-                                       {.lower = 0, .upper = 3600, .is_lower_open = true},
-                                       turns ? Need::Required : Need::Optional);
+  constexpr double kShortest = 1e-3;  // s: before, the base has turned by its rate times the time
+  constexpr double kLongest = 3600;   // s
+  const bool is_stated =
+      fields.number("after", term.after, Dimension::Time, {.lower = kShortest, .upper = kLongest},
+                    turns ? Need::Required : Need::Optional);
   if (is_stated && !turns) {
     fields.context().add(fields.line_of("after"), "not-used",
                          fmt::format("{}: belongs to attitude_turned", fields.path_of("after")));

@@ -195,6 +195,7 @@ void read_objective(MapReader& map, Plan& plan) {
   fields.number("nominal", objective.nominal, Dimension::None, kAny, Need::Required);
   fields.number("worst_case", objective.worst_case, Dimension::None, kAny, Need::Required);
   fields.vector3("worst_direction", objective.worst_direction, Dimension::None, Need::Required);
+  fields.flag("judged", objective.is_judged, Need::Required);
   read_nominal_optimum(fields, plan);
   fields.finish();
   if (context.findings.size() != before) return;
@@ -278,8 +279,12 @@ void read_certificate(MapReader& map, const Plan& plan, Certificate& certificate
   const Node* node = map.child("certificate", Need::Required);
   if (node == nullptr) return;
   MapReader fields(map.context(), *node, "certificate");
-  fields.number("kkt_residual", certificate.kkt_residual, Dimension::None, kNonNegative,
-                Need::Required);
+  if (const Node* residual = fields.child("kkt_residual", Need::Required)) {
+    certificate.kkt_residual = kInfinity;
+    if (!is_null(*residual)) {
+      fields.number("kkt_residual", certificate.kkt_residual, Dimension::None, kNonNegative);
+    }
+  }
   fields.number("max_violation", certificate.max_violation, Dimension::None, kNonNegative,
                 Need::Required);
   read_optional(fields, "reduced_hessian_min_eigenvalue",
@@ -300,8 +305,15 @@ void read_families(MapReader& map, Plan& plan) {
     fields.flag("closed", family.is_closed, Need::Required);
     fields.flag("complete", family.is_complete, Need::Required);
     fields.integer("starts", family.starts, 0, kMany, Need::Required);
+    read_list(fields, "points", [&](const Node& point_node, const std::string& point_path) {
+      MapReader point_fields(map.context(), point_node, point_path);
+      Configuration point;
+      read_joint_pose_time(point_fields, plan, point);
+      point_fields.finish();
+      family.points.push_back(std::move(point));
+    });
     fields.finish();
-    plan.families.push_back(family);
+    plan.families.push_back(std::move(family));
   });
 }
 
@@ -315,6 +327,7 @@ void read_candidates(MapReader& map, Plan& plan) {
     fields.number("objective", candidate.objective, Dimension::None, kAny, Need::Required);
     fields.number("worst_case", candidate.worst_case, Dimension::None, kAny, Need::Required);
     fields.number("value", candidate.value, Dimension::None, kAny, Need::Required);
+    fields.flag("judged", candidate.is_judged, Need::Required);
     fields.number("max_violation", candidate.max_violation, Dimension::None, kNonNegative,
                   Need::Required);
     fields.integer("starts_reached", candidate.starts_reached, 0, kMany, Need::Required);

@@ -15,7 +15,7 @@ namespace io {
 
 namespace {
 
-/// null where there is no bound.
+/// null where there is none.
 Json bound_json(double x) { return std::isinf(x) ? Json(nullptr) : number_json(x); }
 
 template <class T, class ToJson>
@@ -52,6 +52,7 @@ Json objective_json(const Plan& plan) {
                {"nominal", number_json(objective.nominal)},
                {"worst_case", number_json(objective.worst_case)},
                {"worst_direction", array_json(objective.worst_direction)},
+               {"judged", objective.is_judged},
                {"nominal_optimum", nullptr}};
   for (const auto& [name, value] : objective.terms) json["terms"][name] = number_json(value);
   if (plan.nominal_optimum) {
@@ -73,6 +74,7 @@ Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
   json["objective"] = number_json(candidate.objective);
   json["worst_case"] = number_json(candidate.worst_case);
   json["value"] = number_json(candidate.value);
+  json["judged"] = candidate.is_judged;
   json["max_violation"] = number_json(candidate.max_violation);
   json["starts_reached"] = candidate.starts_reached;
   json["family"] = candidate.family < 0 ? Json(nullptr) : Json(candidate.family);
@@ -81,11 +83,14 @@ Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
   return json;
 }
 
-Json family_json(const SolutionFamily& family) {
+Json family_json(const CaptureProblem& problem, const SolutionFamily& family) {
   return {{"length", number_json(family.length)},
           {"closed", family.is_closed},
           {"complete", family.is_complete},
-          {"starts", family.starts}};
+          {"starts", family.starts},
+          {"points", list_json(family.points, [&problem](const Configuration& point) {
+             return configuration_json(problem, point);
+           })}};
 }
 
 Json approach_json(const Approach& approach) {
@@ -140,7 +145,7 @@ Json proof_json(const Proof& proof) {
 
 Json certificate_json(const Certificate& certificate) {
   return {
-      {"kkt_residual", number_json(certificate.kkt_residual)},
+      {"kkt_residual", bound_json(certificate.kkt_residual)},
       {"max_violation", number_json(certificate.max_violation)},
       {"reduced_hessian_min_eigenvalue", optional_json(certificate.reduced_hessian_min_eigenvalue)},
       {"starts", certificate.starts},
@@ -176,7 +181,9 @@ Json plan_json(const Plan& plan, const ToolVersions& tool, const std::vector<Inp
   json["candidates"] = list_json(plan.candidates, [&problem](const Candidate& candidate) {
     return candidate_json(problem, candidate);
   });
-  json["families"] = list_json(plan.families, family_json);
+  json["families"] = list_json(plan.families, [&problem](const SolutionFamily& family) {
+    return family_json(problem, family);
+  });
   json["approach"] = approach_json(plan.approach);
   json["solver_calls"] = Json::object();
   for (const auto& [name, calls] : plan.solver_calls) json["solver_calls"][name] = calls;

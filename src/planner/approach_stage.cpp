@@ -210,9 +210,12 @@ class Stage {
     const Candidate& best = found_.candidates[beside];
     std::vector<Eigen::VectorXd> points;
     for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
+    Formulation formulation(problem_);
+    formulation.give_up_simulations_at(options_.stop);
     for (const Eigen::VectorXd& x :
-         self_motion_samples(problem_, Formulation(problem_), points, best, options_.goal_factor,
+         self_motion_samples(problem_, formulation, points, best, options_.goal_factor,
                              options_.goal_samples, options_.stop)) {
+      if (options_.stop.reached()) return;
       Candidate candidate = best;
       candidate.starts_reached = 0;
       candidate.family = -1;

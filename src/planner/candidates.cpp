@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <stillbase/planner/planner.hpp>
 
@@ -79,16 +80,17 @@ bool keeps_limits_after(const CaptureProblem& problem, const Configuration& conf
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
                                  const std::vector<Candidate>& candidates,
                                  const StopCondition& stop) {
-  const Formulation formulation(problem);
+  std::optional<Formulation> formulation;
+  if (!stop.reached()) formulation.emplace(problem);
   CandidateOrder out;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) continue;
     const Configuration& configuration = candidates[i].configuration;
     const bool holds =
-        !stop.reached() &&
+        formulation && !stop.reached() &&
         post_impact_failure(problem, configuration,
-                            predict_impact(problem, formulation, configuration), stop)
+                            predict_impact(problem, *formulation, configuration), stop)
             .empty();
     (holds ? out.order : others).push_back(i);
   }

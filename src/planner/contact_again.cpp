@@ -31,7 +31,9 @@ ContactAgain::ContactAgain(const CaptureProblem& problem, const Eigen::VectorXd&
       certificate_(certificate),
       stop_(stop),
       formulation_(problem),
-      best_{{candidate.configuration.base, x}} {}
+      best_{{candidate.configuration.base, x}} {
+  formulation_.give_up_simulations_at(stop);
+}
 
 ContactSolver ContactAgain::solver() {
   ContactSolver solver;
@@ -75,7 +77,8 @@ ProjectionResult ContactAgain::optimum(const CaptureProblem& problem,
 std::optional<Configuration> ContactAgain::at_base(const Pose& base, ContactSolve how) {
   if (stop_.reached()) return std::nullopt;
   const CaptureProblem problem = stated_at(base);
-  const Formulation formulation(problem);
+  Formulation formulation(problem);
+  formulation.give_up_simulations_at(stop_);
   const bool best = how == ContactSolve::Best;
   const Eigen::VectorXd x0 = best ? best_near(base) : best_.back().x;
   ProjectionResult solved = project_onto_constraints(formulation, x0, false, kProjections);

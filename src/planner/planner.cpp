@@ -135,7 +135,9 @@ std::size_t settle(const ChosenApproach& choice, const Formulation& formulation,
 }
 
 /// Impact and objective at the plan's configuration.
-void describe(const CaptureProblem& problem, const Candidate& best, Plan& plan) {
+/// @param known worst case there, where the search left it as it is
+void describe(const CaptureProblem& problem, const Candidate& best,
+              const std::optional<WorstCase>& known, Plan& plan) {
   plan.configuration = best.configuration;
   const CaptureProblem at = at_contact(problem, best.configuration);
   const Formulation there(at);
@@ -145,7 +147,8 @@ void describe(const CaptureProblem& problem, const Candidate& best, Plan& plan) 
   plan.objective.nominal = best.objective;
   plan.objective.value = best.value;
   plan.objective.terms = objective_terms(at, there, best.configuration);
-  const WorstCase worst = worst_case(at, there, best.configuration);
+  plan.objective.is_judged = best.is_judged;
+  const WorstCase worst = known ? *known : worst_case(at, there, best.configuration);
   plan.objective.worst_case = worst.value;
   plan.objective.worst_direction = worst.direction;
 }
@@ -167,7 +170,8 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
 
 PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& options) {
   const auto begin = Clock::now();
-  const Formulation formulation(problem);
+  Formulation formulation(problem);
+  formulation.give_up_simulations_at(options.stop);
   const CollisionScene scene(problem);
   Plan plan;
   plan.problem = problem;
@@ -194,7 +198,9 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     const std::size_t chosen = settle(choice, formulation, found, plan);
     plan.certificate.proof = std::move(proof);
     plan.nominal_optimum = found.nominal_optimum;
-    describe(problem, found.candidates[chosen], plan);
+    std::optional<WorstCase> known;
+    if (!choice.resolved) known = found.worst_cases[chosen];
+    describe(problem, found.candidates[chosen], known, plan);
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
   }
   plan.candidates = std::move(found.candidates);

@@ -26,11 +26,19 @@ Differences judge(const Context& context, const Candidate& candidate) {
     return std::abs(stated - sampled) / std::max(std::abs(sampled), 1e-6 * found.scale);
   };
   const bool is_worst_case = context.problem.measure.kind == RiskMeasure::WorstCase;
-  return {relative_error(candidate.objective, found.nominal, found.scale),
-          relative(candidate.worst_case, found.worst_case),
-          is_worst_case ? relative(candidate.value, found.measure)
-                        : relative_error(candidate.value, found.measure, found.scale),
-          candidate.family < 0 ? 0 : found.nominal / found.scale};
+  Differences out{relative_error(candidate.objective, found.nominal, found.scale),
+                  relative(candidate.worst_case, found.worst_case),
+                  is_worst_case ? relative(candidate.value, found.measure)
+                                : relative_error(candidate.value, found.measure, found.scale),
+                  candidate.family < 0 ? 0 : found.nominal / found.scale};
+  if (candidate.is_judged) return out;
+  // The largest over some directions, the predicted one among them.
+  if (candidate.worst_case >= candidate.objective && candidate.worst_case <= found.worst_case) {
+    out.worst_case = 0;
+  }
+  out.value = relative_error(
+      candidate.value, is_worst_case ? candidate.worst_case : candidate.objective, found.scale);
+  return out;
 }
 
 }  // namespace

@@ -133,25 +133,15 @@ void check_each_candidate(const Context& context, ClaimList& claims) {
       return;
     }
     const Candidate& candidate = context.plan.candidates[i];
-    Plan alone;
-    alone.configuration = candidate.configuration;
-    const Configuration& at = alone.configuration;
+    const Configuration& at = candidate.configuration;
     const CaptureProblem problem = problem_at(context.problem, at);
     const PostureResponse response = posture_response(problem, at.phi);
     const auto motion = target_motion(
         problem, at, at.base * Vector3d(response.dynamics.hand_position), at.contact_time);
     const ContactEvent event = contact_event(problem, motion ? &*motion : nullptr, at);
-    const Context one{alone, problem, context.options, motion ? &*motion : nullptr};
-    ClaimList own;
-    check_configuration(one, event, response, own);
-    check_margins(one, event, response, own);
-    for (const Claim& claim : own.claims()) {
-      // The closing speed is stated for the chosen configuration alone.
-      if (claim.pass || claim.name == "closing_speed") continue;
-      objections.push_back(fmt::format("candidate {}: {}", i, claim.name));
-    }
-    if (!(case_residual(problem, response, event) <= context.options.constraint_tolerance)) {
-      objections.push_back(fmt::format("candidate {}: case", i));
+    const Context one{context.plan, problem, context.options, motion ? &*motion : nullptr};
+    for (const std::string& objection : configuration_objections(one, at, event, response)) {
+      objections.push_back(fmt::format("candidate {}: {}", i, objection));
     }
     if (!(candidate.max_violation >= 0 &&
           candidate.max_violation <= context.options.constraint_tolerance)) {
@@ -241,8 +231,16 @@ void check_search(const Context& context, ClaimList& claims) {
     demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
   }
   demand(plan.certificate.starts >= 1, "no starts");
-  demand(std::isfinite(plan.certificate.kkt_residual) && plan.certificate.kkt_residual >= 0,
+  const bool was_cut = plan.status == PlanStatus::Limit;
+  demand((std::isfinite(plan.certificate.kkt_residual) || was_cut) &&
+             plan.certificate.kkt_residual >= 0,
          "the KKT residual is no number");
+  const bool all_judged =
+      plan.objective.is_judged &&
+      std::all_of(plan.candidates.begin(), plan.candidates.end(),
+                  [](const Candidate& candidate) { return candidate.is_judged; });
+  demand(all_judged || (was_cut && simulates_turn(context.problem)),
+         "worst cases that are not worked out without a limit that was reached");
   const bool is_stationary = plan.certificate.kkt_residual <= kStationary;
   demand(plan.status != PlanStatus::Optimal || is_stationary,
          "said to be optimal with a large KKT residual");
@@ -258,6 +256,25 @@ void check_search(const Context& context, ClaimList& claims) {
 }
 
 }  // namespace
+
+std::vector<std::string> configuration_objections(const Context& context, const Configuration& at,
+                                                  const ContactEvent& event,
+                                                  const PostureResponse& response) {
+  Plan alone;
+  alone.configuration = at;
+  const Context one{alone, context.problem, context.options, context.motion};
+  ClaimList own;
+  check_configuration(one, event, response, own);
+  check_margins(one, event, response, own);
+  std::vector<std::string> out;
+  for (const Claim& claim : own.claims()) {
+    // The closing speed is stated for the chosen configuration alone.
+    if (!claim.pass && claim.name != "closing_speed") out.push_back(claim.name);
+  }
+  const double off_case = case_residual(context.problem, response, event);
+  if (!(off_case <= context.options.constraint_tolerance)) out.push_back("case");
+  return out;
+}
 
 void check_consistency(const Context& context, ClaimList& claims) {
   check_bounds(context, claims);

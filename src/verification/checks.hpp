@@ -51,6 +51,14 @@ ObjectiveNumbers objective_numbers(const Context& context, const Configuration& 
 /// All candidates, and that the configuration is one of them and touches nothing.
 void check_candidates(const Context& context, ClaimList& claims);
 
+/// What the problem does not allow at a configuration: places, hand, margins, case; by name.
+std::vector<std::string> configuration_objections(const Context& context, const Configuration& at,
+                                                  const ContactEvent& event,
+                                                  const PostureResponse& response);
+
+/// Points, lengths and ends of the curves of solutions; no claim without any.
+void check_families(const Context& context, ClaimList& claims);
+
 /// The enclosed solutions and the candidates are the same; nothing where there is no proof.
 void check_proof(const Context& context, ClaimList& claims);
 

@@ -108,6 +108,11 @@ std::vector<std::string> structural_objections(const Plan& plan) {
     look_at_configuration(plan.candidates[i].configuration, plan.problem,
                           fmt::format("candidates[{}]", i), objections);
   }
+  for (std::size_t i = 0; i < plan.families.size(); ++i) {
+    for (const Configuration& point : plan.families[i].points) {
+      look_at_configuration(point, plan.problem, fmt::format("families[{}].points", i), objections);
+    }
+  }
   for (const auto* boxes : {&plan.certificate.proof.solutions, &plan.certificate.proof.undecided}) {
     for (const JointBox& box : *boxes) {
       objections.demand(box.lower.size() == n && box.upper.size() == n && box.lower.allFinite() &&
@@ -177,6 +182,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
       group("objective", [&] { check_objective(context, event, response, claims); });
       group("constraints", [&] { check_constraints(context, event, response, claims); });
       group("candidates", [&] { check_candidates(context, claims); });
+      group("families", [&] { check_families(context, claims); });
       group("proof", [&] {
         check_bound(context, claims);
         check_proof(context, claims);

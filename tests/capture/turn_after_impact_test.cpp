@@ -205,10 +205,10 @@ TEST_CASE("a simulation that breaks off counts as half a turn") {
   term.size = 2;
   const TurnAfterImpact turn(problem, term);
   const JointVectord phi = JointVectord::Zero(2), rates = JointVectord::Constant(2, 1e20);
-  CHECK(turn(phi, Vector6d::Zero(), rates).norm() == Approx(M_PI / 2).epsilon(1e-14));
-  CHECK(turn(phi, Vector6d::Zero(), JointVectord::Constant(2, std::nan(""))).norm() ==
+  CHECK(turn(phi, Vector6d::Zero(), rates, {}).norm() == Approx(M_PI / 2).epsilon(1e-14));
+  CHECK(turn(phi, Vector6d::Zero(), JointVectord::Constant(2, std::nan("")), {}).norm() ==
         Approx(M_PI / 2).epsilon(1e-14));
-  CHECK(turn(phi, Vector6d::Zero(), JointVectord::Zero(2)).norm() == 0);
+  CHECK(turn(phi, Vector6d::Zero(), JointVectord::Zero(2), {}).norm() == 0);
 }
 
 TEST_CASE("the turn of the base can be one side of a front") {

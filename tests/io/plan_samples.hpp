@@ -50,8 +50,8 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   impact.closing_speed = 0.7;
   impact.resistance = plan.problem.resistance;
   plan.objective = {
-      "base_angular_momentum",         "N m s", 0.1 + 0.2, 0.5, random.unit_vector(), 0.1 + 0.2,
-      {{"base_angular_momentum", 0.3}}};
+      "base_angular_momentum", "N m s",   0.1 + 0.2, 0.5,
+      random.unit_vector(),    0.1 + 0.2, true,      {{"base_angular_momentum", 0.3}}};
   plan.nominal_optimum = {{random_joints(random, n), random_pose(random), 0.7}, 1e-17, 0.9, 0.8};
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},
@@ -70,8 +70,10 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   proof.gap = 1e-17 / 3;
   plan.candidates = {{plan.configuration, 1, 2, 0, 12, true, "", 1.0 / 7},
                      {plan.configuration, 1.5, 2, 0, 3, false, "link_2 with base"}};
-  plan.families = {{2.0 / 3, true, true, 7}, {1.0 / 7, false, false, 1}};
+  plan.families = {{2.0 / 3, true, true, 7, {plan.configuration, plan.configuration}},
+                   {1.0 / 7, false, false, 1, {}}};
   plan.candidates[1].family = 1;
+  plan.candidates[1].is_judged = false;
   Approach& approach = plan.approach;
   approach.status = ApproachStatus::Found;
   approach.detail = "a \"quoted\" detail\nwith <two> lines";

@@ -123,9 +123,10 @@ TEST_CASE("the turn after the impact needs its time, a controller and an instant
                     "after");
   refuses_objective("attitude_turned, after", "joint_rate_norm, after", "not-used",
                     "attitude_turned");
-  for (const char* time : {"0 s", "-1 s", "3601 s"}) {
+  for (const char* time : {"0 s", "-1 s", "1e-300 s", "0.99 ms", "3601 s", "1e300 s"}) {
     refuses_objective("after: 5 s", std::string("after: ") + time, "out-of-range", "after");
   }
+  CHECK(read(replaced(text, "after: 5 s", "after: 1 ms")).objective[0].after == 1e-3);
   refuses_objective("after: 5 s", "after: 5 m", "wrong-unit", "after");
   refuses_objective("after: 5 s", "after: 11 s", "out-of-range", "post_impact.horizon");
   refuses_objective("controllers: [rns], residual_base_rate_max: 1, attitude_change_max: 1",

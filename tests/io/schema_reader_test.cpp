@@ -38,6 +38,7 @@ std::optional<std::set<std::string>> listed(const std::string& message,
 bool depends_on_others(const std::string& subject, const std::string& place) {
   static const std::set<std::string> kInPlans{"configuration",
                                               "candidates[]",
+                                              "families[].points[]",
                                               "objective.nominal_optimum",
                                               "objective.terms",
                                               "impact.joint_resistance_values",

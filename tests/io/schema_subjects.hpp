@@ -159,6 +159,9 @@ inline Subject plan_subject() {
     for (JointBox& box : *boxes) box.contact_time = Ends{59, 60};
   }
   for (Candidate& candidate : choice.candidates) candidate.configuration.feature = "upper_edge";
+  for (SolutionFamily& family : choice.families) {
+    for (Configuration& point : family.points) point.feature = "upper_edge";
+  }
   add(choice);
   return subject;
 }

@@ -1,5 +1,8 @@
 #include <catch2/catch.hpp>
 
+#include <atomic>
+#include <cmath>
+
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
@@ -131,6 +134,50 @@ TEST_CASE("the mean turn over uncertain encounters is made small and verified") 
   CHECK(plan.objective.value <= plan.nominal_optimum->value * (1 + 1e-9));
   CHECK(plan.objective.value > plan.objective.nominal);
   check_claims(verify_plan(plan));
+}
+
+TEST_CASE("a plan that a limit cut short says what was not judged, and no more") {
+  CaptureProblem problem = turning_problem();
+  problem.objective.push_back({ObjectiveQuantity::JointRateNorm, 20});
+  problem.uncertainty.cone_half_angle = 0.2;
+  problem.uncertainty.cone_plane_normal = Vector3d::UnitZ();
+  problem.measure.kind = RiskMeasure::WorstCase;
+  std::atomic<bool> flag = false;
+  PlannerOptions options;
+  options.stop.interrupted = &flag;
+  options.on_progress = [&flag](const std::string& what, int done, int) {
+    if (what == "search" && done == 2) flag = true;
+  };
+  const Plan plan = make_plan(problem, options);
+  CHECK(plan.status == PlanStatus::Limit);
+  CHECK_FALSE(plan.objective.is_judged);
+  CHECK_FALSE(plan.nominal_optimum);
+  CHECK_FALSE(std::isfinite(plan.certificate.kkt_residual));
+  CHECK(plan.objective.worst_case >= plan.objective.nominal);
+  // Nobody had the time to look for a candidate that touches nothing.
+  for (const Claim& claim : verify_plan(plan).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    if (claim.name != "contact_collision") CHECK(claim.pass);
+  }
+  const std::string text = plan_to_json(plan, {});
+  CHECK(plan_to_json(read_plan(text, "plan.json").plan, {}) == text);
+
+  Plan misstated = plan;
+  misstated.status = PlanStatus::Feasible;
+  CHECK_FALSE(passes(misstated, "search_record"));
+  misstated = plan;
+  misstated.objective.is_judged = misstated.candidates[0].is_judged = true;
+  CHECK_FALSE(passes(misstated, "worst_case_sampled"));
+  CHECK_FALSE(passes(misstated, "candidates_worst_case"));
+  misstated = plan;
+  misstated.candidates[0].worst_case *= 1000;
+  CHECK_FALSE(passes(misstated, "candidates_worst_case"));
+  misstated = plan;
+  misstated.objective.worst_case *= 0.9;
+  CHECK_FALSE(passes(misstated, "worst_case_sampled"));
+  misstated = plan;
+  misstated.candidates[0].value *= 1.01;
+  CHECK_FALSE(passes(misstated, "candidates_value"));
 }
 
 TEST_CASE("a plan with a simulated objective is written and read back with its time") {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
@@ -54,6 +55,66 @@ TEST_CASE("a plan with curves of solutions is verified, and what it misstates of
   REQUIRE(off_zero != elsewhere.candidates.end());
   off_zero->family = 0;
   CHECK_FALSE(holds(elsewhere, "families_vanish"));
+}
+
+TEST_CASE("points, length and ends of a curve are held against the problem") {
+  const Plan& plan = plan_with_families();
+  const auto find = [&plan](bool closed) {
+    const auto at =
+        std::find_if(plan.families.begin(), plan.families.end(), [&](const SolutionFamily& family) {
+          return family.is_closed == closed && family.is_complete && family.length > 0.5;
+        });
+    return static_cast<std::size_t>(at - plan.families.begin());
+  };
+  for (const char* name :
+       {"families_points_vanish", "families_points_allowed", "families_points_apart",
+        "families_length", "families_ends", "families_members"}) {
+    CHECK(holds(plan, name));
+  }
+  const std::size_t open = find(false);
+  REQUIRE(open < plan.families.size());
+  REQUIRE(plan.families[open].points.size() > 6);
+
+  for (const double factor : {0.99, 1.01}) {
+    Plan other = plan;
+    other.families[open].length *= factor;
+    CHECK_FALSE(holds(other, "families_length"));
+  }
+  Plan other = plan;
+  other.families[open].points[3].phi[1] += 1e-6;
+  CHECK_FALSE(holds(other, "families_points_vanish"));
+  other = plan;
+  other.families[open].points.erase(other.families[open].points.begin() + 3);
+  CHECK_FALSE(holds(other, "families_points_apart"));
+  other = plan;
+  std::swap(other.families[open].points[2], other.families[open].points[4]);
+  CHECK_FALSE(holds(other, "families_points_apart"));
+  other = plan;
+  other.families[open].points.clear();
+  CHECK_FALSE(holds(other, "families_points_allowed"));
+  // Cut off before its limit, with the length that it then has.
+  other = plan;
+  SolutionFamily& cut = other.families[open];
+  const auto last = cut.points.end() - 1;
+  cut.length -= std::hypot((last->phi - (last - 1)->phi).norm(),
+                           last->contact_time - (last - 1)->contact_time);
+  cut.points.pop_back();
+  CHECK(holds(other, "families_length"));
+  CHECK_FALSE(holds(other, "families_ends"));
+  cut.is_complete = false;  // then nothing is claimed of its ends
+  CHECK(holds(other, "families_ends"));
+  // Open, not closed.
+  other = plan;
+  other.families[open].is_closed = true;
+  CHECK_FALSE(holds(other, "families_ends"));
+  // A candidate of another curve.
+  other = plan;
+  const auto member = std::find_if(
+      other.candidates.begin(), other.candidates.end(),
+      [&](const Candidate& candidate) { return candidate.family == static_cast<int>(open); });
+  REQUIRE(member != other.candidates.end());
+  member->family = open == 0 ? 1 : 0;
+  CHECK_FALSE(holds(other, "families_members"));
 }
 
 }  // namespace stillbase

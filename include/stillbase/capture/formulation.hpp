@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/core/interrupt.hpp>
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/nlp/problem.hpp>
 #include <stillbase/plan/plan.hpp>
@@ -129,6 +130,12 @@ class Formulation final : public nlp::Problem {
   std::vector<ConstraintValue> report(const Eigen::VectorXd& x) const;
   /// Evaluations of the model since construction.
   long evaluations() const;
+
+  /// From the stop on simulations are given up: what an objective with attitude_turned is worth is
+  /// NaN then, with its derivatives, and worst cases (robust.hpp) are what was seen of them. The
+  /// constraints take no simulation.
+  void give_up_simulations_at(const StopCondition& stop);
+  const StopCondition& simulations_stop() const;
 
   struct Parts;
 

@@ -16,6 +16,9 @@ namespace stillbase {
 struct WorstCase {
   double value = 0;                       ///< max |y| over the cone, in the objective's unit
   Vector3d direction = Vector3d::Zero();  ///< where, unit, in B
+  /// False: simulations were given up before (Formulation::give_up_simulations_at); the largest
+  /// over the directions that were looked at, the predicted one among them.
+  bool is_complete = true;
 };
 
 /// Largest |y| over the problem's uncertainty cone at a configuration. A scan of rings (planar: of
@@ -37,12 +40,13 @@ std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation&
                                const Configuration& configuration,
                                const std::vector<Scenario>& from);
 
-/// Size of each term of the objective as predicted, by name, in its own unit.
+/// Size of each term of the objective as predicted, by name, in its own unit. Its simulations are
+/// never given up.
 std::map<std::string, double> objective_terms(const CaptureProblem& problem,
                                               const Formulation& formulation,
                                               const Configuration& configuration);
 
-/// |y| at the predicted direction.
+/// |y| at the predicted direction. Its simulations are never given up.
 double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 

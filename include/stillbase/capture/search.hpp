@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/interrupt.hpp>
 
 namespace stillbase {
@@ -33,6 +34,7 @@ struct SearchResult {
   /// minima of the worst case along it.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
+  std::vector<WorstCase> worst_cases;     ///< one per candidate
   std::vector<SolutionFamily> families;   ///< curves of zeros of the nominal value
   /// The best of those that the prediction alone would have chosen.
   std::optional<NominalOptimum> nominal_optimum;
@@ -43,7 +45,7 @@ struct SearchResult {
   /// has reached: the share of the starts whose solution, or curve of solutions, was reached once
   /// (Good and Turing). Near 1 where more than one direction is open at the solutions.
   double unseen = 1;
-  bool stopped = false;  ///< a limit or an interrupt ended the search
+  bool stopped = false;  ///< a limit or an interrupt came before the end
   std::map<std::string, long> solver_calls;
   long evaluations = 0;
 };
@@ -51,6 +53,10 @@ struct SearchResult {
 /// Optimal: violation at most 1e-9 and KKT residual at most 1e-6; feasible: the first only.
 PlanStatus status_of(const Certificate& certificate);
 
+/// Where the objective is simulated and the formulation gives simulations up at the same stop, what
+/// is left to do after it takes a few of them: the best solution whose measure is known is
+/// returned, or the best one as predicted, with is_judged false and no certificate.
+///
 /// @throws std::invalid_argument for an optimizer that is not in the registry
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
                     const SearchOptions& options);

@@ -29,7 +29,11 @@ struct ObjectiveValue {
   double worst_case = 0;                        ///< over the direction cone; = nominal without one
   Vector3d worst_direction = Vector3d::Zero();  ///< unit, in B
   double value = 0;                             ///< of the measure that was minimised
-  std::map<std::string, double> terms;          ///< |y_i| as predicted, each in its own unit
+  /// False: a limit came before worst case and measure were worked out. Then worst_case is the
+  /// largest value over the directions that were looked at, the predicted one among them, and value
+  /// is the same (of samples: the nominal value).
+  bool is_judged = true;
+  std::map<std::string, double> terms;  ///< |y_i| as predicted, each in its own unit
 };
 
 /// What the prediction alone would have chosen: the lowest nominal value; among equal ones (exact
@@ -82,7 +86,7 @@ struct Proof {
 };
 
 struct Certificate {
-  double kkt_residual = 0;
+  double kkt_residual = 0;  ///< infinite: not known, a limit came first
   double max_violation = 0;
   int starts = 0;
   int distinct_solutions = 0;
@@ -100,6 +104,8 @@ struct SolutionFamily {
   bool is_closed = false;
   bool is_complete = false;  ///< closed, or followed to limits at both ends
   int starts = 0;            ///< of the search that ended on it
+  /// Along it, in order, at most 0.1 apart (as the length is measured), both ends included.
+  std::vector<Configuration> points;
 };
 
 struct Candidate {
@@ -112,6 +118,7 @@ struct Candidate {
   std::string collision;        ///< "a with b" when not
   double value = 0;             ///< of the measure that was minimised
   int family = -1;              ///< index of the curve that it is on; -1: none was followed
+  bool is_judged = true;        ///< as ObjectiveValue::is_judged
 };
 
 enum class ApproachStatus {

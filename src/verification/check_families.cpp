@@ -1,0 +1,239 @@
+// Curves of solutions: points, length, ends.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+#include "verification/margins.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kVanishes = 1e-8;  // of the terms that the objective is a sum and difference of
+constexpr double kApart = 0.1;      // between neighbours
+constexpr double kMeet = 1e-9;      // ends of a closed curve
+constexpr double kAtLimit = 1e-6;   // rad, m, s, ...: an end that is stopped by a limit
+
+/// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
+/// base from its stated attitude, time.
+class Place {
+ public:
+  Place(const CaptureProblem& problem, const Configuration& at)
+      : problem_(&problem),
+        phi(at.phi),
+        turn(rotation_log(at.base.orientation * problem.base.orientation.conjugate())),
+        time(at.contact_time) {}
+
+  /// From another place near by; angles and turns are the same after a whole turn.
+  double distance(const Place& other) const {
+    double sum = (other.near(turn) - turn).squaredNorm() + std::pow(other.time - time, 2);
+    for (int k = 0; k < phi.size(); ++k) {
+      const Joint& joint = problem_->robot.joints[static_cast<std::size_t>(k)];
+      const double d = other.phi[k] - phi[k];
+      sum += std::pow(joint.type == JointType::Continuous ? std::remainder(d, 2 * kPi) : d, 2);
+    }
+    return std::sqrt(sum);
+  }
+
+ private:
+  Vector3d near(const Vector3d& reference) const {
+    const double angle = turn.norm();
+    if (!(angle > 0)) return turn;
+    const Vector3d other = turn * (1 - 2 * kPi / angle);
+    return (other - reference).norm() < (turn - reference).norm() ? other : turn;
+  }
+
+  const CaptureProblem* problem_;
+  Eigen::VectorXd phi;
+  Vector3d turn;
+  double time;
+};
+
+/// A configuration with everything that its claims need.
+struct Judged {
+  Plan alone;
+  CaptureProblem problem;
+  PostureResponse response;
+  std::optional<TargetMotion> motion;
+  ContactEvent event;
+
+  Judged(const CaptureProblem& stated, const Configuration& at)
+      : problem(problem_at(stated, at)), response(posture_response(problem, at.phi)) {
+    alone.configuration = at;
+    motion = target_motion(problem, at, at.base * Vector3d(response.dynamics.hand_position),
+                           at.contact_time);
+    event = contact_event(problem, motion ? &*motion : nullptr, at);
+  }
+  Context context(const VerifyOptions& options) const {
+    return {alone, problem, options, motion ? &*motion : nullptr};
+  }
+};
+
+/// The predicted objective against the size of what it is a sum and difference of.
+double relative_objective(const Judged& at) {
+  const Vector6d Fbar = impulse_along(at.problem, at.event, at.response, at.event.n);
+  const double scale = objective_scale(at.problem.objective, at.response, Fbar);
+  return objective_value(at.problem, at.response, Fbar) / std::max(scale, 1e-300);
+}
+
+/// How far the nearest limit of a variable or inequality is, each in its unit.
+double distance_to_limit(const Judged& at, const VerifyOptions& options) {
+  const CaptureProblem& problem = at.problem;
+  const Configuration& configuration = at.alone.configuration;
+  const VariableSpec& free = problem.variables;
+  double nearest = kInfinity;
+  const auto between = [&nearest](double x, double lower, double upper) {
+    nearest = std::min({nearest, std::abs(x - lower), std::abs(x - upper)});
+  };
+  const double margin = problem.constraints.joint_limit_margin;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    if (!free.joints[static_cast<std::size_t>(k)] || joint.type == JointType::Continuous) continue;
+    between(configuration.phi[k], joint.lower + margin, joint.upper - margin);
+  }
+  const Eigen::Quaterniond turn =
+      configuration.base.orientation * problem.base.orientation.conjugate();
+  if (free.base_attitude == AttitudeFreedom::Cone) {
+    const Vector3d& axis = free.base_attitude_axis;
+    between(axis.dot(turn * axis), std::cos(free.base_attitude_max), kInfinity);
+  } else if (free.base_attitude != AttitudeFreedom::Fixed) {
+    between(rotation_log(turn).norm(), -kInfinity, free.base_attitude_max);
+  }
+  if (free.contact_time_upper > free.contact_time_lower) {
+    between(configuration.contact_time, free.contact_time_lower, free.contact_time_upper);
+  }
+  if (free.base_position == PositionFreedom::Box) {
+    for (int i = 0; i < 3; ++i) {
+      between(configuration.base.position[i], free.base_position_lower[i],
+              free.base_position_upper[i]);
+    }
+  }
+  between(closing_speed(problem, at.event, at.event.n), problem.constraints.closing_speed_min,
+          kInfinity);
+  if (problem.hand.constraint == HandConstraint::Axis) {
+    between(at.event.n.dot(at.response.dynamics.hand_rotation * problem.hand.approach_axis),
+            -kInfinity, 0);
+  }
+  const MarginNumbers margins = margin_numbers(at.context(options), at.event, at.response);
+  between(margins.rate_excess, -kInfinity, 0);
+  const ConstraintSpec& wanted = problem.constraints;
+  if (margins.coupling) between(*margins.coupling, wanted.coupling_singular_value_min, kInfinity);
+  if (margins.jacobian) between(*margins.jacobian, wanted.jacobian_singular_value_min, kInfinity);
+  if (margins.distance) between(*margins.distance, *wanted.clearance, kInfinity);
+  return nearest;
+}
+
+/// Sum of the distances between every `stride`-th point and the last one.
+double length_of(const std::vector<Place>& places, std::size_t stride) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < places.size(); i += stride) {
+    sum += places[i].distance(places[std::min(i + stride, places.size() - 1)]);
+  }
+  return sum;
+}
+
+class Curves {
+ public:
+  explicit Curves(const Context& context) : context_(context) {}
+
+  void judge(std::size_t number) {
+    const SolutionFamily& family = context_.plan.families[number];
+    if (family.points.size() < 2 && family.length > 0) {
+      objections_.push_back(fmt::format("curve {}: no points", number));
+      return;
+    }
+    std::vector<Place> places;
+    for (const Configuration& point : family.points) {
+      const Judged at(context_.problem, point);
+      off_zero_ = std::max(off_zero_, relative_objective(at));
+      const Context here = at.context(context_.options);
+      for (const std::string& objection :
+           configuration_objections(here, point, at.event, at.response)) {
+        objections_.push_back(fmt::format("curve {}: {}", number, objection));
+      }
+      if (!places.empty())
+        step_ = std::max(step_, Place(at.problem, point).distance(places.back()));
+      places.emplace_back(at.problem, point);
+    }
+    judge_length(family, places);
+    judge_ends(family, places, number);
+    judge_members(places, static_cast<int>(number));
+  }
+
+  void claim(ClaimList& claims) const {
+    claims.at_most("families_points_vanish", off_zero_, kVanishes, "1",
+                   "largest predicted objective of a point of a curve of zeros");
+    claims.none_wrong("families_points_allowed", objections_,
+                      "points of curves that the problem does not allow");
+    claims.at_most("families_points_apart", step_, kApart, "1",
+                   "largest distance of neighbouring points");
+    claims.at_most("families_length", length_, 1, "1",
+                   "stated length from the sum of the distances, over what the spacing of the "
+                   "points leaves open");
+    claims.none_wrong("families_ends", ends_,
+                      "curves closed but for a gap, open without one, or said to end at a limit "
+                      "where none is");
+    claims.at_most("families_members", astray_, kApart, "1",
+                   "largest distance of a candidate from the nearest point of its curve");
+  }
+
+ private:
+  void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
+    const double fine = length_of(places, 1), coarse = length_of(places, 2);
+    // Chords are shorter than arcs by a part that grows with the square of the spacing: half as
+    // many leave open three times what all leave.
+    const double open = std::max(1e-3 * fine, std::abs(fine - coarse)) + kMeet;
+    length_ = std::max(length_, std::abs(family.length - fine) / open);
+  }
+
+  void judge_ends(const SolutionFamily& family, const std::vector<Place>& places,
+                  std::size_t number) {
+    const bool meet = places.size() > 2 && places.front().distance(places.back()) <= kMeet;
+    if (family.is_closed != meet) {
+      ends_.push_back(fmt::format("curve {}: its ends {}", number, meet ? "meet" : "are apart"));
+    }
+    if (family.is_closed && !family.is_complete) {
+      ends_.push_back(fmt::format("curve {}: closed, but not complete", number));
+    }
+    if (family.is_closed || !family.is_complete) return;
+    for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
+      const double gap = distance_to_limit(Judged(context_.problem, *end), context_.options);
+      if (gap <= kAtLimit) continue;
+      ends_.push_back(
+          fmt::format("curve {}: an end is {:.3g} from the nearest limit", number, gap));
+    }
+  }
+
+  void judge_members(const std::vector<Place>& places, int number) {
+    for (const Candidate& candidate : context_.plan.candidates) {
+      if (candidate.family != number) continue;
+      const Place member(context_.problem, candidate.configuration);
+      double nearest = kInfinity;
+      for (const Place& place : places) nearest = std::min(nearest, member.distance(place));
+      astray_ = std::max(astray_, nearest);
+    }
+  }
+
+  const Context& context_;
+  double off_zero_ = 0, step_ = 0, length_ = 0, astray_ = 0;
+  std::vector<std::string> objections_, ends_;
+};
+
+}  // namespace
+
+void check_families(const Context& context, ClaimList& claims) {
+  if (context.plan.families.empty()) return;
+  Curves curves(context);
+  for (std::size_t i = 0; i < context.plan.families.size(); ++i) {
+    if (context.options.stop.reached()) {
+      claims.not_evaluated("families_points_allowed", 0, "1", "stopped before the last curve");
+      return;
+    }
+    curves.judge(i);
+  }
+  curves.claim(claims);
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,35 @@
+// Case G3 where the coupling matrix has rank 2: its rows are those along two columns.
+#include <catch2/catch.hpp>
+
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/verification/verification.hpp>
+
+namespace stillbase {
+
+TEST_CASE("candidates near postures with parallel columns meet the case, not its rows alone") {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/spart_g2.yaml");
+  problem.constraints.impact_case = CaseConstraint::G3;
+  problem.constraints.clearance.reset();
+  problem.measure.kind = RiskMeasure::Nominal;
+  problem.approach.enabled = false;
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_axis = Vector3d::UnitY();
+  problem.variables.base_attitude_max = M_PI;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  REQUIRE(plan.candidates.size() > 10);
+  for (const Candidate& candidate : plan.candidates) {
+    const ImpactSummary impact =
+        predict_impact(problem, Formulation(problem), candidate.configuration);
+    CHECK(impact.rank == 2);
+    CHECK(impact.judgement.coupling <= 1e-9);
+  }
+  for (const Claim& claim : verify_plan(plan).claims) {
+    INFO(claim.name << ": " << claim.detail);
+    CHECK(claim.pass);
+  }
+}
+
+}  // namespace stillbase
