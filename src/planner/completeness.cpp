@@ -47,12 +47,50 @@ std::string counted(long count, const std::string& what) {
   return std::to_string(count) + " " + what;
 }
 
+/// The middle of an enclosed solution as a point of the formulation.
+Eigen::VectorXd middle_of(const CaptureProblem& problem, const JointBox& box) {
+  std::vector<double> x;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    if (!problem.variables.joints[static_cast<std::size_t>(k)]) continue;
+    x.push_back((box.lower[k] + box.upper[k]) / 2);
+  }
+  if (box.base_angle) x.push_back(wrap_angle(middle_of(*box.base_angle)));
+  if (box.contact_time) x.push_back(middle_of(*box.contact_time));
+  return Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+}
+
+/// Limits that the equations know nothing of, by the names of Formulation::report().
+bool is_limit(const std::string& name) {
+  for (const char* begin :
+       {"joint_rate_", "clearance_", "coupling_singular_value", "jacobian_singular_value"}) {
+    if (name.rfind(begin, 0) == 0) return true;
+  }
+  return false;
+}
+
+/// The planner's own evaluation in the middle of a box.
+WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation,
+                   const JointBox& box) {
+  constexpr double kMargin = 1e-7;  // in the limit's unit
+  WithinLimits out = WithinLimits::Yes;
+  for (const ConstraintValue& limit : formulation.report(middle_of(problem, box))) {
+    if (!is_limit(limit.name)) continue;
+    if (limit.violation > kMargin) return WithinLimits::No;
+    const double room = std::min(limit.value - limit.lower, limit.upper - limit.value);
+    if (!(room > kMargin)) out = WithinLimits::Undecided;
+  }
+  return out;
+}
+
 }  // namespace
 
 Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
                       const StopCondition& stop) {
   const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  return prove(problem, formulation.encounter(stated).F, {.stop = stop});
+  ProofOptions options;
+  options.stop = stop;
+  options.judge = [&](const JointBox& box) { return judge(problem, formulation, box); };
+  return prove(problem, formulation.encounter(stated).F, options);
 }
 
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {
@@ -77,15 +115,7 @@ std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, co
   std::vector<Eigen::VectorXd> points;
   for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
     if (proof.candidates[s] >= 0) continue;
-    const JointBox& box = proof.solutions[s];
-    std::vector<double> x;
-    for (int k = 0; k < problem.robot.n(); ++k) {
-      if (!problem.variables.joints[static_cast<std::size_t>(k)]) continue;
-      x.push_back((box.lower[k] + box.upper[k]) / 2);
-    }
-    if (box.base_angle) x.push_back(wrap_angle(middle_of(*box.base_angle)));
-    if (box.contact_time) x.push_back(middle_of(*box.contact_time));
-    points.push_back(Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+    points.push_back(middle_of(problem, proof.solutions[s]));
   }
   return points;
 }

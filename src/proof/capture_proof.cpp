@@ -10,12 +10,6 @@ std::string objection(const CaptureProblem& problem) {
   if (attitude == AttitudeFreedom::Cone || attitude == AttitudeFreedom::Free) {
     return "the base attitude is free about more than one axis";
   }
-  const ConstraintSpec& constraints = problem.constraints;
-  if (constraints.joint_rate_scale || constraints.joint_rate_max.size() > 0 ||
-      constraints.coupling_singular_value_min > 0 || constraints.jacobian_singular_value_min > 0 ||
-      constraints.clearance) {
-    return "rates, singular values or clearances are constrained";
-  }
   return "";
 }
 
@@ -42,6 +36,11 @@ Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions
     return out;
   }
   proof::ZeroProblem zeros = proof::zero_problem(problem, F);
+  if (zeros.has_limits && !options.judge) {
+    Proof out;
+    out.statement = "no proof: nobody judges the limits on rates, singular values or clearances";
+    return out;
+  }
   Proof out = proof::enclose_solutions(zeros, options);
   if (out.status != ProofStatus::NotApplicable) return out;
   // The equations leave freedom: ask where the predicted objective vanishes.
@@ -49,13 +48,6 @@ Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions
   zeros.zero = problem.objective.front().quantity;
   Proof vanishing = proof::enclose_solutions(zeros, options);
   if (vanishing.status == ProofStatus::NotApplicable) return out;
-  if (vanishing.status == ProofStatus::Complete && vanishing.solutions.empty()) {
-    vanishing.statement = std::string("proven: no ") +
-                          (zeros.encounter.is_fixed() ? "posture" : "configuration") +
-                          " that meets the constraints makes the objective zero";
-  } else {
-    vanishing.statement += " at which the objective is zero";
-  }
   if (!vanishing.solutions.empty()) vanishing.lower_bound = 0;
   return vanishing;
 }

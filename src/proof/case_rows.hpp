@@ -1,4 +1,4 @@
-// The equations of a case problem, divided by nothing, for any number type.
+// The equations of a case problem, for dual intervals and quadratic forms.
 //
 // With A = Htilde_phi + added inertia over the joints that move, h = Htilde_omegaphi, L the
 // momentum impulse about the system centroid (16), s = tau - H_vphi' f / m, all per unit of
@@ -6,12 +6,11 @@
 //   [Htilde_omega h; h' A] [Delta omega; Delta phidot] = [L; s].
 // A is positive definite, so
 //   total zero       L = 0
-//   base part zero   L_i - h_i A^-1 s = 0            <=>  det [A s; h_i L_i] = 0
-//   coupling zero    h_i A^-1 (s - h' w) = 0, w = Htilde_omega^-1 L
-//                                                    <=>  det [A r; h_i 0] = 0,
-//                    r = det(Htilde_omega) s - h' adj(Htilde_omega) L; r = s where L = 0 is asked
-//                    for
-// Determinants by expansion: a quotient of intervals is wider than both its parts.
+//   base part zero   L_i - h_i A^-1 s = 0
+//   coupling zero    h_i A^-1 (s - h' w) = 0, w = Htilde_omega^-1 L; times det(Htilde_omega):
+//                    h_i A^-1 r = 0, r = det(Htilde_omega) s - h' adj(Htilde_omega) L;
+//                    r = s where L = 0 is asked for
+// A^-1 by elimination (elimination.hpp): over a box that is too wide for it nothing is known.
 //
 // Of the hand's axes, the approach axis a has to lie along -n: its two components normal to n
 // vanish, and it does not point along n (an inequality, side_conditions.hpp). All axes R have to be
@@ -20,19 +19,16 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cassert>
+#include <optional>
 
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/jump_kernel.hpp"
+#include "proof/elimination.hpp"
 #include "proof/hand_rows.hpp"
 #include "proof/zero_problem.hpp"
 
 namespace stillbase::proof {
-
-/// Largest number of joints that move during the impact: determinants of one more row.
-inline constexpr int kMaxMovingJoints = 3;
 
 enum class RowKind { HandPosition, HandAxis, HandPose, Total, Base, CouplingAtZeroTotal, Coupling };
 
@@ -47,35 +43,46 @@ struct Row {
   double scale = 1;  ///< typical size, a power of two by which the row is divided
 };
 
-/// Rows whose determinants grow with the joints that move.
-inline bool needs_few_moving_joints(const Row& row) {
+/// Rows that ask for the joints' part of the jump.
+inline bool needs_joint_part(const Row& row) {
   return row.kind == RowKind::Base || row.kind == RowKind::CouplingAtZeroTotal ||
          row.kind == RowKind::Coupling;
 }
 
-/// Determinant of the leading m x m block by expansion along the first column, m <= 4.
+/// h_i A^-1 r over the joints that move.
 template <class S>
-S determinant(const std::array<std::array<S, 4>, 4>& M, int m) {
-  if (m == 0) return S(1.0);
-  if (m == 1) return M[0][0];
-  if (m == 2) return M[0][0] * M[1][1] - M[1][0] * M[0][1];
-  S sum(0.0);
-  for (int i = 0; i < m; ++i) {
-    std::array<std::array<S, 4>, 4> minor;
-    for (int r = 0, to = 0; r < m; ++r) {
-      if (r == i) continue;
-      for (int c = 1; c < m; ++c) minor[to][c - 1] = M[r][c];
-      ++to;
+class JointPart {
+ public:
+  JointPart(const ZeroProblem& problem, const TildeInertia<S>& tilde) : tilde_(tilde) {
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const auto index = static_cast<std::size_t>(k);
+      if (index >= problem.locked.size() || !problem.locked[index]) moving_.push_back(k);
     }
-    const S term = M[i][0] * determinant(minor, m - 1);
-    if (i % 2 == 0) {
-      sum += term;
-    } else {
-      sum -= term;
-    }
+    elimination_ = Solver(static_cast<int>(moving_.size()), [&](int i, int j) {
+      S value = tilde_.Htilde_phi(moving_[i], moving_[j]);
+      if (i == j) value += S(problem.added_inertia[moving_[i]]);
+      return value;
+    });
   }
-  return sum;
-}
+
+  /// @param r n entries, of which those of the joints that move count
+  S row_times(int i, const JointVector<S>& r) const {
+    Column h{}, right{};
+    for (std::size_t a = 0; a < moving_.size(); ++a) {
+      h[a] = tilde_.Htilde_omegaphi(i, moving_[a]);
+      right[a] = r[moving_[a]];
+    }
+    return elimination_.product(elimination_.forward(h), elimination_.forward(right));
+  }
+
+ private:
+  using Solver = Elimination<S, kMaxJointsOf<S>>;
+  using Column = typename Solver::Column;
+
+  const TildeInertia<S>& tilde_;
+  std::vector<int> moving_;
+  Solver elimination_;
+};
 
 /// Values of the rows where the variables are x.
 template <class S>
@@ -92,44 +99,28 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
   const Vector3<S> f = F.template head<3>();
   const Vector3<S> L = momentum_change<S>(inertia, jacobian, F);
 
-  std::vector<int> moving;
-  for (int k = 0; k < robot.n(); ++k) {
-    const auto index = static_cast<std::size_t>(k);
-    if (index >= problem.locked.size() || !problem.locked[index]) moving.push_back(k);
-  }
-  const int m = static_cast<int>(moving.size());
-  const bool has_determinants = std::any_of(rows.begin(), rows.end(), needs_few_moving_joints);
-  assert(m <= kMaxMovingJoints || !has_determinants);
-  std::array<std::array<S, 4>, 4> M;
-  std::array<S, 4> s;
-  for (int a = 0; has_determinants && a < m; ++a) {
-    const int k = moving[a];
-    for (int b = 0; b < m; ++b) M[a][b] = tilde.Htilde_phi(k, moving[b]);
-    M[a][a] += S(problem.added_inertia[k]);
-    const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
-    s[a] = jacobian.J_phi.col(k).dot(F) - p.dot(f) / inertia.mass;
-  }
-  /// det [A r; h_i corner].
-  const auto bordered = [&](const std::array<S, 4>& r, int i, const S& corner) {
-    for (int a = 0; a < m; ++a) {
-      M[a][m] = r[a];
-      M[m][a] = tilde.Htilde_omegaphi(i, moving[a]);
+  std::optional<JointPart<S>> joint_part;
+  JointVector<S> torque(robot.n());  // s
+  if (std::any_of(rows.begin(), rows.end(), needs_joint_part)) {
+    joint_part.emplace(problem, tilde);
+    for (int k = 0; k < robot.n(); ++k) {
+      const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
+      torque[k] = jacobian.J_phi.col(k).dot(F) - p.dot(f) / inertia.mass;
     }
-    M[m][m] = corner;
-    return determinant(M, m + 1);
-  };
-  const auto coupling = [&](int i) {
+  }
+  /// det(Htilde_omega) (s - h' w).
+  const auto torque_beside_total = [&] {
     const Matrix3<S>& Ho = tilde.Htilde_omega;
     const Vector3<S> a = Ho.col(0), b = Ho.col(1), c = Ho.col(2);
     const Vector3<S> bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
     const S det = a.dot(bc);
     const Vector3<S> w(bc.dot(L), ca.dot(L), ab.dot(L));  // adj(Ho) L
-    std::array<S, 4> r;
-    for (int k = 0; k < m; ++k) {
-      const Vector3<S> h = tilde.Htilde_omegaphi.col(moving[k]);
-      r[k] = det * s[k] - h.dot(w);
+    JointVector<S> r(robot.n());
+    for (int k = 0; k < robot.n(); ++k) {
+      const Vector3<S> h = tilde.Htilde_omegaphi.col(k);
+      r[k] = det * torque[k] - h.dot(w);
     }
-    return bordered(r, i, S(0.0));
+    return r;
   };
 
   std::vector<S> out;
@@ -151,13 +142,13 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
         break;
       }
       case RowKind::Base:
-        value = bordered(s, row.index, L[row.index]);
+        value = L[row.index] - joint_part->row_times(row.index, torque);
         break;
       case RowKind::CouplingAtZeroTotal:
-        value = bordered(s, row.index, S(0.0));
+        value = joint_part->row_times(row.index, torque);
         break;
       case RowKind::Coupling:
-        value = coupling(row.index);
+        value = joint_part->row_times(row.index, torque_beside_total());
         break;
     }
     out.push_back(value * S(1 / row.scale));

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "proof/form_bounds.hpp"
+
 namespace stillbase::proof {
 namespace {
 
@@ -11,6 +13,7 @@ constexpr double kInflatedWidth = 0.5;
 /// Contraction goes on while a round leaves at most this part of the widest side.
 constexpr double kWorthwhile = 0.7;
 constexpr int kMaxRounds = 8;
+constexpr double kSteep = 1e200;  ///< unbounded slopes count as this
 /// Undecided boxes are joined to clusters up to this number; more say nothing anyway.
 constexpr std::size_t kMaxJoined = 2000;
 
@@ -26,6 +29,69 @@ Box<N> inflated(const Box<N>& X) {
   Box<N> out;
   const double margin = 0.25 * width_of(X) + 1e-14;
   for (int i = 0; i < N; ++i) out[i] = X[i] + Interval(-margin, margin);
+  return out;
+}
+
+/// What quadratic forms of f leave of a box.
+template <int N>
+struct FormCut {
+  bool may_have_zero = true;
+  /// Whether a test for a single zero is worth its while: no if the forms are known to bend.
+  bool may_be_unique = true;
+  std::array<double, N> change{};  ///< of the rows along the sides; zero: not known
+};
+
+template <int N>
+FormCut<N> cut_by_forms(const System<N>& system, Box<N>& X) {
+  /// Krawczyk's test takes slopes that change by less than themselves.
+  constexpr double kNearlyLinear = 0.5;
+  constexpr int kSweeps = 3;
+  FormCut<N> out;
+  std::array<Quadratic<N>, N> x, f;
+  for (int j = 0; j < N; ++j) x[j] = Quadratic<N>(X[j], j);
+  if (!system.evaluate(x, f)) return out;
+  Eigen::Matrix<double, N, N> J, Y;
+  bool is_bounded = true, is_known = true;
+  for (int i = 0; i < N; ++i) {
+    is_bounded = is_bounded && f[i].is_bounded();
+    is_known = is_known && f[i].r <= f[i].size_of(1) + f[i].size_of(2);
+    for (int j = 0; j < N; ++j) {
+      J(i, j) = f[i].a(j);
+      double change = std::fabs(f[i].a(j));
+      for (int k = 0; k < N; ++k) {
+        change += std::fabs(f[i].q(std::min(j, k), std::max(j, k)));
+      }
+      out.change[j] = std::fmax(out.change[j], change);
+    }
+  }
+  // Rests know no variables: those behind them would never be divided.
+  if (!is_known) out.change.fill(0);
+  std::vector<Quadratic<N>> forms(f.begin(), f.end());
+  bool is_invertible = false;
+  if (is_bounded) J.computeInverseWithCheck(Y, is_invertible, 0.0);
+  if (is_invertible && Y.allFinite()) {
+    for (int i = 0; i < N; ++i) {
+      Quadratic<N> g;
+      for (int j = 0; j < N; ++j) g += f[j] * Quadratic<N>(Y(i, j));
+      out.may_be_unique = out.may_be_unique && (!is_known || g.size_of(2) + g.r < kNearlyLinear);
+      forms.push_back(g);
+    }
+  }
+  Part<N> part;
+  part.side.fill(Interval(-1, 1));
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const double before = width_of(part);
+    for (const Quadratic<N>& form : forms) {
+      out.may_have_zero = out.may_have_zero && cut_by_equation(form, part);
+    }
+    if (!out.may_have_zero) return out;
+    if (width_of(part) > kWorthwhile * before) break;
+  }
+  for (int j = 0; j < N; ++j) {
+    const Interval side = Interval(x[j].c()) + Interval(x[j].a(j)) * part[j];
+    X[j] = boost::numeric::intersect(X[j], side);
+    out.change[j] *= width_of(part[j]) / 2;
+  }
   return out;
 }
 
@@ -178,10 +244,17 @@ class Search {
   bool reduce(Box<N>& X) {
     for (int round = 0; round < kMaxRounds; ++round) {
       const double before = width_of(X);
+      const FormCut<N> forms = cut_by_forms(system_, X);
+      if (!forms.may_have_zero) return false;
+      change_ = forms.change;
+      if (!forms.may_be_unique) {
+        if (width_of(X) > kWorthwhile * before) break;
+        continue;
+      }
       const Box<N> whole = X;
       const Linearised<N> at = linearise(system_, X);
       if (!at.may_have_zero) return false;
-      measure_slopes(at);
+      measure_slopes(at, X);
       bool is_regular = false;
       const Verdict verdict = krawczyk(at, X, is_regular);
       if (verdict == Verdict::Empty) return false;
@@ -223,12 +296,14 @@ class Search {
     out_.zeros.push_back({unique, tight});
   }
 
-  void measure_slopes(const Linearised<N>& at) {
-    slope_.fill(0);
-    for (int i = 0; i < N; ++i) {
-      for (int j = 0; j < N; ++j) {
-        slope_[j] = std::max(slope_[j], boost::numeric::norm(at.J[i][j]));
+  void measure_slopes(const Linearised<N>& at, const Box<N>& X) {
+    for (int j = 0; j < N; ++j) {
+      double slope = 0;
+      // Where nothing is known the widest side is divided.
+      for (int i = 0; i < N; ++i) {
+        slope = std::fmax(slope, std::fmin(boost::numeric::norm(at.J[i][j]), kSteep));
       }
+      change_[j] = slope * width_of(X[j]);
     }
   }
 
@@ -237,8 +312,10 @@ class Search {
   void divide(const Box<N>& X, std::vector<Box<N>>& open) const {
     int widest = 0;
     double largest = -1;
+    const bool is_known =
+        std::any_of(change_.begin(), change_.end(), [](double change) { return change > 0; });
     for (int j = 0; j < N; ++j) {
-      const double smear = slope_[j] * width_of(X[j]);
+      const double smear = is_known ? change_[j] : width_of(X[j]);
       if (width_of(X[j]) <= options_.min_width || !(smear > largest)) continue;
       widest = j;
       largest = smear;
@@ -254,7 +331,7 @@ class Search {
 
   const System<N>& system_;
   const EncloseOptions& options_;
-  std::array<double, N> slope_{};
+  std::array<double, N> change_{};  ///< of the rows along the sides of the box looked at
   Enclosure<N> out_;
 };
 

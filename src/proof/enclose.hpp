@@ -10,6 +10,7 @@
 #include <stillbase/core/interrupt.hpp>
 
 #include "proof/interval.hpp"
+#include "proof/taylor.hpp"
 
 namespace stillbase::proof {
 
@@ -54,6 +55,10 @@ class System {
   virtual void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const = 0;
   /// Values alone.
   virtual void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const = 0;
+  /// Quadratic forms of the values over the box of the variables x; no: there are none.
+  virtual bool evaluate(const std::array<Quadratic<N>, N>&, std::array<Quadratic<N>, N>&) const {
+    return false;
+  }
   /// Whether no point of a box is of interest, zero or not.
   virtual bool excludes(const Box<N>&) const { return false; }
 };
@@ -88,6 +93,8 @@ struct Enclosure {
 /// Every zero of f in the domain that the system does not exclude lies in one of the zeros' boxes
 /// or in an undecided box. (Excluded ones may be among them.)
 ///
+/// Where there are quadratic forms of f a box is first cut to where they, and their combinations
+/// that are about c_i + eps_i, may be zero; what is left open then is of third order in its width.
 /// A box without a zero of some f_i (natural or mean-value extension) is dropped; the rest is cut
 /// by the componentwise Newton operator and by Krawczyk's
 ///   K(X) = c - Y f(c) + (E - Y J(X)) (X - c),  Y near J(c)^-1,

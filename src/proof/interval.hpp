@@ -39,6 +39,18 @@ class RoundUpward {
   int before_;
 };
 
+/// The default mode, for what is not about intervals, and back.
+class RoundToNearest {
+ public:
+  RoundToNearest() : before_(std::fegetround()) { std::fesetround(FE_TONEAREST); }
+  ~RoundToNearest() { std::fesetround(before_); }
+  RoundToNearest(const RoundToNearest&) = delete;
+  RoundToNearest& operator=(const RoundToNearest&) = delete;
+
+ private:
+  int before_;
+};
+
 /// Yes as well where an end is not a number.
 inline bool contains_zero(const Interval& x) { return !(x.lower() > 0 || x.upper() < 0); }
 inline bool is_disjoint(const Interval& a, const Interval& b) {
@@ -144,6 +156,24 @@ struct Dual {
     out.v = -a.v;
     for (std::size_t i = 0; i < a.d.size(); ++i) out.d[i] = -a.d[i];
     return out;
+  }
+  /// Nothing is known.
+  static Dual unbounded() {
+    const double end = std::numeric_limits<double>::infinity();
+    Dual out(Interval(-end, end));
+    out.d.fill(out.v);
+    return out;
+  }
+  friend double middle(const Dual& x) { return middle(x.v); }
+  friend Dual square(const Dual& x) {
+    Dual out(boost::numeric::square(x.v));
+    for (std::size_t i = 0; i < x.d.size(); ++i) out.d[i] = x.v * x.d[i] * 2.0;
+    return out;
+  }
+  friend Dual inverse_of(const Dual& x) { return contains_zero(x.v) ? unbounded() : Dual(1.0) / x; }
+  /// The quotient itself; by the inverse it would be wider.
+  friend Dual quotient(const Dual& x, const Dual& y, const Dual&) {
+    return contains_zero(y.v) ? unbounded() : x / y;
   }
   friend Dual sin(const Dual& x) { return chain(x, sine(x.v), cosine(x.v)); }
   friend Dual cos(const Dual& x) { return chain(x, cosine(x.v), -sine(x.v)); }

@@ -4,14 +4,9 @@
 // inertia K:
 //   K [v; omega] = b,  b what of the wrench the joints pass on,
 //   F' W_h F = sum over the joints of z_k^2 / D_k + b' K^-1 b.
-// K is positive definite, but its entries cancel; so it is first taken to near the identity by the
-// Cholesky factor of its middle,
-//   (G K G') (G'^-1 x) = G b,  G any regular matrix of doubles,
-// and then factorised once, G K G' = C D C': z = C^-1 G b gives b' K^-1 b = sum z_i^2 / D_i. No
-// part of the sum is negative.
+// by elimination.hpp: b' K^-1 b = sum z_i^2 / D_i. No part of the sum is negative.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -19,6 +14,7 @@
 #include "dynamics/rigid_inertia.hpp"
 #include "proof/articulated_forms.hpp"
 #include "proof/bound.hpp"
+#include "proof/elimination.hpp"
 #include "proof/encounter_forms.hpp"
 #include "proof/minimum_problem.hpp"
 
@@ -67,7 +63,7 @@ class ImpactForms {
       r_bg_ = Vector3<S>(h(1, 2), h(2, 0), h(0, 1)) * inverse_of(mass);
       Htilde_omega_ = arm_.composite.J - parallel_axis<S>(mass, r_bg_);
     }
-    factorise();
+    base_ = Elimination<S, 6>(6, [&](int i, int j) { return arm_.articulated.column(j)[i]; });
     for (const Vector6d& F_E : basis.wrenches) {
       Vector6<S> F;
       F << at.R_BE * Vector3<S>(F_E.head<3>().cast<S>()),
@@ -121,7 +117,7 @@ class ImpactForms {
 
   struct Response {
     PerBody<S, S> u;   ///< of the wrench along joint k, the joints beyond it free
-    Column z;          ///< C^-1 G b
+    Column z;          ///< base_.forward(b)
     Vector6<S> base;   ///< twist of the base, [v; omega]
     Vector3<S> total;  ///< L
   };
@@ -141,7 +137,7 @@ class ImpactForms {
     for (const int k : arm_.joints_of_hand()) {
       if (arm_.moves[k]) divisor += square(at.u[k]) * arm_.inverse_D[k];
     }
-    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * inverse_D_[i];
+    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * base_.inverse_pivots()[i];
     return divisor;
   }
 
@@ -153,47 +149,6 @@ class ImpactForms {
              term.quantity == ObjectiveQuantity::BaseMomentum;
     };
     return std::any_of(problem_.objective.begin(), problem_.objective.end(), asks);
-  }
-
-  void factorise() {
-    Matrix6<S> K;  // lower triangle
-    Matrix6d middle;
-    for (int j = 0; j < 6; ++j) {
-      K.col(j) = arm_.articulated.column(j);
-      for (int i = j; i < 6; ++i) middle(i, j) = middle(j, i) = K(i, j).c();
-    }
-    precondition(middle);
-    for (int i = 0; i < 6; ++i) {
-      Column GK;  // row i of G K
-      for (int j = 0; j < 6; ++j) {
-        for (int k = 0; k <= i; ++k) GK[j] += (k > j ? K(k, j) : K(j, k)) * S(G_(i, k));
-      }
-      for (int j = 0; j <= i; ++j) {
-        S value(0.0);
-        for (int k = 0; k <= j; ++k) value += GK[k] * S(G_(j, k));
-        if (j < i) {
-          for (int k = 0; k < j; ++k) value -= C_[i][k] * CD_[j][k];
-          CD_[i][j] = value;
-          C_[i][j] = quotient(value, D_[j], inverse_D_[j]);
-        } else {
-          for (int k = 0; k < j; ++k) value -= square(CD_[i][k]) * inverse_D_[k];
-          D_[i] = value;
-          inverse_D_[i] = inverse_of(D_[i]);
-        }
-      }
-    }
-  }
-
-  /// G, lower triangular with G middle G' near the identity.
-  void precondition(const Matrix6d& middle) {
-    const Eigen::LLT<Matrix6d> llt(middle);
-    const Matrix6d E = Matrix6d::Identity();
-    G_ = E;
-    if (llt.info() != Eigen::Success) return;
-    const Matrix6d inverse = llt.matrixL().solve(E);
-    if (inverse.allFinite() && (inverse.diagonal().array() != 0).all()) {
-      G_ = inverse.triangularView<Eigen::Lower>();
-    }
   }
 
   /// @param F in B
@@ -212,19 +167,11 @@ class ImpactForms {
       }
       b = arm_.wrench_on_parent(k, b);
     }
-    Column y;  // G'^-1 x
-    for (int i = 0; i < 6; ++i) {
-      for (int k = 0; k <= i; ++k) out.z[i] += b[k] * S(G_(i, k));
-      for (int k = 0; k < i; ++k) out.z[i] -= C_[i][k] * out.z[k];
-    }
-    for (int i = 5; i >= 0; --i) {
-      y[i] = quotient(out.z[i], D_[i], inverse_D_[i]);
-      for (int k = i + 1; k < 6; ++k) y[i] -= C_[k][i] * y[k];
-    }
-    out.base.setZero();
-    for (int i = 0; i < 6; ++i) {
-      for (int k = i; k < 6; ++k) out.base[i] += y[k] * S(G_(k, i));
-    }
+    Column on_base;
+    std::copy(b.begin(), b.end(), on_base.begin());
+    out.z = base_.forward(on_base);
+    const Column twist = base_.backward(out.z);
+    std::copy(twist.begin(), twist.end(), out.base.begin());
     return out;
   }
 
@@ -301,9 +248,7 @@ class ImpactForms {
   ArticulatedForms<S> arm_;
   Vector3<S> hand_, r_bg_;
   Matrix3<S> Htilde_omega_;
-  Matrix6d G_;
-  std::array<Column, 6> C_, CD_;  ///< strictly below the diagonal: C, and C D
-  Column D_, inverse_D_;
+  Elimination<S, 6> base_;  ///< in the articulated inertia of the base
   std::vector<Response> responses_;
 };
 

@@ -1,3 +1,4 @@
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -6,6 +7,7 @@
 #include "proof/case_rows.hpp"
 #include "proof/domain.hpp"
 #include "proof/enclose.hpp"
+#include "proof/encounter_forms.hpp"
 #include "proof/side_conditions.hpp"
 
 namespace stillbase::proof {
@@ -84,6 +86,11 @@ class RowSystem final : public System<N> {
   void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const override {
     fill(x, f);
   }
+  bool evaluate(const std::array<Quadratic<N>, N>& x,
+                std::array<Quadratic<N>, N>& f) const override {
+    fill(x, f);
+    return true;
+  }
   bool excludes(const Box<N>& box) const override { return kept_over(box) == Kept::No; }
 
   /// Whether the side conditions hold over a box.
@@ -154,6 +161,51 @@ Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
   return out;
 }
 
+/// Least rank of the equations' slopes at the first solution that Newton steps in plain doubles
+/// find where it is full, or at a few where it is not; -1: they find none. It only says whether
+/// enclosing is worth a try.
+template <int N>
+int rank_at_solutions(const RowSystem<N>& system, const Box<N>& domain) {
+  using Matrix = Eigen::Matrix<double, N, N>;
+  constexpr int kStarts = 48, kSteps = 30, kEnough = 4;
+  constexpr double kSolved = 1e-11, kRank = 1e-7;
+  int rank = -1;
+  for (int start = 0, found = 0; start < kStarts && found < kEnough; ++start) {
+    const Eigen::VectorXd u = low_discrepancy_point(start, N, 1);
+    Eigen::Matrix<double, N, 1> x, f;
+    for (int i = 0; i < N; ++i) x[i] = domain[i].lower() + u[i] * width_of(domain[i]);
+    for (int step = 0; step < kSteps; ++step) {
+      Box<N> here;
+      std::array<Dual<N>, N> at, values;
+      for (int i = 0; i < N; ++i) {
+        here[i] = Interval(x[i]);
+        at[i] = Dual<N>(here[i], i);
+      }
+      system.evaluate(at, values);
+      Matrix J;
+      for (int i = 0; i < N; ++i) {
+        f[i] = middle(values[i]);
+        for (int j = 0; j < N; ++j) J(i, j) = middle(values[i].d[j]);
+      }
+      if (!f.allFinite() || !J.allFinite()) break;
+      const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      if (f.norm() < kSolved) {
+        if (system.excludes(here)) break;
+        const auto& sigma = svd.singularValues();
+        rank = std::max(rank, static_cast<int>((sigma.array() > kRank * sigma[0]).count()));
+        if (rank == N) return rank;
+        ++found;
+        break;
+      }
+      Eigen::Matrix<double, N, 1> move = svd.solve(f);
+      const double most = move.cwiseAbs().maxCoeff();
+      if (most > 0.5) move *= 0.5 / most;
+      x -= move;
+    }
+  }
+  return rank;
+}
+
 /// Something other than a joint that the equations do not depend on; empty: nothing.
 template <int N>
 std::string idle_variable(const EncounterModel& encounter, const Survey<N>& survey) {
@@ -183,6 +235,49 @@ JointBox joint_box(const EncounterModel& encounter, const Box<N>& box) {
   return out;
 }
 
+/// In the mode that everything else is computed in.
+WithinLimits judged(const JointBox& box, const ProofOptions& options) {
+  constexpr double kNarrow = 1e-8;
+  const auto is_wide = [](const std::optional<Ends>& ends) {
+    return ends && !(ends->upper - ends->lower <= kNarrow);
+  };
+  if (!((box.upper - box.lower).maxCoeff() <= kNarrow) || is_wide(box.base_angle) ||
+      is_wide(box.contact_time)) {
+    return WithinLimits::Undecided;
+  }
+  const RoundToNearest nearest;
+  return options.judge(box);
+}
+
+/// What was proven, in words that the verification reads.
+std::string statement_of(const ZeroProblem& problem, const Proof& proof, bool limit_reached,
+                         int beyond_limits) {
+  const auto count = [](std::size_t number) { return static_cast<int>(number); };
+  const bool only_limits = problem.encounter.is_fixed() && problem.side_conditions.empty();
+  const std::string solutions = counted(count(proof.solutions.size()), "solution") + " enclosed";
+  std::string out;
+  if (!proof.undecided.empty()) {
+    out = "not decided: " + solutions + ", " + counted(count(proof.undecided.size()), "place") +
+          " where more may be" + (limit_reached ? " (stopped at the limit)" : "");
+  } else if (!proof.solutions.empty()) {
+    out = "proven complete: " + solutions;
+  } else if (problem.zero) {
+    out = std::string("proven: no ") +
+          (problem.encounter.is_fixed() ? "posture" : "configuration") +
+          " that meets the constraints makes the objective zero";
+  } else {
+    out = std::string("proven: there is no solution within the ") +
+          (only_limits ? "joint limits" : "bounds");
+  }
+  const bool is_none = proof.undecided.empty() && proof.solutions.empty();
+  if (problem.zero && !is_none) out += " at which the objective is zero";
+  if (problem.has_limits) {
+    out += " (" + counted(beyond_limits, "other") +
+           " beyond the limits on rates, singular values or clearances; judged at their middles)";
+  }
+  return out;
+}
+
 template <int N>
 Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
   const EncounterModel& encounter = problem.encounter;
@@ -202,31 +297,35 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
   std::array<bool, N> periodic;
   const Box<N> domain = domain_of<N>(problem.robot, encounter, periodic);
   const RowSystem<N> system(problem, rows);
+  const int rank = rank_at_solutions<N>(system, domain);
+  if (rank >= 0 && rank < N) {
+    return not_applicable("no proof: where they hold, " + counted(N, "equation") +
+                          " say as much as " + std::to_string(rank) +
+                          ", so the solutions are not isolated points");
+  }
   const Enclosure<N> found = enclose_zeros<N>(
       system, domain, periodic,
       {.max_boxes = options.max_boxes, .min_width = options.min_width, .stop = options.stop});
   Proof out;
   out.boxes = found.boxes;
   for (const Box<N>& box : found.undecided) out.undecided.push_back(joint_box(encounter, box));
+  int beyond_limits = 0;
   for (const Zero<N>& zero : found.zeros) {
     const Kept kept = system.kept_over(zero.tight);
     if (kept == Kept::No) continue;
-    (kept == Kept::Yes ? out.solutions : out.undecided).push_back(joint_box(encounter, zero.tight));
+    const JointBox box = joint_box(encounter, zero.tight);
+    WithinLimits within = WithinLimits::Yes;
+    if (kept == Kept::Open) {
+      within = WithinLimits::Undecided;
+    } else if (problem.has_limits) {
+      within = judged(box, options);
+    }
+    beyond_limits += within == WithinLimits::No;
+    if (within == WithinLimits::Yes) out.solutions.push_back(box);
+    if (within == WithinLimits::Undecided) out.undecided.push_back(box);
   }
-  const bool is_complete = out.undecided.empty();
-  out.status = is_complete ? ProofStatus::Complete : ProofStatus::Undecided;
-  const std::string solutions = counted(static_cast<int>(out.solutions.size()), "solution");
-  if (is_complete && out.solutions.empty()) {
-    const bool only_limits = encounter.is_fixed() && problem.side_conditions.empty();
-    out.statement = std::string("proven: there is no solution within the ") +
-                    (only_limits ? "joint limits" : "bounds");
-  } else if (is_complete) {
-    out.statement = "proven complete: " + solutions + " enclosed";
-  } else {
-    out.statement = "not decided: " + solutions + " enclosed, " +
-                    counted(static_cast<int>(out.undecided.size()), "place") +
-                    " where more may be" + (found.limit_reached ? " (stopped at the limit)" : "");
-  }
+  out.status = out.undecided.empty() ? ProofStatus::Complete : ProofStatus::Undecided;
+  out.statement = statement_of(problem, out, found.limit_reached, beyond_limits);
   return out;
 }
 
@@ -235,16 +334,6 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options) {
   const RobotModel& robot = problem.robot;
   const EncounterModel& encounter = problem.encounter;
-  const std::vector<Row> rows = all_rows(problem);
-  const std::size_t moving =
-      static_cast<std::size_t>(robot.n()) -
-      static_cast<std::size_t>(std::count(problem.locked.begin(), problem.locked.end(), true));
-  if (moving > kMaxMovingJoints &&
-      (encounter.num_variables() > 3 ||
-       std::any_of(rows.begin(), rows.end(), needs_few_moving_joints))) {
-    return not_applicable("no proof: more than " + std::to_string(kMaxMovingJoints) +
-                          " joints move during the impact");
-  }
   if (robot.n() > kMaxJointsInProof) {
     return not_applicable("no proof: the robot has more than " + std::to_string(kMaxJointsInProof) +
                           " joints");

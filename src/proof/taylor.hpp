@@ -127,6 +127,7 @@ struct Taylor {
   /// At the middle of the box, but for the rest.
   double c() const { return coefficient[0]; }
   double& c() { return coefficient[0]; }
+  friend double middle(const Taylor& x) { return x.c(); }
   /// Of eps_i.
   double a(int i) const { return coefficient[static_cast<std::size_t>(1 + i)]; }
   /// Of eps_i eps_j, i <= j.

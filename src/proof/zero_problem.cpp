@@ -109,6 +109,11 @@ ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
   out.added_inertia = resistance.added_inertia;
   out.locked = resistance.locked;
 
+  const ConstraintSpec& limits = problem.constraints;
+  out.has_limits = limits.joint_rate_scale || limits.joint_rate_max.size() > 0 ||
+                   limits.coupling_singular_value_min > 0 ||
+                   limits.jacobian_singular_value_min > 0 || limits.clearance;
+
   const VariableSpec& variables = problem.variables;
   const HandConstraint hand = problem.hand.constraint;
   const bool is_predicted = !problem.impulse.direction;

@@ -36,6 +36,7 @@ struct ZeroProblem {
   bool has_hand_axis = false;             ///< the approach axis lies along n
   bool has_hand_axes = false;             ///< all axes are the wanted ones
   std::vector<SideCondition> side_conditions;
+  bool has_limits = false;  ///< on rates, singular values or clearances: solutions are judged
 };
 
 /// The variables, equations and inequalities of a capture problem, whose base attitude is fixed or

@@ -79,7 +79,7 @@ double relative_objective(const Judged& at) {
 }
 
 /// How far the nearest limit of a variable or inequality is, each in its unit.
-double distance_to_limit(const Judged& at, const VerifyOptions& options) {
+double distance_to_limit(const Judged& at) {
   const CaptureProblem& problem = at.problem;
   const Configuration& configuration = at.alone.configuration;
   const VariableSpec& free = problem.variables;
@@ -116,7 +116,8 @@ double distance_to_limit(const Judged& at, const VerifyOptions& options) {
     between(at.event.n.dot(at.response.dynamics.hand_rotation * problem.hand.approach_axis),
             -kInfinity, 0);
   }
-  const MarginNumbers margins = margin_numbers(at.context(options), at.event, at.response);
+  const MarginNumbers margins = margin_numbers(
+      problem, configuration, at.motion ? &*at.motion : nullptr, at.event, at.response);
   between(margins.rate_excess, -kInfinity, 0);
   const ConstraintSpec& wanted = problem.constraints;
   if (margins.coupling) between(*margins.coupling, wanted.coupling_singular_value_min, kInfinity);
@@ -199,7 +200,7 @@ class Curves {
     }
     if (family.is_closed || !family.is_complete) return;
     for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
-      const double gap = distance_to_limit(Judged(context_.problem, *end), context_.options);
+      const double gap = distance_to_limit(Judged(context_.problem, *end));
       if (gap <= kAtLimit) continue;
       ends_.push_back(
           fmt::format("curve {}: an end is {:.3g} from the nearest limit", number, gap));

@@ -188,11 +188,17 @@ bool ContactShapes::must_be_apart(int i, int j) const {
   }
   const int hand = problem_.robot.hand_body;
   if ((a.body == kTarget && b.body == hand) || (b.body == kTarget && a.body == hand)) return false;
+  return !are_neighbours(i, j);
+}
+
+bool ContactShapes::are_neighbours(int i, int j) const {
   const auto is_parent = [&](const Shape& parent, const Shape& child) {
     return child.body >= 0 && !parent.is_obstacle &&
            problem_.robot.joints[static_cast<std::size_t>(child.body)].parent == parent.body;
   };
-  return !is_parent(a, b) && !is_parent(b, a);
+  const Shape& a = shapes_[static_cast<std::size_t>(i - 1)];
+  const Shape& b = shapes_[static_cast<std::size_t>(j - 1)];
+  return is_parent(a, b) || is_parent(b, a);
 }
 
 std::optional<std::pair<int, int>> clearance_numbers(const std::string& name) {
@@ -201,9 +207,9 @@ std::optional<std::pair<int, int>> clearance_numbers(const std::string& name) {
   return std::pair{i, j};
 }
 
-MarginNumbers margin_numbers(const Context& context, const ContactEvent& event,
+MarginNumbers margin_numbers(const CaptureProblem& problem, const Configuration& at,
+                             const TargetMotion* motion, const ContactEvent& event,
                              const PostureResponse& response) {
-  const CaptureProblem& problem = context.problem;
   const ConstraintSpec& wanted = problem.constraints;
   MarginNumbers out;
   if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
@@ -221,9 +227,8 @@ MarginNumbers margin_numbers(const Context& context, const ContactEvent& event,
     out.jacobian = jacobian_singular_value(response, wanted.jacobian_length);
   }
   if (!wanted.clearance) return out;
-  const Configuration& at = context.plan.configuration;
   std::optional<Pose> target;
-  if (context.motion != nullptr) target = context.motion->state(at.contact_time).pose;
+  if (motion != nullptr) target = motion->state(at.contact_time).pose;
   const ContactShapes shapes(problem, at, target ? &*target : nullptr);
   const auto take = [&](int i, int j) {
     const auto distance = shapes.distance(i, j);
@@ -239,11 +244,26 @@ MarginNumbers margin_numbers(const Context& context, const ContactEvent& event,
   return out;
 }
 
+double neighbours_distance(const CaptureProblem& problem, const Configuration& at) {
+  const ContactShapes here(problem, at, nullptr);
+  const ContactShapes start(problem, {problem.start, at.base, at.contact_time}, nullptr);
+  double least = kInfinity;
+  for (int i = 1; i <= here.count(); ++i) {
+    for (int j = i + 1; j <= here.count(); ++j) {
+      if (!here.are_neighbours(i, j)) continue;
+      const auto distance = here.distance(i, j), stated = start.distance(i, j);
+      if (distance && stated && *stated > 0) least = std::min(least, *distance);
+    }
+  }
+  return least;
+}
+
 void check_margins(const Context& context, const ContactEvent& event,
                    const PostureResponse& response, ClaimList& claims) {
   const ConstraintSpec& wanted = context.problem.constraints;
   const double tolerance = context.options.constraint_tolerance;
-  const MarginNumbers found = margin_numbers(context, event, response);
+  const MarginNumbers found =
+      margin_numbers(context.problem, context.plan.configuration, context.motion, event, response);
   if (!found.fastest.empty() && std::isfinite(found.rate_excess)) {
     claims.at_most("joint_rate_limits", found.rate_excess, tolerance, "rad/s",
                    "furthest beyond its rate limit right after the impact: " + found.fastest);

@@ -32,6 +32,8 @@ class ContactShapes {
   /// Whether a problem that asks for clearances asks for that of these two, neighbours in the tree
   /// left out: some of them overlap by construction.
   bool must_be_apart(int i, int j) const;
+  /// Whether they are of a body and its parent in the tree.
+  bool are_neighbours(int i, int j) const;
   int count() const { return static_cast<int>(shapes_.size()); }
   std::string name(int i) const { return shapes_[static_cast<std::size_t>(i - 1)].name; }
 
@@ -58,8 +60,14 @@ struct MarginNumbers {
   std::optional<double> distance;  ///< smallest of pairs that must be apart, m
   std::string nearest;             ///< that pair
 };
-MarginNumbers margin_numbers(const Context& context, const ContactEvent& event,
+/// @param motion of the target; null: there is none
+MarginNumbers margin_numbers(const CaptureProblem& problem, const Configuration& at,
+                             const TargetMotion* motion, const ContactEvent& event,
                              const PostureResponse& response);
+
+/// The smallest distance of neighbours in the tree that are apart in the start posture: of those a
+/// planner may ask clearance as well. Infinite without any. m
+double neighbours_distance(const CaptureProblem& problem, const Configuration& at);
 
 /// One claim for each margin that the problem asks for.
 void check_margins(const Context& context, const ContactEvent& event,

@@ -6,6 +6,7 @@
 #include <stillbase/core/random.hpp>
 
 #include "verification/free_variables.hpp"
+#include "verification/margins.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -84,10 +85,39 @@ class Equations {
 
   bool is_allowed(const Configuration& at) const {
     const reference::Dynamics dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
-    return keeps_inequalities(problem_, event_at(at), at, dynamics);
+    const ContactEvent event = event_at(at);
+    return keeps_inequalities(problem_, event, at, dynamics) &&
+           is_within_limits(at, event, dynamics);
   }
 
  private:
+  /// Rates, singular values, clearances, with a little to spare.
+  bool is_within_limits(Configuration at, const ContactEvent& event,
+                        const reference::Dynamics& dynamics) const {
+    const ConstraintSpec& wanted = problem_.constraints;
+    const bool has_rates = wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0;
+    if (!has_rates && !(wanted.coupling_singular_value_min > 0) &&
+        !(wanted.jacobian_singular_value_min > 0) && !wanted.clearance) {
+      return true;
+    }
+    const Vector3d hand = at.base.orientation * Vector3d(dynamics.hand_position);
+    if (problem_.variables.base_position != PositionFreedom::Fixed && event.feature) {
+      at.base.position = event.feature->point - hand;
+    }
+    const auto motion =
+        target_motion(problem_, at, Vector3d(at.base.position + hand), at.contact_time);
+    const MarginNumbers found = margin_numbers(problem_, at, motion ? &*motion : nullptr, event,
+                                               posture_response(problem_, at.phi));
+    const auto is_short = [](const std::optional<double>& value, double least) {
+      return value && *value < least + kInside;
+    };
+    return !(found.rate_excess > -kInside) &&
+           !is_short(found.coupling, wanted.coupling_singular_value_min) &&
+           !is_short(found.jacobian, wanted.jacobian_singular_value_min) &&
+           !(wanted.clearance && (is_short(found.distance, *wanted.clearance) ||
+                                  neighbours_distance(problem_, at) < *wanted.clearance + kInside));
+  }
+
   const CaptureProblem& problem_;
   const FreeVariables& variables_;
   std::optional<TargetMotion> motion_;

@@ -18,8 +18,9 @@ struct Recount {
 };
 
 /// Configurations within the bounds that meet the hand's equations, the wanted case and the
-/// inequalities and, where these equations leave freedom, make the objective zero; isolated ones.
-/// For problems with one to three variables among joints, base angle about an axis and time.
+/// inequalities, limits on rates, singular values and clearances among them, and, where these
+/// equations leave freedom, make the objective zero; isolated ones. For problems with one to three
+/// variables among joints, base angle about an axis and time.
 Recount search_solutions(const Context& context);
 
 /// The hand's distance from its point (3, m) and the sines of the turn of its axes (3), in B; zero
