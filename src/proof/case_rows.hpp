@@ -1,4 +1,4 @@
-// The equations of a case problem, for dual intervals and quadratic forms.
+// The equations of a case problem, for dual intervals and Taylor models.
 //
 // With A = Htilde_phi + added inertia over the joints that move, h = Htilde_omegaphi, L the
 // momentum impulse about the system centroid (16), s = tau - H_vphi' f / m, all per unit of

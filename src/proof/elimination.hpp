@@ -1,5 +1,5 @@
 // Elimination in a positive definite matrix over a whole box at once, for dual intervals and
-// quadratic forms.
+// Taylor models.
 //
 // The entries of such a matrix cancel; so it is first taken to near the identity by the inverse G
 // of the Cholesky factor of its middle, and then factorised once,

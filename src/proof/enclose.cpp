@@ -32,7 +32,7 @@ Box<N> inflated(const Box<N>& X) {
   return out;
 }
 
-/// What quadratic forms of f leave of a box.
+/// What second-order forms of f leave of a box.
 template <int N>
 struct FormCut {
   bool may_have_zero = true;

@@ -93,7 +93,7 @@ struct Enclosure {
 /// Every zero of f in the domain that the system does not exclude lies in one of the zeros' boxes
 /// or in an undecided box. (Excluded ones may be among them.)
 ///
-/// Where there are quadratic forms of f a box is first cut to where they, and their combinations
+/// Where there are second-order forms of f a box is first cut to where they, and their combinations
 /// that are about c_i + eps_i, may be zero; what is left open then is of third order in its width.
 /// A box without a zero of some f_i (natural or mean-value extension) is dropped; the rest is cut
 /// by the componentwise Newton operator and by Krawczyk's

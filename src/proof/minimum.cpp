@@ -23,7 +23,7 @@ constexpr double kBestIsKnownTo = 1e-6;
 /// Directions are unit vectors but for rounding, and weights sum up to one.
 constexpr double kUnitVector = 1e-12;
 /// Impulses whose forms take about as long as those of the posture.
-constexpr std::size_t kImpulsesPerPosture = 16;
+constexpr std::size_t kImpulsesPerPosture = 4;
 
 /// All values of the variables; those that are not needed stay at zero.
 template <int N>
@@ -155,19 +155,23 @@ class ImpactProgram final : public Program<N> {
       }
       return;
     }
-    std::vector<Form<N>> squares;
+    std::vector<Form<N>> divided, below;
     for (std::size_t k = 0; k < impulses.size(); ++k) {
-      squares.push_back(forms.quotient_of(impulses[k], basis_.coefficients[k]));
+      const Fraction<N> square = forms.square_of(impulses[k], basis_.coefficients[k]);
+      divided.push_back(square.divided());
+      below.push_back(square.below());
     }
     const auto add_mean = [&](const std::vector<double>& weights) {
-      Form<N> sum;
-      for (std::size_t k = 0; k < squares.size(); ++k) {
-        if (weights[k] > 0) sum += squares[k] * Form<N>(weights[k]);
+      for (const std::vector<Form<N>>* squares : {&divided, &below}) {
+        Form<N> sum;
+        for (std::size_t k = 0; k < squares->size(); ++k) {
+          if (weights[k] > 0) sum += (*squares)[k] * Form<N>(weights[k]);
+        }
+        values.push_back({sum});
       }
-      values.push_back({sum});
     };
     if (is_tail) {
-      add_tails(squares, add_mean);
+      add_tails(divided, add_mean);
       return;
     }
     std::vector<double> weights;

@@ -95,23 +95,6 @@ class ImpactForms {
     return out;
   }
 
-  /// The same as one form: parts of a sum cannot be kept apart.
-  S quotient_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
-    const Response at = combined(coefficients);
-    const S scale = scale_of(impulse);
-    const bool by_law = impulse.target_inverse_mass.has_value();
-    const S divisor = by_law ? divisor_of(impulse, at) : S(1.0);
-    const S inverse = by_law ? inverse_of(divisor) : S(1.0);
-    S sum(0.0);
-    for (const ObjectiveTerm& term : problem_.objective) {
-      const S factor = scale / S(term.size);
-      for_each_component(term, at, [&](const S& y) {
-        if (!y.is_zero()) sum += square((by_law ? quotient(y, divisor, inverse) : y) * factor);
-      });
-    }
-    return sum;
-  }
-
  private:
   using Column = std::array<S, 6>;
 

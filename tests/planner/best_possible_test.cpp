@@ -185,7 +185,7 @@ TEST_CASE("three free joints without any equation: the least worst case of an ar
   const Plan plan = make_plan(problem);
   const Proof& proof = plan.certificate.proof;
   INFO(proof.statement);
-  CHECK(proof.statement.find("proven: no posture has a worst case below 0.053") == 0);
+  CHECK(proof.statement.find("no posture has a worst case below 0.053") != std::string::npos);
   REQUIRE(proof.lower_bound.has_value());
   CHECK(*proof.lower_bound <= best_of(plan));
   CHECK(*proof.lower_bound >= best_of(plan) * (1 - 1e-3));

@@ -182,7 +182,7 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
     const auto unit = [&](int k) {
       return encounter.time_is_free && k == encounter.time_index() ? encounter.time_unit : 1;
     };
-    std::vector<Form> squares;
+    std::vector<Form> squares, belows;
     std::vector<proof::Fraction<3>> fractions;
     {
       const proof::RoundUpward upward;
@@ -193,8 +193,9 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
       const auto at = proof::encounter_over<Form>(encounter, x);
       const proof::ImpactForms<3> forms(minimum, basis, at);
       for (std::size_t k = 0; k < scenarios.size(); ++k) {
-        squares.push_back(forms.quotient_of(minimum.impulses[k], basis.coefficients[k]));
         fractions.push_back(forms.square_of(minimum.impulses[k], basis.coefficients[k]));
+        squares.push_back(fractions.back().divided());
+        belows.push_back(fractions.back().below());
       }
     }
     for (int point = 0; point < 6; ++point) {
@@ -234,6 +235,9 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
         if (!(std::abs(excess) <= numerator.r + exact * denominator.r + slack * divisor)) {
           FAIL("kind " << kind << ", width " << width << ": as a fraction off by " << excess);
         }
+        if (!(at_point(belows[k]) - belows[k].r <= exact + slack)) {
+          FAIL("kind " << kind << ", width " << width << ": not below " << exact);
+        }
         if (squares[k].r < 1e-3 * exact) ++narrow;
       }
     }
@@ -260,7 +264,7 @@ TEST_CASE("what a form of |y|^2 leaves open falls with the third power of the bo
     const std::array<Form, 3> x{side(0.4, 0), side(0.3, 1), side(time / unit, 2)};
     const auto at = proof::encounter_over<Form>(minimum.where.encounter, x);
     const proof::ImpactForms<3> forms(minimum, basis, at);
-    const Form square = forms.quotient_of(minimum.impulses[0], basis.coefficients[0]);
+    const Form square = forms.square_of(minimum.impulses[0], basis.coefficients[0]).divided();
     CAPTURE(width, square.c(), square.r);
     CHECK(std::abs(square.a(2)) > 3 * square.r);
     if (before > 0) CHECK(square.r < before / 6.5);

@@ -29,8 +29,10 @@ std::string failures(const Verification& verification) {
 
 }  // namespace
 
+// Problems without a case: the whole residual of a case, by another route, gives the flipped sign
+// away to that planner itself.
 TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused") {
-  for (const char* name : {"planar_two_link_c2_a", "iiwa_client_50"}) {
+  for (const char* name : {"planar_three_link_null", "iiwa_client_50"}) {
     const std::string path =
         (std::filesystem::temp_directory_path() / (std::string("flipped_") + name + ".json"))
             .string();
