@@ -43,6 +43,15 @@ namespace {
 /// Relative: values nearer than that are the same.
 constexpr double kBetter = 1e-6;
 
+/// A deadline at half the time that is left: the other half is the approach's.
+StopCondition half_the_rest(StopCondition stop) {
+  const auto now = StopCondition::Clock::now();
+  if (stop.deadline != StopCondition::Clock::time_point::max() && stop.deadline > now) {
+    stop.deadline = now + (stop.deadline - now) / 2;
+  }
+  return stop;
+}
+
 /// Search and proof; what the search had missed is added.
 SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
                               const CollisionScene& scene, const PlannerOptions& options,
@@ -80,7 +89,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   state_what_was_missed(proof);
   const auto bounded = [&] {
     MinimumOptions bound_options;
-    bound_options.stop = options.stop;
+    bound_options.stop = half_the_rest(options.stop);
     bound_options.on_progress = [&](long boxes) {
       progress("proof", static_cast<int>(boxes), static_cast<int>(bound_options.max_boxes));
     };
