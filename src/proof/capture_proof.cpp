@@ -1,4 +1,6 @@
 // Which proof belongs to which capture problem.
+#include <algorithm>
+
 #include "proof/zero_problem.hpp"
 
 namespace stillbase {
@@ -6,11 +8,16 @@ namespace {
 
 /// Why a problem cannot be proven; empty: it can.
 std::string objection(const CaptureProblem& problem) {
-  const AttitudeFreedom attitude = problem.variables.base_attitude;
-  if (attitude == AttitudeFreedom::Cone || attitude == AttitudeFreedom::Free) {
-    return "the base attitude is free about more than one axis";
+  const VariableSpec& variables = problem.variables;
+  const AttitudeFreedom attitude = variables.base_attitude;
+  if (attitude != AttitudeFreedom::Cone && attitude != AttitudeFreedom::Free) return "";
+  const auto joints = std::count(variables.joints.begin(), variables.joints.end(), true);
+  const bool time = variables.contact_time_upper > variables.contact_time_lower;
+  if (joints > 0 || time) {
+    return "it takes one to three free variables, here are " +
+           std::to_string(joints + 3 + (time ? 1 : 0));
   }
-  return "";
+  return "the base attitude is free about more than one axis";
 }
 
 /// Whether the objective is one angular quantity, whose zeros are equations without division.

@@ -401,6 +401,8 @@ TEST_CASE("what cannot be proven says why") {
   says("2 equations for 3 free variables");
   SECTION("attitudes about more than one axis") {
     problem.variables.base_attitude = AttitudeFreedom::Free;
+    says("one to three free variables, here are 5");
+    problem.variables.joints = {false, false};
     says("more than one axis");
   }
   SECTION("an impulse fixed to the base does not feel its attitude") {
