@@ -31,6 +31,8 @@ struct Range {
 inline constexpr Range kAny{};
 inline constexpr Range kPositive{.lower = 0, .is_lower_open = true};
 inline constexpr Range kNonNegative{.lower = 0};
+/// Sizes of anything that is captured, by far: squares of them and of their inverses are numbers.
+inline constexpr Range kSensible{.lower = 1e-30, .upper = 1e30};
 
 enum class Need { Optional, Required };
 

@@ -53,8 +53,8 @@ void read_objective_terms(MapReader& objective, const Node& list, CaptureProblem
     MapReader fields(context, list.items[i], fmt::format("{}[{}]", path, i));
     ObjectiveTerm term;
     fields.choice("quantity", term.quantity, objective_names(), Need::Required);
-    fields.number("size", term.size, dimension_of(term.quantity), kPositive, Need::Required);
-    fields.number("length", term.length, Dimension::Length, kPositive);
+    fields.number("size", term.size, dimension_of(term.quantity), kSensible, Need::Required);
+    fields.number("length", term.length, Dimension::Length, kSensible);
     read_after(fields, term);
     fields.finish();
     for (const ObjectiveTerm& other : problem.objective) {
@@ -150,8 +150,10 @@ void read_objective_section(MapReader& map, CaptureProblem& problem) {
   MeasureSpec& measure = problem.measure;
   objective.choice("measure", measure.kind, measure_names());
   objective.number("cvar_level", measure.cvar_level, Dimension::None, {.lower = 0, .upper = 0.999});
-  // Every sample costs a local solve as much as the prediction does.
-  objective.integer("samples", measure.samples, 1, 100000);
+  // Every sample costs a local solve as much as the prediction does; of a CVaR it is a variable and
+  // an inequality as well.
+  const bool is_tail = measure.kind == RiskMeasure::Cvar;
+  objective.integer("samples", measure.samples, 1, is_tail ? 256 : 10000);
   objective.unsigned_integer("sample_seed", measure.seed);
   objective.finish();
 }

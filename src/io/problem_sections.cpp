@@ -18,6 +18,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kManyTimes = 1'000'000'000;
+constexpr double kFastest = 1e5;  ///< m/s, ten times the speed of an orbit
+/// A mission's, s: farther away a tumbling target's attitude is not known to any digit.
+constexpr Range kTimes{.lower = -1e9, .upper = 1e9};
 
 bool is_word(const Node* node, std::string_view word) {
   return is_scalar(node) && node->text == word;
@@ -100,7 +103,8 @@ void read_impact_section(MapReader& map, CaptureProblem& problem) {
   impact.choice("frame", impulse.direction_frame, frame_names());
   impact.number("magnitude", impulse.magnitude, Dimension::Impulse, kPositive);
   impact.vector3("moment", impulse.moment, Dimension::AngularImpulse);
-  impact.number("closing_speed", impulse.closing_speed, Dimension::Velocity, kNonNegative);
+  impact.number("closing_speed", impulse.closing_speed, Dimension::Velocity,
+                {.lower = 0, .upper = kFastest});
   impact.number("restitution", impulse.restitution, Dimension::None, {.lower = 0, .upper = 1});
   read_resistance(impact, problem);
   impact.finish();
@@ -192,15 +196,15 @@ void read_variables_section(MapReader& map, CaptureProblem& problem) {
   const Node* time = section_map.child("contact_time");
   if (time != nullptr && time->kind == Node::Kind::Map) {
     MapReader fields(context, *time, section_map.path_of("contact_time"));
-    fields.number("lower", variables.contact_time_lower, Dimension::Time, kAny, Need::Required);
-    fields.number("upper", variables.contact_time_upper, Dimension::Time, kAny, Need::Required);
+    fields.number("lower", variables.contact_time_lower, Dimension::Time, kTimes, Need::Required);
+    fields.number("upper", variables.contact_time_upper, Dimension::Time, kTimes, Need::Required);
     fields.finish();
     if (variables.contact_time_lower > variables.contact_time_upper) {
       context.add(time->line, "out-of-range",
                   fmt::format("{}: lower must not exceed upper", fields.path()));
     }
   } else if (time != nullptr) {
-    section_map.number("contact_time", variables.contact_time_lower, Dimension::Time);
+    section_map.number("contact_time", variables.contact_time_lower, Dimension::Time, kTimes);
     variables.contact_time_upper = variables.contact_time_lower;
   }
 
@@ -271,12 +275,14 @@ void read_uncertainty_section(MapReader& map, CaptureProblem& problem) {
         read_unit_vector(map.context(), *plane, fields.path_of("cone_plane"));
   }
   UncertaintySpec& spread = problem.uncertainty;
-  fields.number("closing_speed", spread.closing_speed, Dimension::Velocity, kNonNegative);
+  fields.number("closing_speed", spread.closing_speed, Dimension::Velocity,
+                {.lower = 0, .upper = kFastest});
   fields.number("restitution", spread.restitution, Dimension::None, {.lower = 0, .upper = 1});
   fields.number("target_mass", spread.target_mass, Dimension::None, {.lower = 0, .upper = 0.99});
   fields.number("target_inertia", spread.target_inertia, Dimension::None,
                 {.lower = 0, .upper = 0.99});
-  fields.number("contact_point", spread.contact_point, Dimension::Length, kNonNegative);
+  fields.number("contact_point", spread.contact_point, Dimension::Length,
+                {.lower = 0, .upper = 1000});
   fields.number("contact_time", spread.contact_time, Dimension::Time, {.lower = 0, .upper = 600});
   if (fields.child("joint_position") != nullptr) {
     spread.joint_position = JointVectord::Zero(problem.robot.n());

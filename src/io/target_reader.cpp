@@ -239,7 +239,7 @@ TargetBody read_target_body(MapReader& map) {
   static const Names<bool> kModels{{"rigid_body", false}, {"point_mass", true}};
   map.text("name", body.name, Need::Required);
   map.choice("model", body.is_point_mass, kModels, Need::Required);
-  map.number("mass", body.mass, Dimension::Mass, kPositive, Need::Required);
+  map.number("mass", body.mass, Dimension::Mass, kSensible, Need::Required);
   const Node* inertia = map.child("inertia", body.is_point_mass ? Need::Optional : Need::Required);
   if (inertia != nullptr && body.is_point_mass) {
     context.add(inertia->line, "not-used",

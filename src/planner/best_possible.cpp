@@ -28,7 +28,11 @@ bool is_wedge_constant(const CaptureProblem& problem) {
     return axis.cross(normal).norm() <= kParallel * axis.norm();
   };
   const VariableSpec& variables = problem.variables;
-  if (variables.base_attitude != AttitudeFreedom::Fixed &&
+  if (variables.base_attitude == AttitudeFreedom::Cone ||
+      variables.base_attitude == AttitudeFreedom::Free) {
+    return false;
+  }
+  if (variables.base_attitude == AttitudeFreedom::Axis &&
       !turns_within(variables.base_attitude_axis)) {
     return false;
   }

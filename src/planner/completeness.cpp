@@ -131,7 +131,8 @@ void state_what_was_missed(Proof& proof) {
     proof.statement +=
         ", " + counted(total - proof.found_by_search, "of them missed by the search and added");
   } else {
-    proof.statement += ", none missed";
+    const bool is_complete = proof.status == ProofStatus::Complete;
+    proof.statement += is_complete ? ", none missed" : ", none of these missed";
   }
 }
 

@@ -112,6 +112,11 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     bound = bounded();
   }
   if (bound) state_bound(*bound, proof);
+  // Of a measure that is no predicted value the zeros of the predicted objective are no bound.
+  if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
+    proof.lower_bound.reset();
+    proof.gap.reset();
+  }
   if (proof.status == ProofStatus::NotApplicable && is_zero_reached(formulation, found)) {
     proof.statement += "; the best one is zero, no less is possible";
   }

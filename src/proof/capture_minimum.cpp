@@ -99,6 +99,15 @@ Configuration configuration_at(const CaptureProblem& problem, const proof::Encou
     const Eigen::AngleAxisd turn(x[model.attitude_index()], model.attitude_axis);
     out.base.orientation = turn * problem.base.orientation;
   }
+  if (!model.turn_basis.empty()) {
+    Vector3d sigma = Vector3d::Zero();
+    for (std::size_t i = 0; i < model.turn_basis.size(); ++i) {
+      sigma += x[model.attitude_index() + static_cast<Eigen::Index>(i)] * model.turn_basis[i];
+    }
+    const Vector3d part = 2 * sigma;
+    const Eigen::Quaterniond turn(1 - sigma.squaredNorm(), part.x(), part.y(), part.z());
+    out.base.orientation = (turn.normalized() * problem.base.orientation).normalized();
+  }
   if (model.time_is_free) out.contact_time = x[model.time_index()] * model.time_unit;
   return out;
 }
@@ -107,10 +116,6 @@ Configuration configuration_at(const CaptureProblem& problem, const proof::Encou
 
 std::string minimum_objection(const CaptureProblem& problem) {
   const VariableSpec& variables = problem.variables;
-  if (variables.base_attitude == AttitudeFreedom::Cone ||
-      variables.base_attitude == AttitudeFreedom::Free) {
-    return "the base attitude is free about more than one axis";
-  }
   if (simulates_turn(problem)) return "the turn after the impact is simulated";
   const bool is_mean =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;

@@ -25,6 +25,10 @@ Box<N> domain_of(const RobotModel& robot, const EncounterModel& encounter,
     box.side[i] =
         periodic[i] ? whole_turn : Interval(-encounter.attitude_max, encounter.attitude_max);
   }
+  for (std::size_t i = 0; i < encounter.turn_basis.size(); ++i) {
+    box[encounter.attitude_index() + static_cast<int>(i)] =
+        Interval(-encounter.turn_size_max, encounter.turn_size_max);
+  }
   if (encounter.time_is_free) {
     box[encounter.time_index()] = Interval(encounter.time_lower / encounter.time_unit,
                                            encounter.time_upper / encounter.time_unit);

@@ -1,9 +1,10 @@
 // What the variables of a box make of the encounter: posture, wrench per unit of impulse, where the
 // hand must be, which axes it must have, closing speed. For dual intervals of any size.
 //
-// The variables are the planner's (capture/layout.hpp), in its order: free joints, angle of the
-// base about an axis of N from the stated attitude, contact time. The base position is none: a free
-// station follows the hand.
+// The variables are the planner's (capture/layout.hpp), in its order: free joints, the turn of the
+// base from the stated attitude, contact time. The turn is an angle about an axis of N, or any turn
+// by its modified Rodrigues parameters (turn_by): rational, and the unit ball holds every turn. The
+// base position is none: a free station follows the hand.
 //
 // What is the same at every point of the box is taken as the doubles that the planner uses: the
 // wrench while neither attitude nor time are free, the target's axes and its contact point while
@@ -37,8 +38,11 @@ struct EncounterModel {
   bool attitude_is_free = false;     ///< the next entry: angle about attitude_axis, rad
   Vector3d attitude_axis = Vector3d::UnitZ();  ///< unit, in N
   double attitude_max = 0;                     ///< rad; pi or more: a full turn
-  bool time_is_free = false;                   ///< the last entry: contact time / time_unit
-  double time_lower = 0, time_upper = 0;       ///< s; equal: fixed
+  /// Or: the next entries x, sigma = sum x_i turn_basis[i]. Unit, in N, at right angles.
+  std::vector<Vector3d> turn_basis;
+  double turn_size_max = 1;               ///< of |sigma|
+  bool time_is_free = false;              ///< the last entry: contact time / time_unit
+  double time_lower = 0, time_upper = 0;  ///< s; equal: fixed
   double time_unit = 1;  ///< s, a power of two: about a radian of the target's turn
 
   Matrix3d R_NB = Matrix3d::Identity();  ///< stated
@@ -69,13 +73,12 @@ struct EncounterModel {
   Matrix3d hand_axes_in_E = Matrix3d::Identity();
   Vector3d approach_axis = Vector3d::UnitZ();  ///< in the hand frame
 
-  int num_variables() const {
-    return static_cast<int>(free.size()) + attitude_is_free + time_is_free;
-  }
+  int num_variables() const { return time_index() + time_is_free; }
   int attitude_index() const { return static_cast<int>(free.size()); }
-  int time_index() const { return attitude_index() + attitude_is_free; }
+  int num_attitudes() const { return attitude_is_free + static_cast<int>(turn_basis.size()); }
+  int time_index() const { return attitude_index() + num_attitudes(); }
   /// Whether the encounter is the same at every point.
-  bool is_fixed() const { return !attitude_is_free && !time_is_free; }
+  bool is_fixed() const { return num_attitudes() == 0 && !time_is_free; }
 };
 
 /// The encounter over a box.
@@ -83,6 +86,7 @@ template <class S>
 struct EncounterRange {
   JointVector<S> phi;  ///< n
   Matrix3<S> R_NB;
+  S turn_size_squared = S(0.0);  ///< |sigma|^2, with any turn free
   Matrix3<S> R_BE;
   Vector6<S> F;              ///< [n; moment] in B
   Vector3<S> contact_point;  ///< of hand and target in N, m: the stated one, else the feature's
@@ -141,6 +145,27 @@ Matrix3<S> turn_about(const Vector3d& axis, const S& angle) {
   return R;
 }
 
+/// Turn by the angle theta about the unit axis a, sigma = a tan(theta / 4), |sigma| <= 1 for all
+/// turns up to pi (Schaub and Junkins, J. Astronaut. Sci. 44, 1996, with the sign that maps B to
+/// N):
+///   E + (8 K^2 + 4 (1 - |sigma|^2) K) / (1 + |sigma|^2)^2, K = skew(sigma).
+/// @param size_squared |sigma|^2
+template <class S>
+Matrix3<S> turn_by(const Vector3<S>& sigma, const S& size_squared) {
+  // By the unit quaternion (w, r): E + 2 w skew(r) + 2 skew(r)^2.
+  const S twice_inverse = inverse_of(size_squared + S(1.0)) * S(2.0);
+  const S w = twice_inverse - S(1.0);
+  const Vector3<S> r = sigma * twice_inverse;
+  Matrix3<S> R;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    R(i, i) = S(1.0) - (square(r[j]) + square(r[k])) * S(2.0);
+    R(k, j) = (r[j] * r[k] + w * r[i]) * S(2.0);
+    R(j, k) = (r[j] * r[k] - w * r[i]) * S(2.0);
+  }
+  return R;
+}
+
 /// @param x num_variables() entries
 template <class S>
 EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S> x) {
@@ -151,6 +176,15 @@ EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S>
   if (model.attitude_is_free) {
     const S& angle = x[static_cast<std::size_t>(model.attitude_index())];
     out.R_NB = turn_about<S>(model.attitude_axis, angle) * out.R_NB;
+  }
+  if (!model.turn_basis.empty()) {
+    Vector3<S> sigma = Vector3<S>::Zero();
+    for (std::size_t i = 0; i < model.turn_basis.size(); ++i) {
+      const S& entry = x[static_cast<std::size_t>(model.attitude_index()) + i];
+      sigma += Vector3<S>(model.turn_basis[i].template cast<S>()) * entry;
+      out.turn_size_squared += square(entry);
+    }
+    out.R_NB = turn_by<S>(sigma, out.turn_size_squared) * out.R_NB;
   }
   const Matrix3<S> R_BN = out.R_NB.transpose();
 
@@ -197,6 +231,15 @@ EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S>
         R_BN * Vector3<S>(out.contact_point - Vector3<S>(model.base_position.template cast<S>()));
   }
   return out;
+}
+
+/// Cosine of the angle between the axis of the base that points along attitude_axis in the stated
+/// attitude, and attitude_axis.
+template <class S>
+S tilt_cosine(const EncounterModel& model, const EncounterRange<S>& at) {
+  const Vector3d in_B = model.R_NB.transpose() * model.attitude_axis;
+  const Vector3<S> axis = at.R_NB * Vector3<S>(in_B.cast<S>());
+  return axis.dot(Vector3<S>(model.attitude_axis.cast<S>()));
 }
 
 /// Axes in B that the hand must have.

@@ -138,6 +138,8 @@ class ImpactProgram final : public Program<N> {
     };
     for (const SideCondition& side : problem_.where.side_conditions) {
       if (side.kind == SideKind::ClosingSpeed) add(side, at.closing_speed);
+      if (side.kind == SideKind::TurnSize) add(side, at.turn_size_squared);
+      if (side.kind == SideKind::BaseTilt) add(side, tilt_cosine(problem_.where.encounter, at));
       if (side.kind == SideKind::BasePosition) {
         const Vector3<Form<N>> r_bh = at.R_NB * forms.hand();
         add(side, at.contact_point[side.index] - r_bh[side.index]);

@@ -17,6 +17,26 @@ bool depends_on_attitude(const ZeroProblem& where) {
   return encounter.frame != DirectionFrame::Base || (where.has_hand_point && !is_point_in_base);
 }
 
+/// Whether of a free attitude only the direction of the impulse in B counts, which is known but for
+/// a turn about it: it is the same for all impulses that turn with it.
+bool counts_by_direction(const CaptureProblem& problem, const ZeroProblem& where) {
+  const EncounterModel& encounter = where.encounter;
+  const auto is_position = [](const SideCondition& side) {
+    return side.kind == SideKind::BasePosition;
+  };
+  if (problem.variables.base_attitude != AttitudeFreedom::Free || encounter.time_is_free ||
+      !encounter.moment.isZero(0) || where.has_hand_point || where.has_hand_axis ||
+      where.has_hand_axes ||
+      std::any_of(where.side_conditions.begin(), where.side_conditions.end(), is_position)) {
+    return false;
+  }
+  if (problem.measure.kind == RiskMeasure::Nominal) return true;
+  // A cone is the same all around, and so has to be what an impulse along it is.
+  return problem.measure.kind == RiskMeasure::WorstCase && !problem.uncertainty.cone_plane_normal &&
+         encounter.frame == DirectionFrame::Inertial &&
+         problem.impulse.source != ImpulseSource::RigidBody;
+}
+
 class Impulses {
  public:
   Impulses(const CaptureProblem& problem, const EncounterModel& encounter)
@@ -82,11 +102,19 @@ MinimumProblem minimum_problem(const CaptureProblem& problem,
   // The wrench is stated per impulse, in E.
   out.where = zero_problem(problem, Vector6d::Zero());
   EncounterModel& encounter = out.where.encounter;
-  if (encounter.attitude_is_free && !depends_on_attitude(out.where)) {
+  if (encounter.num_attitudes() > 0 && !depends_on_attitude(out.where)) {
     encounter.attitude_is_free = false;
+    encounter.turn_basis.clear();
     out.where.side_conditions.clear();
   }
   if (!encounter.spin) encounter.time_is_free = false;
+  if (!encounter.turn_basis.empty() && counts_by_direction(problem, out.where)) {
+    // Turns about axes across it bring it into every direction.
+    encounter.turn_basis = {encounter.u, encounter.v};
+    for (Vector3d& axis : encounter.turn_basis) {
+      if (encounter.frame == DirectionFrame::Target) axis = encounter.R_NT * axis;
+    }
+  }
   for (SideCondition& side : out.where.side_conditions) {
     side.lower -= kFeasible;
     side.upper += kFeasible;

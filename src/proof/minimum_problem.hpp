@@ -43,7 +43,8 @@ struct MinimumProblem {
 /// rad, s, m/s.
 inline constexpr double kFeasible = 2e-9;
 
-/// Of variables that nothing depends on the stated values are taken.
+/// Of variables that nothing depends on the stated values are taken; of a free attitude of which
+/// only the impulse's direction in B counts, the turns across it: two variables in place of three.
 /// @pre no joint offsets; no time offsets while the time is free
 MinimumProblem minimum_problem(const CaptureProblem& problem,
                                const std::vector<Scenario>& scenarios);

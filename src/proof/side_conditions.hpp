@@ -37,6 +37,10 @@ inline Kept keeps_side_conditions(const ZeroProblem& problem, std::span<const Nu
         const Vector3<Number> r_bh = at.R_NB * kin.r_bh;
         return at.contact_point[condition.index] - r_bh[condition.index];
       }
+      case SideKind::TurnSize:
+        return at.turn_size_squared;
+      case SideKind::BaseTilt:
+        return tilt_cosine<Number>(model, at);
     }
     return Number(0.0);
   };

@@ -26,6 +26,12 @@ void set_variables(const CaptureProblem& problem, EncounterModel& out) {
   out.attitude_is_free = variables.base_attitude == AttitudeFreedom::Axis;
   out.attitude_axis = variables.base_attitude_axis;
   out.attitude_max = variables.base_attitude_max;
+  const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
+  if (is_cone || variables.base_attitude == AttitudeFreedom::Free) {
+    for (int i = 0; i < 3; ++i) out.turn_basis.push_back(Vector3d::Unit(i));
+    // A cone leaves the turn as a whole open.
+    if (!is_cone) out.turn_size_max = std::tan(std::min(out.attitude_max, M_PI) / 4);
+  }
   out.time_lower = variables.contact_time_lower;
   out.time_upper = variables.contact_time_upper;
   out.time_is_free = out.time_upper > out.time_lower;
@@ -139,6 +145,13 @@ ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
   for (int i = 0; i < 3 && has_point && variables.base_position == PositionFreedom::Box; ++i) {
     sides.push_back({SideKind::BasePosition, i, variables.base_position_lower[i],
                      variables.base_position_upper[i]});
+  }
+  if (!out.encounter.turn_basis.empty()) {
+    const double size = out.encounter.turn_size_max;
+    sides.push_back({SideKind::TurnSize, 0, -kInfinity, size * size});
+  }
+  if (variables.base_attitude == AttitudeFreedom::Cone) {
+    sides.push_back({SideKind::BaseTilt, 0, std::cos(variables.base_attitude_max), kInfinity});
   }
   return out;
 }

@@ -15,7 +15,9 @@ enum class SideKind {
   HandFacing,    ///< approach axis along n
   PoseFacing,    ///< axis `index` of the hand along the wanted one
   ClosingSpeed,  ///< m/s
-  BasePosition   ///< component of the position that puts the hand on its point, m
+  BasePosition,  ///< component of the position that puts the hand on its point, m
+  TurnSize,      ///< |sigma|^2 of the base's turn
+  BaseTilt       ///< cosine of the angle by which an axis of the base is tilted
 };
 
 struct SideCondition {
@@ -39,8 +41,8 @@ struct ZeroProblem {
   bool has_limits = false;  ///< on rates, singular values or clearances: solutions are judged
 };
 
-/// The variables, equations and inequalities of a capture problem, whose base attitude is fixed or
-/// free about one axis. Constraints on rates, singular values and clearances are left out.
+/// The variables, equations and inequalities of a capture problem. Constraints on rates, singular
+/// values and clearances are left out.
 /// @param F wrench per unit of impulse in B at the stated base attitude and the first contact time
 ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F);
 
@@ -48,6 +50,8 @@ ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F);
 /// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of
 /// which holds exactly one; Undecided: every solution is in one of them or in one of `undecided`;
 /// NotApplicable: the equations are not as many as the variables
+/// @pre the base attitude is fixed or free about one axis: other turns have two names on the ball's
+/// surface
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options = {});
 
 }  // namespace stillbase::proof

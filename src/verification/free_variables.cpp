@@ -39,6 +39,13 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
     low.push_back(-most);
     high.push_back(most);
   }
+  if (variables.base_attitude == AttitudeFreedom::Cone ||
+      variables.base_attitude == AttitudeFreedom::Free) {
+    turn_ = static_cast<int>(low.size());
+    turns_.insert(turns_.end(), 3, false);
+    low.insert(low.end(), 3, -kPi);
+    high.insert(high.end(), 3, kPi);
+  }
   has_time_ = variables.contact_time_upper > variables.contact_time_lower;
   if (has_time_) {
     time_unit_ = (variables.contact_time_upper - variables.contact_time_lower) / (2 * kPi);
@@ -48,6 +55,33 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
   }
   lower = Eigen::Map<Eigen::VectorXd>(low.data(), static_cast<Eigen::Index>(low.size()));
   upper = Eigen::Map<Eigen::VectorXd>(high.data(), static_cast<Eigen::Index>(high.size()));
+}
+
+Eigen::VectorXd FreeVariables::sample(const Eigen::VectorXd& u) const {
+  Eigen::VectorXd x = lower + u.cwiseProduct(upper - lower);
+  if (turn_ < 0) return x;
+  // Which way an axis points, evenly over a cap of the sphere, and the roll about it.
+  const VariableSpec& variables = problem_.variables;
+  const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
+  const double least = is_cone ? std::cos(variables.base_attitude_max) : -1;
+  const Vector3d& axis = variables.base_attitude_axis;
+  const double tilt = std::acos(1 - u[turn_] * (1 - least)), side = 2 * kPi * u[turn_ + 1];
+  const Vector3d across = axis.unitOrthogonal();
+  const Vector3d about = std::cos(side) * across + std::sin(side) * axis.cross(across);
+  const Eigen::AngleAxisd turn(Eigen::AngleAxisd(tilt, about) *
+                               Eigen::AngleAxisd(2 * kPi * u[turn_ + 2] - kPi, axis));
+  x.segment<3>(turn_) = turn.angle() * turn.axis();
+  return x;
+}
+
+bool FreeVariables::is_attitude_allowed(const Vector3d& turn) const {
+  const VariableSpec& variables = problem_.variables;
+  if (variables.base_attitude != AttitudeFreedom::Cone) {
+    return turn.norm() <= variables.base_attitude_max;
+  }
+  const Vector3d& axis = variables.base_attitude_axis;
+  const Eigen::AngleAxisd about(turn.norm(), turn.stableNormalized());
+  return axis.dot(about * axis) >= std::cos(variables.base_attitude_max);
 }
 
 Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
@@ -60,6 +94,12 @@ Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
   if (has_angle_) {
     const Eigen::AngleAxisd turn(x[i++], problem_.variables.base_attitude_axis);
     out.base.orientation = turn * problem_.base.orientation;
+  }
+  if (turn_ >= 0) {
+    const Vector3d turn = x.segment<3>(turn_);
+    out.base.orientation =
+        Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()) * problem_.base.orientation;
+    i += 3;
   }
   if (has_time_) {
     // A step of Newton's may go anywhere, the target's motion is known a little beyond the bounds.
@@ -125,9 +165,14 @@ bool FreeVariables::bring_inside(Eigen::VectorXd& x) const {
   bool is_inside = true;
   for (int i = 0; i < size(); ++i) {
     if (turns_[static_cast<std::size_t>(i)]) x[i] = wrapped(x[i]);
+    if (turn_ >= 0 && i >= turn_ && i < turn_ + 3) continue;
     is_inside = is_inside && x[i] >= lower[i] && x[i] <= upper[i];
   }
-  return is_inside;
+  if (turn_ < 0) return is_inside;
+  const Vector3d turn = x.segment<3>(turn_);
+  const double angle = turn.norm();
+  if (angle > kPi) x.segment<3>(turn_) = turn * (wrapped(angle) / angle);
+  return is_inside && is_attitude_allowed(x.segment<3>(turn_));
 }
 
 }  // namespace stillbase::verification

@@ -1,4 +1,5 @@
-// The variables of a small problem: free joints, angle of the base about its axis, contact time.
+// The variables of a small problem: free joints, turn of the base (angle about its axis, or a
+// rotation vector), contact time.
 #pragma once
 
 #include <vector>
@@ -9,29 +10,34 @@ namespace stillbase::verification {
 
 class FreeVariables {
  public:
-  /// @pre the base attitude is fixed or free about one axis
   explicit FreeVariables(const CaptureProblem& problem);
 
   int size() const { return static_cast<int>(lower.size()); }
+  /// A point of the variables' range from numbers in [0, 1), attitudes evenly.
+  Eigen::VectorXd sample(const Eigen::VectorXd& u) const;
   /// Base position as stated.
   Configuration at(const Eigen::VectorXd& x) const;
+  /// Of boxes, @pre the base attitude is fixed or free about one axis.
   Eigen::VectorXd middle_of(const JointBox& box) const;
-  /// Whether a configuration lies in a box or right beside it.
+  /// Whether a configuration lies in a box or right beside it; likewise.
   bool holds(const JointBox& box, const Configuration& at) const;
   /// Largest difference of two points, whole turns apart.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// Angles of a full turn brought to [-pi, pi]. @return whether x is within the bounds then
+  /// Angles of a full turn and rotation vectors brought within pi. @return whether x is within the
+  /// bounds then, an axis of the base within its cone
   bool bring_inside(Eigen::VectorXd& x) const;
 
   Eigen::VectorXd lower, upper;  ///< of x; of a full turn -pi and pi
 
  private:
   double base_angle(const Configuration& at) const;
+  bool is_attitude_allowed(const Vector3d& turn) const;
 
   const CaptureProblem& problem_;
   std::vector<int> joints_;
   std::vector<bool> turns_;  ///< angles of a full turn
   bool has_angle_ = false, has_time_ = false;
+  int turn_ = -1;         ///< first of three: rotation vector in N from the stated attitude, rad
   double time_unit_ = 1;  ///< s per unit of x
 };
 

@@ -199,3 +199,8 @@ TEST_CASE("margins that cannot be meant are refused") {
   refuses(replaced(kProblem, line, line + "\n  joint_rate_scale: 0.5\n  joint_rate_max: 1"),
           line_of(kProblem, line) + 2, "not-used", {"joint_rate_scale"});
 }
+
+TEST_CASE("sizes beyond anything that is captured are refused: their squares are no numbers") {
+  refuses_change("mass: 50 kg", "mass: 1e300 kg", "out-of-range", {"target.mass", "1e+30"});
+  refuses_change("mass: 50 kg", "mass: 1e-300 kg", "out-of-range", {"target.mass", "1e-30"});
+}

@@ -3,6 +3,7 @@
 
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/proof/minimum.hpp>
 
 namespace stillbase {
 namespace {
@@ -107,6 +108,47 @@ TEST_CASE("base angle, contact time, a moving target, a station box: proven to a
   CHECK(*proof.lower_bound >= best_of(plan) * 0.99);
   CHECK(proof.statement.find(words) != std::string::npos);
   CHECK(proof.statement.find("not counting") == std::string::npos);
+}
+
+TEST_CASE("the base attitude alone, free or within a cone: proven to a hundredth") {
+  const bool is_cone = GENERATE(false, true);
+  const bool is_client = GENERATE(false, true);
+  CaptureProblem problem = without_path("iiwa_cone");
+  VariableSpec& variables = problem.variables;
+  variables.joints.assign(variables.joints.size(), false);
+  variables.base_attitude = is_cone ? AttitudeFreedom::Cone : AttitudeFreedom::Free;
+  variables.base_attitude_axis = Vector3d(1, -2, 2) / 3;
+  if (is_cone) variables.base_attitude_max = 20 * M_PI / 180;
+  problem.hand.constraint = HandConstraint::None;
+  problem.objective = {{ObjectiveQuantity::BaseAngularVelocity}};
+  if (!is_client) {
+    problem.impulse.source = ImpulseSource::PointMass;
+    problem.impulse.direction = Vector3d(0.8, 0.36, -0.48);
+    problem.impulse.direction_frame = Frame::Inertial;
+    problem.impulse.closing_speed = 0.05;
+  }
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(is_cone, is_client, proof.statement, proof.boxes);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * 0.99);
+  CHECK(proof.statement.find("proven: no configuration has a worst case below ") == 0);
+  CHECK(proof.statement.find("not counting") == std::string::npos);
+}
+
+TEST_CASE("attitude and more than it: no bound, with the number of variables") {
+  CaptureProblem problem = without_path("iiwa_cone");
+  VariableSpec& variables = problem.variables;
+  variables.joints.assign(variables.joints.size(), false);
+  variables.joints[1] = true;
+  variables.base_attitude = AttitudeFreedom::Free;
+  problem.hand.constraint = HandConstraint::None;
+  CHECK(minimum_objection(problem) == "it takes one to three free variables, here are 4");
+  variables.joints[1] = false;
+  CHECK(minimum_objection(problem) == "");
+  variables.contact_time_lower = 60;
+  CHECK(minimum_objection(problem) == "it takes one to three free variables, here are 4");
 }
 
 TEST_CASE("of a wedge that turns with the base only its middle is bounded, which is true") {

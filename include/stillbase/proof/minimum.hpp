@@ -1,10 +1,13 @@
 // A proof that no configuration is better: the global minimum of a problem's measure, bounded from
 // below.
 //
-// Branch and bound over the planner's variables (free joints, angle of the base about an axis,
-// contact time; one to three of them) with Taylor models whose rests are rounded outwards: the
-// same guarantee as proof.hpp, for problems whose objective vanishes nowhere or whose measure is no
-// predicted value. Every measure is bounded over finitely many impulses:
+// Branch and bound over the planner's variables (free joints, attitude of the base, contact time;
+// one to three of them) with Taylor models whose rests are rounded outwards: the same guarantee as
+// proof.hpp, for problems whose objective vanishes nowhere or whose measure is no predicted value.
+// An attitude that is free altogether or within a cone counts three. Free altogether it counts two
+// where only the direction of the impulse in B matters: nothing is asked of hand and station, and
+// the measure is a predicted value, or the worst case over a cone of impulses along stated
+// directions of N. Every measure is bounded over finitely many impulses:
 //   worst case    at least the largest |y| over some directions of the cone
 //   expectation   |y|^2 = sum w_s |y_s|^2 over the problem's samples
 //   CVaR          at least sum v_s |y_s|^2 for any weights 0 <= v_s <= w_s / (1 - level) of sum one
@@ -14,8 +17,8 @@
 // the hand within 1e-9 m of its point, variables within 1e-9 of their bounds. With the contact time
 // free the target moves exactly as Euler's equations say.
 //
-// Not bounded, with the reason: attitudes free about more than one axis, a turn after the impact
-// that is simulated, samples of the posture, samples of the contact time where the time is free.
+// Not bounded, with the reason: a turn after the impact that is simulated, samples of the posture,
+// samples of the contact time where the time is free.
 #pragma once
 
 #include <functional>
