@@ -44,7 +44,7 @@ class Recomputation {
     unit << event.n, event.moment;
     if (impulse.source == ImpulseSource::Given) unit.tail<3>() /= impulse.magnitude;
     impact_ = response.impact(unit);
-    scale_ = response.momentum_scale(unit);
+    scale_ = response.rounding_scale(unit);
     rates_ = response.impact(impulse_along(context.problem, event, response, event.n)).Delta_phidot;
     const Pose& base = context.plan.configuration.base;
     R_NB_ = base.orientation.toRotationMatrix();

@@ -1,4 +1,4 @@
-// Curves of solutions: points, length, ends.
+// Curves of solutions: points, length, ends, starts; none of them twice.
 #include <algorithm>
 #include <cmath>
 
@@ -11,10 +11,11 @@ namespace stillbase::verification {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kVanishes = 1e-8;  // of the terms that the objective is a sum and difference of
-constexpr double kApart = 0.1;      // between neighbours
-constexpr double kMeet = 1e-9;      // ends of a closed curve
-constexpr double kAtLimit = 1e-6;   // rad, m, s, ...: an end that is stopped by a limit
+constexpr double kVanishes = 1e-8;   // of the terms that the objective is a sum and difference of
+constexpr double kApart = 0.1;       // between neighbours
+constexpr double kMeet = 1e-9;       // ends of a closed curve
+constexpr double kSameCurve = 0.01;  // from the chords between points
+constexpr double kAtLimit = 1e-6;    // rad, m, s, ...: an end that is stopped by a limit
 
 /// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
 /// base from its stated attitude, time.
@@ -135,6 +136,34 @@ double length_of(const std::vector<Place>& places, std::size_t stride) {
   return sum;
 }
 
+/// A curve as its points give it.
+struct Line {
+  std::string feature;
+  std::vector<Place> places;
+
+  /// Whether a place is nearer than kSameCurve to one of the chords.
+  bool passes(const Place& place, double step) const {
+    std::size_t i = 0;
+    while (i < places.size()) {
+      const double here = place.distance(places[i]);
+      if (here <= kSameCurve) return true;
+      if (i + 1 < places.size()) {
+        const double chord = places[i].distance(places[i + 1]);
+        const double there = place.distance(places[i + 1]);
+        // Where along the chord the place is, by the sides of the triangle.
+        const double along = (here * here - there * there + chord * chord) / (2 * chord);
+        if (along > 0 && along < chord && here * here - along * along <= kSameCurve * kSameCurve) {
+          return true;
+        }
+      }
+      // Points are at most a step apart: those that cannot be near enough are left out.
+      const double spare = step > 0 ? std::floor((here - kSameCurve) / step) - 1 : 0;
+      i += spare > 1 ? static_cast<std::size_t>(std::min(spare, 1e6)) : 1;
+    }
+    return false;
+  }
+};
+
 class Curves {
  public:
   explicit Curves(const Context& context) : context_(context) {}
@@ -143,6 +172,7 @@ class Curves {
     const SolutionFamily& family = context_.plan.families[number];
     if (family.points.size() < 2 && family.length > 0) {
       objections_.push_back(fmt::format("curve {}: no points", number));
+      lines_.emplace_back();
       return;
     }
     std::vector<Place> places;
@@ -161,6 +191,7 @@ class Curves {
     judge_length(family, places);
     judge_ends(family, places, number);
     judge_members(places, static_cast<int>(number));
+    lines_.push_back({family.points.empty() ? "" : family.points.front().feature, places});
   }
 
   void claim(ClaimList& claims) const {
@@ -178,9 +209,51 @@ class Curves {
                       "where none is");
     claims.at_most("families_members", astray_, kApart, "1",
                    "largest distance of a candidate from the nearest point of its curve");
+    claims.none_wrong("families_starts", wrong_starts(),
+                      "curves where no start ended, and more ends than starts");
+    claims.none_wrong("families_distinct", repeated(), "curves of which most lies on another");
   }
 
  private:
+  /// Each start ends once. Minima of a robust measure are solved from more points than the starts;
+  /// the curves are those of the prediction, which the starts alone look for.
+  std::vector<std::string> wrong_starts() const {
+    const Plan& plan = context_.plan;
+    std::vector<std::string> out;
+    long long ended = 0;
+    for (std::size_t i = 0; i < plan.families.size(); ++i) {
+      ended += plan.families[i].starts;
+      if (plan.families[i].starts < 1) out.push_back(fmt::format("curve {}: no start", i));
+    }
+    for (const Candidate& candidate : plan.candidates) {
+      if (context_.problem.measure.kind == RiskMeasure::Nominal && candidate.family < 0) {
+        ended += candidate.starts_reached;
+      }
+    }
+    if (ended > plan.certificate.starts) {
+      out.push_back(fmt::format("{} of {} starts ended", ended, plan.certificate.starts));
+    }
+    return out;
+  }
+
+  /// Curves may cross or touch, but not run along each other.
+  std::vector<std::string> repeated() const {
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      for (std::size_t j = 0; j < lines_.size(); ++j) {
+        if (i == j || lines_[i].feature != lines_[j].feature) continue;
+        const std::vector<Place>& places = lines_[i].places;
+        const auto common = std::count_if(places.begin(), places.end(), [&](const Place& place) {
+          return lines_[j].passes(place, step_);
+        });
+        if (2 * static_cast<std::size_t>(common) > places.size()) {
+          out.push_back(fmt::format("curve {} lies on curve {}", i, j));
+        }
+      }
+    }
+    return out;
+  }
+
   void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
     const double fine = length_of(places, 1), coarse = length_of(places, 2);
     // Chords are shorter than arcs by a part that grows with the square of the spacing: half as
@@ -220,6 +293,7 @@ class Curves {
   const Context& context_;
   double off_zero_ = 0, step_ = 0, length_ = 0, astray_ = 0;
   std::vector<std::string> objections_, ends_;
+  std::vector<Line> lines_;
 };
 
 }  // namespace

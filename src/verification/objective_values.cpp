@@ -127,7 +127,7 @@ double objective_value(const CaptureProblem& problem, const PostureResponse& res
 
 double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
                        const Vector6d& Fbar) {
-  const double momentum = response.momentum_scale(Fbar);
+  const double momentum = response.rounding_scale(Fbar);
   double sum = 0;
   for (const ObjectiveTerm& term : terms) {
     double size = momentum;

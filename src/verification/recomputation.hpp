@@ -71,6 +71,13 @@ struct PostureResponse {
   double momentum_scale(const Vector6d& Fbar) const {
     return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
   }
+  /// |f| (|r_bh| + |r_bg|) + |t|: sizes of what angular momenta about the centroid are differences
+  /// of. It stays when hand and centroid meet, where momentum_scale() vanishes with the momenta:
+  /// two evaluations agree to a part of this one only.
+  double rounding_scale(const Vector6d& Fbar) const {
+    const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
+    return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm();
+  }
 };
 /// What the joint resistance adds to the joint inertia during the impact (n).
 Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n);
@@ -105,7 +112,8 @@ double term_value(const CaptureProblem& problem, const ObjectiveTerm& term,
                   const PostureResponse& response, const Vector6d& Fbar,
                   const RobotModel* planned = nullptr);
 
-/// The problem's objective for an impulse, and the size that some terms are measured against.
+/// The problem's objective for an impulse, and the size of what its terms are sums and differences
+/// of: positive for every impulse but none, and at a hand in the centroid as well.
 double objective_value(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar, const RobotModel* planned = nullptr);
 double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,

@@ -23,6 +23,30 @@ const Plan& plan_with_families() {
   return plan;
 }
 
+/// Of a robust measure: its own minima stand in the list beside the best of each curve.
+const Plan& robust_plan() {
+  static const Plan plan = [] {
+    CaptureProblem problem =
+        read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_client.yaml");
+    problem.approach.enabled = false;
+    return make_plan(problem);
+  }();
+  return plan;
+}
+
+/// The total momentum of a hand that nothing holds: some of its zeros have the hand at the centroid
+/// of the system, where it vanishes along every direction.
+Plan plan_at_centroid() {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/spart_3dof_point.yaml");
+  problem.objective = {{ObjectiveQuantity::TotalAngularMomentum}};
+  problem.variables.base_attitude = AttitudeFreedom::Fixed;
+  problem.hand = {};
+  problem.constraints.joint_limit_margin = 0;
+  problem.approach.enabled = false;
+  return make_plan(problem);
+}
+
 bool holds(const Plan& plan, const std::string& name) {
   for (const Claim& claim : verify_plan(plan).claims) {
     if (claim.name == name) return claim.pass;
@@ -115,6 +139,69 @@ TEST_CASE("points, length and ends of a curve are held against the problem") {
   REQUIRE(member != other.candidates.end());
   member->family = open == 0 ? 1 : 0;
   CHECK_FALSE(holds(other, "families_members"));
+}
+
+TEST_CASE("starts of a curve are those of the search, and no curve stands there twice") {
+  const Plan& plan = plan_with_families();
+  for (const Plan* whole : {&plan, &robust_plan()}) {
+    REQUIRE(whole->families.size() >= 2);
+    for (const char* name : {"families_starts", "families_distinct", "candidates_list"}) {
+      CHECK(holds(*whole, name));
+    }
+    Plan other = *whole;
+    other.families[0].starts = 0;
+    CHECK_FALSE(holds(other, "families_starts"));
+    other.families[0].starts = whole->certificate.starts + 1;
+    CHECK_FALSE(holds(other, "families_starts"));
+    other = *whole;
+    other.families[0].starts += 5;
+    CHECK_FALSE(holds(other, "candidates_list"));
+
+    other = *whole;
+    other.families.push_back(other.families[0]);
+    CHECK_FALSE(holds(other, "families_distinct"));
+    // The other way round, and a part of it only.
+    SolutionFamily& again = other.families.back();
+    std::reverse(again.points.begin(), again.points.end());
+    CHECK_FALSE(holds(other, "families_distinct"));
+    again.points.resize(again.points.size() / 2 + 1);
+    CHECK_FALSE(holds(other, "families_distinct"));
+  }
+  // Ends elsewhere count as well.
+  Plan other = plan;
+  const auto single = std::find_if(other.candidates.begin(), other.candidates.end(),
+                                   [](const Candidate& candidate) { return candidate.family < 0; });
+  REQUIRE(single != other.candidates.end());
+  single->starts_reached += plan.certificate.starts;
+  CHECK_FALSE(holds(other, "families_starts"));
+}
+
+TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of its terms") {
+  const Plan plan = plan_at_centroid();
+  REQUIRE(plan.nominal_optimum);
+  REQUIRE(plan.nominal_optimum->worst_case < 1e-12);
+  const char* const names[] = {"nominal_optimum_nominal", "nominal_optimum_worst_case",
+                               "nominal_optimum_value",   "nominal_optimum_is_lowest",
+                               "candidates_objective",    "candidates_worst_case",
+                               "candidates_value",        "families_vanish",
+                               "families_points_vanish"};
+  for (const char* name : names) {
+    INFO(name);
+    CHECK(holds(plan, name));
+  }
+  Plan other = plan;
+  other.nominal_optimum->nominal += 1e-10;  // N m s
+  CHECK_FALSE(holds(other, "nominal_optimum_nominal"));
+  other = plan;
+  const auto still =
+      std::find_if(other.candidates.begin(), other.candidates.end(),
+                   [](const Candidate& candidate) { return candidate.worst_case < 1e-12; });
+  REQUIRE(still != other.candidates.end());
+  still->objective += 1e-10;
+  CHECK_FALSE(holds(other, "candidates_objective"));
+  other = plan;
+  other.families[0].points[2].phi[1] += 1e-6;
+  CHECK_FALSE(holds(other, "families_points_vanish"));
 }
 
 }  // namespace stillbase
