@@ -10,8 +10,8 @@ namespace stillbase {
 
 struct MeasureSearchOptions {
   int finished = 16;  ///< solves that are carried to the end; most starts end at the same minima
-  int flips = 48;  ///< solves in other branches of the best minima, which often differ by a
-                   ///< percent only
+  int flips = 48;     ///< solves in other branches of the best minima, which often differ by a
+                      ///< percent only
 };
 
 struct MeasureMinima {

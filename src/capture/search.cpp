@@ -249,6 +249,7 @@ class Search {
     std::vector<Solution> minima;
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
+    improve_prediction(minima);
     // What the prediction alone would choose stays in the list: another choice when the minima
     // of the measure touch something.
     for (Solution& solution : solutions_) {
@@ -257,6 +258,31 @@ class Search {
       if (!std::isnan(value) || minima.empty()) keep_distinct(formulation_, solution, minima);
     }
     solutions_ = std::move(minima);
+  }
+
+  /// With few starts a minimum of the measure can be better as predicted than what they found: the
+  /// nominal problem is solved from there as well.
+  void improve_prediction(const std::vector<Solution>& minima) {
+    constexpr int kTimes = 3;
+    constexpr double kClearly = 1e-7;  // of the objective's typical size
+    const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
+    bool is_better = false;
+    for (int time = 0; time < kTimes && !options_.stop.reached(); ++time) {
+      double lowest = kInfinity;
+      for (const Solution& solution : solutions_) lowest = std::min(lowest, size(solution));
+      Solution from;
+      for (const Solution& minimum : minima) {
+        const Solution predicted = judge(problem_, formulation_, minimum.x);
+        if (better(predicted, from)) from = predicted;
+      }
+      if (!(from.violation <= kFeasible && size(from) < lowest - kClearly)) break;
+      const Solution further = local_minimum(from.x);
+      keep_distinct(formulation_, better(further, from) ? further : from, solutions_);
+      is_better = true;
+    }
+    if (is_better) {
+      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+    }
   }
 
   void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {

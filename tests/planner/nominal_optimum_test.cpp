@@ -1,0 +1,31 @@
+// What the prediction alone would have chosen.
+#include <catch2/catch.hpp>
+
+#include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
+
+namespace stillbase {
+
+TEST_CASE(
+    "no candidate is better as predicted than the stated nominal optimum, few starts or many") {
+  CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_cone.yaml");
+  problem.approach.enabled = false;
+  problem.post_impact.controllers.clear();
+  problem.hand.constraint = HandConstraint::None;
+  problem.constraints.joint_limit_margin = 0;
+  problem.start << 0.3, -0.6, 0.4, 1.2, 0.2, 0.9, 0.1;
+  for (std::size_t k = 0; k < 7; ++k) problem.variables.joints[k] = k == 1 || k == 3;
+  for (const std::uint64_t seed : {1u, 4u, 7u}) {
+    problem.search.starts = 1;
+    problem.search.seed = seed;
+    const Plan plan = make_plan(problem);
+    REQUIRE(plan.nominal_optimum.has_value());
+    CAPTURE(seed, plan.candidates.size());
+    for (const Candidate& candidate : plan.candidates) {
+      CHECK(candidate.objective >= plan.nominal_optimum->nominal * (1 - 1e-6));
+    }
+  }
+}
+
+}  // namespace stillbase
