@@ -43,7 +43,7 @@ namespace {
 /// Relative: values nearer than that are the same.
 constexpr double kBetter = 1e-6;
 
-/// A deadline at half the time that is left: the other half is the approach's.
+/// A deadline at half the time that is left: a proof is not all that a plan needs.
 StopCondition half_the_rest(StopCondition stop) {
   const auto now = StopCondition::Clock::now();
   if (stop.deadline != StopCondition::Clock::time_point::max() && stop.deadline > now) {
@@ -77,7 +77,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
 
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
-  proof = prove_solutions(problem, formulation, options.stop);
+  proof = prove_solutions(problem, formulation, half_the_rest(options.stop));
   match_candidates(problem, found, proof);
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
