@@ -1,6 +1,7 @@
 #include <stillbase/planner/planner.hpp>
 
 #include <chrono>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,49 @@ StopCondition half_the_rest(StopCondition stop) {
   return stop;
 }
 
+/// A lower bound of the measure; where it points at better configurations the search looks again.
+/// @param again the search, with more starts
+void bound_and_look_again(
+    const CaptureProblem& problem, const Formulation& formulation, const PlannerOptions& options,
+    const std::function<SearchResult(const std::vector<Eigen::VectorXd>&)>& again,
+    SearchResult& found, Proof& proof) {
+  constexpr int kMostTimes = 8;
+  const auto bounded = [&] {
+    MinimumOptions effort;
+    effort.stop = half_the_rest(options.stop);
+    effort.on_progress = [&](long boxes) {
+      if (!options.on_progress) return;
+      options.on_progress("proof", static_cast<int>(boxes), static_cast<int>(effort.max_boxes));
+    };
+    return bound_measure(problem, formulation, found, proof, effort);
+  };
+  bool was_missed = false;
+  std::optional<MinimumBound> bound = bounded();
+  for (int time = 0; time < kMostTimes && bound && !bound->suspects.empty(); ++time) {
+    if (options.stop.reached()) break;
+    std::vector<Eigen::VectorXd> suspects;
+    for (const Configuration& at : bound->suspects) suspects.push_back(formulation.variables(at));
+    SearchResult other = again(suspects);
+    if (!(best_value(other) < (1 - kBetter) * best_value(found).value())) break;
+    was_missed = true;
+    found = std::move(other);
+    match_candidates(problem, found, proof);
+    bound = bounded();
+  }
+  if (bound) state_bound(*bound, proof);
+  // Of a measure that is no predicted value the zeros of the predicted objective are no bound.
+  if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
+    proof.lower_bound.reset();
+    proof.gap.reset();
+  }
+  if (proof.status == ProofStatus::NotApplicable && is_zero_reached(formulation, found)) {
+    proof.statement += "; the best one is zero, no less is possible";
+  }
+  if (was_missed) {
+    proof.statement += "; the best one, which the search had missed, turned up in bounding it";
+  }
+}
+
 /// Search and proof; what the search had missed is added.
 SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
                               const CollisionScene& scene, const PlannerOptions& options,
@@ -75,6 +119,11 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
   SearchResult found = search(problem, formulation, search_options);
 
+  const auto again = [&](const std::vector<Eigen::VectorXd>& starts) {
+    std::vector<Eigen::VectorXd>& more = search_options.more_starts;
+    more.insert(more.end(), starts.begin(), starts.end());
+    return search(problem, formulation, search_options);
+  };
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
   proof = prove_solutions(problem, formulation, half_the_rest(options.stop));
@@ -82,47 +131,11 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
   if (!missing.empty() && !options.stop.reached()) {
-    search_options.more_starts = missing;
-    found = search(problem, formulation, search_options);
+    found = again(missing);
     match_candidates(problem, found, proof);
   }
   state_what_was_missed(proof);
-  const auto bounded = [&] {
-    MinimumOptions bound_options;
-    bound_options.stop = half_the_rest(options.stop);
-    bound_options.on_progress = [&](long boxes) {
-      progress("proof", static_cast<int>(boxes), static_cast<int>(bound_options.max_boxes));
-    };
-    return bound_measure(problem, formulation, found, proof, bound_options);
-  };
-  std::optional<MinimumBound> bound = bounded();
-  // Where the bound points at better configurations the search looks again.
-  constexpr int kMostTimes = 8;
-  bool was_missed = false;
-  for (int time = 0; time < kMostTimes && bound && !bound->suspects.empty(); ++time) {
-    if (options.stop.reached()) break;
-    for (const Configuration& at : bound->suspects) {
-      search_options.more_starts.push_back(formulation.variables(at));
-    }
-    SearchResult again = search(problem, formulation, search_options);
-    if (!(best_value(again) < (1 - kBetter) * best_value(found).value())) break;
-    was_missed = true;
-    found = std::move(again);
-    match_candidates(problem, found, proof);
-    bound = bounded();
-  }
-  if (bound) state_bound(*bound, proof);
-  // Of a measure that is no predicted value the zeros of the predicted objective are no bound.
-  if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
-    proof.lower_bound.reset();
-    proof.gap.reset();
-  }
-  if (proof.status == ProofStatus::NotApplicable && is_zero_reached(formulation, found)) {
-    proof.statement += "; the best one is zero, no less is possible";
-  }
-  if (was_missed) {
-    proof.statement += "; the best one, which the search had missed, was found by the proof";
-  }
+  bound_and_look_again(problem, formulation, options, again, found, proof);
   plan.solver_calls = found.solver_calls;
   plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
   plan.timing["proof"] = seconds_since(proof_begin);

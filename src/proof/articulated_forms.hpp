@@ -16,6 +16,8 @@
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
+#include "dynamics/rigid_inertia.hpp"
+
 namespace stillbase::proof {
 
 /// R x. Most entries of a joint's R are zeros and ones.
@@ -40,12 +42,13 @@ template <class S>
 struct BodyInertia {
   Matrix3<S> M, H, J;
 
-  /// Of a rigid body about the origin of its frame.
+  /// Of a rigid body about the origin of its frame. In S: what is rounded counts.
   explicit BodyInertia(const Body& body) {
-    const Matrix3d c = skew<double>(body.centroid);
-    M = Matrix3<S>((Matrix3d::Identity() * body.mass).eval().template cast<S>());
-    H = Matrix3<S>((-body.mass * c).eval().template cast<S>());
-    J = Matrix3<S>((body.inertia - body.mass * c * c).eval().template cast<S>());
+    const S m(body.mass);
+    const Vector3<S> c = body.centroid.template cast<S>();
+    M = Matrix3<S>::Identity() * m;
+    H = -skew<S>(c * m);
+    J = body.inertia.template cast<S>() + parallel_axis<S>(m, c);
   }
 
   BodyInertia& operator+=(const BodyInertia& o) {

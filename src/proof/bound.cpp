@@ -234,10 +234,8 @@ class Search {
 
   void try_point(const Eigen::VectorXd& x) {
     if (!options_.value_at || !out_.suspects.empty()) return;
-    std::fesetround(FE_TONEAREST);
-    const double value = options_.value_at(x);
-    std::fesetround(FE_UPWARD);
-    if (value < options_.goal) out_.suspects.push_back(x);
+    const RoundToNearest nearest;
+    if (options_.value_at(x) < options_.goal) out_.suspects.push_back(x);
   }
 
   /// The bound will not be above the f_k of any point: as near to them is good enough.

@@ -27,28 +27,26 @@ using Interval = boost::numeric::interval<
                 interval_lib::save_state_nothing<interval_lib::rounded_arith_opp<double>>,
                 interval_lib::checking_base<double>>>;
 
-/// Sets the rounding mode that Interval needs, and sets back what was before.
-class RoundUpward {
+/// Sets a rounding mode, and sets back what was before.
+class Rounding {
  public:
-  RoundUpward() : before_(std::fegetround()) { std::fesetround(FE_UPWARD); }
-  ~RoundUpward() { std::fesetround(before_); }
-  RoundUpward(const RoundUpward&) = delete;
-  RoundUpward& operator=(const RoundUpward&) = delete;
+  explicit Rounding(int mode) : before_(std::fegetround()) { std::fesetround(mode); }
+  ~Rounding() { std::fesetround(before_); }
+  Rounding(const Rounding&) = delete;
+  Rounding& operator=(const Rounding&) = delete;
 
  private:
   int before_;
 };
 
-/// The default mode, for what is not about intervals, and back.
-class RoundToNearest {
- public:
-  RoundToNearest() : before_(std::fegetround()) { std::fesetround(FE_TONEAREST); }
-  ~RoundToNearest() { std::fesetround(before_); }
-  RoundToNearest(const RoundToNearest&) = delete;
-  RoundToNearest& operator=(const RoundToNearest&) = delete;
+/// The mode that Interval needs.
+struct RoundUpward : Rounding {
+  RoundUpward() : Rounding(FE_UPWARD) {}
+};
 
- private:
-  int before_;
+/// The default mode, for what is not about intervals.
+struct RoundToNearest : Rounding {
+  RoundToNearest() : Rounding(FE_TONEAREST) {}
 };
 
 /// Yes as well where an end is not a number.
