@@ -6,18 +6,17 @@
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/projection.hpp"
 #include "capture/solution_curve.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
 /// Three joints and the two equations of case C2 in the plane; the hand may be anywhere.
 CaptureProblem three_link_c2() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.hand.constraint = HandConstraint::None;
   problem.variables.base_position = PositionFreedom::Free;
   problem.constraints.impact_case = CaseConstraint::C2;
@@ -208,8 +207,7 @@ TEST_CASE("where no direction is uncertain a curve is one candidate for each par
 }
 
 TEST_CASE("isolated solutions belong to no curve") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   const Formulation formulation(problem);
   const SearchResult result = solutions_of(problem, formulation);
   CHECK(result.families.empty());
