@@ -4,9 +4,14 @@
 // components: three equations, two of which say it all. Away from z = 0 their gradients are
 // independent, at z = 0 they are not, and there sequential quadratic programming stops: the
 // optimizers get two of them. What a plan reports, and is judged by, are all.
+//
+// Where there are more equations than variables, every Jacobian is short of rank: which of them are
+// implied is asked of the same case without the hand's equations and with every joint and the base
+// attitude free. What holds there holds here.
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "capture/equations.hpp"
@@ -73,10 +78,50 @@ double independence(const std::vector<Eigen::MatrixXd>& jacobians,
   return least[least.size() / 2];
 }
 
+/// The same case of the same robot and impulse with all the freedom that a problem can have.
+CaptureProblem freed(CaptureProblem problem) {
+  const ConstraintSpec stated = problem.constraints;
+  problem.constraints = {};
+  problem.constraints.impact_case = stated.impact_case;
+  problem.constraints.closing_speed_min = stated.closing_speed_min;
+  problem.hand.constraint = HandConstraint::None;
+  problem.objective = {{}};  // none that is simulated
+  problem.variables.joints.assign(problem.variables.joints.size(), true);
+  problem.variables.base_attitude = AttitudeFreedom::Free;
+  problem.variables.base_attitude_max = VariableSpec{}.base_attitude_max;
+  problem.variables.base_position = PositionFreedom::Free;
+  return problem;
+}
+
+[[noreturn]] void refuse_too_few(const CaptureProblem& problem, int equations, int variables) {
+  throw InputError({Finding{
+      problem.source, 0, "too-few-variables",
+      "the constraints impose " + std::to_string(equations) + " independent equations, but only " +
+          std::to_string(variables) +
+          " variables are free; free more joints, the base attitude or the contact time"}});
+}
+
 }  // namespace
 
 void Formulation::set_implied_rows_aside() {
   Parts& parts = *parts_;
+  if (num_equations() > num_variables()) {
+    const CaptureProblem wider = freed(parts.problem);
+    const bool is_freed = parts.problem.hand.constraint == HandConstraint::None &&
+                          VariableLayout(wider).size == num_variables();
+    std::vector<Row> implied;
+    if (!is_freed) implied = Formulation(wider).parts_->implied_rows;
+    for (const Row& other : implied) {
+      const auto row = std::find_if(parts.rows.begin(), parts.rows.end(),
+                                    [&](const Row& own) { return own.name == other.name; });
+      if (row == parts.rows.end()) continue;
+      parts.implied_rows.push_back(*row);
+      parts.rows.erase(row);
+    }
+  }
+  if (num_equations() > num_variables()) {
+    refuse_too_few(parts.problem, num_equations(), num_variables());
+  }
   std::vector<std::size_t> equations;  // among the rows
   std::vector<Eigen::Index> candidates;
   for (std::size_t i = 0; i < parts.rows.size(); ++i) {

@@ -7,17 +7,16 @@
 
 #include <stillbase/capture/formulation.hpp>
 #include <stillbase/capture/search.hpp>
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/projection.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
+using test::shipped;
 
 }  // namespace
 
@@ -45,6 +44,31 @@ TEST_CASE("two of the three G2 equations of a rank 2 arm are solved, and the thi
   }
   CHECK(solved > 200);
   CHECK(worst <= 1e-9);
+}
+
+TEST_CASE("equations are counted where they hold also when there are more of them than variables") {
+  CaptureProblem problem = shipped("spart_3dof_point");
+  problem.constraints.impact_case = CaseConstraint::C2;
+  problem.hand.constraint = HandConstraint::None;
+  // Of the total two, of a coupling part of rank 2 two, one of the four implied by the others.
+  const int of_case = Formulation(problem).num_equations();
+  CHECK(of_case == 3);
+
+  // The hand's point adds three: as many as there are variables, and they can all be met.
+  problem.hand.constraint = HandConstraint::Position;
+  const Formulation formulation(problem);
+  CHECK(formulation.num_variables() == 6);
+  CHECK(formulation.num_equations() == 6);
+  problem.variables.joints[0] = false;
+  try {
+    const Formulation refused(problem);
+    FAIL("was accepted");
+  } catch (const InputError& error) {
+    REQUIRE(error.findings().size() == 1);
+    CHECK(error.findings()[0].rule == "too-few-variables");
+    CHECK_THAT(error.findings()[0].message,
+               Catch::Contains("6 independent equations") && Catch::Contains("only 5 variables"));
+  }
 }
 
 TEST_CASE("equations that are independent where they hold all stay") {
