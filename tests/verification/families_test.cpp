@@ -257,4 +257,26 @@ TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of
   CHECK_FALSE(holds(other, "families_points_vanish"));
 }
 
+TEST_CASE("an impact at the system's centroid is C1: the parts are measured by the arms") {
+  for (const RiskMeasure measure : {RiskMeasure::Nominal, RiskMeasure::WorstCase}) {
+    CaptureProblem problem = problem_at_centroid();
+    problem.measure.kind = measure;
+    problem.robot.shapes.clear();  // or the posture that is best touches the base
+    const Plan plan = make_plan(problem);
+    REQUIRE(plan.objective.worst_case < 1e-10);  // N m s, over the whole cone
+    const CaseJudgement& judgement = plan.impact.judgement;
+    CHECK(judgement.impact_case == ImpactCase::C1);
+    CHECK(judgement.total < 1e-9);
+    CHECK(judgement.base == Approx(judgement.coupling).epsilon(1e-9));
+    CHECK(judgement.base > 0.01);
+    CHECK(judgement.base < 10);
+    CHECK(plan.status == PlanStatus::Optimal);  // no less than zero is possible
+    INFO(failures(plan));
+    CHECK(failures(plan).empty());
+    Plan other = plan;
+    other.impact.judgement.base *= 1.01;
+    CHECK_FALSE(holds(other, "case_residuals"));
+  }
+}
+
 }  // namespace stillbase
