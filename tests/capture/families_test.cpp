@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
@@ -204,6 +205,26 @@ TEST_CASE("where no direction is uncertain a curve is one candidate for each par
     parts += static_cast<int>(listed);
   }
   CHECK(parts > 0);
+}
+
+TEST_CASE("after a stop no more points of a curve are rated, and what was found is kept") {
+  const CaptureProblem problem = three_link_c2();
+  const Formulation formulation(problem);
+  std::atomic<bool> flag = false;
+  int calls = 0;
+  SearchOptions options;
+  options.stop.interrupted = &flag;
+  options.is_free = [&](const Configuration&) {
+    ++calls;
+    flag = true;
+    return true;
+  };
+  const SearchResult result = search(problem, formulation, options);
+  CHECK(calls == 1);
+  CHECK(result.status == PlanStatus::Limit);
+  CHECK(result.families.size() >= 2);
+  REQUIRE_FALSE(result.candidates.empty());
+  for (const Candidate& candidate : result.candidates) CHECK(candidate.max_violation <= 1e-9);
 }
 
 TEST_CASE("isolated solutions belong to no curve") {
