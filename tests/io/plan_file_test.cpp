@@ -266,6 +266,16 @@ TEST_CASE("a spoiled state file is refused with everything that is wrong") {
   CHECK(text_of(findings).find("s.json:1: wrong-length") != std::string::npos);
 }
 
+TEST_CASE("a plan with long curves of solutions reads back") {
+  Plan plan = random_plan();
+  REQUIRE_FALSE(plan.families.empty());
+  SolutionFamily& family = plan.families.front();
+  family.points.assign(20000, plan.configuration);
+  const PlanFile file = read_plan(plan_to_json(plan, kTool), "plan.json");
+  REQUIRE(file.plan.families.size() == plan.families.size());
+  CHECK(file.plan.families.front().points.size() == 20000);
+}
+
 TEST_CASE("a file that says that it is no plan is refused with that alone") {
   const auto problem = findings_of([&] {
     const std::string path = source_path("problems/iiwa_cone.yaml");
