@@ -11,6 +11,7 @@
 
 #include "io/io_support.hpp"
 #include "io/plan_samples.hpp"
+#include "io/problem_text.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -97,8 +98,7 @@ TEST_CASE("where there is a choice of features a plan says which one each config
 
 TEST_CASE("the boxes of a proof name base angle and contact time where those are variables") {
   Plan plan = random_plan();
-  plan.problem.variables.base_attitude = AttitudeFreedom::Axis;
-  plan.problem.variables.contact_time_upper = plan.problem.variables.contact_time_lower + 1;
+  plan.problem = read(kProblem);  // of the same robot
   Proof& proof = plan.certificate.proof;
   double end = -0.1 / 3;
   for (auto* boxes : {&proof.solutions, &proof.undecided}) {
