@@ -213,6 +213,7 @@ Families follow_families(const CaptureProblem& problem, const Formulation& formu
   std::vector<SolutionCurve> curves;
   std::vector<std::vector<FamilyMember>> members;
   for (FamilyMember solution : solutions) {
+    solution.x = in_shortest_turns(formulation, solution.x);
     if (vanishes(formulation, solution.x)) {
       for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
         if (place_on(formulation, curves[i], solution.x)) solution.family = static_cast<int>(i);

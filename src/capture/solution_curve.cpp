@@ -41,7 +41,13 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
   return r.cwiseAbs().maxCoeff() <= kExact ? std::optional(at) : std::nullopt;
 }
 
+/// Whether a turn of the base is its shortest: beyond half a turn other variables say the same.
+bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x) {
+  return (in_shortest_turns(formulation, x) - x).isZero(0);
+}
+
 bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x) {
+  if (!is_shortest(formulation, x)) return false;
   if (((formulation.lower() - x).array() > kInside).any()) return false;
   if (((x - formulation.upper()).array() > kInside).any()) return false;
   nlp::Evaluation at_x;
@@ -132,7 +138,7 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
     if (!is_inside(formulation, next->x)) {
       const CurvePoint last = last_inside(formulation, at, h);
       if (last.arc > at.arc) out.points.push_back(last);
-      out.is_complete = true;
+      out.is_complete = is_shortest(formulation, next->x);
       return out;
     }
     out.points.push_back(*next);
@@ -143,6 +149,12 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
 }
 
 }  // namespace
+
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x) {
+  constexpr double kOther = 1;  // rad: far more than rounding, less than between the two
+  const Eigen::VectorXd again = formulation.variables(formulation.configuration(x));
+  return (again - x).norm() > kOther ? again : x;
+}
 
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
                                          const StopCondition& stop) {

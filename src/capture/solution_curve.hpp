@@ -5,7 +5,9 @@
 // Numerical Continuation Methods, SIAM 2003).
 //
 // Assumptions: the curve is smooth and keeps away from points where a second direction opens; a
-// trace ends there and is marked as not complete. Lengths mix rad, m and s as the variables do.
+// trace ends there and is marked as not complete, as where a freely turning base is half a turn
+// away from its stated attitude: beyond it the variables are others. Lengths mix rad, m and s as
+// the variables do.
 #pragma once
 
 #include <optional>
@@ -29,8 +31,11 @@ struct SolutionCurve {
   double length = 0;               ///< with the step back to the first point when closed
 };
 
+/// The same configuration with every turn of the base by half a turn at most.
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x);
+
 /// The curve through x, in both directions, until it closes or meets a bound or an inequality.
-/// @param x solution of the equations with vanishing objective
+/// @param x solution of the equations with vanishing objective, in shortest turns
 /// @return empty unless exactly one direction is open at x
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
                                          const StopCondition& stop);

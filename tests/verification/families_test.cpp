@@ -257,6 +257,24 @@ TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of
   CHECK_FALSE(holds(other, "families_points_vanish"));
 }
 
+TEST_CASE("curves of a base that turns freely are followed up to half a turn") {
+  CaptureProblem problem = test::shipped("spart_3dof_point");
+  problem.variables.base_attitude_max = 3.14159265358979323846;
+  problem.approach.enabled = false;
+  problem.search.starts = 24;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.families.size() >= 2);
+  const auto cut = std::count_if(plan.families.begin(), plan.families.end(),
+                                 [](const SolutionFamily& family) { return !family.is_complete; });
+  CHECK(cut > 0);
+  for (const char* name : {"families_points_vanish", "families_points_allowed",
+                           "families_points_apart", "families_length", "families_ends",
+                           "families_starts", "families_distinct", "candidates_list"}) {
+    INFO(name);
+    CHECK(holds(plan, name));
+  }
+}
+
 TEST_CASE("an impact at the system's centroid is C1: the parts are measured by the arms") {
   for (const RiskMeasure measure : {RiskMeasure::Nominal, RiskMeasure::WorstCase}) {
     CaptureProblem problem = problem_at_centroid();
