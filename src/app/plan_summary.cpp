@@ -6,7 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/dynamics/inertia.hpp>
+#include <stillbase/dynamics/kinematics.hpp>
+
 #include "app/words.hpp"
+#include "impact/case_lever.hpp"
 
 namespace stillbase::app {
 
@@ -139,7 +143,15 @@ std::string nominal_optimum_words(const Plan& plan) {
       "the best for the prediction alone: {} {} as predicted, {} {} {}",
       size_words(nominal.nominal), objective.unit, size_words(nominal.value), objective.unit,
       plan.problem.measure.kind == RiskMeasure::WorstCase ? "at worst" : "over the samples");
-  if (objective.value > 0) text += fmt::format(" ({:.2f} times)", nominal.value / objective.value);
+  if (nominal.value < objective.value * (1 - 1e-6)) {
+    return text +
+           "; passed over: it touches something, no approach leads there, or what follows the "
+           "impact is beyond the limits";
+  }
+  constexpr double kZero = 1e-9;  // as in size_words: a factor of what is left is noise
+  if (objective.value > kZero) {
+    text += fmt::format(" ({:.2f} times)", nominal.value / objective.value);
+  }
   return text;
 }
 
@@ -158,12 +170,19 @@ std::string momentum_words(const ImpactSummary& impact) {
                      size_words(impact.Delta_Omega.tail<3>().norm() * kDegrees));
 }
 
-std::string case_words(const ImpactSummary& impact) {
+std::string case_words(const Plan& plan) {
+  const ImpactSummary& impact = plan.impact;
   const CaseJudgement& judgement = impact.judgement;
-  return fmt::format("{} (residuals: total {}, base {}, coupling {}; joints {})",
-                     to_string(judgement.impact_case), size_words(judgement.total),
-                     size_words(judgement.base), size_words(judgement.coupling),
-                     to_string(impact.resistance.model));
+  const RobotModel& robot = plan.problem.robot;
+  const auto kinematics = compute_kinematics<double>(robot, plan.configuration.phi);
+  const bool meet = is_at_centroid(kinematics.r_bh, compute_inertia(robot, kinematics).r_bg);
+  return fmt::format("{} ({}residuals: total {}, base {}, coupling {}; joints {})",
+                     to_string(judgement.impact_case),
+                     meet ? "the hand is at the system's centroid, where an impulse turns nothing "
+                            "as a whole; "
+                          : "",
+                     size_words(judgement.total), size_words(judgement.base),
+                     size_words(judgement.coupling), to_string(impact.resistance.model));
 }
 
 std::string approach_words(const Approach& approach) {
@@ -225,7 +244,7 @@ std::string plan_summary(const Plan& plan) {
     text += line("contact", contact_words(plan));
     text += line("impulse", impact_words(plan));
     text += line("momentum", momentum_words(plan.impact));
-    text += line("case", case_words(plan.impact));
+    text += line("case", case_words(plan));
     text += line("objective", objective_words(plan));
     if (plan.nominal_optimum && plan.problem.measure.kind != RiskMeasure::Nominal) {
       text += line("", nominal_optimum_words(plan));

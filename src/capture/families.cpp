@@ -169,11 +169,13 @@ std::vector<Configuration> points_along(const Formulation& formulation,
 /// One curve's entries in the list of solutions.
 std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& formulation,
                                   const std::vector<FamilyMember>& members,
-                                  const std::function<bool(const Configuration&)>& is_free) {
+                                  const std::function<bool(const Configuration&)>& is_free,
+                                  const StopCondition& stop) {
   const int family = members.front().family;
   std::vector<FamilyMember> out;
   std::vector<bool> free(curve.size(), true);
-  for (std::size_t i = 0; i < curve.size() && is_free; ++i) {
+  // A target that comes in is followed for every point: thousands of distances.
+  for (std::size_t i = 0; i < curve.size() && is_free && !stop.reached(); ++i) {
     free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
   }
   if (curve.is_flat()) {
@@ -234,8 +236,12 @@ Families follow_families(const CaptureProblem& problem, const Formulation& formu
                           points_along(formulation, curves[i])};
     for (const FamilyMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
+    if (stop.reached()) {
+      out.solutions.insert(out.solutions.end(), members[i].begin(), members[i].end());
+      continue;
+    }
     const RatedCurve rated(problem, formulation, std::move(curves[i]));
-    for (FamilyMember& best : best_of(rated, formulation, members[i], is_free)) {
+    for (FamilyMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
       out.solutions.push_back(std::move(best));
     }
   }

@@ -21,7 +21,7 @@ struct Families {
   /// In place of the members of a curve: the local minima of the worst case along it, with the
   /// starts that ended on this side of the next maximum. Where the worst case is the same all along
   /// a curve (the direction is known): the middle of the curve, or of each part that touches
-  /// nothing. Those on no curve as they are.
+  /// nothing. Those on no curve as they are; after a stop those on curves, too.
   std::vector<FamilyMember> solutions;
   bool stopped = false;
 };

@@ -61,14 +61,6 @@ Formulation::Parts::Parts(const CaptureProblem& p)
   add_rows();
   drop_structural_rows();
   set_combinations_aside();
-  int equations = 0;
-  for (const Row& row : rows) equations += row.lower == row.upper;
-  if (equations > layout.size) {
-    refuse("too-few-variables",
-           "the constraints impose " + std::to_string(equations) +
-               " independent equations, but only " + std::to_string(layout.size) +
-               " variables are free; free more joints, the base attitude or the contact time");
-  }
 }
 
 void Formulation::Parts::add_rows() {

@@ -4,9 +4,14 @@
 // components: three equations, two of which say it all. Away from z = 0 their gradients are
 // independent, at z = 0 they are not, and there sequential quadratic programming stops: the
 // optimizers get two of them. What a plan reports, and is judged by, are all.
+//
+// Where there are more equations than variables, every Jacobian is short of rank: which of them are
+// implied is asked of the same case without the hand's equations and with every joint and the base
+// attitude free. What holds there holds here.
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "capture/equations.hpp"
@@ -51,6 +56,28 @@ Eigen::Index rank_of(const Eigen::MatrixXd& J) {
   return (relative_sizes(J).array() > kRank).count();
 }
 
+/// Whether the rows that were set aside vanish where the others do. Equations that depend on each
+/// other at their solutions may have others where one of them is left out: a product is zero where
+/// either factor is.
+bool hold_where_the_rest_does(const Formulation& formulation, const std::vector<Row>& aside) {
+  constexpr int kTrials = 24;
+  constexpr double kHolds = 1e-6;
+  int solved = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Eigen::VectorXd start =
+        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 2));
+    const ProjectionResult there = project_onto_constraints(formulation, start, false, 40);
+    if (!(there.violation <= 1e-10)) continue;
+    ++solved;
+    for (const ConstraintValue& value : formulation.report(there.x)) {
+      const bool is_aside = std::any_of(aside.begin(), aside.end(),
+                                        [&](const Row& row) { return row.name == value.name; });
+      if (is_aside && value.violation > kHolds) return false;
+    }
+  }
+  return solved > 0;
+}
+
 /// How well the rows whose number is not in `left_out` determine the solutions: the middle over the
 /// Jacobians of their smallest relative singular value that counts; 0 where the rank is not what
 /// that of all rows is.
@@ -73,10 +100,50 @@ double independence(const std::vector<Eigen::MatrixXd>& jacobians,
   return least[least.size() / 2];
 }
 
+/// The same case of the same robot and impulse with all the freedom that a problem can have.
+CaptureProblem freed(CaptureProblem problem) {
+  const ConstraintSpec stated = problem.constraints;
+  problem.constraints = {};
+  problem.constraints.impact_case = stated.impact_case;
+  problem.constraints.closing_speed_min = stated.closing_speed_min;
+  problem.hand.constraint = HandConstraint::None;
+  problem.objective = {{}};  // none that is simulated
+  problem.variables.joints.assign(problem.variables.joints.size(), true);
+  problem.variables.base_attitude = AttitudeFreedom::Free;
+  problem.variables.base_attitude_max = VariableSpec{}.base_attitude_max;
+  problem.variables.base_position = PositionFreedom::Free;
+  return problem;
+}
+
+[[noreturn]] void refuse_too_few(const CaptureProblem& problem, int equations, int variables) {
+  throw InputError({Finding{
+      problem.source, 0, "too-few-variables",
+      "the constraints impose " + std::to_string(equations) + " independent equations, but only " +
+          std::to_string(variables) +
+          " variables are free; free more joints, the base attitude or the contact time"}});
+}
+
 }  // namespace
 
 void Formulation::set_implied_rows_aside() {
   Parts& parts = *parts_;
+  if (num_equations() > num_variables()) {
+    const CaptureProblem wider = freed(parts.problem);
+    const bool is_freed = parts.problem.hand.constraint == HandConstraint::None &&
+                          VariableLayout(wider).size == num_variables();
+    std::vector<Row> implied;
+    if (!is_freed) implied = Formulation(wider).parts_->implied_rows;
+    for (const Row& other : implied) {
+      const auto row = std::find_if(parts.rows.begin(), parts.rows.end(),
+                                    [&](const Row& own) { return own.name == other.name; });
+      if (row == parts.rows.end()) continue;
+      parts.implied_rows.push_back(*row);
+      parts.rows.erase(row);
+    }
+  }
+  if (num_equations() > num_variables()) {
+    refuse_too_few(parts.problem, num_equations(), num_variables());
+  }
   std::vector<std::size_t> equations;  // among the rows
   std::vector<Eigen::Index> candidates;
   for (std::size_t i = 0; i < parts.rows.size(); ++i) {
@@ -90,27 +157,42 @@ void Formulation::set_implied_rows_aside() {
   const std::vector<Eigen::MatrixXd> jacobians = jacobians_at_solutions(*this);
   constexpr std::size_t kFewest = 3;
   if (jacobians.size() < kFewest) return;
-  // One after the other: the one without which the rest is most independent.
+  // One after the other: the one without which the rest is most independent, of those that hold
+  // wherever the rest does.
+  const std::vector<Row> rows = parts.rows, implied = parts.implied_rows;
+  const auto leave_out = [&](std::vector<Eigen::Index> numbers) {
+    parts.rows = rows;
+    parts.implied_rows = implied;
+    std::sort(numbers.rbegin(), numbers.rend());
+    for (const Eigen::Index i : numbers) {
+      const auto row =
+          parts.rows.begin() + static_cast<long>(equations[static_cast<std::size_t>(i)]);
+      parts.implied_rows.push_back(*row);
+      parts.rows.erase(row);
+    }
+  };
   std::vector<Eigen::Index> left_out;
   while (!candidates.empty()) {
-    std::vector<double> rest;
+    std::vector<std::pair<double, Eigen::Index>> rest;
     for (const Eigen::Index candidate : candidates) {
       std::vector<Eigen::Index> more = left_out;
       more.push_back(candidate);
-      rest.push_back(independence(jacobians, more));
+      rest.emplace_back(independence(jacobians, more), candidate);
     }
-    const auto best = std::max_element(rest.begin(), rest.end());
-    if (!(*best > 0)) break;
-    const auto at = candidates.begin() + (best - rest.begin());
-    left_out.push_back(*at);
-    candidates.erase(at);
+    std::stable_sort(rest.begin(), rest.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    const auto implied_one = std::find_if(rest.begin(), rest.end(), [&](const auto& one) {
+      if (!(one.first > 0)) return false;
+      std::vector<Eigen::Index> more = left_out;
+      more.push_back(one.second);
+      leave_out(more);
+      return hold_where_the_rest_does(*this, parts.implied_rows);
+    });
+    if (implied_one == rest.end()) break;
+    left_out.push_back(implied_one->second);
+    candidates.erase(std::find(candidates.begin(), candidates.end(), implied_one->second));
   }
-  std::sort(left_out.rbegin(), left_out.rend());
-  for (const Eigen::Index i : left_out) {
-    const auto row = parts.rows.begin() + static_cast<long>(equations[static_cast<std::size_t>(i)]);
-    parts.implied_rows.push_back(*row);
-    parts.rows.erase(row);
-  }
+  leave_out(left_out);
   parts.evaluations = 0;
 }
 

@@ -193,7 +193,9 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
 nlp::Certificate Measure::certify(const Eigen::VectorXd& x) const {
   if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
   const double size = value(x);
-  const double scale = size > 0 ? size : 1;
+  // Of a measure that vanishes what is left is rounding: there is no less.
+  constexpr double kZero = 1e-9;  // of the objective's typical size
+  const double scale = size > half_square(kZero * formulation_.objective_unit()) ? size : 1;
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
     const EpigraphProgram program(formulation_, scenarios_of(maxima), scale);

@@ -281,6 +281,8 @@ class Search {
       is_better = true;
     }
     if (is_better) {
+      // There was no zero before: now there may be one, on a curve.
+      if (!simulates_ && out_.families.empty()) follow_curves();
       out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
     }
   }

@@ -104,6 +104,8 @@ class FrontSearch {
         out_(out),
         optimizer_(nlp::make_optimizer(options.optimizer)) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    first_.give_up_simulations_at(options.stop);
+    second_.give_up_simulations_at(options.stop);
     solve_.max_evaluations = 1000;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasible;
@@ -114,6 +116,7 @@ class FrontSearch {
     // The extremes, and the other good postures on the way to them as starts.
     for (const auto& [problem, formulation] :
          {std::pair(&first_problem_, &first_), std::pair(&second_problem_, &second_)}) {
+      if (!points_.empty() && stopped()) break;
       SearchOptions search_options;
       search_options.optimizer = options_.optimizer;
       search_options.starts = options_.starts;
@@ -123,6 +126,8 @@ class FrontSearch {
       for (const auto& [name, calls] : found.solver_calls) out_.solver_calls[name] += calls;
       out_.stopped = out_.stopped || found.stopped;
       for (std::size_t i = 0; i < found.points.size(); ++i) {
+        // What a quantity is worth may take a simulation each time.
+        if (!points_.empty() && stopped()) break;
         if (found.candidates[i].max_violation <= kFeasible) add(found.points[i]);
       }
     }

@@ -1,5 +1,7 @@
 #include <stillbase/impact/summary.hpp>
 
+#include "impact/case_lever.hpp"
+
 namespace stillbase {
 
 ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
@@ -26,7 +28,7 @@ ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
   out.base = tilde.Htilde_omega * jump.Delta_Omega.tail<3>();
   out.coupling = tilde.Htilde_omegaphi * jump.Delta_phidot;
   const double scale =
-      Fbar.head<3>().norm() * (kinematics.r_bh - inertia.r_bg).norm() + Fbar.tail<3>().norm();
+      Fbar.head<3>().norm() * case_lever(kinematics.r_bh, inertia.r_bg) + Fbar.tail<3>().norm();
   out.judgement = judge_case(out.total, out.base, out.coupling, scale, case_tolerance);
   out.rank_tolerance = space.rank_tolerance;
   out.rank = space.rank;

@@ -122,12 +122,18 @@ Json variables_json(const CaptureProblem& problem) {
 }
 
 Json objective_section_json(const CaptureProblem& problem) {
-  Json json = {{"measure", word_of(measure_names(), problem.measure.kind)},
-               {"cvar_level", number_json(problem.measure.cvar_level)},
-               {"samples", problem.measure.samples},
-               {"sample_seed", problem.measure.seed}};
+  const MeasureSpec& measure = problem.measure;
+  Json json = {{"measure", word_of(measure_names(), measure.kind)}};
+  const bool is_tail = measure.kind == RiskMeasure::Cvar;
+  if (is_tail) json["cvar_level"] = number_json(measure.cvar_level);
+  if (is_tail || measure.kind == RiskMeasure::Expectation) {
+    json["samples"] = measure.samples;
+    json["sample_seed"] = measure.seed;
+  }
   const ObjectiveTerm& first = problem.objective.front();
-  if (problem.objective.size() == 1 && first.size == 1 && first.length == 1) {
+  const bool is_plain =
+      first.size == 1 && (first.length == 1 || first.quantity != ObjectiveQuantity::BaseMomentum);
+  if (problem.objective.size() == 1 && is_plain) {
     json["quantity"] = word_of(objective_names(), first.quantity);
     if (first.after > 0) json["after"] = number_json(first.after);
     return json;
@@ -135,8 +141,10 @@ Json objective_section_json(const CaptureProblem& problem) {
   json["terms"] = Json::array();
   for (const ObjectiveTerm& term : problem.objective) {
     json["terms"].push_back({{"quantity", word_of(objective_names(), term.quantity)},
-                             {"size", number_json(term.size)},
-                             {"length", number_json(term.length)}});
+                             {"size", number_json(term.size)}});
+    if (term.quantity == ObjectiveQuantity::BaseMomentum) {
+      json["terms"].back()["length"] = number_json(term.length);
+    }
     if (term.after > 0) json["terms"].back()["after"] = number_json(term.after);
   }
   return json;

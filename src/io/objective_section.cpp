@@ -26,18 +26,21 @@ Dimension dimension_of(ObjectiveQuantity quantity) {
   return Dimension::None;
 }
 
+/// A key that is stated beside something that takes no notice of it.
+void refuse_unless(bool is_used, MapReader& fields, const char* key, const char* owners) {
+  if (is_used || !fields.has(key)) return;
+  fields.context().add(fields.line_of(key), "not-used",
+                       fmt::format("{}: belongs to {}", fields.path_of(key), owners));
+}
+
 /// When the turn is looked at: needed by that quantity, of no use to the others.
 void read_after(MapReader& fields, ObjectiveTerm& term) {
   const bool turns = term.quantity == ObjectiveQuantity::AttitudeTurned;
   constexpr double kShortest = 1e-3;  // s: before, the base has turned by its rate times the time
   constexpr double kLongest = 3600;   // s
-  const bool is_stated =
-      fields.number("after", term.after, Dimension::Time, {.lower = kShortest, .upper = kLongest},
-                    turns ? Need::Required : Need::Optional);
-  if (is_stated && !turns) {
-    fields.context().add(fields.line_of("after"), "not-used",
-                         fmt::format("{}: belongs to attitude_turned", fields.path_of("after")));
-  }
+  fields.number("after", term.after, Dimension::Time, {.lower = kShortest, .upper = kLongest},
+                turns ? Need::Required : Need::Optional);
+  refuse_unless(turns, fields, "after", "attitude_turned");
 }
 
 void read_objective_terms(MapReader& objective, const Node& list, CaptureProblem& problem) {
@@ -52,9 +55,12 @@ void read_objective_terms(MapReader& objective, const Node& list, CaptureProblem
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     MapReader fields(context, list.items[i], fmt::format("{}[{}]", path, i));
     ObjectiveTerm term;
-    fields.choice("quantity", term.quantity, objective_names(), Need::Required);
+    const bool is_known =
+        fields.choice("quantity", term.quantity, objective_names(), Need::Required);
     fields.number("size", term.size, dimension_of(term.quantity), kSensible, Need::Required);
     fields.number("length", term.length, Dimension::Length, kSensible);
+    refuse_unless(!is_known || term.quantity == ObjectiveQuantity::BaseMomentum, fields, "length",
+                  "base_momentum");
     read_after(fields, term);
     fields.finish();
     for (const ObjectiveTerm& other : problem.objective) {
@@ -120,6 +126,21 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
   }
 }
 
+void read_measure(MapReader& objective, MeasureSpec& measure) {
+  const bool is_known = objective.choice("measure", measure.kind, measure_names());
+  objective.number("cvar_level", measure.cvar_level, Dimension::None, {.lower = 0, .upper = 0.999});
+  // Every sample costs a local solve as much as the prediction does; of a CVaR it is a variable and
+  // an inequality as well.
+  const bool is_tail = measure.kind == RiskMeasure::Cvar;
+  objective.integer("samples", measure.samples, 1, is_tail ? 256 : 10000);
+  objective.unsigned_integer("sample_seed", measure.seed);
+  if (objective.has("measure") && !is_known) return;  // a misspelt measure may use them all
+  const bool is_sampled = is_tail || measure.kind == RiskMeasure::Expectation;
+  refuse_unless(is_tail, objective, "cvar_level", "the measure cvar");
+  refuse_unless(is_sampled, objective, "samples", "the measures expectation and cvar");
+  refuse_unless(is_sampled, objective, "sample_seed", "the measures expectation and cvar");
+}
+
 }  // namespace
 
 void read_objective_section(MapReader& map, CaptureProblem& problem) {
@@ -147,14 +168,7 @@ void read_objective_section(MapReader& map, CaptureProblem& problem) {
     objective.choice("quantity", first.quantity, objective_names(), Need::Required);
     read_after(objective, first);
   }
-  MeasureSpec& measure = problem.measure;
-  objective.choice("measure", measure.kind, measure_names());
-  objective.number("cvar_level", measure.cvar_level, Dimension::None, {.lower = 0, .upper = 0.999});
-  // Every sample costs a local solve as much as the prediction does; of a CVaR it is a variable and
-  // an inequality as well.
-  const bool is_tail = measure.kind == RiskMeasure::Cvar;
-  objective.integer("samples", measure.samples, 1, is_tail ? 256 : 10000);
-  objective.unsigned_integer("sample_seed", measure.seed);
+  read_measure(objective, problem.measure);
   objective.finish();
 }
 

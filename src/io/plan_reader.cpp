@@ -470,7 +470,7 @@ PlanFile read_plan_document(std::string_view text, ReadContext& context) {
   PlanFile file;
   Plan& plan = file.plan;
   const Node root =
-      parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 200'000});
+      parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 1'000'000});
   MapReader map(context, root, "");
   read_format(map, "stillbase.plan");
   refuse_other_format(map);

@@ -208,6 +208,31 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("hand", "missing-key",
            "position: must be stated beside impact.direction; the target comes to the hand then");
   }
+  const VariableSpec& variables = problem.variables;
+  const bool is_placed =
+      hand.constraint != HandConstraint::None || variables.base_position != PositionFreedom::Fixed;
+  if (hand.position && !impulse.direction) {
+    refuse("hand", "not-used",
+           "position: the hand meets the contact feature, wherever that is; a place of its own "
+           "belongs to a stated impact.direction");
+  } else if (hand.position && !is_placed) {
+    refuse("hand", "not-used",
+           "position: without a constraint on the hand it takes a free base_position to get there");
+  } else if (hand.position && hand.frame == Frame::Base &&
+             variables.base_position != PositionFreedom::Fixed) {
+    refuse("variables", "not-used",
+           "base_position: nothing depends on it while the hand's position is stated in the base");
+  }
+  if (!hand.position && !impulse.direction && has_feature && !is_placed) {
+    refuse("hand", "missing-key",
+           "constraint: with the base_position fixed nothing brings the hand to the contact "
+           "feature; state 'position', 'axis' or 'pose', or free the base_position");
+  }
+  if (impulse.direction && variables.contact_time_upper > variables.contact_time_lower) {
+    refuse("variables", "not-used",
+           "contact_time: beside a stated impact.direction the target comes along it at any time; "
+           "state an instant");
+  }
   if (hand.orientation && hand.constraint != HandConstraint::Pose) {
     refuse("hand", "not-used", "orientation: only the constraint 'pose' uses it");
   }

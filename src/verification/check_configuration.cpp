@@ -98,7 +98,9 @@ void check_hand(const Context& context, const ContactEvent& event, const Posture
   const double tolerance = options.hand_position_tolerance;
 
   const Vector3d position = base * Vector3d(response.dynamics.hand_position);
-  if (hand.position) {
+  const bool is_free = hand.constraint == HandConstraint::None &&
+                       context.problem.variables.base_position == PositionFreedom::Fixed;
+  if (hand.position && !is_free) {
     const Vector3d wanted = in_base ? base * *hand.position : *hand.position;
     claims.at_most("hand_position", (position - wanted).norm(), tolerance, "m",
                    "hand from its stated point");
@@ -116,10 +118,12 @@ void check_hand(const Context& context, const ContactEvent& event, const Posture
   }
   const bool wants_axis =
       hand.constraint == HandConstraint::Axis || hand.constraint == HandConstraint::Pose;
-  if (wants_axis && event.feature && !hand.orientation) {
-    claims.at_most("hand_axis", angle_between(R_NH * hand.approach_axis, -event.feature->normal),
+  if (wants_axis && !hand.orientation) {
+    claims.at_most("hand_axis",
+                   angle_between(R_NH * hand.approach_axis, base.orientation * Vector3d(-event.n)),
                    options.hand_angle_tolerance, "rad",
-                   "approach axis from the inward normal of the contact feature");
+                   event.feature ? "approach axis from the inward normal of the contact feature"
+                                 : "approach axis from the opposite of the stated direction");
   }
 }
 

@@ -209,11 +209,16 @@ void check_list(const Context& context, ClaimList& claims) {
            fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
   }
   // Minima of a robust measure that are on a curve count beside the starts that ended there.
-  for (std::size_t i = 0; i < on_curve.size() && is_whole; ++i) {
+  for (std::size_t i = 0; i < on_curve.size(); ++i) {
     const int starts = plan.families[i].starts;
-    demand(is_nominal ? starts == on_curve[i] : starts <= on_curve[i],
+    // Of a list that was cut it is known only that the rest is no less than nothing.
+    const bool fits = !is_nominal ? !is_whole || starts <= on_curve[i]
+                      : is_whole  ? starts == on_curve[i]
+                                  : starts >= on_curve[i];
+    demand(fits,
            fmt::format("{} starts ended on curve {}, the list gives {}", starts, i, on_curve[i]));
   }
+  for (const std::string& what : unlisted_curves(context)) objections.push_back(what);
   claims.none_wrong("candidates_list", objections,
                     "every distinct solution once, as many as the problem keeps, and the sample of "
                     "self-motion that the approach leads to");

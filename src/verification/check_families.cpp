@@ -6,6 +6,7 @@
 
 #include "verification/checks.hpp"
 #include "verification/margins.hpp"
+#include "verification/recount.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -205,8 +206,8 @@ class Curves {
                    "stated length from the sum of the distances, over what the spacing of the "
                    "points leaves open");
     claims.none_wrong("families_ends", ends_,
-                      "curves closed but for a gap, open without one, or said to end at a limit "
-                      "where none is");
+                      "curves closed but for a gap, open without one, said to end at a limit where "
+                      "none is, or not to where both ends are at one");
     claims.at_most("families_members", astray_, kApart, "1",
                    "largest distance of a candidate from the nearest point of its curve");
     claims.none_wrong("families_starts", wrong_starts(),
@@ -271,12 +272,18 @@ class Curves {
     if (family.is_closed && !family.is_complete) {
       ends_.push_back(fmt::format("curve {}: closed, but not complete", number));
     }
-    if (family.is_closed || !family.is_complete) return;
+    if (family.is_closed || family.points.empty()) return;
+    bool all_at_limits = true;
     for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
       const double gap = distance_to_limit(Judged(context_.problem, *end));
       if (gap <= kAtLimit) continue;
+      all_at_limits = false;
+      if (!family.is_complete) continue;
       ends_.push_back(
           fmt::format("curve {}: an end is {:.3g} from the nearest limit", number, gap));
+    }
+    if (all_at_limits && !family.is_complete) {
+      ends_.push_back(fmt::format("curve {}: not complete, but both ends are at limits", number));
     }
   }
 
@@ -297,6 +304,38 @@ class Curves {
 };
 
 }  // namespace
+
+std::vector<std::string> unlisted_curves(const Context& context) {
+  const Plan& plan = context.plan;
+  std::vector<std::string> out;
+  // Without a limit every zero with one direction open was followed; simulated ones never are.
+  if (plan.status == PlanStatus::Limit || simulates_turn(context.problem)) return out;
+  const auto is_listed = [&](const CaptureProblem& problem, const Configuration& at) {
+    const Place place(problem, at);
+    return std::any_of(plan.families.begin(), plan.families.end(), [&](const auto& family) {
+      Line line;
+      for (const Configuration& point : family.points) line.places.emplace_back(problem, point);
+      return !family.points.empty() && family.points.front().feature == at.feature &&
+             line.passes(place, 0);
+    });
+  };
+  const auto look_at = [&](const std::string& name, const Configuration& at) {
+    const CaptureProblem problem = problem_at(context.problem, at);
+    if (!is_on_curve_of_zeros(problem, at) || is_listed(problem, at)) return;
+    out.push_back(name + " is on a curve of zeros that is not listed");
+  };
+  if (context.problem.measure.kind != RiskMeasure::Nominal) {
+    if (plan.nominal_optimum) look_at("the nominal optimum", plan.nominal_optimum->configuration);
+    return out;
+  }
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    const Candidate& candidate = plan.candidates[i];
+    if (context.options.stop.reached()) break;
+    if (candidate.family >= 0 || candidate.starts_reached < 1) continue;
+    look_at(fmt::format("candidate {}", i), candidate.configuration);
+  }
+  return out;
+}
 
 void check_families(const Context& context, ClaimList& claims) {
   if (context.plan.families.empty()) return;

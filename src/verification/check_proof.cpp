@@ -130,6 +130,8 @@ void check_proof(const Context& context, ClaimList& claims) {
   double worst = 0;
   std::vector<std::string> unlisted, unproven;
   std::vector<int> boxes_of(plan.candidates.size(), 0);
+  const bool was_cut =
+      plan.certificate.distinct_solutions > static_cast<int>(plan.candidates.size());
   for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
     const Configuration middle = variables.at(variables.middle_of(proof.solutions[s]));
     worst = std::max(worst, residual_in(context, middle));
@@ -139,7 +141,7 @@ void check_proof(const Context& context, ClaimList& claims) {
                                         plan.candidates[static_cast<std::size_t>(c)].configuration);
     if (listed) {
       ++boxes_of[static_cast<std::size_t>(c)];
-    } else {
+    } else if (c >= 0 || !was_cut) {
       unlisted.push_back(fmt::format("solution {}", s));
     }
   }

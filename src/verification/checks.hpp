@@ -59,6 +59,11 @@ std::vector<std::string> configuration_objections(const Context& context, const 
 /// Points, lengths and ends of the curves of solutions; no claim without any.
 void check_families(const Context& context, ClaimList& claims);
 
+/// Configurations of the plan that are on a curve of solutions which it does not list. Of a robust
+/// measure what the prediction alone would choose: its own minima may be on curves where no start
+/// ended.
+std::vector<std::string> unlisted_curves(const Context& context);
+
 /// The enclosed solutions and the candidates are the same; nothing where there is no proof.
 void check_proof(const Context& context, ClaimList& claims);
 

@@ -111,6 +111,19 @@ Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
   return out;
 }
 
+Eigen::VectorXd FreeVariables::of(const Configuration& at) const {
+  Eigen::VectorXd x(size());
+  Eigen::Index i = 0;
+  for (const int k : joints_) x[i++] = at.phi[k];
+  if (has_angle_) x[i++] = base_angle(at);
+  if (turn_ >= 0) {
+    x.segment<3>(turn_) = rotation_log(at.base.orientation * problem_.base.orientation.conjugate());
+    i += 3;
+  }
+  if (has_time_) x[i] = at.contact_time / time_unit_;
+  return x;
+}
+
 double FreeVariables::base_angle(const Configuration& at) const {
   const Eigen::AngleAxisd turn(at.base.orientation * problem_.base.orientation.conjugate());
   return turn.angle() * turn.axis().dot(problem_.variables.base_attitude_axis);

@@ -17,6 +17,8 @@ class FreeVariables {
   Eigen::VectorXd sample(const Eigen::VectorXd& u) const;
   /// Base position as stated.
   Configuration at(const Eigen::VectorXd& x) const;
+  /// The variables of a configuration.
+  Eigen::VectorXd of(const Configuration& at) const;
   /// Of boxes, @pre the base attitude is fixed or free about one axis.
   Eigen::VectorXd middle_of(const JointBox& box) const;
   /// Whether a configuration lies in a box or right beside it; likewise.

@@ -118,10 +118,19 @@ std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem
     return hand.frame == Frame::Base ? configuration.base.orientation * *hand.orientation
                                      : *hand.orientation;
   }
-  if (!event.feature) return std::nullopt;
-  const Vector3d normal_T = event.R_NT.conjugate() * event.feature->normal;
-  return event.R_NT * rotation_exp(hand.roll * normal_T) *
-         Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -normal_T);
+  // Zero roll is the shortest turn in the frame that the normal is given in.
+  const auto against = [&hand](const Eigen::Quaterniond& R_NE, const Vector3d& n_E) {
+    return R_NE * rotation_exp(hand.roll * n_E) *
+           Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E);
+  };
+  if (event.feature) {
+    return against(event.R_NT, event.R_NT.conjugate() * event.feature->normal);
+  }
+  const ImpulseSpec& impulse = problem.impulse;
+  if (!impulse.direction) return std::nullopt;
+  const bool in_base = impulse.direction_frame == Frame::Base;
+  return against(in_base ? configuration.base.orientation : Eigen::Quaterniond::Identity(),
+                 *impulse.direction);
 }
 
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {

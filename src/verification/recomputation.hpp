@@ -67,13 +67,15 @@ struct PostureResponse {
   reference::Impact impact(const Vector6d& Fbar) const {
     return reference::impact(dynamics, added_inertia, locked, Fbar);
   }
-  /// |f| |r_gh| + |t|: what angular momenta are measured against.
+  /// |f| |r_gh| + |t|: what angular momenta are measured against. Where hand and centroid meet to
+  /// 1e-6 of the two arms, it is rounding_scale().
   double momentum_scale(const Vector6d& Fbar) const {
+    const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
+    if (r_gh.norm() <= 1e-6 * arms) return rounding_scale(Fbar);
     return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
   }
   /// |f| (|r_bh| + |r_bg|) + |t|: sizes of what angular momenta about the centroid are differences
-  /// of. It stays when hand and centroid meet, where momentum_scale() vanishes with the momenta:
-  /// two evaluations agree to a part of this one only.
+  /// of. Two evaluations agree to a part of this one only.
   double rounding_scale(const Vector6d& Fbar) const {
     const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
     return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm();

@@ -188,6 +188,23 @@ bool is_angular(const std::vector<ObjectiveTerm>& objective) {
 
 }  // namespace
 
+bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at) {
+  constexpr double kVanishes = 1e-11;
+  constexpr double kOpen = 1e-7, kShut = 1e-4;  // singular values of differences
+  if (!is_angular(problem.objective)) return false;
+  const FreeVariables variables(problem);
+  const int n = variables.size();
+  if (n < 2) return false;
+  Equations equations(problem, variables);
+  const Eigen::VectorXd x = variables.of(at);
+  if (rank_of(equations.jacobian(x)) >= n) return false;
+  equations.ask_for_zero();
+  if (!(equations.residual(x).cwiseAbs().maxCoeff() <= kVanishes)) return false;
+  const Eigen::VectorXd sizes =
+      Eigen::JacobiSVD<Eigen::MatrixXd>(equations.jacobian(x)).singularValues();
+  return sizes[n - 1] <= kOpen && sizes[n - 2] >= kShut;
+}
+
 Vector6d hand_rows(const CaptureProblem& problem, const ContactEvent& event,
                    const Configuration& at, const reference::Dynamics& dynamics) {
   Vector6d rows = Vector6d::Zero();

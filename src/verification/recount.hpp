@@ -23,6 +23,11 @@ struct Recount {
 /// variables among joints, base angle about an axis and time.
 Recount search_solutions(const Context& context);
 
+/// Whether a configuration is a zero of the predicted objective on a curve of them: the equations
+/// leave freedom, and together with the zero one direction. Only what is certain counts, and only
+/// objectives of one angular quantity.
+bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at);
+
 /// The hand's distance from its point (3, m) and the sines of the turn of its axes (3), in B; zero
 /// where nothing is asked.
 Vector6d hand_rows(const CaptureProblem& problem, const ContactEvent& event,

@@ -6,7 +6,8 @@
 
 #include <stillbase/capture/search.hpp>
 #include <stillbase/core/file.hpp>
-#include <stillbase/io/problem_file.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
@@ -29,8 +30,7 @@ std::vector<BestKnown> best_known() {
 }
 
 double best_of_search(const std::string& name) {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
+  CaptureProblem problem = test::shipped(name);
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
   options.starts = problem.search.starts;

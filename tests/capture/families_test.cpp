@@ -2,22 +2,22 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/projection.hpp"
 #include "capture/solution_curve.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
 /// Three joints and the two equations of case C2 in the plane; the hand may be anywhere.
 CaptureProblem three_link_c2() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.hand.constraint = HandConstraint::None;
   problem.variables.base_position = PositionFreedom::Free;
   problem.constraints.impact_case = CaseConstraint::C2;
@@ -207,9 +207,28 @@ TEST_CASE("where no direction is uncertain a curve is one candidate for each par
   CHECK(parts > 0);
 }
 
+TEST_CASE("after a stop no more points of a curve are rated, and what was found is kept") {
+  const CaptureProblem problem = three_link_c2();
+  const Formulation formulation(problem);
+  std::atomic<bool> flag = false;
+  int calls = 0;
+  SearchOptions options;
+  options.stop.interrupted = &flag;
+  options.is_free = [&](const Configuration&) {
+    ++calls;
+    flag = true;
+    return true;
+  };
+  const SearchResult result = search(problem, formulation, options);
+  CHECK(calls == 1);
+  CHECK(result.status == PlanStatus::Limit);
+  CHECK(result.families.size() >= 2);
+  REQUIRE_FALSE(result.candidates.empty());
+  for (const Candidate& candidate : result.candidates) CHECK(candidate.max_violation <= 1e-9);
+}
+
 TEST_CASE("isolated solutions belong to no curve") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   const Formulation formulation(problem);
   const SearchResult result = solutions_of(problem, formulation);
   CHECK(result.families.empty());

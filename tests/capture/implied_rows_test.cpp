@@ -7,17 +7,17 @@
 
 #include <stillbase/capture/formulation.hpp>
 #include <stillbase/capture/search.hpp>
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/io/problem_file.hpp>
+#include <stillbase/dynamics/kinematics.hpp>
 
 #include "capture/projection.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
+using test::shipped;
 
 }  // namespace
 
@@ -45,6 +45,59 @@ TEST_CASE("two of the three G2 equations of a rank 2 arm are solved, and the thi
   }
   CHECK(solved > 200);
   CHECK(worst <= 1e-9);
+}
+
+TEST_CASE("equations are counted where they hold also when there are more of them than variables") {
+  CaptureProblem problem = shipped("spart_3dof_point");
+  problem.constraints.impact_case = CaseConstraint::C2;
+  const HandSpec at_point = problem.hand;
+  problem.hand.constraint = HandConstraint::None;
+  // Of the total two, of a coupling part of rank 2 two, one of the four implied by the others.
+  CHECK(Formulation(problem).num_equations() == 3);
+  problem.hand = at_point;  // three more
+  const Formulation formulation(problem);
+  CHECK(formulation.num_variables() == 6);
+  CHECK(formulation.num_equations() == 6);
+  problem.variables.joints[0] = false;
+  try {
+    const Formulation refused(problem);
+    FAIL("was accepted");
+  } catch (const InputError& error) {
+    REQUIRE(error.findings().size() == 1);
+    CHECK(error.findings()[0].rule == "too-few-variables");
+    CHECK_THAT(error.findings()[0].message,
+               Catch::Contains("6 independent equations") && Catch::Contains("only 5 variables"));
+  }
+}
+
+TEST_CASE("equations that were set aside hold wherever the others do") {
+  CaptureProblem problem = shipped("spart_3dof_point");
+  problem.constraints.impact_case = CaseConstraint::C2;
+  problem.hand.constraint = HandConstraint::None;
+  const Formulation free(problem);
+  Configuration last;
+  int solved = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::VectorXd start =
+        free.start_point(low_discrepancy_point(i, free.start_dimension(), 3));
+    const ProjectionResult found = project_onto_constraints(free, start, false, 60);
+    if (!(found.violation <= 1e-12)) continue;
+    ++solved;
+    for (const ConstraintValue& value : free.report(found.x)) CHECK(value.violation < 1e-9);
+    last = free.configuration(found.x);
+  }
+  REQUIRE(solved > 30);
+  // With the hand's point fixed there, too: the way back to this posture is found.
+  problem.hand.constraint = HandConstraint::Position;
+  problem.hand.position =
+      last.base * Vector3d(compute_kinematics<double>(problem.robot, last.phi).r_bh);
+  const Formulation formulation(problem);
+  CHECK(formulation.num_equations() <= 6);
+  const ProjectionResult again = project_onto_constraints(
+      formulation, formulation.variables(last) + 1e-3 * Eigen::VectorXd::LinSpaced(6, -1, 1), false,
+      60);
+  CHECK(again.violation < 1e-10);
+  for (const ConstraintValue& value : formulation.report(again.x)) CHECK(value.violation < 1e-9);
 }
 
 TEST_CASE("equations that are independent where they hold all stay") {

@@ -4,11 +4,11 @@
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/capture_problems.hpp"
 #include "capture/measure.hpp"
 #include "capture/sampled_program.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
@@ -72,8 +72,7 @@ struct SelfMotion {
 }  // namespace
 
 TEST_CASE("the planar three-link arm's global robust optimum is found for every cone") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.measure.kind = RiskMeasure::WorstCase;
   problem.search.starts = 32;
   double nominal_postures_worst = 0;

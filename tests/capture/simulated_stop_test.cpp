@@ -6,15 +6,15 @@
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
-#include <stillbase/io/problem_file.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
 /// One joint is left over; the turn within a short time is made small.
 CaptureProblem turning_problem(RiskMeasure measure) {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.objective = {{ObjectiveQuantity::AttitudeTurned}};
   problem.objective[0].after = 0.02;
   problem.post_impact.controllers = {"joint_damping"};

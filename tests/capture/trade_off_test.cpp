@@ -1,17 +1,19 @@
 #include <catch2/catch.hpp>
 
+#include <atomic>
+#include <cmath>
+
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/trade_off.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/capture_problems.hpp"
 #include "capture/projection.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 
 TEST_CASE("a front holds no point that another one beats, and both extremes") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   TradeOffOptions options;
   options.starts = 24;
   options.levels = 12;
@@ -68,8 +70,7 @@ TEST_CASE("a front holds no point that another one beats, and both extremes") {
 
 TEST_CASE("of many postures with the least of one quantity, an end has the least of the other") {
   // Two joints, free: the base takes no momentum along whole curves of postures.
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::None;
   TradeOffOptions options;
   options.starts = 16;
@@ -108,21 +109,60 @@ TEST_CASE("of many postures with the least of one quantity, an end has the least
 }
 
 TEST_CASE("a trade-off of a quantity with itself makes no sense") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   CHECK_THROWS_AS(
       trade_off(problem, ObjectiveQuantity::JointRateNorm, ObjectiveQuantity::JointRateNorm, {}),
       std::invalid_argument);
 }
 
 TEST_CASE("a stopped trade-off says so") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   TradeOffOptions options;
   options.stop.deadline = std::chrono::steady_clock::now();
   CHECK(trade_off(problem, ObjectiveQuantity::BaseAngularMomentum, ObjectiveQuantity::JointRateNorm,
                   options)
             .stopped);
+}
+
+TEST_CASE("a front with a simulated quantity ends with what is known when it is stopped") {
+  CaptureProblem problem = test::shipped("planar_three_link_null");
+  problem.objective = {{ObjectiveQuantity::AttitudeTurned}};
+  problem.objective[0].after = 0.02;
+  problem.post_impact.controllers = {"joint_damping"};
+  CaptureProblem other = problem;
+  other.objective = {{ObjectiveQuantity::JointRateNorm}};
+  const Formulation turn(problem), rate(other);
+  constexpr auto kTurn = ObjectiveQuantity::AttitudeTurned;
+  constexpr auto kRate = ObjectiveQuantity::JointRateNorm;
+  for (const bool is_first : {true, false}) {
+    std::atomic<bool> flag = true;
+    TradeOffOptions options;
+    options.starts = 4;
+    options.levels = 4;
+    options.stop.interrupted = &flag;
+    const auto front_now = [&] {
+      return is_first ? trade_off(problem, kTurn, kRate, options)
+                      : trade_off(problem, kRate, kTurn, options);
+    };
+    const TradeOff at_once = front_now();
+    CHECK(at_once.stopped);
+    REQUIRE(at_once.points.size() == 1);
+    flag = false;
+    options.on_progress = [&flag](int done, int) { flag = done == 2; };
+    const TradeOff later = front_now();
+    CHECK(later.stopped);
+    REQUIRE(later.points.size() >= 2);
+    for (const TradeOff* front : {&at_once, &later}) {
+      for (const TradeOffPoint& point : front->points) {
+        CHECK(std::isinf(point.kkt_residual));  // a gradient takes simulations
+        CHECK(point.max_violation <= 1e-9);
+        const double turned = nominal_value(problem, turn, point.configuration);
+        const double rates = nominal_value(other, rate, point.configuration);
+        CHECK(point.first == Approx(is_first ? turned : rates).epsilon(1e-9).margin(1e-12));
+        CHECK(point.second == Approx(is_first ? rates : turned).epsilon(1e-9).margin(1e-12));
+      }
+    }
+  }
 }
 
 }  // namespace stillbase

@@ -5,13 +5,13 @@
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/trade_off.hpp>
 #include <stillbase/core/error.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/simulation/settings.hpp>
 
 #include "capture/capture_problems.hpp"
 #include "capture/epigraph.hpp"
 #include "capture/projection.hpp"
 #include "capture/sampled_program.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
@@ -28,8 +28,7 @@ CaptureProblem turning_problem(Random& random, int joints, const std::string& co
 
 /// The paper's arm of two links, both joints free.
 CaptureProblem planar_problem() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::None;
   problem.objective = {{ObjectiveQuantity::AttitudeTurned}};
   problem.objective[0].after = 0.5;
@@ -212,8 +211,7 @@ TEST_CASE("a simulation that breaks off counts as half a turn") {
 }
 
 TEST_CASE("the turn of the base can be one side of a front") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_null.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.measure = {};
   problem.uncertainty.cone_half_angle = 0;
   problem.objective = {{ObjectiveQuantity::JointRateNorm},

@@ -11,6 +11,7 @@
 
 #include "io/io_support.hpp"
 #include "io/plan_samples.hpp"
+#include "io/problem_text.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -97,8 +98,7 @@ TEST_CASE("where there is a choice of features a plan says which one each config
 
 TEST_CASE("the boxes of a proof name base angle and contact time where those are variables") {
   Plan plan = random_plan();
-  plan.problem.variables.base_attitude = AttitudeFreedom::Axis;
-  plan.problem.variables.contact_time_upper = plan.problem.variables.contact_time_lower + 1;
+  plan.problem = read(kProblem);  // of the same robot
   Proof& proof = plan.certificate.proof;
   double end = -0.1 / 3;
   for (auto* boxes : {&proof.solutions, &proof.undecided}) {
@@ -264,6 +264,16 @@ TEST_CASE("a spoiled state file is refused with everything that is wrong") {
   CHECK(text_of(findings).find("did you mean 'joint_velocities'") != std::string::npos);
   CHECK(text_of(findings).find("s.json:3: not-finite") != std::string::npos);
   CHECK(text_of(findings).find("s.json:1: wrong-length") != std::string::npos);
+}
+
+TEST_CASE("a plan with long curves of solutions reads back") {
+  Plan plan = random_plan();
+  REQUIRE_FALSE(plan.families.empty());
+  SolutionFamily& family = plan.families.front();
+  family.points.assign(20000, plan.configuration);
+  const PlanFile file = read_plan(plan_to_json(plan, kTool), "plan.json");
+  REQUIRE(file.plan.families.size() == plan.families.size());
+  CHECK(file.plan.families.front().points.size() == 20000);
 }
 
 TEST_CASE("a file that says that it is no plan is refused with that alone") {

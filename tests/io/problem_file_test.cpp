@@ -42,14 +42,15 @@ TEST_CASE("the normalised copy reads back to the same problem, bit for bit") {
   own.uncertainty.joint_position = Eigen::Vector2d(0.01, 0.02);
   own.hand.constraint = HandConstraint::Pose;
   own.hand.orientation = rotation_exp({-1, 0.5, 0.7});
-  own.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
   own.search.seed = 18446744073709551615u;
   own.constraints.joint_rate_max = Eigen::Vector2d(0.1, 1.0 / 3);
   own.constraints.coupling_singular_value_min = 0.7;
   own.constraints.jacobian_singular_value_min = 0.1;
   own.constraints.jacobian_length = 2.0 / 3;
   own.constraints.clearance = 0.0;
-  std::vector<CaptureProblem> problems{own};
+  CaptureProblem placed = read_problem(source_path("problems/planar_three_link_null.yaml"));
+  placed.hand.position = Vector3d(0.1, 1.0 / 3, -1e-17);
+  std::vector<CaptureProblem> problems{own, placed};
   for (const std::string& path : shipped_problems()) problems.push_back(read_problem(path));
   REQUIRE(problems.size() >= 9);
   for (const CaptureProblem& problem : problems) {
@@ -204,6 +205,39 @@ TEST_CASE("sections that contradict each other are refused") {
   refuses_change("impact:\n", "impact:\n  closing_speed: 1\n", "not-used",
                  {"impact.closing_speed"});
   refuses_change("impact:\n", "impact:\n  moment: [0, 0, 1]\n", "not-used", {"impact.moment"});
+}
+
+TEST_CASE("a hand that nothing brings to its place, and a time that changes nothing, are refused") {
+  const std::string free = replaced(kProblem, "constraint: axis", "constraint: none");
+  const int line = line_of(kProblem, "\nhand:") + 1;
+  refuses(free, line, "missing-key", {"hand.constraint", "contact feature", "base_position"});
+  const auto with_station = [](const std::string& text) {
+    return replaced(text, "  joints: [joint_2]\n", "  joints: [joint_2]\n  base_position: free\n");
+  };
+  CHECK(text_of(findings_of([&] { read(with_station(free)); })) == "");
+  const std::string elsewhere = "constraint: position\n  position: [1, 0, 0]";
+  refuses(replaced(kProblem, "constraint: axis", elsewhere), line, "not-used",
+          {"hand.position", "contact feature", "impact.direction"});
+
+  // Beside a stated direction the target comes along it, whenever that is.
+  const std::string given =
+      replaced(replaced(kProblem, "source: rigid_body\n  restitution: 0.5",
+                        "source: given\n  direction: [1, 0, 0]"),
+               "  state:\n    linear_velocity: [-50 mm/s, 0, 0]\n    angular_velocity: {axis: [1, "
+               "2, 2], rate: 5 deg/s}\n",
+               "");
+  refuses(given, line_of(given, "variables:"), "not-used", {"variables.contact_time", "instant"});
+  const std::string instant = replaced(given, "{lower: 1 min, upper: 70}", "70");
+  CHECK(read(instant).variables.contact_time_lower == 70);
+  const std::string nowhere = replaced(instant, "constraint: axis", "position: [1, 0, 0]");
+  refuses(nowhere, line_of(nowhere, "\nhand:") + 1, "not-used", {"hand.position", "base_position"});
+  CHECK(text_of(findings_of([&] { read(with_station(nowhere)); })) == "");
+  // A place in the base does not say where the base is.
+  const std::string in_base = with_station(replaced(
+      instant, "constraint: axis", "constraint: position\n  position: [1, 0, 0]\n  frame: base"));
+  refuses(in_base, line_of(in_base, "variables:"), "not-used", {"variables.base_position", "hand"});
+  CHECK(text_of(findings_of([&] { read(replaced(in_base, "  base_position: free\n", "")); })) ==
+        "");
 }
 
 namespace {

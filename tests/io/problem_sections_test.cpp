@@ -165,10 +165,49 @@ TEST_CASE("the turn after the impact as one of several terms reads back the same
     CHECK(again.objective[0].quantity == ObjectiveQuantity::AttitudeTurned);
     CHECK(again.objective[0].after == 60);
   }
-  refuses(replaced(text, "after: 1 min", "length: 1 m"), line_of(text, "attitude_turned"),
-          "missing-key", {"objective.terms[0]", "after"});
+  refuses(replaced(text, ", after: 1 min", ""), line_of(text, "attitude_turned"), "missing-key",
+          {"objective.terms[0]", "after"});
   refuses(replaced(text, "0.1 rad/s}", "0.1 rad/s, after: 2 s}"), line_of(text, "joint_rate_norm"),
           "not-used", {"objective.terms[1].after"});
+}
+
+TEST_CASE("what the measure or the quantity takes no notice of is refused") {
+  const auto with = [](const std::string& fields) {
+    return replaced(kProblem, "objective: base_angular_momentum",
+                    "objective: {quantity: base_angular_momentum, " + fields + "}");
+  };
+  const int line = line_of(kProblem, "objective:");
+  for (const char* measure : {"", "measure: nominal, ", "measure: worst_case, "}) {
+    INFO(measure);
+    refuses(with(measure + std::string("cvar_level: 0.5")), line, "not-used",
+            {"objective.cvar_level", "cvar"});
+    refuses(with(measure + std::string("samples: 64")), line, "not-used",
+            {"objective.samples", "expectation", "cvar"});
+    refuses(with(measure + std::string("sample_seed: 1")), line, "not-used",
+            {"objective.sample_seed", "expectation", "cvar"});
+  }
+  refuses(with("measure: expectation, cvar_level: 0.5"), line, "not-used",
+          {"objective.cvar_level", "cvar"});
+  const MeasureSpec mean = read(with("measure: expectation, samples: 9, sample_seed: 3")).measure;
+  CHECK(mean.samples == 9);
+  CHECK(mean.seed == 3);
+  // Of a misspelt word nothing more is said.
+  refuses(with("measure: cvvar, cvar_level: 0.5, samples: 9"), line, "unknown-name", {"cvar"});
+
+  const auto of = [](const std::string& quantity) {
+    return replaced(kProblem, "objective: base_angular_momentum",
+                    "objective: {terms: [{quantity: " + quantity + ", size: 1, length: 2 m}]}");
+  };
+  CHECK(read(of("base_momentum")).objective[0].length == 2);
+  refuses(of("impulse_magnitude"), line, "not-used",
+          {"objective.terms[0].length", "base_momentum"});
+  refuses(of("base_momentun"), line, "unknown-name", {"base_momentum"});
+  // What is written names no such field either, whatever the data hold.
+  CaptureProblem problem = read(with("measure: worst_case"));
+  problem.measure.samples = 7;
+  problem.objective[0].length = 3;
+  const std::string json = problem_to_json(problem);
+  CHECK(problem_to_json(read_problem_text(json, "copy.json", problem.urdf)) == json);
 }
 
 TEST_CASE("a tail of fewer than two samples is refused") {

@@ -104,6 +104,7 @@ variables:
   base_attitude: {freedom: cone, axis: [0, 0, 1], max: 0.1}
   feature: a
 objective: {quantity: attitude_turned, after: 5 s}
+hand: {constraint: position}
 constraints: {joint_rate_scale: 0.5}
 uncertainty: {cone_half_angle: from_covariance, confidence: 0.9}
 post_impact: {controllers: [none], residual_base_rate_max: 1, attitude_change_max: 1}

@@ -5,10 +5,10 @@
 
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/plan_file.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
 
+#include "support/shipped_problem.hpp"
 #include "verification/recomputation.hpp"
 
 namespace stillbase {
@@ -17,8 +17,7 @@ namespace {
 /// The paper's robot of two links, hit along 210 deg, both joints free: the turn within two seconds
 /// of joint damping is made small.
 CaptureProblem turning_problem() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::None;
   problem.uncertainty = {};
   problem.objective = {{ObjectiveQuantity::AttitudeTurned}};

@@ -1,20 +1,15 @@
 // The bound beside the search.
 #include <catch2/catch.hpp>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/proof/minimum.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem without_path(const std::string& name) {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-  problem.approach.enabled = false;
-  problem.post_impact.controllers.clear();
-  return problem;
-}
+using test::without_path;
 
 double best_of(const Plan& plan) {
   double best = kInfinity;

@@ -1,15 +1,15 @@
 // Case G3 where the coupling matrix has rank 2: its rows are those along two columns.
 #include <catch2/catch.hpp>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 
 TEST_CASE("candidates near postures with parallel columns meet the case, not its rows alone") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/spart_g2.yaml");
+  CaptureProblem problem = test::shipped("spart_g2");
   problem.constraints.impact_case = CaseConstraint::G3;
   problem.constraints.clearance.reset();
   problem.measure.kind = RiskMeasure::Nominal;

@@ -3,14 +3,14 @@
 #include <atomic>
 
 #include <stillbase/io/plan_file.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
+
+#include "support/shipped_problem.hpp"
 
 using namespace stillbase;
 
 TEST_CASE("an approach that a signal ends is interrupted, not out of time") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
+  const CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   std::atomic<bool> interrupted{false};
   PlannerOptions options;
   options.stop.interrupted = &interrupted;

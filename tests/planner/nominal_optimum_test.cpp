@@ -1,17 +1,15 @@
 // What the prediction alone would have chosen.
 #include <catch2/catch.hpp>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 
 TEST_CASE(
     "no candidate is better as predicted than the stated nominal optimum, few starts or many") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_cone.yaml");
-  problem.approach.enabled = false;
-  problem.post_impact.controllers.clear();
+  CaptureProblem problem = test::without_path("iiwa_cone");
   problem.hand.constraint = HandConstraint::None;
   problem.constraints.joint_limit_margin = 0;
   problem.start << 0.3, -0.6, 0.4, 1.2, 0.2, 0.9, 0.1;

@@ -4,16 +4,15 @@
 #include <cmath>
 
 #include <stillbase/io/plan_file.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
+
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
+using test::shipped;
 
 /// Everything of a plan that must not change from run to run.
 std::string fingerprint(Plan plan) {

@@ -2,20 +2,18 @@
 #include <catch2/catch.hpp>
 
 #include <stillbase/capture/search.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
 
 #include "planner/approach_stage.hpp"
 #include "planner/candidates.hpp"
 #include "planner/self_motion.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
+using test::shipped;
 
 SearchResult searched(const CaptureProblem& problem) {
   SearchOptions options;

@@ -11,6 +11,8 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
 
+#include "support/shipped_problem.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -74,8 +76,7 @@ TEST_CASE("every shipped approach is flown again by other dynamics and holds", "
 }
 
 TEST_CASE("the polish is worth while on a captured client", "[.slow]") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_client_50.yaml");
+  CaptureProblem problem = test::shipped("iiwa_client_50");
   problem.approach.polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
   const bool is_time = problem.approach.polish == PathPolish::Time;
   const Plan plan = make_plan(problem);
@@ -99,8 +100,7 @@ TEST_CASE("a motion without turning the base is found from several starts", "[.s
       GENERATE_COPY(from({70, -110, -110, 110, 0, 80, 0}), from({0, 30, 0, -90, 0, 60, 0}),
                     from({20, 40, 0, -60, 10, 50, 0}), from({-90, 30, 60, 60, -60, 60, 0}),
                     from({0, 20, 0, -30, 0, 20, 0}));
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_reaction_null.yaml");
+  CaptureProblem problem = test::shipped("iiwa_reaction_null");
   problem.start = start;
   const Plan plan = make_plan(problem);
   INFO(start.transpose() << ": " << plan.approach.detail);

@@ -6,21 +6,15 @@
 #include <cmath>
 #include <functional>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
+#include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem without_path(const std::string& name) {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-  problem.approach.enabled = false;
-  problem.post_impact.controllers.clear();
-  return problem;
-}
+using test::without_path;
 
 const Plan& plan_of_null() {
   static const Plan plan = make_plan(without_path("planar_three_link_null"));

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
+
+#include "support/shipped_problem.hpp"
+#include "verification/failed_claims.hpp"
 
 namespace stillbase {
 namespace {
@@ -14,8 +16,7 @@ namespace {
 /// Zeros on curves and minima beside them, by the predicted value alone.
 const Plan& plan_with_families() {
   static const Plan plan = [] {
-    CaptureProblem problem =
-        read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_client.yaml");
+    CaptureProblem problem = test::shipped("planar_three_link_client");
     problem.measure.kind = RiskMeasure::Nominal;
     problem.search.max_candidates = 100;
     return make_plan(problem);
@@ -26,8 +27,7 @@ const Plan& plan_with_families() {
 /// Of a robust measure: its own minima stand in the list beside the best of each curve.
 const Plan& robust_plan() {
   static const Plan plan = [] {
-    CaptureProblem problem =
-        read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_client.yaml");
+    CaptureProblem problem = test::shipped("planar_three_link_client");
     problem.approach.enabled = false;
     return make_plan(problem);
   }();
@@ -36,15 +36,14 @@ const Plan& robust_plan() {
 
 /// The total momentum of a hand that nothing holds: some of its zeros have the hand at the centroid
 /// of the system, where it vanishes along every direction.
-Plan plan_at_centroid() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/spart_3dof_point.yaml");
+CaptureProblem problem_at_centroid() {
+  CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.objective = {{ObjectiveQuantity::TotalAngularMomentum}};
   problem.variables.base_attitude = AttitudeFreedom::Fixed;
   problem.hand = {};
   problem.constraints.joint_limit_margin = 0;
   problem.approach.enabled = false;
-  return make_plan(problem);
+  return problem;
 }
 
 bool holds(const Plan& plan, const std::string& name) {
@@ -127,6 +126,10 @@ TEST_CASE("points, length and ends of a curve are held against the problem") {
   CHECK_FALSE(holds(other, "families_ends"));
   cut.is_complete = false;  // then nothing is claimed of its ends
   CHECK(holds(other, "families_ends"));
+  // Followed to limits at both ends, but not said to be.
+  other = plan;
+  other.families[open].is_complete = false;
+  CHECK_FALSE(holds(other, "families_ends"));
   // Open, not closed.
   other = plan;
   other.families[open].is_closed = true;
@@ -176,8 +179,58 @@ TEST_CASE("starts of a curve are those of the search, and no curve stands there 
   CHECK_FALSE(holds(other, "families_starts"));
 }
 
+TEST_CASE("a curve that is left out of the list is missed") {
+  const auto without = [](Plan plan, int number) {
+    plan.families.erase(plan.families.begin() + number);
+    for (Candidate& candidate : plan.candidates) {
+      if (candidate.family == number) candidate.family = -1;
+      if (candidate.family > number) --candidate.family;
+    }
+    return plan;
+  };
+  const Plan& plan = plan_with_families();
+  int left_out = 0;
+  for (int i = 0; i < static_cast<int>(plan.families.size()); ++i) {
+    const bool has_starts = std::any_of(
+        plan.candidates.begin(), plan.candidates.end(), [&](const Candidate& candidate) {
+          return candidate.family == i && candidate.starts_reached > 0;
+        });
+    if (!has_starts) continue;
+    INFO("curve " << i);
+    CHECK_FALSE(holds(without(plan, i), "candidates_list"));
+    ++left_out;
+  }
+  CHECK(left_out >= 2);
+
+  // Of a robust measure it is known of the curve on which the nominal optimum is.
+  Plan none = robust_plan();
+  REQUIRE(none.nominal_optimum);
+  REQUIRE(none.nominal_optimum->nominal < 1e-12);
+  while (!none.families.empty()) none = without(none, 0);
+  CHECK_FALSE(holds(none, "candidates_list"));
+}
+
+TEST_CASE(
+    "starts of a curve are no fewer than those of its candidates also where the list is cut") {
+  CaptureProblem problem = test::shipped("planar_three_link_client");
+  problem.measure.kind = RiskMeasure::Nominal;
+  problem.approach.enabled = false;
+  problem.search.max_candidates = 4;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.certificate.distinct_solutions > 4);
+  CHECK(holds(plan, "candidates_list"));
+  const auto member =
+      std::find_if(plan.candidates.begin(), plan.candidates.end(), [](const Candidate& candidate) {
+        return candidate.family >= 0 && candidate.starts_reached > 1;
+      });
+  REQUIRE(member != plan.candidates.end());
+  Plan other = plan;
+  other.families[static_cast<std::size_t>(member->family)].starts = member->starts_reached - 1;
+  CHECK_FALSE(holds(other, "candidates_list"));
+}
+
 TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of its terms") {
-  const Plan plan = plan_at_centroid();
+  const Plan plan = make_plan(problem_at_centroid());
   REQUIRE(plan.nominal_optimum);
   REQUIRE(plan.nominal_optimum->worst_case < 1e-12);
   const char* const names[] = {"nominal_optimum_nominal", "nominal_optimum_worst_case",
@@ -202,6 +255,28 @@ TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of
   other = plan;
   other.families[0].points[2].phi[1] += 1e-6;
   CHECK_FALSE(holds(other, "families_points_vanish"));
+}
+
+TEST_CASE("an impact at the system's centroid is C1: the parts are measured by the arms") {
+  for (const RiskMeasure measure : {RiskMeasure::Nominal, RiskMeasure::WorstCase}) {
+    CaptureProblem problem = problem_at_centroid();
+    problem.measure.kind = measure;
+    problem.robot.shapes.clear();  // or the posture that is best touches the base
+    const Plan plan = make_plan(problem);
+    REQUIRE(plan.objective.worst_case < 1e-10);  // N m s, over the whole cone
+    const CaseJudgement& judgement = plan.impact.judgement;
+    CHECK(judgement.impact_case == ImpactCase::C1);
+    CHECK(judgement.total < 1e-9);
+    CHECK(judgement.base == Approx(judgement.coupling).epsilon(1e-9));
+    CHECK(judgement.base > 0.01);
+    CHECK(judgement.base < 10);
+    CHECK(plan.status == PlanStatus::Optimal);  // no less than zero is possible
+    INFO(failures(plan));
+    CHECK(failures(plan).empty());
+    Plan other = plan;
+    other.impact.judgement.base *= 1.01;
+    CHECK_FALSE(holds(other, "case_residuals"));
+  }
 }
 
 }  // namespace stillbase

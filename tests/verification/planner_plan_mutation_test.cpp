@@ -4,9 +4,9 @@
 
 #include <functional>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
+#include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
 
 namespace stillbase {
@@ -15,8 +15,7 @@ namespace {
 constexpr double kFactor = 1 + 1e-6;
 
 const Plan& two_link_plan() {
-  static const Plan plan = make_plan(
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml"));
+  static const Plan plan = make_plan(test::shipped("planar_two_link_c2_a"));
   return plan;
 }
 

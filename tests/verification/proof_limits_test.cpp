@@ -7,19 +7,16 @@
 #include <vector>
 
 #include <stillbase/capture/formulation.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
+#include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
 
 namespace stillbase {
 namespace {
 
 CaptureProblem two_link_arm() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_two_link_c2_a.yaml");
-  problem.approach.enabled = false;
-  problem.post_impact.controllers.clear();
+  CaptureProblem problem = test::without_path("planar_two_link_c2_a");
   return problem;
 }
 

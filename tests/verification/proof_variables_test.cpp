@@ -3,9 +3,9 @@
 
 #include <functional>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
+#include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
 
 namespace stillbase {
@@ -13,8 +13,7 @@ namespace {
 
 /// One joint, base angle and contact time: the hand head-on at a client that turns about z.
 CaptureProblem turning_client() {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/planar_three_link_client.yaml");
+  CaptureProblem problem = test::shipped("planar_three_link_client");
   problem.variables.joints = {false, true, false};
   problem.variables.base_attitude_max = 3.14159265358979323846;
   problem.variables.contact_time_lower = 50;

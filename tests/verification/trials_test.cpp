@@ -4,16 +4,17 @@
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/trials.hpp>
+
+#include "support/shipped_problem.hpp"
 
 using namespace stillbase;
 
 namespace {
 
 Plan planar_plan(const std::string& name = "planar_two_link_c2_a") {
-  return make_plan(read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml"));
+  return make_plan(test::shipped(name));
 }
 
 Perturbations nothing() {

@@ -31,7 +31,9 @@ struct TradeOffPoint {
   Configuration configuration;
   double first = 0, second = 0;  ///< as predicted, in their own units
   double max_violation = 0;      ///< of the problem's constraints
-  double kkt_residual = 0;       ///< of "least second, with the first at most as large as here"
+  /// Of "least second, with the first at most as large as here"; infinite where it is not known: a
+  /// limit or an interrupt came before the simulations that it takes.
+  double kkt_residual = 0;
 };
 
 struct TradeOff {
