@@ -1,6 +1,5 @@
 #include "proof/bound.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <thread>
 
 #include "proof/form_bounds.hpp"
+#include "proof/multipliers.hpp"
 
 namespace stillbase::proof {
 namespace {
@@ -17,91 +17,6 @@ constexpr double kWorthwhile = 0.5;
 constexpr int kMaxRounds = 6;
 constexpr int kMaxMixtures = 4;
 constexpr std::size_t kMaxMixed = 5;  ///< forms that are mixed
-
-/// The equations, and what each two of them say without one of the variables.
-template <int N>
-std::vector<Quadratic<N>> with_eliminations(std::vector<Quadratic<N>> equations) {
-  const std::size_t count = equations.size();
-  for (std::size_t p = 0; p < count; ++p) {
-    for (std::size_t q = p + 1; q < count; ++q) {
-      for (int k = 0; k < N; ++k) {
-        const double s = equations[q].a(k), t = equations[p].a(k);
-        const double size = std::fmax(std::fabs(s), std::fabs(t));
-        if (!(size > 0) || s == 0 || t == 0) continue;
-        equations.push_back(equations[p] * Quadratic<N>(s / size) -
-                            equations[q] * Quadratic<N>(t / size));
-      }
-    }
-  }
-  return equations;
-}
-
-/// f + sum lambda_j g_j + mu sum g_j^2 with the least slopes over the part (least squares), and
-/// convex where the equations leave it so: what the g_j forbid costs nothing.
-template <int N>
-class Multipliers {
- public:
-  Multipliers(const std::vector<Quadratic<N>>& equations, const Part<N>& part) : part_(part) {
-    for (const Quadratic<N>& g : equations) {
-      if (!g.is_bounded() || g.size_of(1) == 0 || rows_.size() == static_cast<std::size_t>(N)) {
-        continue;
-      }
-      rows_.push_back(g);
-    }
-    if (rows_.empty()) return;
-    const auto m = static_cast<Eigen::Index>(rows_.size());
-    J_.resize(m, N);
-    for (Eigen::Index j = 0; j < m; ++j) J_.row(j) = slopes(rows_[static_cast<std::size_t>(j)]);
-    Eigen::MatrixXd normal = J_ * J_.transpose();
-    normal.diagonal().array() += 1e-13 * normal.trace() + 1e-300;  // dependent rows are harmless
-    ldlt_.compute(normal);
-    // J's rows as if they were orthonormal: the squares then bend all forbidden directions alike.
-    const Eigen::MatrixXd E = Eigen::MatrixXd::Identity(m, m);
-    const Eigen::MatrixXd whitening = normal.llt().matrixL().solve(E);
-    if (!whitening.allFinite()) return;
-    for (Eigen::Index i = 0; i < m; ++i) {
-      Quadratic<N> row;
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        row += rows_[static_cast<std::size_t>(j)] * Quadratic<N>(whitening(i, j));
-      }
-      penalty_ += square(row);
-    }
-  }
-
-  Quadratic<N> relieved(const Quadratic<N>& f) const {
-    if (rows_.empty() || !f.is_bounded()) return f;
-    const Eigen::VectorXd lambda = ldlt_.solve(-(J_ * slopes(f).transpose()));
-    if (!lambda.allFinite()) return f;
-    Quadratic<N> out = f;
-    for (std::size_t j = 0; j < rows_.size(); ++j) {
-      out += rows_[j] * Quadratic<N>(lambda[static_cast<Eigen::Index>(j)]);
-    }
-    const Quadratic<N> bent = out + penalty_ * Quadratic<N>(2 * out.size_of(2));
-    const double before = least(f, part_), linear = least(out, part_), convex = least(bent, part_);
-    if (convex > linear && convex > before) return bent;
-    return linear > before ? out : f;
-  }
-
- private:
-  Eigen::Matrix<double, 1, N> slopes(const Quadratic<N>& form) const {
-    Eigen::Matrix<double, 1, N> out;
-    for (int i = 0; i < N; ++i) {
-      double slope = form.a(i);
-      for (int j = 0; j < N; ++j) {
-        const double bend = form.q(std::min(i, j), std::max(i, j));
-        slope += (i == j ? 2 : 1) * bend * middle(part_[j]);
-      }
-      out[i] = slope * width_of(part_[i]) / 2;
-    }
-    return out;
-  }
-
-  Part<N> part_;
-  std::vector<Quadratic<N>> rows_;
-  Quadratic<N> penalty_;
-  Eigen::Matrix<double, Eigen::Dynamic, N> J_;
-  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
-};
 
 /// A convex combination whose least value over the part is as large as it gets by mixing one more
 /// form at a time, of the few that are largest.
@@ -162,7 +77,7 @@ class Search {
 
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
-    for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box});
+    for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box, {}});
     look_at(boxes);
     while (!open_.empty() && !(open_.top().lower >= goal_) && out_.suspects.empty()) {
       if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
@@ -198,6 +113,7 @@ class Search {
     double lower;
     long serial;  ///< of equal bounds the first
     Box<N> box;
+    std::array<double, N> bends{};  ///< of the first f_k: what halving a side would lessen
     bool operator<(const Node& other) const {
       return lower > other.lower || (lower == other.lower && serial > other.serial);
     }
@@ -254,7 +170,7 @@ class Search {
       Part<N> part;
       part.side.fill(Interval(-1, 1));
       std::optional<double> middle;
-      out.is_left = reduce(X, part, out.node.lower, middle);
+      out.is_left = reduce(X, part, out.node, middle);
       if (round == 0) out.middle = middle;
       if (!out.is_left || out.node.lower > options_.cut) {
         out.is_left = false;
@@ -270,8 +186,7 @@ class Search {
   /// One evaluation; false: nothing of the box is left.
   /// @param at_middle max_k f_k at the middle of the box, about; only where nothing else is asked
   /// for
-  bool reduce(const Box<N>& X, Part<N>& part, double& lower,
-              std::optional<double>& at_middle) const {
+  bool reduce(const Box<N>& X, Part<N>& part, Node& node, std::optional<double>& at_middle) const {
     std::array<Form<N>, N> x;
     for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Form<N>(X[i], i);
     std::vector<Form<N>> all_equations;
@@ -288,6 +203,7 @@ class Search {
       const double q0 = std::fmax(value.denominator.c(), least);
       const Form<N> excess = value.numerator - value.denominator * Form<N>(options_.cut);
       excesses.push_back((excess * Form<N>(1 / q0)).template folded<2>());
+      if (&value == &values.front()) node.bends = bends_of(excess);
       weight = std::fmax(weight, q0 / least);
     }
     const std::vector<Quadratic<N>> rows = with_eliminations(equations);
@@ -307,20 +223,37 @@ class Search {
     // Of an f that is below the cut by d the excess is at most d denominator / q0 below zero.
     const double excess = least(mixed, part);
     const Interval below = Interval(options_.cut) + Interval(std::fmin(excess, 0)) * weight;
-    lower = std::max(lower, below.lower());
+    node.lower = std::max(node.lower, below.lower());
     return true;
   }
 
   static std::optional<double> largest_at_middle(const std::vector<Fraction<N>>& values) {
     double largest = -kInfinite;
+    bool is_known = false;
     for (const Fraction<N>& value : values) {
+      if (value.is_rough) continue;
+      is_known = true;
       const Form<N>&n = value.numerator, &d = value.denominator;
       const double divisor = std::fmax(d.c() - d.r, value.least_denominator);
       const double at_most = (n.c() + n.r) / divisor;
       if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return std::nullopt;
       largest = std::fmax(largest, at_most);
     }
+    if (!is_known) return std::nullopt;
     return largest;
+  }
+
+  /// Per variable, what a form is that no quadratic form can be.
+  static std::array<double, N> bends_of(const Form<N>& form) {
+    std::array<double, N> out{};
+    using Terms = typename Form<N>::Terms;
+    for (int k = Terms::first(3); k < Terms::kSize; ++k) {
+      const auto index = static_cast<std::size_t>(k);
+      for (std::size_t i = 0; i < N; ++i) {
+        out[i] += Terms::kPowers[index][i] * std::fabs(form.coefficient[index]);
+      }
+    }
+    return out;
   }
 
   static Eigen::VectorXd middle_of(const Box<N>& X) {
@@ -347,16 +280,23 @@ class Search {
     return product;
   }
 
+  /// Along the variable that bends f most, of the wider sides.
   static void divide(const Node& node, std::vector<Node>& out) {
-    int widest = 0;
+    constexpr double kWide = 0.25;  // of the widest
+    int along = 0;
     for (int i = 1; i < N; ++i) {
-      if (width_of(node.box[i]) > width_of(node.box[widest])) widest = i;
+      if (width_of(node.box[i]) > width_of(node.box[along])) along = i;
     }
-    const Interval side = node.box[widest];
+    const double widest = width_of(node.box[along]);
+    for (int i = 0; i < N; ++i) {
+      const bool is_wide = width_of(node.box[i]) > kWide * widest;
+      if (is_wide && node.bends[i] > node.bends[along]) along = i;
+    }
+    const Interval side = node.box[along];
     const double split = middle(side);
     out.insert(out.end(), 2, node);
-    out[out.size() - 2].box[widest] = Interval(side.lower(), split);
-    out[out.size() - 1].box[widest] = Interval(split, side.upper());
+    out[out.size() - 2].box[along] = Interval(side.lower(), split);
+    out[out.size() - 1].box[along] = Interval(split, side.upper());
   }
 
   const Program<N>& program_;

@@ -32,15 +32,7 @@ struct Fraction {
   Form<N> numerator;
   Form<N> denominator = 1.0;
   double least_denominator = 1;  ///< known otherwise, > 0
-
-  /// As one form, good where the denominator changes little.
-  Form<N> divided() const { return quotient(numerator, denominator, inverse_of(denominator)); }
-  /// A form below it, of numerators that are nowhere negative, good where the denominator changes
-  /// much: 1 / d >= (2 - d / m) / m for any m > 0.
-  Form<N> below() const {
-    const double m = std::fmax(denominator.c(), least_denominator);
-    return numerator * (Form<N>(2.0) - denominator * Form<N>(1 / m)) * Form<N>(1 / m);
-  }
+  bool is_rough = false;         ///< below an f_k, and by much even at the middle of the box
 };
 
 template <int N>

@@ -8,6 +8,7 @@
 #include "proof/bound.hpp"
 #include "proof/domain.hpp"
 #include "proof/hand_rows.hpp"
+#include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
 #include "proof/side_conditions.hpp"
 
@@ -22,8 +23,8 @@ constexpr double kIntegrated = 4e-9;
 constexpr double kBestIsKnownTo = 1e-6;
 /// Directions are unit vectors but for rounding, and weights sum up to one.
 constexpr double kUnitVector = 1e-12;
-/// Impulses whose forms take about as long as those of the posture.
-constexpr std::size_t kImpulsesPerPosture = 4;
+/// Impulses of a mean that take about as long as the forms of the posture.
+constexpr double kImpulsesPerPosture = 128;
 
 /// All values of the variables; those that are not needed stay at zero.
 template <int N>
@@ -78,11 +79,18 @@ std::vector<double> tail_weights(const std::vector<ImpulseCase>& impulses,
   return out;
 }
 
+std::vector<double> weights_of(const std::vector<ImpulseCase>& impulses) {
+  std::vector<double> out;
+  for (const ImpulseCase& impulse : impulses) out.push_back(impulse.weight);
+  return out;
+}
+
 template <int N>
 class ImpactProgram final : public Program<N> {
  public:
-  explicit ImpactProgram(const MinimumProblem& problem)
-      : problem_(problem), basis_(problem.impulses) {}
+  /// @param level value of the measure where the bound has to be sharp
+  ImpactProgram(const MinimumProblem& problem, double level)
+      : problem_(problem), basis_(problem.impulses), level_(level) {}
 
   void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
                 std::vector<Fraction<N>>& values) const override {
@@ -153,70 +161,58 @@ class ImpactProgram final : public Program<N> {
     const bool is_tail = problem_.measure == RiskMeasure::Cvar;
     if (problem_.measure != RiskMeasure::Expectation && !is_tail) {
       for (std::size_t k = 0; k < impulses.size(); ++k) {
-        values.push_back(forms.square_of(impulses[k], basis_.coefficients[k]));
+        add_square(forms.gram(), impulses[k], basis_.weights[k], level_, values);
       }
       return;
     }
-    std::vector<Form<N>> divided, below;
-    for (std::size_t k = 0; k < impulses.size(); ++k) {
-      const Fraction<N> square = forms.square_of(impulses[k], basis_.coefficients[k]);
-      divided.push_back(square.divided());
-      below.push_back(square.below());
-    }
-    const auto add_mean = [&](const std::vector<double>& weights) {
-      for (const std::vector<Form<N>>* squares : {&divided, &below}) {
-        Form<N> sum;
-        for (std::size_t k = 0; k < squares->size(); ++k) {
-          if (weights[k] > 0) sum += (*squares)[k] * Form<N>(weights[k]);
-        }
-        values.push_back({sum});
-      }
-    };
-    if (is_tail) {
-      add_tails(divided, add_mean);
-      return;
-    }
-    std::vector<double> weights;
-    for (const ImpulseCase& impulse : impulses) weights.push_back(impulse.weight);
-    add_mean(weights);
+    const MeanSquares<N> squares(forms.gram(), impulses, basis_.weights, level_);
+    const std::vector<std::vector<double>> shares =
+        is_tail ? tails(squares.squares()) : std::vector<std::vector<double>>{weights_of(impulses)};
+    for (const std::vector<double>& each : shares) squares.add_mean(each, values);
+    if (!squares.is_contact()) return;
+    const std::vector<double> least = squares.least_squares(shares.front());
+    const std::vector<double> weights =
+        is_tail ? tail_weights(impulses, least, problem_.cvar_level) : shares.front();
+    Interval mean(0.0);
+    for (std::size_t k = 0; k < least.size(); ++k) mean += Interval(least[k]) * weights[k];
+    values.push_back({Form<N>(mean.lower()), 1.0, 1, true});
   }
 
-  /// The tails that are the worst ones in the middle of the box and near its sides.
-  template <class AddMean>
-  void add_tails(const std::vector<Form<N>>& squares, const AddMean& add_mean) const {
-    std::vector<std::vector<double>> known;
+  /// Shares of the tails that are the worst ones in the middle of the box and near its sides.
+  std::vector<std::vector<double>> tails(const std::vector<Quadratic<N>>& squares) const {
+    std::vector<std::vector<double>> out;
     for (int i = -1; i < 2 * N; ++i) {
       std::vector<double> at;
-      for (const Form<N>& square : squares) {
+      for (const Quadratic<N>& square : squares) {
         const double sign = i % 2 == 0 ? 1 : -1;
         at.push_back(i < 0 ? square.c() : square.c() + sign * square.a(i / 2));
       }
       const std::vector<double> weights = tail_weights(problem_.impulses, at, problem_.cvar_level);
-      if (std::find(known.begin(), known.end(), weights) != known.end()) continue;
-      known.push_back(weights);
-      add_mean(weights);
+      if (std::find(out.begin(), out.end(), weights) == out.end()) out.push_back(weights);
     }
+    return out;
   }
 
   const MinimumProblem& problem_;
   WrenchBasis basis_;
+  double level_;
 };
 
 template <int N>
 BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
                      const std::function<double(const Eigen::VectorXd& x)>& value_at) {
   const double cut = best * (1 + kBestIsKnownTo), goal = best * (1 - options.relative_gap);
-  const ImpactProgram<N> program(problem);
+  const ImpactProgram<N> program(problem, best);
   const bool is_mean =
       problem.measure == RiskMeasure::Expectation || problem.measure == RiskMeasure::Cvar;
-  const long work =
-      is_mean ? 1 + static_cast<long>(problem.impulses.size() / kImpulsesPerPosture) : 1;
-  BoundOptions search{
-      .cut = cut * cut,
-      .goal = goal * goal * (1 + 4 * kUnitVector),
-      .max_boxes = options.max_boxes * 3 / std::max(3, problem.where.robot.n()) / work,
-      .stop = options.stop,
-      .on_progress = options.on_progress};
+  const double samples = is_mean ? static_cast<double>(problem.impulses.size()) : 0;
+  const double work = 1 + samples / kImpulsesPerPosture;
+  const long boxes = options.max_boxes * 3 / std::max(3, problem.where.robot.n());
+  BoundOptions search{.cut = cut * cut,
+                      .goal = goal * goal * (1 + 4 * kUnitVector),
+                      .max_boxes = static_cast<long>(static_cast<double>(boxes) / work),
+                      .stop = options.stop,
+                      .on_progress = options.on_progress};
   const int used = problem.where.encounter.num_variables();
   if (value_at) {
     search.value_at = [&](const Eigen::VectorXd& x) {

@@ -13,37 +13,12 @@
 
 #include "dynamics/rigid_inertia.hpp"
 #include "proof/articulated_forms.hpp"
-#include "proof/bound.hpp"
 #include "proof/elimination.hpp"
 #include "proof/encounter_forms.hpp"
 #include "proof/minimum_problem.hpp"
+#include "proof/response_gram.hpp"
 
 namespace stillbase::proof {
-
-/// Wrenches whose combinations the impulses are: the one itself, or unit wrenches. Everything is
-/// linear in them.
-struct WrenchBasis {
-  std::vector<Vector6d> wrenches;
-  std::vector<std::vector<double>> coefficients;  ///< per impulse, exact
-
-  explicit WrenchBasis(const std::vector<ImpulseCase>& impulses) {
-    if (impulses.size() == 1) {
-      wrenches = {impulses.front().F};
-      coefficients = {{1.0}};
-      return;
-    }
-    coefficients.resize(impulses.size());
-    for (int i = 0; i < 6; ++i) {
-      bool counts = false;
-      for (const ImpulseCase& impulse : impulses) counts = counts || impulse.F[i] != 0;
-      if (!counts) continue;
-      wrenches.push_back(Vector6d::Unit(i));
-      for (std::size_t k = 0; k < impulses.size(); ++k) {
-        coefficients[k].push_back(impulses[k].F[i]);
-      }
-    }
-  }
-};
 
 /// What one box of configurations says about every impulse.
 template <int N>
@@ -64,36 +39,22 @@ class ImpactForms {
       Htilde_omega_ = arm_.composite.J - parallel_axis<S>(mass, r_bg_);
     }
     base_ = Elimination<S, 6>(6, [&](int i, int j) { return arm_.articulated.column(j)[i]; });
+    std::vector<Response> responses;
     for (const Vector6d& F_E : basis.wrenches) {
       Vector6<S> F;
       F << at.R_BE * Vector3<S>(F_E.head<3>().cast<S>()),
           at.R_BE * Vector3<S>(F_E.tail<3>().cast<S>());
-      responses_.push_back(respond(F));
+      responses.push_back(respond(F));
     }
+    compare(responses);
   }
 
   /// Of the hand, in B, m.
   const Vector3<S>& hand() const { return hand_; }
   Matrix3<S> hand_axes() const { return arm_.hand_axes(); }
 
-  /// |y|^2 after an impulse, with the sizes of its terms. Of a contact law
-  ///   p = scale / divisor, divisor = F' W_h F + target_inverse_mass.
-  Fraction<N> square_of(const ImpulseCase& impulse, const std::vector<double>& coefficients) const {
-    const Response at = combined(coefficients);
-    const S scale = scale_of(impulse);
-    Fraction<N> out;
-    for (const ObjectiveTerm& term : problem_.objective) {
-      const S factor = scale / S(term.size);
-      for_each_component(term, at, [&](const S& y) {
-        if (!y.is_zero()) out.numerator += square(y * factor);
-      });
-    }
-    if (!impulse.target_inverse_mass) return out;
-    out.denominator = square(divisor_of(impulse, at));
-    const Interval least(*impulse.target_inverse_mass);
-    out.least_denominator = (least * least).lower();
-    return out;
-  }
+  /// What the impulses do.
+  const ResponseGram<S>& gram() const { return gram_; }
 
  private:
   using Column = std::array<S, 6>;
@@ -104,25 +65,6 @@ class ImpactForms {
     Vector6<S> base;   ///< twist of the base, [v; omega]
     Vector3<S> total;  ///< L
   };
-
-  /// Of an impulse by a contact law: (1+e) v_n; of a given one the impulse itself.
-  S scale_of(const ImpulseCase& impulse) const {
-    S scale(impulse.numerator);
-    if (!impulse.closing) return scale;
-    const Vector3<S> d = Vector3d(impulse.F.head<3>()).cast<S>();
-    const S speed = d.dot(velocity_in_T<S>(encounter_, impulse.closing->point));
-    return scale * positive_part(speed + S(impulse.closing->offset));
-  }
-
-  /// F' W_h F + target_inverse_mass
-  S divisor_of(const ImpulseCase& impulse, const Response& at) const {
-    S divisor(*impulse.target_inverse_mass);
-    for (const int k : arm_.joints_of_hand()) {
-      if (arm_.moves[k]) divisor += square(at.u[k]) * arm_.inverse_D[k];
-    }
-    for (int i = 0; i < 6; ++i) divisor += square(at.z[i]) * base_.inverse_pivots()[i];
-    return divisor;
-  }
 
   /// Whether the objective asks for momenta of the robot as one body.
   bool needs_composite() const {
@@ -145,8 +87,15 @@ class ImpactForms {
     b << f_b, arm_.in_hand_body(F.template tail<3>()) + lever.cross(f_b);
     for (const int k : arm_.joints_of_hand()) {
       if (arm_.moves[k]) {
-        out.u[k] = b[arm_.index(k)];
-        b -= arm_.U[k] * quotient(out.u[k], arm_.D[k], arm_.inverse_D[k]);
+        // b - U u / D, of which the joint's own component is left with u added / D: so written,
+        // nothing cancels.
+        const int own = arm_.index(k);
+        out.u[k] = b[own];
+        const S share = quotient(out.u[k], arm_.D[k], arm_.inverse_D[k]);
+        for (int i = 0; i < 6; ++i) {
+          if (i != own) b[i] -= arm_.U[k][i] * share;
+        }
+        b[own] = share * S(problem_.where.added_inertia[k]);
       }
       b = arm_.wrench_on_parent(k, b);
     }
@@ -158,18 +107,47 @@ class ImpactForms {
     return out;
   }
 
-  Response combined(const std::vector<double>& coefficients) const {
-    if (coefficients.size() == 1 && coefficients.front() == 1) return responses_.front();
-    Response out;
-    out.total.setZero();
-    out.base.setZero();
-    for (std::size_t b = 0; b < coefficients.size(); ++b) {
-      const S factor(coefficients[b]);
-      const Response& one = responses_[b];
-      for (int k = 0; k < arm_.robot.n(); ++k) out.u[k] += one.u[k] * factor;
-      for (int i = 0; i < 6; ++i) out.z[i] += one.z[i] * factor;
-      out.total += one.total * factor;
-      out.base += one.base * factor;
+  void compare(const std::vector<Response>& responses) {
+    const bool is_given = !problem_.impulses.front().target_inverse_mass;
+    std::vector<std::vector<S>>& y = gram_.components;
+    for (const Response& at : responses) y.push_back(components(at));
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+      for (std::size_t j = i; j < responses.size(); ++j) {
+        S sum(0.0);
+        for (std::size_t c = 0; c < y[i].size(); ++c) {
+          sum += i == j ? square(y[i][c]) : y[i][c] * y[j][c];
+        }
+        gram_.y.push_back(sum);
+        if (!is_given) gram_.W.push_back(inverse_mass(responses[i], responses[j]));
+      }
+    }
+    for (const ObjectiveTerm& term : problem_.objective) {
+      if (term.quantity != ObjectiveQuantity::ImpulseMagnitude) continue;
+      gram_.constant += square(inverse_of(S(term.size)));
+    }
+    gram_.target_velocity = encounter_.target_velocity;
+    gram_.target_omega = encounter_.target_omega;
+  }
+
+  /// a' W_h b
+  S inverse_mass(const Response& a, const Response& b) const {
+    S sum(0.0);
+    const auto add = [&](const S& x, const S& y, const S& inverse) {
+      sum += (&a == &b ? square(x) : x * y) * inverse;
+    };
+    for (const int k : arm_.joints_of_hand()) {
+      if (arm_.moves[k]) add(a.u[k], b.u[k], arm_.inverse_D[k]);
+    }
+    for (int i = 0; i < 6; ++i) add(a.z[i], b.z[i], base_.inverse_pivots()[i]);
+    return sum;
+  }
+
+  /// Of all terms that change with the wrench, with their sizes.
+  std::vector<S> components(const Response& at) const {
+    std::vector<S> out;
+    for (const ObjectiveTerm& term : problem_.objective) {
+      const S factor = inverse_of(S(term.size));
+      for_each_component(term, at, [&](const S& y) { out.push_back(y * factor); });
     }
     return out;
   }
@@ -198,8 +176,7 @@ class ImpactForms {
         break;
       }
       case ObjectiveQuantity::ImpulseMagnitude:
-        use(S(1.0));
-        break;
+        break;  // the same for all wrenches
       case ObjectiveQuantity::JointRateNorm:
         for_each_rate(at, use);
         break;
@@ -232,7 +209,7 @@ class ImpactForms {
   Vector3<S> hand_, r_bg_;
   Matrix3<S> Htilde_omega_;
   Elimination<S, 6> base_;  ///< in the articulated inertia of the base
-  std::vector<Response> responses_;
+  ResponseGram<S> gram_;
 };
 
 }  // namespace stillbase::proof

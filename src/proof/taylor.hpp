@@ -31,6 +31,12 @@ struct Taylor {
   Taylor() = default;
   Taylor(double x) { coefficient[0] = x; }  // NOLINT: numbers of the model convert
 
+  /// A form of lower degree.
+  template <int M>
+  explicit Taylor(const Taylor<N, M>& lower) : r(lower.r) {
+    static_assert(M < K);
+    std::copy(lower.coefficient.begin(), lower.coefficient.end(), coefficient.begin());
+  }
   /// The variable number i over an interval.
   Taylor(const Interval& x, int i) : Taylor(proof::middle(x)) {
     coefficient[static_cast<std::size_t>(1 + i)] = radius_about(x, coefficient[0]);

@@ -11,6 +11,7 @@
 #include <stillbase/io/problem_file.hpp>
 
 #include "capture/measure.hpp"
+#include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
 
 namespace stillbase {
@@ -134,6 +135,11 @@ MinimumBound bound_of(const CaptureProblem& problem, double least, double more =
                        {.relative_gap = 1e-9, .max_boxes = 3000});
 }
 
+proof::WrenchBasis basis_of(const proof::MinimumProblem& minimum) {
+  const proof::RoundUpward upward;
+  return proof::WrenchBasis(minimum.impulses);
+}
+
 }  // namespace
 
 TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the planner's values") {
@@ -166,12 +172,12 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
   const std::vector<Scenario> scenarios = draw_scenarios(problem);
   const proof::MinimumProblem minimum = proof::minimum_problem(problem, scenarios);
   const proof::EncounterModel& encounter = minimum.where.encounter;
-  const proof::WrenchBasis basis(minimum.impulses);
+  const proof::WrenchBasis basis = basis_of(minimum);
   // A time on which nothing depends is none.
   const int n = kind == 1 ? 2 : 3;
   REQUIRE(encounter.num_variables() == n);
   Random random(21);
-  int narrow = 0, hits = 0;
+  int narrow = 0, hits = 0, sharp = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const double width = std::pow(10, random.uniform(-5, -0.5));
     Eigen::VectorXd middle =
@@ -182,8 +188,13 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
     const auto unit = [&](int k) {
       return encounter.time_is_free && k == encounter.time_index() ? encounter.time_unit : 1;
     };
-    std::vector<Form> squares, belows;
-    std::vector<proof::Fraction<3>> fractions;
+    // Of each impulse, exactly and by a tangent at a level near it; of their mean.
+    std::vector<std::vector<proof::Fraction<3>>> fractions(scenarios.size());
+    std::vector<proof::Fraction<3>> means;
+    std::vector<double> least;
+    const double share = 1 / static_cast<double>(scenarios.size());
+    const std::vector<double> shares(scenarios.size(), share);
+    const double level = std::pow(10, random.uniform(-3, 0));
     {
       const proof::RoundUpward upward;
       for (int k = 0; k < n; ++k) {
@@ -193,57 +204,72 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
       const auto at = proof::encounter_over<Form>(encounter, x);
       const proof::ImpactForms<3> forms(minimum, basis, at);
       for (std::size_t k = 0; k < scenarios.size(); ++k) {
-        fractions.push_back(forms.square_of(minimum.impulses[k], basis.coefficients[k]));
-        squares.push_back(fractions.back().divided());
-        belows.push_back(fractions.back().below());
+        proof::add_square(forms.gram(), minimum.impulses[k], basis.weights[k], level, fractions[k]);
       }
+      const proof::MeanSquares<3> squares(forms.gram(), minimum.impulses, basis.weights, level);
+      squares.add_mean(shares, means);
+      if (squares.is_contact()) least = squares.least_squares(shares);
     }
     for (int point = 0; point < 6; ++point) {
       Eigen::VectorXd y = middle;
       for (int k = 0; k < n; ++k) y[k] += width * random.uniform(-1, 1) * unit(k);
       ScenarioEvaluation at;
       formulation.evaluate_scenarios(y, scenarios, false, at);
+      // The form at the point, not only over the box.
+      const auto at_point = [&](const Form& form) {
+        using Terms = Form::Terms;
+        double sum = 0;
+        for (std::size_t term = 0; term < Terms::kSize; ++term) {
+          double product = form.coefficient[term];
+          for (int i = 0; i < n; ++i) {
+            const Form& side = x[static_cast<std::size_t>(i)];
+            const double eps = (y[i] / unit(i) - side.c()) / side.a(i);
+            product *= std::pow(eps, Terms::kPowers[term][static_cast<std::size_t>(i)]);
+          }
+          sum += product;
+        }
+        return sum;
+      };
+      // By how much a fraction is above a value for certain.
+      const auto excess = [&](const proof::Fraction<3>& fraction, double value) {
+        const Form &numerator = fraction.numerator, &denominator = fraction.denominator;
+        if (!numerator.is_bounded() || !denominator.is_bounded()) return -kInfinity;
+        return at_point(numerator) - numerator.r - value * (at_point(denominator) + denominator.r) -
+               1e-15 * (std::abs(numerator.c()) + value * std::abs(denominator.c()));
+      };
+      double mean = 0;
       for (std::size_t k = 0; k < scenarios.size(); ++k) {
         const double unit_size = formulation.objective_unit();
         const double exact = 2 * at.values[static_cast<Eigen::Index>(k)] * unit_size * unit_size;
+        const double above = exact * (1 + 1e-7) + 1e-20;  // the planner's integration
+        mean += above * share;
         if (exact > 0) ++hits;
-        if (!squares[k].is_bounded()) continue;
-        // The form at the point, not only over the box.
-        const auto at_point = [&](const Form& form) {
-          using Terms = Form::Terms;
-          double sum = 0;
-          for (std::size_t term = 0; term < Terms::kSize; ++term) {
-            double product = form.coefficient[term];
-            for (int i = 0; i < n; ++i) {
-              const Form& side = x[static_cast<std::size_t>(i)];
-              const double eps = (y[i] / unit(i) - side.c()) / side.a(i);
-              product *= std::pow(eps, Terms::kPowers[term][static_cast<std::size_t>(i)]);
-            }
-            sum += product;
-          }
-          return sum;
-        };
-        const double value = at_point(squares[k]);
-        const double slack = 1e-7 * exact + 1e-20;  // of the planner's integration
-        if (!(std::abs(value - exact) <= squares[k].r + slack)) {
-          FAIL("kind " << kind << ", width " << width << ": " << value << " is not " << exact
-                       << " to " << squares[k].r);
+        CAPTURE(kind, width, k, exact);
+        for (const proof::Fraction<3>& fraction : fractions[k]) {
+          CHECK(excess(fraction, above) <= 0);
         }
-        const Form &numerator = fractions[k].numerator, &denominator = fractions[k].denominator;
-        const double excess = at_point(numerator) - exact * at_point(denominator);
-        const double divisor = std::abs(at_point(denominator));
-        if (!(std::abs(excess) <= numerator.r + exact * denominator.r + slack * divisor)) {
-          FAIL("kind " << kind << ", width " << width << ": as a fraction off by " << excess);
+        if (!least.empty()) CHECK(least[k] <= above);
+        proof::Fraction<3> negative = fractions[k].front();  // that one is exact
+        negative.numerator = -negative.numerator;
+        negative.denominator = -negative.denominator;
+        if (negative.numerator.is_bounded()) {
+          CHECK(excess(negative, std::max(0.0, exact * (1 - 1e-7) - 1e-20)) <= 0);
         }
-        if (!(at_point(belows[k]) - belows[k].r <= exact + slack)) {
-          FAIL("kind " << kind << ", width " << width << ": not below " << exact);
-        }
-        if (squares[k].r < 1e-3 * exact) ++narrow;
+        const Form& numerator = negative.numerator;
+        if (numerator.r < 1e-3 * std::abs(numerator.c())) ++narrow;
+      }
+      for (const proof::Fraction<3>& fraction : means) CHECK(excess(fraction, mean) <= 0);
+      // One of them is right to second order: near the mean where the box is narrow.
+      for (const proof::Fraction<3>& fraction : means) {
+        if (fraction.is_rough || !(fraction.numerator.r < 1e-4 * fraction.numerator.c())) continue;
+        CHECK(excess(fraction, 0.995 * mean) >= 0);
+        ++sharp;
       }
     }
   }
   CHECK(hits > 500);
   CHECK(narrow > 300);
+  CHECK(sharp > 50);
 }
 
 TEST_CASE("what a form of |y|^2 leaves open falls with the third power of the box, time included") {
@@ -251,7 +277,7 @@ TEST_CASE("what a form of |y|^2 leaves open falls with the third power of the bo
   const Formulation formulation(problem);
   const proof::MinimumProblem minimum =
       proof::minimum_problem(problem, {formulation.predicted_scenario()});
-  const proof::WrenchBasis basis(minimum.impulses);
+  const proof::WrenchBasis basis = basis_of(minimum);
   const double unit = minimum.where.encounter.time_unit;
   const double time = time_of_approach(problem);
   double before = 0;
@@ -264,7 +290,9 @@ TEST_CASE("what a form of |y|^2 leaves open falls with the third power of the bo
     const std::array<Form, 3> x{side(0.4, 0), side(0.3, 1), side(time / unit, 2)};
     const auto at = proof::encounter_over<Form>(minimum.where.encounter, x);
     const proof::ImpactForms<3> forms(minimum, basis, at);
-    const Form square = forms.square_of(minimum.impulses[0], basis.coefficients[0]).divided();
+    std::vector<proof::Fraction<3>> values;
+    proof::add_square(forms.gram(), minimum.impulses[0], basis.weights[0], 1.0, values);
+    const Form square = values.front().numerator / values.front().denominator;
     CAPTURE(width, square.c(), square.r);
     CHECK(std::abs(square.a(2)) > 3 * square.r);
     if (before > 0) CHECK(square.r < before / 6.5);
