@@ -138,7 +138,8 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
     if (!is_inside(formulation, next->x)) {
       const CurvePoint last = last_inside(formulation, at, h);
       if (last.arc > at.arc) out.points.push_back(last);
-      out.is_complete = is_shortest(formulation, next->x);
+      const auto beyond = stepped(formulation, last, kShortestStep);
+      out.is_complete = is_shortest(formulation, beyond ? beyond->x : next->x);
       return out;
     }
     out.points.push_back(*next);

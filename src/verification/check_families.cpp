@@ -100,9 +100,8 @@ double distance_to_limit(const Judged& at) {
   if (free.base_attitude == AttitudeFreedom::Cone) {
     const Vector3d& axis = free.base_attitude_axis;
     between(axis.dot(turn * axis), std::cos(free.base_attitude_max), kInfinity);
-  } else if (free.base_attitude == AttitudeFreedom::Axis ||
-             (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < 3.14159)) {
-    // Half a turn about any axis is no limit: the same attitude lies on the other side.
+  } else if (free.base_attitude != AttitudeFreedom::Fixed && free.base_attitude_max < 3.14159) {
+    // Half a turn is no limit: the same attitude lies on the other side.
     between(rotation_log(turn).norm(), -kInfinity, free.base_attitude_max);
   }
   if (free.contact_time_upper > free.contact_time_lower) {
