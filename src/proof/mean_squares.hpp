@@ -2,6 +2,9 @@
 // single one.
 #pragma once
 
+#include <cmath>
+#include <vector>
+
 #include "proof/response_gram.hpp"
 
 namespace stillbase::proof {
@@ -55,19 +58,21 @@ class MeanSquares {
 
   /// Numbers that the squares are nowhere below.
   /// @param shares of the impulses in the middle of the box
+  /// @pre is_contact()
   std::vector<double> least_squares(const std::vector<double>& shares) const {
     std::vector<double> ratios;  // |y_k| at the middle
     double mean = 0;
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
-      const double D = is_contact() ? divisors_[k].c() : 1;
+      const double D = divisors_[k].c();
       const double square = std::fmax(numerators_[k].c(), 0) / (D * D);
       ratios.push_back(std::sqrt(square));
       mean += shares[k] * square;
     }
+    std::vector<double> out(impulses_.size(), 0.0);
+    if (!(mean > 0)) return out;
     const double part_of_middle = level_ * (1 + kAboveLevel) / std::sqrt(mean);
-    std::vector<double> out;
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
-      out.push_back(least_square(k, ratios[k] * part_of_middle));
+      out[k] = least_square(k, ratios[k] * part_of_middle);
     }
     return out;
   }
@@ -88,7 +93,8 @@ class MeanSquares {
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
       const T D = low_.divisor_of(impulses_[k], weights_[k]);
       divisors_.push_back(D);
-      const double q = D_0_.c() / D.c();
+      double q = D_0_.c() / D.c();
+      if (!(q > 0) || !std::isfinite(q)) q = 1;  // any positive number does
       const T off = D * T(q) - low_D_0;
       const T e = off * low_inverse;
       const Interval crude = Interval(std::fmax(off.range().upper(), 0.0)) / Interval(least);

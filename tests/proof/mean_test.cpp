@@ -54,7 +54,8 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
   problem.uncertainty.target_mass = 0.3;
   problem.uncertainty.contact_point = 0.05;
   problem.objective = {{ObjectiveQuantity::BaseAngularMomentum, 1e-3},
-                       {ObjectiveQuantity::JointRateNorm, 0.1}};
+                       {ObjectiveQuantity::JointRateNorm, 0.1},
+                       {ObjectiveQuantity::ImpulseMagnitude, 0.01}};
   MinimumProblem minimum = proof::minimum_problem(problem, draw_scenarios(problem));
   proof::EncounterModel& encounter = minimum.where.encounter;
   const int n = static_cast<int>(encounter.free.size());
