@@ -125,20 +125,54 @@ double DirectionModel::value(const Eigen::Vector2d& c) const {
 }
 
 void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
+                            const std::vector<Vector3d>& directions,
                             std::vector<double>& values) const {
   using Lanes = Pack<2>;
   values.resize(places.size());
   std::size_t i = 0;
   for (; i + 2 <= places.size() && is_linear(); i += 2) {
-    const Vector3d d[2] = {direction(places[i]), direction(places[i + 1])};
     Vector3<Lanes> both;
     for (int k = 0; k < 3; ++k) {
-      const double entries[2] = {d[0][k], d[1][k]};
+      const double entries[2] = {directions[i][k], directions[i + 1][k]};
       both[k] = Lanes::load(entries);
     }
     sqrt(square<Lanes>(both)).store(&values[i]);
   }
   for (; i < places.size(); ++i) values[i] = value(places[i]);
+}
+
+bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,
+                                     Matrix3d& hessian) const {
+  if (!is_linear()) return false;
+  gradient.setZero();
+  hessian.setZero();
+  // + weight ln x, x with gradient g and Hessian H.
+  const auto add = [&](double weight, double x, const Vector3d& g, const Matrix3d& H) {
+    gradient += weight / x * g;
+    hessian += weight / x * H - weight / (x * x) * (g * g.transpose());
+  };
+  if (!encounter.magnitude_given) {
+    if (!encounter.speed_stated) {
+      const double speed = d.dot(encounter.velocity);
+      if (!(speed > 0)) return false;
+      add(2, speed, encounter.velocity, Matrix3d::Zero());
+    }
+    const Matrix3d twice = W + W.transpose();
+    add(-2, d.dot(W * d), twice * d, twice);
+  }
+  double square = 0;
+  Vector3d slope = Vector3d::Zero();
+  Matrix3d bend = Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < Y.rows(); ++i) {
+    const Vector3d row = Y.row(i).head<3>().transpose();
+    const double y = row.dot(d) + Y(i, 3);
+    square += y * y;
+    slope += 2 * y * row;
+    bend += 2 * row * row.transpose();
+  }
+  if (!(square > 0)) return false;
+  add(1, square, slope, bend);
+  return gradient.allFinite() && hessian.allFinite();
 }
 
 }  // namespace stillbase

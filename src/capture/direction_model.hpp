@@ -40,13 +40,18 @@ struct DirectionModel {
   double value(const Eigen::Vector2d& c) const;
   /// Whether no value was given up so far.
   bool is_complete() const { return turns.empty() || !stop.reached(); }
-  /// values[i] = value(places[i]), two at a time.
-  void values(const std::vector<Eigen::Vector2d>& places, std::vector<double>& values) const;
+  /// values[i] = value(places[i]), two at a time; directions[i] = direction(places[i]).
+  void values(const std::vector<Eigen::Vector2d>& places, const std::vector<Vector3d>& directions,
+              std::vector<double>& values) const;
+  /// Whether |y| is known in closed form: nothing simulated, nothing of the user's.
+  bool is_linear() const { return turns.empty() && user_terms->empty(); }
+  /// Gradient and Hessian of ln |y|^2 over d, as if d were any vector. False where |y| is zero and
+  /// where it is not linear.
+  bool log_derivatives(const Vector3d& d, Vector3d& gradient, Matrix3d& hessian) const;
 
  private:
   template <class S>
   S square(const Vector3<S>& d) const;
-  bool is_linear() const { return turns.empty() && user_terms->empty(); }
   double other_square(const Vector3d& d, const StopCondition& until) const;
 };
 

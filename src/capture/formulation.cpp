@@ -65,21 +65,24 @@ int Formulation::num_equations() const {
 
 void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
                                              const PostureImpact<double>& stated,
+                                             const Hit<double>* predicted,
                                              const std::vector<Scenario>& scenarios,
                                              bool derivatives, ScenarioEvaluation& out) const {
   for (std::size_t k = 0; k < scenarios.size(); ++k) {
     const Scenario& scenario = scenarios[k];
     const auto row = static_cast<Eigen::Index>(k);
     // No std::optional of a posture: g++ 12 fills its 70 kB with zeros, a third of a local solve.
-    const auto take_at = [&](const PostureImpact<double>& at) {
-      const auto hit_k = hit(local, at, scenario);
+    const auto take = [&](const PostureImpact<double>& at, const Hit<double>& hit_k) {
       out.values[row] = objective(at, hit_k);
-      if (derivatives) out.gradients.row(row) = compress(local, objective_gradient(at, hit_k));
+      if (derivatives) compress_into(local, objective_gradient(at, hit_k), out.gradients.row(row));
     };
     if (scenario.joint_offset.size() > 0) {
-      take_at(posture(local, scenario));
+      const PostureImpact<double> displaced = posture(local, scenario);
+      take(displaced, hit(local, displaced, scenario));
+    } else if (predicted != nullptr && &scenarios == &prediction) {
+      take(stated, *predicted);
     } else {
-      take_at(stated);
+      take(stated, hit(local, stated, scenario));
     }
     if (!turns.empty() && simulations_stop.reached()) {
       out.values[row] = std::numeric_limits<double>::quiet_NaN();
@@ -111,32 +114,37 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
     out.gradients.resize(count, num_variables());
     out.jacobian.resize(m, num_variables());
   }
+  Hit<double> predicted;
+  const bool has_hit = parts.rows_need_hit || &scenarios == &parts.prediction;
+  if (has_hit) predicted = parts.hit(local, posture, parts.prediction.front());
   if (parts.in_packs(scenarios)) {
     parts.evaluate_in_packs(local, scenarios, derivatives, out);
   } else {
-    parts.evaluate_one_by_one(local, posture, scenarios, derivatives, out);
+    parts.evaluate_one_by_one(local, posture, has_hit ? &predicted : nullptr, scenarios,
+                              derivatives, out);
   }
-  if (m == 0) return;
-  const auto hit = parts.hit(local, posture, parts.predicted());
+  ScalarGradient<double> gradient(parts.n());
   for (int i = 0; i < m; ++i) {
     const Row& row = parts.rows[static_cast<std::size_t>(i)];
-    out.constraints[i] = parts.value_of(row, local, posture, hit);
-    if (derivatives) {
-      out.jacobian.row(i) = parts.compress(local, parts.gradient_of(row, local, posture, hit));
+    if (!derivatives) {
+      out.constraints[i] = parts.value_of(row, local, posture, predicted);
+      continue;
     }
+    out.constraints[i] = parts.value_and_gradient(row, local, posture, predicted, gradient);
+    parts.compress_into(local, gradient, out.jacobian.row(i));
   }
 }
 
 void Formulation::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  ScenarioEvaluation here;
-  evaluate_scenarios(x, {parts_->predicted()}, false, here);
+  ScenarioEvaluation& here = parts_->at_last;
+  evaluate_scenarios(x, parts_->prediction, false, here);
   out.objective = here.values[0];
   out.constraints = here.constraints;
 }
 
 void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  ScenarioEvaluation here;
-  evaluate_scenarios(x, {parts_->predicted()}, true, here);
+  ScenarioEvaluation& here = parts_->at_last;
+  evaluate_scenarios(x, parts_->prediction, true, here);
   out.objective = here.values[0];
   out.gradient = here.gradients.row(0);
   out.constraints = here.constraints;

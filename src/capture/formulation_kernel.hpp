@@ -78,7 +78,7 @@ ContactView<S> Formulation::Parts::view_at(const Matrix3<S>& R_NB, const S& time
 
   const double t = value_of_number(time);
   const S dt = time - S(t);  // zero, with the derivatives of the time
-  const TargetState state = motion->state(t);
+  const TargetState& state = target_state(t);
   const Matrix3d R_NT = state.pose.orientation.toRotationMatrix();
   // Euler's equations in T: omega' = -I^-1 (omega x I omega), and once more differentiated.
   const Matrix3d& I = problem.target->inertia;

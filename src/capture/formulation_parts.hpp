@@ -78,10 +78,14 @@ struct ContactView {
   Vector3<S> point_rate = Vector3<S>::Zero();  ///< m/s
 };
 
+/// The variables: all joints, three of the attitude, the contact time.
+template <class S>
+using LocalVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints + 4, 1>;
+
 /// Everything at one x that is not the impact.
 template <class S>
 struct Local {
-  VectorX<S> x;
+  LocalVector<S> x;
   JointVector<S> phi;
   S time;
   Matrix3<S> R_NB;
@@ -121,6 +125,10 @@ struct Formulation::Parts {
   int coupling_rank = 0;                 ///< generic ranks, of what a margin is asked for
   int jacobian_rank = 0;
   double objective_unit = 1;
+  bool rows_need_hit = false;          ///< some row is a function of the predicted impact
+  std::vector<Scenario> prediction;    ///< the predicted one alone
+  mutable ScenarioEvaluation at_last;  ///< workspace
+  mutable std::optional<TargetState> last_state;
   mutable long evaluations = 0;
 
   std::vector<TurnAfterImpact> turns;  ///< of the objective
@@ -173,6 +181,10 @@ struct Formulation::Parts {
   template <class S>
   ScalarGradient<S> gradient_of(const Row& row, const Local<S>& local,
                                 const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  /// Both, without working out twice what they share.
+  template <class S>
+  S value_and_gradient(const Row& row, const Local<S>& local, const PostureImpact<S>& posture,
+                       const Hit<S>& hit, ScalarGradient<S>& gradient) const;
   template <class S>
   VectorX<S> compress(const Local<S>& local, const ScalarGradient<S>& gradient) const;
   /// sum w_k grad f_k over scenarios + sum multipliers_i grad g_i.
@@ -181,9 +193,16 @@ struct Formulation::Parts {
                                  const Eigen::VectorXd& weights,
                                  const Eigen::VectorXd& multipliers) const;
 
+  /// The state of the target at a time, of which the last one is kept: it is the same all along
+  /// where the time is no variable.
+  const TargetState& target_state(double time) const;
+  /// The same into a row of a matrix.
+  void compress_into(const Local<double>& local, const ScalarGradient<double>& gradient,
+                     Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> out) const;
+  /// @param predicted the predicted hit, where it is known already
   void evaluate_one_by_one(const Local<double>& local, const PostureImpact<double>& stated,
-                           const std::vector<Scenario>& scenarios, bool derivatives,
-                           ScenarioEvaluation& out) const;
+                           const Hit<double>* predicted, const std::vector<Scenario>& scenarios,
+                           bool derivatives, ScenarioEvaluation& out) const;
 
   // Scenarios in the lanes of wide registers (formulation_batch.cpp).
   /// Fewer scenarios at one posture than this are evaluated one by one.
@@ -233,7 +252,8 @@ struct Formulation::Parts {
   template <class S>
   SingularTriple<S> margin(RowKind kind, const PostureImpact<S>& posture) const;
   template <class S>
-  ScalarGradient<S> margin_gradient(RowKind kind, const PostureImpact<S>& posture) const;
+  ScalarGradient<S> margin_gradient(RowKind kind, const PostureImpact<S>& posture,
+                                    const SingularTriple<S>& triple) const;
   /// A shape in B; the target lies with its contact at the hand.
   template <class S>
   PlacedShape<S> placed(const ClearanceShape& shape, const Local<S>& local,
@@ -243,7 +263,8 @@ struct Formulation::Parts {
                            const PostureImpact<S>& posture) const;
   template <class S>
   ScalarGradient<S> separation_gradient(const ClearancePair& pair, const Local<S>& local,
-                                        const PostureImpact<S>& posture) const;
+                                        const PostureImpact<S>& posture,
+                                        const Separation<S>& at) const;
 };
 
 /// The vector behind a term of the objective, divided by the term's size, per unit of impulse.

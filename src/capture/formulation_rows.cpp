@@ -21,7 +21,23 @@ std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n) {
 }
 
 namespace {
+
 const char* kAxisNames[3] = {"x", "y", "z"};
+
+bool depends_on_hit(const Row& row) {
+  switch (row.kind) {
+    case RowKind::CaseTotal:
+    case RowKind::CaseBase:
+    case RowKind::CaseCoupling:
+    case RowKind::CouplingColumn:
+    case RowKind::ClosingSpeed:
+    case RowKind::JointRate:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 Formulation::Parts::Parts(const CaptureProblem& p)
@@ -58,9 +74,11 @@ Formulation::Parts::Parts(const CaptureProblem& p)
     target_inverse_inertia = problem.target->inertia.inverse();
   }
   if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
+  prediction = {predicted()};
   add_rows();
   drop_structural_rows();
   set_combinations_aside();
+  rows_need_hit = std::any_of(rows.begin(), rows.end(), depends_on_hit);
 }
 
 void Formulation::Parts::add_rows() {

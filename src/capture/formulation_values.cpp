@@ -22,6 +22,10 @@ template double Formulation::Parts::value_of(const Row&, const Local<double>&,
 template ScalarGradient<double> Formulation::Parts::gradient_of(const Row&, const Local<double>&,
                                                                 const PostureImpact<double>&,
                                                                 const Hit<double>&) const;
+template double Formulation::Parts::value_and_gradient(const Row&, const Local<double>&,
+                                                       const PostureImpact<double>&,
+                                                       const Hit<double>&,
+                                                       ScalarGradient<double>&) const;
 template VectorX<double> Formulation::Parts::compress(const Local<double>&,
                                                       const ScalarGradient<double>&) const;
 template ScalarGradient<double> Formulation::Parts::scaled_gradient(const PostureImpact<double>&,
@@ -32,6 +36,23 @@ template JointVector<double> term_quantity(const ObjectiveTerm&, const PostureIm
                                            const ImpactResponse<double>&);
 template void add_term_weights(const ObjectiveTerm&, const JointVector<double>&,
                                ResponseWeights<double>&);
+
+const TargetState& Formulation::Parts::target_state(double time) const {
+  if (!last_state || last_state->time != time) last_state = motion->state(time);
+  return *last_state;
+}
+
+void Formulation::Parts::compress_into(
+    const Local<double>& local, const ScalarGradient<double>& gradient,
+    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> out) const {
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    out[static_cast<int>(i)] = gradient.phi[layout.joints[i]];
+  }
+  for (int i = 0; i < layout.attitude_size; ++i) {
+    out[layout.attitude + i] = local.attitude_rates.col(i).dot(gradient.theta);
+  }
+  if (layout.time >= 0) out[layout.time] = gradient.t;
+}
 
 Eigen::VectorXd Formulation::Parts::start_point(const Eigen::VectorXd& u) const {
   Eigen::VectorXd x(layout.size);

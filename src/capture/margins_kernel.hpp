@@ -21,9 +21,8 @@ SingularTriple<S> Formulation::Parts::margin(RowKind kind, const PostureImpact<S
 
 // With u and v the singular vectors, d sigma = u' dA v.
 template <class S>
-ScalarGradient<S> Formulation::Parts::margin_gradient(RowKind kind,
-                                                      const PostureImpact<S>& posture) const {
-  const SingularTriple<S> triple = margin<S>(kind, posture);
+ScalarGradient<S> Formulation::Parts::margin_gradient(RowKind kind, const PostureImpact<S>& posture,
+                                                      const SingularTriple<S>& triple) const {
   ScalarGradient<S> out(n());
   const JointVector<S> v = triple.v;
   if (kind == RowKind::CouplingMargin) {
@@ -62,9 +61,9 @@ Separation<S> Formulation::Parts::separation(const ClearancePair& pair, const Lo
 template <class S>
 ScalarGradient<S> Formulation::Parts::separation_gradient(const ClearancePair& pair,
                                                           const Local<S>& local,
-                                                          const PostureImpact<S>& posture) const {
+                                                          const PostureImpact<S>& posture,
+                                                          const Separation<S>& at) const {
   const Kinematics<S>& kin = posture.kinematics;
-  const Separation<S> at = separation<S>(pair, local, posture);
   ScalarGradient<S> out(n());
   const auto add = [&](int body, const Vector3<S>& normal) {
     if (body == kTargetBody) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include "capture/direction_model.hpp"
 
 namespace stillbase {
@@ -25,18 +28,33 @@ std::vector<Place> scan(const DirectionModel& model) {
   const int row = dear ? 17 : 97;  // a wedge is one-dimensional: finer for less
   const double alpha = model.half_angle;
   std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
+  std::vector<Vector3d> directions = {model.n};
   if (alpha > 0 && model.planar) {
-    for (int i = 0; i < row; ++i) grid.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
+    for (int i = 0; i < row; ++i) {
+      grid.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
+      directions.push_back(model.direction(grid.back()));
+    }
   } else if (alpha > 0) {
-    grid.reserve(1 + rings * spokes);
+    grid.reserve(static_cast<std::size_t>(1 + rings * spokes));
+    directions.reserve(grid.capacity());
+    std::vector<Eigen::Vector2d> polar;  // cosine and sine of each ring's angle
+    for (int ring = 1; ring <= rings; ++ring) {
+      const double angle = alpha * ring / rings;
+      polar.emplace_back(std::cos(angle), std::sin(angle));
+    }
     for (int spoke = 0; spoke < spokes; ++spoke) {
       const double angle = 2 * M_PI * spoke / spokes;
-      const Eigen::Vector2d end(alpha * std::cos(angle), alpha * std::sin(angle));
-      for (int ring = 1; ring <= rings; ++ring) grid.emplace_back(end * ring / rings);
+      const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
+      const Vector3d outward = side[0] * model.u + side[1] * model.v;
+      for (int ring = 1; ring <= rings; ++ring) {
+        const Eigen::Vector2d& at = polar[static_cast<std::size_t>(ring - 1)];
+        grid.emplace_back(side * (alpha * ring / rings));
+        directions.push_back(at[0] * model.n + at[1] * outward);
+      }
     }
   }
   std::vector<double> values;
-  model.values(grid, values);
+  model.values(grid, directions, values);
   std::vector<Place> out(grid.size());
   for (std::size_t i = 0; i < grid.size(); ++i) out[i] = {grid[i], values[i]};
   return out;
@@ -96,11 +114,104 @@ Place jump_to_top(const DirectionModel& model, const Place& place, double step) 
   return top.value > place.value ? top : place;
 }
 
+/// Newton's step towards the maximum of ln |y|^2 over the directions: on the sphere, or along the
+/// cone's rim where the maximum lies beyond it. Uphill where the function is not concave. Zero
+/// where there is nothing to climb.
+struct Step {
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();  // rad, away from the cone's axis and around it
+  bool on_rim = false;
+};
+Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
+  Step step;
+  const double angle = c.norm(), alpha = model.half_angle;
+  const Vector3d d = model.direction(c);
+  Vector3d g;
+  Matrix3d H;
+  if (!model.log_derivatives(d, g, H)) return step;
+  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
+  const Vector3d outward = side[0] * model.u + side[1] * model.v;
+  const Vector3d away = std::cos(angle) * outward - std::sin(angle) * model.n;
+  const Vector3d around = side[0] * model.v - side[1] * model.u;
+  const double uphill = alpha / 12, longest = alpha / 4;
+  const Eigen::Vector2d slope(g.dot(away), g.dot(around));
+  step.on_rim = angle >= alpha * (1 - 1e-12) && slope[0] > 0;
+  if (step.on_rim && model.planar) return step;
+  if (step.on_rim) {
+    // A circle of radius sin(alpha) bends towards its axis.
+    const double bend = around.dot(H * around) - g.dot(outward) / std::sin(alpha);
+    step.along[1] = bend < 0 ? -slope[1] / bend : std::copysign(uphill, slope[1]);
+  } else {
+    // A great circle bends towards -d.
+    Eigen::Matrix2d bend;
+    bend << away.dot(H * away), away.dot(H * around), away.dot(H * around), around.dot(H * around);
+    bend.diagonal().array() -= g.dot(d);
+    if (model.planar) {
+      step.along[0] = bend(0, 0) < 0 ? -slope[0] / bend(0, 0) : std::copysign(uphill, slope[0]);
+    } else if (bend(0, 0) < 0 && bend.determinant() > 0) {
+      step.along = -bend.inverse() * slope;
+    } else if (slope.norm() > 0) {
+      step.along = slope * (uphill / slope.norm());
+    }
+  }
+  if (!step.along.allFinite()) step.along.setZero();
+  if (step.along.norm() > longest) step.along *= longest / step.along.norm();
+  return step;
+}
+
+/// The place at the end of a part of a step.
+Eigen::Vector2d gone(const DirectionModel& model, const Eigen::Vector2d& c, const Step& step,
+                     double part) {
+  const double angle = c.norm(), length = part * step.along.norm();
+  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
+  if (step.on_rim) {
+    const double turn = part * step.along[1] / std::sin(model.half_angle);
+    return model.project(Eigen::Rotation2Dd(turn) * c);
+  }
+  if (!(length > 0)) return c;
+  const Vector3d away =
+      std::cos(angle) * (side[0] * model.u + side[1] * model.v) - std::sin(angle) * model.n;
+  const Vector3d around = side[0] * model.v - side[1] * model.u;
+  const Vector3d heading = (step.along[0] * away + step.along[1] * around).normalized();
+  return model.coordinates(std::cos(length) * model.direction(c) + std::sin(length) * heading);
+}
+
+Place climb_by_newton(const DirectionModel& model, Place place) {
+  constexpr int kSteps = 50, kHalvings = 6;
+  constexpr double kNothing = 1e-10;  // rad: what is left changes the value by its square,
+  constexpr double kVisible = 1e-7;   // which drowns in rounding already here
+  for (int i = 0; i < kSteps; ++i) {
+    const Step step = newton_step(model, place.c);
+    bool rose = false;
+    double part = 1;
+    for (int halving = 0; halving < kHalvings && !rose; ++halving, part /= 2) {
+      const double length = part * step.along.norm();
+      if (length < (halving == 0 ? kNothing : kVisible)) return place;
+      const Eigen::Vector2d c = gone(model, place.c, step, part);
+      const Place trial{c, model.value(c)};
+      rose = trial.value > place.value;
+      if (rose) place = trial;
+    }
+    if (!rose) break;
+  }
+  return place;
+}
+
 /// The maximum that a place belongs to. The value is flat there: a step of 1e-8 rad leaves an error
 /// of about 1e-16.
 Place refine(const DirectionModel& model, Place place) {
   const double alpha = model.half_angle;
   if (!(alpha > 0)) return place;
+  if (model.is_linear()) {
+    // A round of the compass about the top: off a saddle, and on where |y| was zero.
+    constexpr int kRounds = 4;
+    for (int round = 0; round < kRounds; ++round) {
+      place = climb_by_newton(model, place);
+      const Place further = ascend(model, place, alpha / 36);
+      if (!(further.value > place.value)) break;
+      place = further;
+    }
+    return place;
+  }
   for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
   for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
   // Hardly anything is left to do; where the parabolas failed, everything.

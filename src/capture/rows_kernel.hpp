@@ -8,22 +8,25 @@ namespace stillbase {
 
 namespace {
 
-/// 1/2 sum r_i x d_i of two sets of axes (columns): sin(angle) times the axis that turns R to D.
+/// Component i of 1/2 sum r_k x d_k of two sets of axes (columns): sin(angle) times the axis that
+/// turns R to D.
 template <class S>
-Vector3<S> rotation_error(const Matrix3<S>& R, const Matrix3<S>& D) {
-  Vector3<S> e = Vector3<S>::Zero();
-  for (int i = 0; i < 3; ++i) {
-    e += Vector3<S>(R.col(i)).cross(Vector3<S>(D.col(i))) / S(2);
-  }
-  return e;
+S rotation_error(const Matrix3<S>& R, const Matrix3<S>& D, int i) {
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  return (R.row(j).dot(D.row(k)) - R.row(k).dot(D.row(j))) / S(2);
 }
 
-/// d rotation_error / d(turn of R): 1/2 sum (r d' - (r . d) E).
+/// sum r_k . d_k.
 template <class S>
-Matrix3<S> rotation_error_turn(const Matrix3<S>& R, const Matrix3<S>& D) {
-  Matrix3<S> out = R * D.transpose();
-  const S trace = out.trace();
-  for (int i = 0; i < 3; ++i) out(i, i) -= trace;
+S alignment(const Matrix3<S>& R, const Matrix3<S>& D) {
+  return R.cwiseProduct(D).sum();
+}
+
+/// d rotation_error_i / d(turn of R): row i of 1/2 (R D' - (sum r_k . d_k) E).
+template <class S>
+Vector3<S> rotation_error_turn(const Matrix3<S>& R, const Matrix3<S>& D, int i) {
+  Vector3<S> out = D * R.row(i).transpose();
+  out[i] -= alignment<S>(R, D);
   return out / S(2);
 }
 
@@ -44,7 +47,7 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
                                const PostureImpact<S>& posture, const Hit<S>& hit) const {
   const Kinematics<S>& kin = posture.kinematics;
   const ImpactResponse<S>& response = hit.response;
-  const Vector3<S> r_bh_N = local.R_NB * kin.r_bh;
+  const auto r_bh_N = [&](int i) -> S { return local.R_NB.row(i).dot(kin.r_bh); };
   const auto contact_point = [&]() -> Vector3<S> {
     return hand_point ? Vector3<S>(hand_point->cast<S>()) : local.view.point;
   };
@@ -57,17 +60,17 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
       if (hand_point && problem.hand.frame == Frame::Base) {
         return kin.r_bh[row.index] - S((*hand_point)[row.index]);
       }
-      return r_bh_N[row.index] + S(problem.base.position[row.index]) - contact_point()[row.index];
+      return r_bh_N(row.index) + S(problem.base.position[row.index]) - contact_point()[row.index];
     case RowKind::StationBox:
-      return contact_point()[row.index] - r_bh_N[row.index];
+      return contact_point()[row.index] - r_bh_N(row.index);
     case RowKind::HandAxis:
       return tangent.dot(hand_axis());
     case RowKind::HandFacing:
       return n_E.cast<S>().dot(hand_axis());
     case RowKind::HandPose:
-      return rotation_error<S>(kin.R_hand, wanted_hand_axes<S>(local))[row.index];
+      return rotation_error<S>(kin.R_hand, wanted_hand_axes<S>(local), row.index);
     case RowKind::PoseFacing:
-      return (kin.R_hand.transpose() * wanted_hand_axes<S>(local)).trace();
+      return alignment<S>(kin.R_hand, wanted_hand_axes<S>(local));
     case RowKind::CaseTotal:
       return tangent.dot(local.view.R_EB * response.total);
     case RowKind::CaseBase:
@@ -141,10 +144,10 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
       const Matrix3<S> D = wanted_hand_axes<S>(local);
       Vector3<S> g_R, g_D;
       if (row.kind == RowKind::HandPose) {
-        g_R = rotation_error_turn<S>(R, D).row(row.index).transpose();
-        g_D = -rotation_error_turn<S>(D, R).row(row.index).transpose();
+        g_R = rotation_error_turn<S>(R, D, row.index);
+        g_D = -rotation_error_turn<S>(D, R, row.index);
       } else {
-        g_R = rotation_error<S>(R, D) * S(2);
+        for (int i = 0; i < 3; ++i) g_R[i] = rotation_error<S>(R, D, i) * S(2);
         g_D = -g_R;
       }
       for (int k = 0; k < n(); ++k) out.phi[k] = turn(k).dot(g_R);
@@ -203,12 +206,36 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
     }
     case RowKind::CouplingMargin:
     case RowKind::JacobianMargin:
-      return margin_gradient<S>(row.kind, posture);
-    case RowKind::Clearance:
-      return separation_gradient<S>(clearances[static_cast<std::size_t>(row.index)], local,
-                                    posture);
+      return margin_gradient<S>(row.kind, posture, margin<S>(row.kind, posture));
+    case RowKind::Clearance: {
+      const ClearancePair& pair = clearances[static_cast<std::size_t>(row.index)];
+      return separation_gradient<S>(pair, local, posture, separation<S>(pair, local, posture));
+    }
   }
   return out;
+}
+
+template <class S>
+S Formulation::Parts::value_and_gradient(const Row& row, const Local<S>& local,
+                                         const PostureImpact<S>& posture, const Hit<S>& hit,
+                                         ScalarGradient<S>& gradient) const {
+  switch (row.kind) {
+    case RowKind::CouplingMargin:
+    case RowKind::JacobianMargin: {
+      const SingularTriple<S> triple = margin<S>(row.kind, posture);
+      gradient = margin_gradient<S>(row.kind, posture, triple);
+      return triple.sigma;
+    }
+    case RowKind::Clearance: {
+      const ClearancePair& pair = clearances[static_cast<std::size_t>(row.index)];
+      const Separation<S> at = separation<S>(pair, local, posture);
+      gradient = separation_gradient<S>(pair, local, posture, at);
+      return at.distance;
+    }
+    default:
+      gradient = gradient_of<S>(row, local, posture, hit);
+      return value_of<S>(row, local, posture, hit);
+  }
 }
 
 }  // namespace stillbase

@@ -241,7 +241,7 @@ class Search {
     for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
     // A long list is asked for where much of it may touch something.
     MeasureSearchOptions effort;
-    effort.finished = std::max(effort.finished, options_.max_candidates / 4);
+    effort.finished = std::max(effort.finished, options_.max_candidates / 2);
     const MeasureMinima found =
         measure_minima(formulation_, measure_, *optimizer_, solve_, from, effort);
     out_.solver_calls[options_.optimizer] += found.solver_calls;

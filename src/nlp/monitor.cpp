@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stillbase::nlp {
 namespace {
@@ -13,11 +14,24 @@ constexpr int kMaxRejectedInARow = 60;
 // this often is in a loop that the evaluation budget alone would never end.
 constexpr int kMaxRepeatsInARow = 1000;
 
+// Of the tolerances, where a solver is stopped.
+constexpr double kCertain = 1e-3;
+
+// A step that still changes the objective by more than this part is not the last one: its point
+// needs no certificate, which costs half an evaluation of a small model.
+constexpr double kLastChange = 1e-6;
+
 bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();
 }
 
 }  // namespace
+
+double as_good_as(double objective, const Certificate& certificate,
+                  const OptimizeOptions& options) {
+  return objective + 2.0 * certificate.multipliers.lpNorm<1>() * options.feasibility_tolerance +
+         1e-14 * std::abs(objective);
+}
 
 Monitor::Monitor(const Problem& problem, const OptimizeOptions& options, bool with_derivatives,
                  int max_evaluations)
@@ -82,7 +96,9 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
 }
 
 const Monitor::Point* Monitor::find_known(const Eigen::VectorXd& x) const {
-  for (const Point& point : recent_) {
+  // Newest first: it is asked for once per callback.
+  for (std::size_t back = 1; back <= recent_.size(); ++back) {
+    const Point& point = recent_[(next_ + recent_.size() - back) % recent_.size()];
     if (is_same(x, point.x)) return &point;
   }
   return is_same(x, best_.x) ? &best_ : nullptr;
@@ -95,6 +111,22 @@ void Monitor::keep_if_best(const Point& point) {
                        : point.feasible ? point.evaluation.objective < best_.evaluation.objective
                                         : point.violation_squared < best_.violation_squared);
   if (better) best_ = point;
+}
+
+void Monitor::stop_if_certified(const Point& point) {
+  const double before = std::exchange(last_objective_, point.evaluation.objective);
+  const double objective = point.evaluation.objective;
+  const double size = std::max(std::abs(objective), problem_.objective_scale());
+  if (!point.valid || !(std::abs(objective - before) <= kLastChange * size)) return;
+  const double violation = kCertain * options_.feasibility_tolerance;
+  if (point.violation_squared > violation * violation) return;
+  Certificate found = certify(problem_, point.x, point.evaluation);
+  if (found.kkt_residual > kCertain * options_.optimality_tolerance) return;
+  if (objective > as_good_as(best_.evaluation.objective, found, options_)) return;
+  if (stopped()) return;
+  best_ = point;
+  certificate_ = std::move(found);
+  stop(StopReason::Certified);
 }
 
 const Evaluation* Monitor::evaluate(const double* x) noexcept {
@@ -117,6 +149,7 @@ const Evaluation* Monitor::evaluate(const double* x) noexcept {
     point.x = trial_;
     run_model(point, with_derivatives_);
     keep_if_best(point);
+    if (stops_when_certified_) stop_if_certified(point);
     return point.valid ? &point.evaluation : nullptr;
   } catch (...) {
     keep_exception();

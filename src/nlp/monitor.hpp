@@ -9,6 +9,11 @@
 
 namespace stillbase::nlp {
 
+/// A violation within the tolerance buys a lower objective, so that the lowest f may belong to an
+/// iterate from before the last digits were found. Objectives up to this are as good as `objective`
+/// to first order: f + 2 |multipliers|_1 feasibility_tolerance, and rounding.
+double as_good_as(double objective, const Certificate& certificate, const OptimizeOptions& options);
+
 class Monitor {
  public:
   /// `with_derivatives`: every evaluation brings derivatives. Even where a line search only asks
@@ -16,6 +21,11 @@ class Monitor {
   /// what the solver may use.
   Monitor(const Problem& problem, const OptimizeOptions& options, bool with_derivatives,
           int max_evaluations);
+
+  /// From now on the solver is stopped at a point, as good as the best one, whose violation and KKT
+  /// residual are a thousandth of the tolerances; that point is then the best one. A tenth would
+  /// not do: where the objective is flat, the residual says little about the distance.
+  void stop_when_certified() { stops_when_certified_ = true; }
 
   /// Values (and derivatives) at x (N doubles), moved into the box where rounding left it. Null
   /// when the point is rejected (NaN or infinity) or the solver has to stop: ask stopped(). The
@@ -48,6 +58,10 @@ class Monitor {
   bool has_best() const { return best_.valid; }
   const Eigen::VectorXd& best_x() const { return best_.x; }
   const Evaluation& best() const { return best_.evaluation; }
+  /// Of the best point, after a stop for it; else null.
+  const Certificate* certificate() const {
+    return stop_ == StopReason::Certified ? &certificate_ : nullptr;
+  }
 
   /// Calls visit(x, evaluation) for the feasible points of late that have derivatives and an
   /// objective of at most `limit`, newest first, until it returns true.
@@ -86,6 +100,7 @@ class Monitor {
   void run_model(Point& point, bool with_derivatives);
   const Point* find_known(const Eigen::VectorXd& x) const;
   void keep_if_best(const Point& point);
+  void stop_if_certified(const Point& point);
 
   const Problem& problem_;
   const OptimizeOptions& options_;
@@ -99,7 +114,10 @@ class Monitor {
   std::array<Point, 32> recent_;
   std::size_t next_ = 0;  // the slot of recent_ that is overwritten next
   Point best_;
+  Certificate certificate_;
   double worst_objective_ = -kInfinity;
+  bool stops_when_certified_ = false;
+  double last_objective_ = kInfinity;
   int evaluations_ = 0;
   int gradient_evaluations_ = 0;
   int hessian_evaluations_ = 0;

@@ -72,10 +72,43 @@ struct ConstraintRow {
   double bound;
 };
 
+// Sequential quadratic programming takes its first step along the gradient, as long as that is.
+// From a steep start it may end where the linearised equations contradict each other: there it
+// lowers the objective by small steps for hundreds of evaluations, and never comes back.
+class StuckWatch {
+ public:
+  void look_at(const Monitor& monitor, const Evaluation& e) {
+    const double violation = monitor.constraint_lower().size() == 0
+                                 ? 0.0
+                                 : signed_violation(e.constraints, monitor.constraint_lower(),
+                                                    monitor.constraint_upper())
+                                       .lpNorm<Eigen::Infinity>();
+    ++evaluations_;
+    if (violation > std::max(kClose, kFallen * reference_)) return;
+    reference_ = violation;
+    evaluations_ = 0;
+  }
+  bool is_stuck() const { return evaluations_ >= kPatience; }
+  void reset() { *this = StuckWatch(); }
+
+ private:
+  static constexpr int kPatience = 50;
+  static constexpr double kClose = 1e-2;  // rows are of order one
+  static constexpr double kFallen = 0.9;
+  int evaluations_ = 0;
+  double reference_ = kInfinity;
+};
+
+// Length of the first step, in variables of order one, of a solver that starts again.
+constexpr double kCautiousStep = 0.1;
+
 struct Context {
   Monitor& monitor;
   nlopt_opt opt;
   Rejection rejection;
+  bool is_watched = false;  // for getting stuck
+  double scale = 1.0;       // of the objective
+  StuckWatch watch = {};
 };
 
 struct ConstraintContext {
@@ -84,8 +117,11 @@ struct ConstraintContext {
 };
 
 const Evaluation* evaluate(Context& context, const double* x) {
+  const int before = context.monitor.evaluations();
   const Evaluation* e = context.monitor.evaluate(x);
-  if (context.monitor.stopped()) nlopt_force_stop(context.opt);
+  const bool is_new = context.monitor.evaluations() > before;
+  if (context.is_watched && is_new && e != nullptr) context.watch.look_at(context.monitor, *e);
+  if (context.monitor.stopped() || context.watch.is_stuck()) nlopt_force_stop(context.opt);
   return e;
 }
 
@@ -93,9 +129,10 @@ double objective(unsigned n, const double* x, double* gradient, void* data) {
   Context& context = *static_cast<Context*>(data);
   const Evaluation* e = evaluate(context, x);
   if (gradient != nullptr) {
-    for (unsigned j = 0; j < n; ++j) gradient[j] = e != nullptr ? e->gradient[j] : 0.0;
+    for (unsigned j = 0; j < n; ++j)
+      gradient[j] = e != nullptr ? context.scale * e->gradient[j] : 0.0;
   }
-  if (e != nullptr) return e->objective;
+  if (e != nullptr) return context.scale * e->objective;
   return context.rejection == Rejection::Infinite && !context.monitor.stopped()
              ? HUGE_VAL
              : context.monitor.rejection_value();
@@ -130,7 +167,8 @@ void set_tolerances(nlopt_opt opt) {
 
 constexpr const char* kTuning =
     "ftol_rel 1e-15, xtol_rel 1e-11, xtol_abs 1e-12, vector_storage 20, dual_maxeval 300; in an "
-    "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9";
+    "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9; sequential quadratic "
+    "programming starts again with a first step of 0.1 when a violation does not fall any more";
 
 std::string library_version() {
   int major = 0, minor = 0, bugfix = 0;
@@ -209,9 +247,10 @@ class NloptOptimizer final : public Optimizer {
     }
     if (!options.library_defaults) set_tolerances(opt.get());
 
-    const Opt lbfgs(nlopt_create(NLOPT_LD_LBFGS, n));
-    const Opt inner(nlopt_create(row_.algorithm, n));
-    if (!options.library_defaults) {
+    const bool is_local_inside = wrapped || row_.algorithm == NLOPT_G_MLSL_LDS;
+    const Opt lbfgs(is_local_inside ? nlopt_create(NLOPT_LD_LBFGS, n) : nullptr);
+    const Opt inner(is_local_inside ? nlopt_create(row_.algorithm, n) : nullptr);
+    if (is_local_inside && !options.library_defaults) {
       set_inner_tolerances(lbfgs.get());
       set_inner_tolerances(inner.get());
     }
@@ -224,16 +263,27 @@ class NloptOptimizer final : public Optimizer {
       set(nlopt_set_local_optimizer(opt.get(), lbfgs.get()));
     }
 
-    if (code >= 0) {
-      nlopt_srand(static_cast<unsigned long>(options.seed));
-      Eigen::VectorXd x = start;
+    const auto run = [&](Eigen::VectorXd x) {
       double f = 0.0;
+      if (row_.stochastic) nlopt_srand(static_cast<unsigned long>(options.seed));
       code = nlopt_optimize(opt.get(), x.data(), &f);
+    };
+    context.is_watched = row_.algorithm == NLOPT_LD_SLSQP && !options.library_defaults;
+    if (code >= 0) run(start);
+    const bool goes_on = context.watch.is_stuck() && !monitor.stopped();
+    if (goes_on) {
+      const double slope = monitor.best().gradient.norm();
+      context.scale = std::min(1.0, kCautiousStep / slope);
+      context.watch.reset();
+      nlopt_set_force_stop(opt.get(), 0);
+      run(monitor.best_x());
+      if (context.watch.is_stuck()) monitor.stop(StopReason::Stalled);
     }
     const char* text = nlopt_get_errmsg(opt.get());
     NativeOutcome outcome{code, nlopt_result_to_string(code), ""};
     if (text != nullptr) outcome.status += std::string(": ") + text;
     if (wrapped) outcome.remark = "wrapped in an augmented Lagrangian";
+    if (goes_on) outcome.remark = "got stuck at a violation, started again with a short first step";
     return outcome;
   }
 

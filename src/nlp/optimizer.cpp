@@ -64,31 +64,26 @@ void remark(OptimizeResult& result, std::string_view text) {
   result.message += text;
 }
 
-void take_point(OptimizeResult& result, const Problem& problem, const Eigen::VectorXd& x,
-                const Evaluation& at_x, const OptimizeOptions& options) {
+void take_point(OptimizeResult& result, const Eigen::VectorXd& x, const Evaluation& at_x,
+                Certificate certificate, const OptimizeOptions& options) {
   result.x = x;
   result.objective = at_x.objective;
   result.constraints = at_x.constraints;
-  result.certificate = certify(problem, x, at_x);
+  result.certificate = std::move(certificate);
   result.feasible = result.certificate.max_violation <= options.feasibility_tolerance;
 }
 
-// A violation within the tolerance buys a lower objective, so that the lowest f may belong to an
-// iterate from before the last digits were found. Of the points that are as good to first order,
-// |f - f_best| <= 2 |multipliers|_1 feasibility_tolerance, take one that can be certified.
+// Of the points that are as good as the best one, take one that can be certified.
 void prefer_certified(OptimizeResult& result, const Monitor& monitor,
                       const OptimizeOptions& options) {
   if (!result.feasible || result.certificate.kkt_residual <= options.optimality_tolerance) return;
-  const double worth =
-      2.0 * result.certificate.multipliers.lpNorm<1>() * options.feasibility_tolerance;
-  const double rounding = 1e-14 * std::abs(result.objective);
-  monitor.visit_recent(result.objective + worth + rounding,
-                       [&](const Eigen::VectorXd& x, const Evaluation& at_x) {
-                         const Certificate found = certify(monitor.problem(), x, at_x);
-                         if (found.kkt_residual > options.optimality_tolerance) return false;
-                         take_point(result, monitor.problem(), x, at_x, options);
-                         return true;
-                       });
+  const double limit = as_good_as(result.objective, result.certificate, options);
+  monitor.visit_recent(limit, [&](const Eigen::VectorXd& x, const Evaluation& at_x) {
+    Certificate found = certify(monitor.problem(), x, at_x);
+    if (found.kkt_residual > options.optimality_tolerance) return false;
+    take_point(result, x, at_x, std::move(found), options);
+    return true;
+  });
 }
 
 // Evaluations kept back from the solver for explain().
@@ -111,7 +106,7 @@ void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptio
   const Certificate found = certify(problem, nearest.x, at_x);
   const bool feasible = found.max_violation <= options.feasibility_tolerance;
   if (!feasible && found.violation_slope > kFlatViolation) return;
-  take_point(result, problem, nearest.x, at_x, options);
+  take_point(result, nearest.x, at_x, found, options);
   remark(result,
          "the solver left a violated point; this one was found by minimising the violation");
   if (!feasible) {
@@ -175,6 +170,8 @@ std::string_view to_string(StopReason reason) {
       return "not finite";
     case StopReason::Stalled:
       return "stalled";
+    case StopReason::Certified:
+      return "certified";
     case StopReason::Refused:
       return "refused";
   }
@@ -198,6 +195,9 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
       (info_.uses_gradient ? 0 : 1) + (constraints > 0 ? explain_budget(options) : 0);
   Monitor monitor(problem, options, info_.uses_gradient,
                   std::max(1, options.max_evaluations - reserved));
+  if (info_.uses_gradient && !info_.global && !options.library_defaults) {
+    monitor.stop_when_certified();
+  }
   const Eigen::VectorXd start = x0.cwiseMax(monitor.lower()).cwiseMin(monitor.upper());
   if (start != x0) remark(result, "the start was moved into the bounds");
   result.x = start;
@@ -225,7 +225,10 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
     if (result.stop == StopReason::SolverEnded) result.stop = StopReason::NonFinite;
     return result;
   }
-  take_point(result, problem, monitor.best_x(), monitor.best(), options);
+  take_point(result, monitor.best_x(), monitor.best(),
+             monitor.certificate() != nullptr ? *monitor.certificate()
+                                              : certify(problem, monitor.best_x(), monitor.best()),
+             options);
   prefer_certified(result, monitor, options);
   judge(result, problem, options);
   return result;

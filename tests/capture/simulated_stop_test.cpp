@@ -67,7 +67,7 @@ TEST_CASE("after a stop a search takes a few simulations more, and says what it 
     const CaptureProblem problem = turning_problem(measure);
     const Formulation fresh(problem);
     const long all = stopped_run(problem, -1).calls;
-    REQUIRE(all > 400);
+    REQUIRE(all > 300);
     int judged = 0, not_judged = 0;
     for (const long stop_at : {1L, all / 100, all / 10, all / 4, all - 20}) {
       const Run run = stopped_run(problem, stop_at);

@@ -89,6 +89,33 @@ TEST_CASE("from a violated point that a solver left the judge goes on to a feasi
   CHECK(again.status == Status::Optimal);
 }
 
+TEST_CASE("a solver is stopped at a point that is certain to be a minimum, and nowhere before") {
+  const KnownProblem p = hs035();
+  const Eigen::VectorXd minimiser = p.minimisers[0], far = vec({0.0, 0.0, 0.0});
+  const Eigen::VectorXd near = minimiser - vec({1e-8, 1e-8, 1e-8});  // residual within tolerances
+  const Scripted solver({near, minimiser, far, near});
+  const OptimizeResult r = solver.minimize(p, p.start);
+  CHECK(r.stop == StopReason::Certified);
+  CHECK(r.evaluations == 3);
+  CHECK(r.x == minimiser);
+  CHECK(r.status == Status::Optimal);
+  CHECK(r.certificate.kkt_residual == certify(p, minimiser).kkt_residual);
+  // Whoever wants the library as it is, or has no gradients, gets all of its points.
+  const OptimizeResult plain = solver.minimize(p, p.start, {.library_defaults = true});
+  CHECK(plain.stop == StopReason::SolverEnded);
+  CHECK(plain.evaluations == 4);
+  CHECK(Scripted({near, minimiser, far}, false).minimize(p, p.start).stop ==
+        StopReason::SolverEnded);
+  // A stationary point that is worse than what is known already is no end.
+  const KnownProblem q = ring();
+  const double r2 = std::sqrt(2.0);
+  const Eigen::VectorXd best = vec({-r2, -r2}), worst = vec({r2, r2});
+  const OptimizeResult s =
+      Scripted({best, vec({r2 - 1e-9, r2}), worst, vec({0.0, 0.0})}).minimize(q, q.start);
+  CHECK(s.evaluations == 5);
+  CHECK(s.x == best);
+}
+
 TEST_CASE("a solver that asks for one point for ever is stopped") {
   const KnownProblem p = rosenbrock();
   const OptimizeResult r =

@@ -57,7 +57,8 @@ enum class StopReason {
   Deadline,
   Interrupted,
   NonFinite,  ///< the model gave NaN or infinity at the start, or too often in a row
-  Stalled,    ///< the solver asked for the same point again and again
+  Stalled,    ///< the solver asked for the same point again and again, or left a violation as it is
+  Certified,  ///< our own residuals are far below the tolerances
   Refused,    ///< nothing was run: see message
 };
 
@@ -120,8 +121,10 @@ class Optimizer {
   /// Runs the solver from x0 (N, finite; moved into the box first, which the message says) and
   /// judges what it found. Same arguments, same bytes (deadline apart). Never throws for an
   /// algorithm that does not succeed; an exception of the problem is rethrown after the solver has
-  /// ended. A malformed request (sizes, NaN, crossed bounds, missing bounds of a global solver) is
-  /// refused: Failed, nothing evaluated (crossed bounds: Infeasible).
+  /// ended. A local solver with gradients is stopped at a point whose violation and KKT residual
+  /// are a thousandth of the tolerances: what solvers do after that is lost in rounding (not with
+  /// library_defaults). A malformed request (sizes, NaN, crossed bounds, missing bounds of a global
+  /// solver) is refused: Failed, nothing evaluated (crossed bounds: Infeasible).
   [[nodiscard]] OptimizeResult minimize(const Problem& problem, const Eigen::VectorXd& x0,
                                         const OptimizeOptions& options = {}) const;
 
