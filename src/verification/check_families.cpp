@@ -80,14 +80,15 @@ double relative_objective(const Judged& at) {
   return objective_value(at.problem, at.response, Fbar) / std::max(scale, 1e-300);
 }
 
-/// How far the nearest limit of a variable or inequality is, each in its unit.
-double distance_to_limit(const Judged& at) {
+/// How far the limits of variables and inequalities are, each in its unit; the same ones
+/// everywhere.
+std::vector<double> distances_to_limits(const Judged& at) {
   const CaptureProblem& problem = at.problem;
   const Configuration& configuration = at.alone.configuration;
   const VariableSpec& free = problem.variables;
-  double nearest = kInfinity;
-  const auto between = [&nearest](double x, double lower, double upper) {
-    nearest = std::min({nearest, std::abs(x - lower), std::abs(x - upper)});
+  std::vector<double> out;
+  const auto between = [&out](double x, double lower, double upper) {
+    out.push_back(std::min(std::abs(x - lower), std::abs(x - upper)));
   };
   const double margin = problem.constraints.joint_limit_margin;
   for (int k = 0; k < problem.robot.n(); ++k) {
@@ -126,6 +127,18 @@ double distance_to_limit(const Judged& at) {
   if (margins.coupling) between(*margins.coupling, wanted.coupling_singular_value_min, kInfinity);
   if (margins.jacobian) between(*margins.jacobian, wanted.jacobian_singular_value_min, kInfinity);
   if (margins.distance) between(*margins.distance, *wanted.clearance, kInfinity);
+  return out;
+}
+
+/// Distance of a place on a curve from the nearest limit at which the curve may end: what is at a
+/// limit in its middle, too, is so all along (a box of no height, a stated closing speed).
+/// @param along distances in the middle of the curve
+double distance_to_end(const Judged& at, const std::vector<double>& along) {
+  const std::vector<double> here = distances_to_limits(at);
+  double nearest = kInfinity;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    if (along[i] > kAtLimit) nearest = std::min(nearest, here[i]);
+  }
   return nearest;
 }
 
@@ -274,9 +287,11 @@ class Curves {
       ends_.push_back(fmt::format("curve {}: closed, but not complete", number));
     }
     if (family.is_closed || family.points.empty()) return;
+    const Configuration& middle = family.points[family.points.size() / 2];
+    const std::vector<double> along = distances_to_limits(Judged(context_.problem, middle));
     bool all_at_limits = true;
     for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
-      const double gap = distance_to_limit(Judged(context_.problem, *end));
+      const double gap = distance_to_end(Judged(context_.problem, *end), along);
       if (gap <= kAtLimit) continue;
       all_at_limits = false;
       if (!family.is_complete) continue;

@@ -202,6 +202,7 @@ bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at
   if (!(equations.residual(x).cwiseAbs().maxCoeff() <= kVanishes)) return false;
   const Eigen::VectorXd sizes =
       Eigen::JacobiSVD<Eigen::MatrixXd>(equations.jacobian(x)).singularValues();
+  if (sizes.size() < n) return false;  // fewer equations: more than one direction is open
   return sizes[n - 1] <= kOpen && sizes[n - 2] >= kShut;
 }
 

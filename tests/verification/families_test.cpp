@@ -257,6 +257,33 @@ TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of
   CHECK_FALSE(holds(other, "families_points_vanish"));
 }
 
+TEST_CASE("what is at a limit all along a curve does not end it") {
+  CaptureProblem problem = test::without_path("planar_three_link_null");
+  problem.measure.kind = RiskMeasure::Nominal;
+  problem.variables.joints = {false, true, false};
+  problem.variables.base_attitude = AttitudeFreedom::Axis;
+  problem.variables.base_attitude_axis = Vector3d::UnitZ();
+  problem.variables.base_attitude_max = M_PI;
+  problem.impulse.direction = Vector3d(-0.8, 0.6, 0);
+  problem.impulse.direction_frame = Frame::Inertial;
+  problem.hand = {};
+  problem.search.starts = 24;
+  SECTION("a stated closing speed") {
+    problem.constraints.closing_speed_min = problem.impulse.closing_speed;
+  }
+  SECTION("a box of no height") {
+    problem.hand.position = Vector3d(1, 0, 0);
+    problem.hand.constraint = HandConstraint::Position;
+    problem.variables.base_position = PositionFreedom::Box;
+    problem.variables.base_position_lower = {-9, -9, 0};
+    problem.variables.base_position_upper = {9, 9, 0};
+  }
+  const Plan plan = make_plan(problem);
+  const auto is_cut = [](const SolutionFamily& family) { return !family.is_complete; };
+  CHECK(std::any_of(plan.families.begin(), plan.families.end(), is_cut));
+  CHECK(holds(plan, "families_ends"));
+}
+
 TEST_CASE("curves of a base that turns freely are followed up to half a turn") {
   CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.variables.base_attitude_max = 3.14159265358979323846;
