@@ -40,7 +40,8 @@ struct DirectionModel {
   double value(const Eigen::Vector2d& c) const;
   /// Whether no value was given up so far.
   bool is_complete() const { return turns.empty() || !stop.reached(); }
-  /// values[i] = value(places[i]), two at a time; directions[i] = direction(places[i]).
+  /// Values along the directions, two at a time. Where it is not linear the places count, which the
+  /// directions belong to.
   void values(const std::vector<Eigen::Vector2d>& places, const std::vector<Vector3d>& directions,
               std::vector<double>& values) const;
   /// Whether |y| is known in closed form: nothing simulated, nothing of the user's.

@@ -187,6 +187,9 @@ struct Formulation::Parts {
                        const Hit<S>& hit, ScalarGradient<S>& gradient) const;
   template <class S>
   VectorX<S> compress(const Local<S>& local, const ScalarGradient<S>& gradient) const;
+  /// The same into a row of a matrix.
+  void compress_into(const Local<double>& local, const ScalarGradient<double>& gradient,
+                     Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> out) const;
   /// sum w_k grad f_k over scenarios + sum multipliers_i grad g_i.
   template <class S>
   VectorX<S> lagrangian_gradient(const VectorX<S>& x, const std::vector<Scenario>& scenarios,
@@ -196,9 +199,6 @@ struct Formulation::Parts {
   /// The state of the target at a time, of which the last one is kept: it is the same all along
   /// where the time is no variable.
   const TargetState& target_state(double time) const;
-  /// The same into a row of a matrix.
-  void compress_into(const Local<double>& local, const ScalarGradient<double>& gradient,
-                     Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> out) const;
   /// @param predicted the predicted hit, where it is known already
   void evaluate_one_by_one(const Local<double>& local, const PostureImpact<double>& stated,
                            const Hit<double>* predicted, const std::vector<Scenario>& scenarios,

@@ -132,7 +132,11 @@ void Formulation::set_implied_rows_aside() {
     const bool is_freed = parts.problem.hand.constraint == HandConstraint::None &&
                           VariableLayout(wider).size == num_variables();
     std::vector<Row> implied;
-    if (!is_freed) implied = Formulation(wider).parts_->implied_rows;
+    try {
+      if (!is_freed) implied = Formulation(wider).parts_->implied_rows;
+    } catch (const InputError&) {
+      // There, too, they are more than the variables: nobody knows which of them others imply.
+    }
     for (const Row& other : implied) {
       const auto row = std::find_if(parts.rows.begin(), parts.rows.end(),
                                     [&](const Row& own) { return own.name == other.name; });

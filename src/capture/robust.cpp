@@ -114,13 +114,15 @@ Place jump_to_top(const DirectionModel& model, const Place& place, double step) 
   return top.value > place.value ? top : place;
 }
 
-/// Newton's step towards the maximum of ln |y|^2 over the directions: on the sphere, or along the
-/// cone's rim where the maximum lies beyond it. Uphill where the function is not concave. Zero
-/// where there is nothing to climb.
+/// A move on the sphere of directions, or along the cone's rim.
 struct Step {
   Eigen::Vector2d along = Eigen::Vector2d::Zero();  // rad, away from the cone's axis and around it
   bool on_rim = false;
 };
+
+/// Newton's step towards the maximum of ln |y|^2 over the directions: on the sphere, or along the
+/// cone's rim where the maximum lies beyond it. Uphill where the function is not concave. Zero
+/// where there is nothing to climb.
 Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
   Step step;
   const double angle = c.norm(), alpha = model.half_angle;
@@ -207,10 +209,10 @@ Place refine(const DirectionModel& model, Place place) {
     for (int round = 0; round < kRounds; ++round) {
       place = climb_by_newton(model, place);
       const Place further = ascend(model, place, alpha / 36);
-      if (!(further.value > place.value)) break;
+      if (!(further.value > place.value)) return place;
       place = further;
     }
-    return place;
+    return climb_by_newton(model, place);
   }
   for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
   for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);

@@ -5,9 +5,9 @@
 // Numerical Continuation Methods, SIAM 2003).
 //
 // Assumptions: the curve is smooth and keeps away from points where a second direction opens; a
-// trace ends there and is marked as not complete, as where a freely turning base is half a turn
-// away from its stated attitude: beyond it the variables are others. Lengths mix rad, m and s as
-// the variables do.
+// trace ends there and is marked as not complete, as where a base that may turn all the way is half
+// a turn away from its stated attitude: beyond it the variables are others. Lengths mix rad, m and
+// s as the variables do.
 #pragma once
 
 #include <optional>

@@ -247,10 +247,10 @@ class NloptOptimizer final : public Optimizer {
     }
     if (!options.library_defaults) set_tolerances(opt.get());
 
-    const bool is_local_inside = wrapped || row_.algorithm == NLOPT_G_MLSL_LDS;
-    const Opt lbfgs(is_local_inside ? nlopt_create(NLOPT_LD_LBFGS, n) : nullptr);
-    const Opt inner(is_local_inside ? nlopt_create(row_.algorithm, n) : nullptr);
-    if (is_local_inside && !options.library_defaults) {
+    const bool has_inner = wrapped || row_.algorithm == NLOPT_G_MLSL_LDS;
+    const Opt lbfgs(has_inner ? nlopt_create(NLOPT_LD_LBFGS, n) : nullptr);
+    const Opt inner(has_inner ? nlopt_create(row_.algorithm, n) : nullptr);
+    if (has_inner && !options.library_defaults) {
       set_inner_tolerances(lbfgs.get());
       set_inner_tolerances(inner.get());
     }

@@ -211,7 +211,7 @@ void check_list(const Context& context, ClaimList& claims) {
   // Minima of a robust measure that are on a curve count beside the starts that ended there.
   for (std::size_t i = 0; i < on_curve.size(); ++i) {
     const int starts = plan.families[i].starts;
-    // Of a list that was cut it is known only that the rest is no less than nothing.
+    // A list that was cut may lack some of them.
     const bool fits = !is_nominal ? !is_whole || starts <= on_curve[i]
                       : is_whole  ? starts == on_curve[i]
                                   : starts >= on_curve[i];

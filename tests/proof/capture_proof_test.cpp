@@ -4,16 +4,13 @@
 #include <cmath>
 
 #include <stillbase/capture/formulation.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/proof/proof.hpp>
 #include <stillbase/reference/reference.hpp>
 
+#include "support/shipped_problem.hpp"
+
 namespace stillbase {
 namespace {
-
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
 
 Vector6d wrench_of(const CaptureProblem& problem) {
   return Formulation(problem)
@@ -22,7 +19,7 @@ Vector6d wrench_of(const CaptureProblem& problem) {
 }
 
 Proof proof_of(const std::string& name) {
-  const CaptureProblem problem = shipped(name);
+  const CaptureProblem problem = test::shipped(name);
   return prove(problem, wrench_of(problem));
 }
 
@@ -39,7 +36,7 @@ TEST_CASE("every C2 posture of both planar arms is enclosed, to 1e-10, and none 
   const std::pair<const char*, std::size_t> known[] = {{"planar_two_link_c2_a", 8},
                                                        {"planar_two_link_c2_b", 10}};
   for (const auto& [name, count] : known) {
-    const CaptureProblem problem = shipped(name);
+    const CaptureProblem problem = test::shipped(name);
     const Proof proof = proof_of(name);
     CAPTURE(name, proof.statement, proof.boxes);
     CHECK(proof.status == ProofStatus::Complete);
@@ -57,7 +54,7 @@ TEST_CASE("every C2 posture of both planar arms is enclosed, to 1e-10, and none 
 }
 
 TEST_CASE("every posture of a redundant planar arm that keeps the base still is enclosed") {
-  const CaptureProblem problem = shipped("planar_three_link_null");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   const Proof proof = proof_of("planar_three_link_null");
   CAPTURE(proof.statement, proof.boxes);
   CHECK(proof.status == ProofStatus::Complete);
@@ -72,7 +69,7 @@ TEST_CASE("every posture of a redundant planar arm that keeps the base still is 
 }
 
 TEST_CASE("the straight arm hit along its axis is among the C2 postures") {
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.impulse.direction = Vector3d(-1, 0, 0);
   const Proof proof = prove(problem, wrench_of(problem));
   CAPTURE(proof.statement);
@@ -87,7 +84,7 @@ TEST_CASE("the straight arm hit along its axis is among the C2 postures") {
 }
 
 TEST_CASE("joint limits that leave a solution out take it off the list") {
-  CaptureProblem problem = shipped("planar_two_link_c2_b");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_b");
   const Proof all = prove(problem, wrench_of(problem));
   REQUIRE(all.solutions.size() == 10);
   for (Joint& joint : problem.robot.joints) {
@@ -105,7 +102,7 @@ TEST_CASE("joint limits that leave a solution out take it off the list") {
 }
 
 TEST_CASE("the proof is the same for every call, and a limit of boxes is said") {
-  const CaptureProblem problem = shipped("planar_two_link_c2_a");
+  const CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   const Vector6d F = wrench_of(problem);
   const Proof one = prove(problem, F), two = prove(problem, F);
   CHECK(one.boxes == two.boxes);
@@ -133,7 +130,7 @@ TEST_CASE("the proof is the same for every call, and a limit of boxes is said") 
 
 TEST_CASE("problems of another kind say why there is no proof") {
   CHECK(proof_of("iiwa_client_50").statement.find("no proof: ") == 0);
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::G2;
   problem.objective = {{ObjectiveQuantity::BaseAngularMomentum}};
   const Proof curve = prove(problem, wrench_of(problem));

@@ -11,17 +11,13 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/proof/proof.hpp>
 
 #include "support/random_robot.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
-
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
 
 /// A flat client that comes from the right and turns about z; its feature looks towards -x at
 /// first.
@@ -163,7 +159,7 @@ Proof check_against_newton(const CaptureProblem& problem, bool zero, int starts 
 /// Three turning joints in no special arrangement.
 CaptureProblem robot_in_space(std::uint64_t seed) {
   Random random(seed);
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.robot = random_robot(random, 3, false);
   for (Joint& joint : problem.robot.joints) {
     joint.type = JointType::Continuous;
@@ -175,7 +171,7 @@ CaptureProblem robot_in_space(std::uint64_t seed) {
 }
 
 CaptureProblem turning_base(const char* name) {
-  CaptureProblem problem = shipped(name);
+  CaptureProblem problem = test::shipped(name);
   problem.variables.base_attitude = AttitudeFreedom::Axis;
   problem.variables.base_attitude_axis = Vector3d::UnitZ();
   problem.variables.base_attitude_max = M_PI;
@@ -219,7 +215,7 @@ TEST_CASE("two joints and the base attitude: the hand at a turning client, base 
 }
 
 TEST_CASE("a free contact time: two joints meet a turning client in case C") {
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::C;
   add_turning_client(problem, {5.9, 0.42, 0}, 5 * M_PI / 180);
   problem.hand.constraint = HandConstraint::Position;
@@ -230,7 +226,7 @@ TEST_CASE("a free contact time: two joints meet a turning client in case C") {
 }
 
 TEST_CASE("a free contact time and station: where the client turns decides the impulse alone") {
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   add_turning_client(problem, {5.9, 0.42, 0}, 5 * M_PI / 180);
   problem.variables.base_position = PositionFreedom::Free;
   problem.variables.joints = {false, true};
@@ -252,7 +248,7 @@ TEST_CASE("a free contact time and station: where the client turns decides the i
 }
 
 TEST_CASE("the hand against the normal of a turning client, and case C") {
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   add_turning_client(problem, {5.9, 0.42, 0}, 5 * M_PI / 180);
   problem.constraints.impact_case = CaseConstraint::C;
   problem.hand.constraint = HandConstraint::Axis;
@@ -264,7 +260,7 @@ TEST_CASE("the hand against the normal of a turning client, and case C") {
     CHECK_FALSE(proof.solutions.empty());
   }
   SECTION("with the base held and three joints it must be at the client too") {
-    CaptureProblem held = shipped("planar_three_link_null");
+    CaptureProblem held = test::shipped("planar_three_link_null");
     add_turning_client(held, {5.9, 0.42, 0}, 5 * M_PI / 180);
     held.hand.constraint = HandConstraint::Axis;
     held.variables.contact_time_lower = held.variables.contact_time_upper = 73;
@@ -274,7 +270,7 @@ TEST_CASE("the hand against the normal of a turning client, and case C") {
 }
 
 TEST_CASE("the pose of a hand in the plane: position and both ways of the elbow") {
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.hand.constraint = HandConstraint::Pose;
   problem.hand.orientation = rotation_exp({0, 0, 0.4});
   const Proof proof = check_against_newton(problem, false);
@@ -338,7 +334,7 @@ TEST_CASE("all three axes of a hand in space, the opposite attitude excluded") {
 
 TEST_CASE("seven joints that move, of which two or one and the base attitude are free: case C") {
   // The total momentum does not ask how the joints give way.
-  CaptureProblem problem = shipped("iiwa_case_c");
+  CaptureProblem problem = test::shipped("iiwa_case_c");
   problem.constraints.clearance.reset();
   problem.hand.constraint = HandConstraint::None;
   problem.variables.base_attitude = AttitudeFreedom::Fixed;
@@ -363,7 +359,7 @@ TEST_CASE("seven joints that move, of which two or one and the base attitude are
 }
 
 TEST_CASE("seven joints that move, of which three are free: base part zero, coupling part zero") {
-  CaptureProblem problem = shipped("iiwa_case_c");
+  CaptureProblem problem = test::shipped("iiwa_case_c");
   problem.constraints.clearance.reset();
   problem.hand.constraint = HandConstraint::None;
   problem.variables.base_attitude = AttitudeFreedom::Fixed;

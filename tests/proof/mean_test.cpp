@@ -38,9 +38,10 @@ double descended(const MinimumProblem& problem, Eigen::VectorXd at, const Eigen:
 TEST_CASE("means over samples: no bound is above the least one, and all are near it") {
   // Three free joints within limits, two within none, and a spatial arm with moments and inertia.
   const int kind = GENERATE(0, 1, 2);
-  CaptureProblem problem = shipped(kind == 1 ? "planar_two_link_c2_a" : "planar_three_link_null");
+  CaptureProblem problem =
+      test::shipped(kind == 1 ? "planar_two_link_c2_a" : "planar_three_link_null");
   if (kind == 2) {
-    problem = shipped("spart_3dof_point");
+    problem = test::shipped("spart_3dof_point");
     problem.variables.base_attitude = AttitudeFreedom::Fixed;
     problem.variables.base_position = PositionFreedom::Fixed;
   }
@@ -100,7 +101,7 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
 }
 
 TEST_CASE("products of an impulse's coefficients make its wrench again, rounding enclosed") {
-  CaptureProblem problem = shipped("spart_3dof_point");
+  CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.measure.kind = RiskMeasure::Expectation;
   problem.uncertainty.cone_half_angle = 0.4;
   problem.uncertainty.contact_point = 0.1;

@@ -11,25 +11,22 @@
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/measure.hpp"
 #include "proof/minimum_problem.hpp"
 #include "proof/side_conditions.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
-
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
 
 enum class Arm { Planar, Spatial, SpatialAtClient };
 
 /// All joints held, the base turned and free to turn further. The impulse comes along a direction
 /// of N, or is that of a client that has tumbled, whose size depends on the direction.
 CaptureProblem held_arm(Arm arm, AttitudeFreedom freedom) {
-  CaptureProblem problem = shipped(arm == Arm::Planar ? "planar_three_link_null" : "iiwa_cone");
+  CaptureProblem problem =
+      test::shipped(arm == Arm::Planar ? "planar_three_link_null" : "iiwa_cone");
   problem.variables.joints.assign(problem.variables.joints.size(), false);
   problem.variables.base_attitude = freedom;
   const bool is_cone = freedom == AttitudeFreedom::Cone;

@@ -8,23 +8,19 @@
 #include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
-#include <stillbase/io/problem_file.hpp>
 
 #include "capture/measure.hpp"
 #include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
 
-CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
-
 /// A client with three different moments that tumbles about no principal axis; one joint, base
 /// angle and time free.
 CaptureProblem tumbling_client() {
-  CaptureProblem problem = shipped("planar_three_link_client");
+  CaptureProblem problem = test::shipped("planar_three_link_client");
   problem.target_state.linear_velocity = {-0.1, 0.05, 0.04};
   problem.target_state.angular_velocity = {0.05, -0.1, 0.08};
   problem.target_state.pose.orientation = rotation_exp({0.3, 0.2, -0.5});
@@ -313,7 +309,7 @@ TEST_CASE("no bound is above the measure of any configuration, whatever varies")
   const int variant = GENERATE(0, 1, 2);
   const bool is_client = variant > 0;
   if (variant == 0) {  // the hand at a point of N, two joints and the base angle
-    problem = shipped("planar_three_link_null");
+    problem = test::shipped("planar_three_link_null");
     problem.variables.joints = {false, true, true};
     problem.variables.base_attitude = AttitudeFreedom::Axis;
     problem.variables.base_attitude_max = 0.5;
@@ -329,7 +325,7 @@ TEST_CASE("no bound is above the measure of any configuration, whatever varies")
     problem.variables.contact_time_upper = problem.variables.contact_time_lower + 8;
   }
   if (variant == 2) {  // the hand meets the turning client: two joints and the time
-    CaptureProblem client = shipped("planar_three_link_client");
+    CaptureProblem client = test::shipped("planar_three_link_client");
     client.measure = problem.measure;
     client.objective = problem.objective;
     client.variables.joints = {false, true, true};

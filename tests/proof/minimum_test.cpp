@@ -67,7 +67,7 @@ double least_on(const MinimumProblem& problem, const std::vector<Eigen::VectorXd
 }  // namespace
 
 TEST_CASE("the robust optimum of the redundant planar arm is proven, and no posture is below it") {
-  const CaptureProblem problem = shipped("planar_three_link_null");
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
   const MinimumProblem minimum = bounded(problem, wedge(M_PI, M_PI / 18, 13));
   const double least = least_on(minimum, self_motion(4000));
   const double best = 1.67764963350832e-05;  // the search's, see best_known.csv
@@ -81,7 +81,7 @@ TEST_CASE("the robust optimum of the redundant planar arm is proven, and no post
 }
 
 TEST_CASE("a bound holds and is sharp for every quantity, and for several together") {
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   const std::vector<Eigen::VectorXd> postures = self_motion(2500);
   using Q = ObjectiveQuantity;
   const std::vector<std::vector<ObjectiveTerm>> objectives = {
@@ -103,7 +103,7 @@ TEST_CASE("a bound holds and is sharp for every quantity, and for several togeth
 }
 
 TEST_CASE("two free joints without any equation: predicted value and worst case over a wedge") {
-  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   const double middle = 210 * M_PI / 180;
   for (const int directions : {1, 9}) {
     problem.objective = {{directions == 1 ? ObjectiveQuantity::ImpulseMagnitude
@@ -141,7 +141,7 @@ TEST_CASE("two free joints without any equation: predicted value and worst case 
 }
 
 TEST_CASE("a spatial arm at a point: the bound is the least value of its enclosed postures") {
-  CaptureProblem problem = shipped("spart_3dof_point");
+  CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.variables.base_attitude = AttitudeFreedom::Fixed;
   problem.variables.base_position = PositionFreedom::Fixed;
   problem.constraints.joint_limit_margin = 0;
@@ -170,7 +170,7 @@ TEST_CASE("a spatial arm at a point: the bound is the least value of its enclose
 }
 
 TEST_CASE("a best value that no posture has is found out") {
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   const MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
@@ -181,7 +181,7 @@ TEST_CASE("a best value that no posture has is found out") {
 }
 
 TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for every call") {
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
@@ -214,9 +214,9 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
 }
 
 TEST_CASE("problems that cannot be bounded say why, and constraints that are left out are named") {
-  CHECK_FALSE(minimum_objection(shipped("spart_3dof_point")).empty());
-  CHECK_FALSE(minimum_objection(shipped("iiwa_client_50")).empty());
-  CaptureProblem problem = shipped("planar_three_link_null");
+  CHECK_FALSE(minimum_objection(test::shipped("spart_3dof_point")).empty());
+  CHECK_FALSE(minimum_objection(test::shipped("iiwa_client_50")).empty());
+  CaptureProblem problem = test::shipped("planar_three_link_null");
   CHECK(minimum_objection(problem).empty());
   problem.constraints.clearance = 0.01;
   problem.constraints.coupling_singular_value_min = 1e-3;

@@ -8,16 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/reference/reference.hpp>
 
 #include "proof/minimum_problem.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
-
-inline CaptureProblem shipped(const std::string& name) {
-  return read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
-}
 
 /// |y|^2 after every impulse, at one posture, by the second implementation of the dynamics.
 inline std::vector<double> squares_at(const proof::MinimumProblem& problem,
