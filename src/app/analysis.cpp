@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
 #include "app/start_impact.hpp"
@@ -11,7 +13,7 @@ namespace stillbase::app {
 namespace {
 
 double angle_deg(const Vector3d& direction) {
-  const double angle = std::atan2(direction.y(), direction.x()) * 180 / M_PI;
+  const double angle = std::atan2(direction.y(), direction.x()) * 180 / kPi;
   return angle < 0 ? angle + 360 : angle;
 }
 
@@ -29,7 +31,7 @@ std::vector<AnalysisRow> sweep(CaptureProblem problem, int directions) {
   problem.impulse.direction_frame = Frame::Base;
   for (int i = 0; i < directions && signal_exit_code() == 0; ++i) {
     const double degrees = 360.0 * i / directions;
-    const double angle = degrees * M_PI / 180;
+    const double angle = degrees * kPi / 180;
     problem.impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0);
     rows.push_back({degrees, start_impact(problem)});
   }

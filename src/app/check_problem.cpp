@@ -1,11 +1,12 @@
 // stillbase check on a target, a problem or a plan.
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/plan/direction_cone.hpp>
 
 #include "app/check_report.hpp"
@@ -103,9 +104,7 @@ std::string target_report(const TargetBody& target) {
   if (target.is_point_mass) {
     text += ", a point mass\n";
   } else {
-    const Vector3d moments =
-        Eigen::SelfAdjointEigenSolver<Matrix3d>(target.inertia, Eigen::EigenvaluesOnly)
-            .eigenvalues();
+    const Vector3d moments = principal_moments(target.inertia);
     text += fmt::format(", principal moments {} kg m^2\n", vector_words(moments));
   }
   text += fmt::format("collision shapes: {}\nfeatures:\n", target.shapes.size());

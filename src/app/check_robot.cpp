@@ -1,11 +1,12 @@
 // stillbase check on a robot: bodies, joints, coupling, and what is suspicious.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/reaction_null_space.hpp>
 #include <stillbase/robot/suspicions.hpp>
@@ -18,8 +19,7 @@ namespace stillbase::app {
 namespace {
 
 std::string body_line(const Body& body) {
-  const Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3d principal = principal_moments(body.inertia);
   std::string text =
       fmt::format("  {}: {:.6g} kg, centroid {} m, principal moments {} kg m^2", body.name,
                   body.mass, vector_words(body.centroid), vector_words(principal));
@@ -54,7 +54,7 @@ JointVectord random_posture(const RobotModel& robot, Random& random) {
   for (int k = 0; k < robot.n(); ++k) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
     const bool is_bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    phi[k] = is_bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-M_PI, M_PI);
+    phi[k] = is_bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-kPi, kPi);
   }
   return phi;
 }
@@ -84,9 +84,7 @@ Coupling look_at_coupling(const RobotModel& robot) {
       best = std::min(best, ratio);
       worst = std::max(worst, ratio);
     }
-    const Vector3d moments =
-        Eigen::SelfAdjointEigenSolver<Matrix3d>(tilde.Htilde_omega, Eigen::EigenvaluesOnly)
-            .eigenvalues();
+    const Vector3d moments = principal_moments(tilde.Htilde_omega);
     lightest = std::min(lightest, moments[0]);
     heaviest = std::max(heaviest, moments[2]);
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include <stillbase/core/linear_algebra.hpp>
 
 #include "approach/base_motion.hpp"
 
@@ -78,9 +78,7 @@ double largest_rate(const TargetMotion& target, double time) {
   const double rate = state.angular_velocity.norm();
   if (target.body().is_point_mass || rate == 0) return rate;
   const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  return (inertia * omega_T).norm() / least;
+  return (inertia * omega_T).norm() / principal_moments(inertia)[0];
 }
 
 /// Follows a timed motion; each interval is proven clear or split.

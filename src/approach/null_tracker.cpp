@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
+#include <stillbase/core/linear_algebra.hpp>
 
 #include <stillbase/dynamics/inertia.hpp>
 
@@ -76,13 +76,13 @@ Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
   for (std::size_t i = 0; i < free_.size(); ++i) {
     A.col(static_cast<Eigen::Index>(i)) = all.col(free_[i]);
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> square(A * A.transpose());
-  Vector3d momentum = square.eigenvectors().transpose() * (A * wanted);
-  const Vector3d sizes = square.eigenvalues();
+  const SymmetricEigen3 square = symmetric_eigen3(A * A.transpose());
+  Vector3d momentum = square.vectors.transpose() * (A * wanted);
+  const Vector3d sizes = square.values;
   for (int k = 0; k < 3; ++k) {
     momentum[k] = sizes[k] > kRankSquared * sizes[2] ? momentum[k] / sizes[k] : 0;
   }
-  return wanted - A.transpose() * (square.eigenvectors() * momentum);
+  return wanted - A.transpose() * (square.vectors * momentum);
 }
 
 JointVectord NullTracker::slope(const Knots& knots, double s, const JointVectord& phi) const {

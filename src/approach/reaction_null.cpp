@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "approach/geometric_path.hpp"
@@ -39,7 +40,7 @@ Knots reference(const NullTracker& tracker, const JointVectord& start, const Joi
     for (Eigen::Index row = 0; row < a.size(); ++row) {
       const double size = width / wave * random.normal();
       for (int k = 1; k < kKnots; ++k) {
-        knots(row, k) += size * std::sin(3.141592653589793 * wave * k / kKnots);
+        knots(row, k) += size * std::sin(kPi * wave * k / kKnots);
       }
     }
   }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <Eigen/QR>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
@@ -66,8 +66,7 @@ Eigen::MatrixXd RestSpline::fitted(const JointPath& path) const {
         (motion_on_segment(path, segment, t).phi - weight.start * start_ - weight.end * end_)
             .transpose();
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-  return qr.solve(B).transpose();
+  return PivotedQr(A).solve_columns(B).transpose();
 }
 
 JointPath RestSpline::motion(const Eigen::MatrixXd& points, double duration, int parts) const {

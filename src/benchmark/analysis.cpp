@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
@@ -12,7 +13,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kBootstrapSeed = 1;
 
 /// One run with its costs, and where it belongs.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "capture/epigraph.hpp"
@@ -85,7 +86,7 @@ std::vector<Scenario> fixed_directions(const CaptureProblem& problem,
   const Vector3d across = predicted.direction.unitOrthogonal();
   const auto ring = [&](int count, double angle) {
     for (int i = 0; i < count; ++i) {
-      add(Eigen::AngleAxisd(2 * M_PI * i / count, predicted.direction) * across, angle);
+      add(Eigen::AngleAxisd(2 * kPi * i / count, predicted.direction) * across, angle);
     }
   };
   ring(4, half_angle / 2);
@@ -107,8 +108,8 @@ struct BenchmarkProgram::Parts {
     lower = formulation.lower();
     upper = formulation.upper();
     for (int i = 0; i < lower.size(); ++i) {
-      if (!std::isfinite(lower[i])) lower[i] = -M_PI;
-      if (!std::isfinite(upper[i])) upper[i] = M_PI;
+      if (!std::isfinite(lower[i])) lower[i] = -kPi;
+      if (!std::isfinite(upper[i])) upper[i] = kPi;
     }
     if (goal == BenchmarkGoal::Case) {
       program = std::make_unique<CaseProgram>(formulation);

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
 namespace stillbase {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Part of the rows whose figure is at most the limit, for each limit.
 template <class Figure>

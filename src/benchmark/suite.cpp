@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/capture/formulation.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
@@ -34,19 +35,19 @@ bool is_planar(const CaptureProblem& problem) {
 Vector3d random_direction(const CaptureProblem& problem, Random& random) {
   if (!is_planar(problem)) return random.unit_vector();
   const Vector3d axis = *problem.uncertainty.cone_plane_normal;
-  return Eigen::AngleAxisd(random.uniform(0, 2 * M_PI), axis) * axis.unitOrthogonal();
+  return Eigen::AngleAxisd(random.uniform(0, 2 * kPi), axis) * axis.unitOrthogonal();
 }
 
 Eigen::Quaterniond random_turn(const CaptureProblem& problem, Random& random) {
   if (is_planar(problem)) {
     return Eigen::Quaterniond(
-        Eigen::AngleAxisd(random.uniform(0, 2 * M_PI), *problem.uncertainty.cone_plane_normal));
+        Eigen::AngleAxisd(random.uniform(0, 2 * kPi), *problem.uncertainty.cone_plane_normal));
   }
   const Vector3d axis = random.unit_vector();
   // Uniform over rotations: the angle's density is (1 - cos) / pi on [0, pi].
   double angle = 0;
   do {
-    angle = random.uniform(0, M_PI);
+    angle = random.uniform(0, kPi);
   } while (random.uniform(0, 2) > 1 - std::cos(angle));
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
 }
@@ -56,7 +57,7 @@ JointVectord random_posture(const RobotModel& robot, Random& random) {
   for (int k = 0; k < robot.n(); ++k) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
     const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    phi[k] = bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-M_PI, M_PI);
+    phi[k] = bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-kPi, kPi);
   }
   return phi;
 }

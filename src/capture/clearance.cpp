@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/rotation.hpp>
 
 #include "capture/clearance_kernel.hpp"
@@ -50,8 +51,8 @@ bool reaches(const ClearanceShape& shape, const Vector3d& point) {
 /// positions of its range.
 bool overlap_always(const Joint& joint, const ClearanceShape& child, const ClearanceShape& parent) {
   constexpr int kPositions = 64;
-  const double low = std::isfinite(joint.lower) ? joint.lower : -M_PI;
-  const double high = std::isfinite(joint.upper) ? joint.upper : M_PI;
+  const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
+  const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
   for (int i = 0; i < kPositions; ++i) {
     const double phi = low + (high - low) * i / (kPositions - 1);
     const Vector3d along(0, 0, phi);

@@ -1,7 +1,7 @@
 #include "capture/equations.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
+#include <stillbase/core/linear_algebra.hpp>
 #include <vector>
 
 namespace stillbase {
@@ -40,11 +40,8 @@ Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::Vec
   // Square at least, so that the right singular vectors are all there.
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(std::max(equations.rows(), x.size()), x.size());
   J.topRows(equations.rows()) = equations;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
-  const Eigen::VectorXd& sizes = svd.singularValues();
-  Eigen::Index rank = 0;
-  while (rank < sizes.size() && sizes[rank] > kRank * sizes[0]) ++rank;
-  return svd.matrixV().rightCols(x.size() - rank);
+  const Svd svd = right_svd(J);
+  return svd.V.rightCols(x.size() - numerical_rank(svd.sigma, kRank));
 }
 
 }  // namespace stillbase

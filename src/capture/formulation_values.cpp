@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "capture/rows_kernel.hpp"
@@ -59,8 +60,8 @@ Eigen::VectorXd Formulation::Parts::start_point(const Eigen::VectorXd& u) const 
   for (int i = 0; i < layout.size; ++i) {
     double low = layout.lower[i], high = layout.upper[i];
     if (!std::isfinite(low) || !std::isfinite(high)) {
-      low = std::isfinite(low) ? low : (std::isfinite(high) ? high - 2 * M_PI : -M_PI);
-      high = std::isfinite(high) ? high : low + 2 * M_PI;
+      low = std::isfinite(low) ? low : (std::isfinite(high) ? high - 2 * kPi : -kPi);
+      high = std::isfinite(high) ? high : low + 2 * kPi;
     }
     x[i] = low + u[i] * (high - low);
   }
@@ -72,22 +73,21 @@ Eigen::VectorXd Formulation::Parts::start_point(const Eigen::VectorXd& u) const 
       const Vector3d& axis = problem.variables.base_attitude_axis;
       const auto [e_1, e_2] = tangent_basis(axis);
       const double tilt = std::acos(1 - a * (1 - std::cos(limit)));
-      const Vector3d about = std::cos(2 * M_PI * b) * e_1 + std::sin(2 * M_PI * b) * e_2;
+      const Vector3d about = std::cos(2 * kPi * b) * e_1 + std::sin(2 * kPi * b) * e_2;
       const Eigen::Quaterniond turn =
-          rotation_exp(tilt * about) * rotation_exp(M_PI * (2 * c - 1) * axis);
+          rotation_exp(tilt * about) * rotation_exp(kPi * (2 * c - 1) * axis);
       const Eigen::Quaterniond& stated = problem.base.orientation;
       x.segment<3>(layout.attitude) = rotation_log(stated.conjugate() * turn * stated);
     } else if (limit > 3.14159) {
       // Uniform over rotations (Shoemake, Graphics Gems III, 1992).
       const Eigen::Quaterniond q(
-          std::sqrt(a) * std::cos(2 * M_PI * c), std::sqrt(1 - a) * std::sin(2 * M_PI * b),
-          std::sqrt(1 - a) * std::cos(2 * M_PI * b), std::sqrt(a) * std::sin(2 * M_PI * c));
+          std::sqrt(a) * std::cos(2 * kPi * c), std::sqrt(1 - a) * std::sin(2 * kPi * b),
+          std::sqrt(1 - a) * std::cos(2 * kPi * b), std::sqrt(a) * std::sin(2 * kPi * c));
       x.segment<3>(layout.attitude) = rotation_log(q);
     } else {
       const double z = 2 * a - 1, r = std::sqrt(std::max(0.0, 1 - z * z));
       x.segment<3>(layout.attitude) =
-          limit * std::cbrt(c) *
-          Vector3d(r * std::cos(2 * M_PI * b), r * std::sin(2 * M_PI * b), z);
+          limit * std::cbrt(c) * Vector3d(r * std::cos(2 * kPi * b), r * std::sin(2 * kPi * b), z);
     }
   }
   return x;

@@ -8,8 +8,8 @@
 // Where there are more equations than variables, every Jacobian is short of rank: which of them are
 // implied is asked of the same case without the hand's equations and with every joint and the base
 // attitude free. What holds there holds here.
-#include <Eigen/SVD>
 #include <algorithm>
+#include <stillbase/core/linear_algebra.hpp>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
@@ -31,7 +31,7 @@ bool is_case_row(const Row& row) {
 
 /// Singular values over the largest of them.
 Eigen::VectorXd relative_sizes(const Eigen::MatrixXd& J) {
-  const Eigen::VectorXd sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  const Eigen::VectorXd sizes = singular_values(J);
   return sizes / std::max(sizes.maxCoeff(), 1e-300);
 }
 

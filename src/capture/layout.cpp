@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase {
 
 VariableLayout::VariableLayout(const CaptureProblem& problem) {
@@ -19,7 +21,7 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
   }
   // What a cone leaves to the turn as a whole: everything.
   const bool is_cone = problem.variables.base_attitude == AttitudeFreedom::Cone;
-  const double turn = is_cone ? M_PI : problem.variables.base_attitude_max;
+  const double turn = is_cone ? kPi : problem.variables.base_attitude_max;
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
     attitude = static_cast<int>(low.size());
     attitude_size = problem.variables.base_attitude == AttitudeFreedom::Axis ? 1 : 3;

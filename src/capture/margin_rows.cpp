@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/plan/encounter.hpp>
 
@@ -21,11 +22,7 @@ int generic_rank(int n, const MatrixAt& matrix_at) {
   for (int sample = 0; sample < 8; ++sample) {
     JointVectord phi(n);
     for (int k = 0; k < n; ++k) phi[k] = random.uniform(-3, 3);
-    const Eigen::MatrixXd A = matrix_at(phi);
-    const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
-    int here = 0;
-    while (here < values.size() && values[here] > 1e-9 * values[0]) ++here;
-    rank = std::max(rank, here);
+    rank = std::max(rank, numerical_rank(singular_values(matrix_at(phi)), 1e-9));
   }
   return rank;
 }

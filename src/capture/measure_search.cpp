@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 #include "capture/projection.hpp"
 
 namespace stillbase {
@@ -43,7 +45,7 @@ bool is_near(const Formulation& formulation, const std::vector<Eigen::VectorXd>&
 std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
                                             const Eigen::VectorXd& x) {
   const Configuration here = formulation.configuration(x);
-  const auto half_turn = [](double angle) { return angle > 0 ? angle - M_PI : angle + M_PI; };
+  const auto half_turn = [](double angle) { return angle > 0 ? angle - kPi : angle + kPi; };
   std::vector<Eigen::VectorXd> out;
   for (Eigen::Index k = 0; k + 2 < here.phi.size(); ++k) {
     Configuration other = here;

@@ -1,7 +1,7 @@
 #include "capture/projection.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
@@ -57,9 +57,7 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
       for (int i = 0; i < x0.size(); ++i) {
         if (held[static_cast<std::size_t>(i)]) A.col(i).setZero();
       }
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-      solver.setThreshold(1e-9);
-      step = -solver.compute(A).solve(r);
+      step = -least_norm_solution(A, r, 1e-9);
       bool changed = false;
       for (int i = 0; i < x0.size(); ++i) {
         const bool out_of_box =

@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include <stillbase/core/constants.hpp>
+
 #include "capture/direction_model.hpp"
 
 namespace stillbase {
@@ -43,7 +45,7 @@ std::vector<Place> scan(const DirectionModel& model) {
       polar.emplace_back(std::cos(angle), std::sin(angle));
     }
     for (int spoke = 0; spoke < spokes; ++spoke) {
-      const double angle = 2 * M_PI * spoke / spokes;
+      const double angle = 2 * kPi * spoke / spokes;
       const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
       const Vector3d outward = side[0] * model.u + side[1] * model.v;
       for (int ring = 1; ring <= rings; ++ring) {
@@ -66,7 +68,7 @@ Place ascend(const DirectionModel& model, Place place, double step) {
   for (bool moved = true; moved;) {
     moved = false;
     for (int i = 0; i < compass; ++i) {
-      const double angle = 2 * M_PI / compass * i;
+      const double angle = 2 * kPi / compass * i;
       const Eigen::Vector2d c =
           model.project(place.c + step * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
       const double value = model.value(c);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <stillbase/capture/robust.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
@@ -90,7 +91,7 @@ class Search {
     // A local solve needs about 40; creeping is cut off.
     solve_.max_evaluations = simulates_ ? 200 : 1000;
     solve_.stop = options.stop;
-    solve_.feasibility_tolerance = kFeasible;
+    solve_.feasibility_tolerance = kFeasibilityTolerance;
     solve_.optimality_tolerance = kOptimal;
   }
 
@@ -101,7 +102,7 @@ class Search {
     if (!isolated_ && !simulates_) follow_curves();
     out_.unseen = unseen();
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
-    const bool feasible = nearest_.violation <= kFeasible;
+    const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
       out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
@@ -148,7 +149,7 @@ class Search {
 
   Solution local_minimum(const Eigen::VectorXd& x0) {
     Solution found = solved(*optimizer_, x0);
-    if (rescuer_ && found.violation <= kFeasible && !options_.stop.reached() &&
+    if (rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
         nlp::certify(formulation_, found.x).kkt_residual > kOptimal) {
       const Solution further = solved(*rescuer_, found.x);
       if (better(further, found)) found = further;
@@ -176,7 +177,7 @@ class Search {
       found.x = formulation_.normalised(found.x);
       ++out_.starts;
       if (better(found, nearest_)) nearest_ = found;
-      if (found.violation <= kFeasible) keep_distinct(formulation_, found, solutions_);
+      if (found.violation <= kFeasibilityTolerance) keep_distinct(formulation_, found, solutions_);
       if (options_.on_progress) options_.on_progress(start + 1, starts);
     }
   }
@@ -213,7 +214,7 @@ class Search {
       Solution solution = judge(problem_, formulation_, member.x);
       solution.reached = member.reached;
       solution.family = member.family;
-      if (!(solution.violation <= kFeasible)) continue;
+      if (!(solution.violation <= kFeasibilityTolerance)) continue;
       keep_distinct(formulation_, solution, solutions_);
       if (better(solution, nearest_)) nearest_ = solution;
     }
@@ -275,7 +276,7 @@ class Search {
         const Solution predicted = judge(problem_, formulation_, minimum.x);
         if (better(predicted, from)) from = predicted;
       }
-      if (!(from.violation <= kFeasible && size(from) < lowest - kClearly)) break;
+      if (!(from.violation <= kFeasibilityTolerance && size(from) < lowest - kClearly)) break;
       const Solution further = local_minimum(from.x);
       keep_distinct(formulation_, better(further, from) ? further : from, solutions_);
       is_better = true;
@@ -289,7 +290,7 @@ class Search {
 
   void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
     const double violation = largest_violation(problem_, formulation_, x);
-    if (!(violation <= kFeasible)) return;
+    if (!(violation <= kFeasibilityTolerance)) return;
     keep_distinct(formulation_, {x, measure_.value(x), violation}, minima);
   }
 
@@ -307,7 +308,7 @@ class Search {
       const MeasureSolution further = measure_.finish(*rescuer_, briefly, best);
       out_.solver_calls[kRescuer] += further.solver_calls;
       const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
-      if (!(exact.violation <= kFeasible)) return;
+      if (!(exact.violation <= kFeasibilityTolerance)) return;
       const Eigen::VectorXd x = formulation_.normalised(exact.x);
       if (!(measure_.value(x) < measure_.value(best))) return;
       keep_minimum(x, minima);
@@ -403,7 +404,7 @@ SearchResult search(const CaptureProblem& problem, const Formulation& formulatio
 }
 
 PlanStatus status_of(const Certificate& certificate) {
-  if (!(certificate.max_violation <= kFeasible)) return PlanStatus::Infeasible;
+  if (!(certificate.max_violation <= kFeasibilityTolerance)) return PlanStatus::Infeasible;
   return certificate.kkt_residual <= kOptimal ? PlanStatus::Optimal : PlanStatus::Feasible;
 }
 

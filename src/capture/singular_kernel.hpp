@@ -8,8 +8,7 @@
 
 #include <type_traits>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include <stillbase/core/linear_algebra.hpp>
 
 #include "core/tangent.hpp"
 
@@ -28,14 +27,14 @@ SingularTriple<S> singular_triple(const Eigen::Matrix<S, Eigen::Dynamic, Eigen::
   using std::sqrt;
   Eigen::MatrixXd plain(A.rows(), A.cols());
   for (Eigen::Index i = 0; i < A.size(); ++i) plain(i) = value_of_number(A(i));
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(plain, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const double sigma = svd.singularValues()[r - 1];
-  const Eigen::VectorXd u = svd.matrixU().col(r - 1);
+  const Svd svd = thin_svd(plain);
+  const double sigma = svd.sigma[r - 1];
+  const Eigen::VectorXd u = svd.U.col(r - 1);
   SingularTriple<S> out;
   if constexpr (std::is_same_v<S, double>) {
     out.sigma = sigma;
     out.u = u;
-    out.v = svd.matrixV().col(r - 1);
+    out.v = svd.V.col(r - 1);
   } else {
     // (A A' - lambda) u = 0, (u'u - 1) / 2 = 0 in lambda and u.
     const Eigen::Index m = A.rows();
@@ -44,9 +43,7 @@ SingularTriple<S> singular_triple(const Eigen::Matrix<S, Eigen::Dynamic, Eigen::
     jacobian.diagonal().head(m).array() -= sigma * sigma;
     jacobian.topRightCorner(m, 1) = -u;
     jacobian.bottomLeftCorner(1, m) = u.transpose();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-10);
-    const Eigen::MatrixXd inverse = solver.compute(jacobian).pseudoInverse();
+    const Eigen::MatrixXd inverse = pseudo_inverse(jacobian, 1e-10);
     Eigen::Matrix<S, Eigen::Dynamic, 1> residual(m + 1), step(m + 1);
     const Eigen::Matrix<S, Eigen::Dynamic, 1> u_S = u.template cast<S>();
     residual.head(m) = A * (A.transpose() * u_S) - u_S * S(sigma * sigma);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/capture/robust.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/impact/summary.hpp>
 
 #include "capture/projection.hpp"
@@ -45,7 +46,7 @@ double largest_violation(const CaptureProblem& problem, const Formulation& formu
     worst = std::max(worst, value.violation);
   }
   const double of_case = case_residual(problem, formulation, x);
-  return of_case <= kFeasible ? worst : std::max(worst, of_case);
+  return of_case <= kFeasibilityTolerance ? worst : std::max(worst, of_case);
 }
 
 Solution judge(const CaptureProblem& problem, const Formulation& formulation,
@@ -61,7 +62,7 @@ Solution judge(const CaptureProblem& problem, const Formulation& formulation,
 }
 
 bool better(const Solution& a, const Solution& b) {
-  const bool fa = a.violation <= kFeasible, fb = b.violation <= kFeasible;
+  const bool fa = a.violation <= kFeasibilityTolerance, fb = b.violation <= kFeasibilityTolerance;
   if (fa != fb) return fa;
   return fa ? a.objective < b.objective : a.violation < b.violation;
 }

@@ -7,8 +7,7 @@
 
 namespace stillbase {
 
-inline constexpr double kFeasible = 1e-9;  ///< largest violation of a feasible plan
-inline constexpr double kOptimal = 1e-6;   ///< largest KKT residual of an optimal plan
+inline constexpr double kOptimal = 1e-6;  ///< largest KKT residual of an optimal plan
 
 struct Solution {
   Eigen::VectorXd x;

@@ -1,8 +1,8 @@
 #include "capture/solution_curve.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <stillbase/core/linear_algebra.hpp>
 
 #include "capture/equations.hpp"
 
@@ -33,9 +33,7 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
     A << J, normal.transpose();
     Eigen::VectorXd b(r.size() + 1);
     b << r, normal.dot(at - x);
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-9);  // rows of a planar robot that vanish identically
-    at -= solver.compute(A).solve(b);
+    at -= least_norm_solution(A, b, 1e-9);  // rows of a planar robot may vanish identically
   }
   evaluate_equations(formulation, at, true, r, J);
   return r.cwiseAbs().maxCoeff() <= kExact ? std::optional(at) : std::nullopt;

@@ -6,6 +6,7 @@
 
 #include <stillbase/capture/robust.hpp>
 #include <stillbase/capture/search.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/nlp/optimizer.hpp>
@@ -16,7 +17,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kFeasible = 1e-9;
 constexpr std::size_t kStartsOfAKind = 6;
 constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
 /// What counts as having the least of a quantity: so near to it, relative to that value, and, as
@@ -108,7 +108,7 @@ class FrontSearch {
     second_.give_up_simulations_at(options.stop);
     solve_.max_evaluations = 1000;
     solve_.stop = options.stop;
-    solve_.feasibility_tolerance = kFeasible;
+    solve_.feasibility_tolerance = kFeasibilityTolerance;
     solve_.optimality_tolerance = 1e-6;
   }
 
@@ -128,7 +128,7 @@ class FrontSearch {
       for (std::size_t i = 0; i < found.points.size(); ++i) {
         // What a quantity is worth may take a simulation each time.
         if (!points_.empty() && stopped()) break;
-        if (found.candidates[i].max_violation <= kFeasible) add(found.points[i]);
+        if (found.candidates[i].max_violation <= kFeasibilityTolerance) add(found.points[i]);
       }
     }
     // A front may jump from one family of postures to another: starts from everywhere.
@@ -136,7 +136,7 @@ class FrontSearch {
       const Eigen::VectorXd x0 = second_.start_point(
           low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
       const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
-      if (projected.violation <= kFeasible) add(second_.normalised(projected.x));
+      if (projected.violation <= kFeasibilityTolerance) add(second_.normalised(projected.x));
     }
     if (points_.empty()) return;
     improve_ends();
@@ -312,7 +312,7 @@ class FrontSearch {
     ++out_.solver_calls[options_.optimizer];
     const ProjectionResult exact =
         project_onto_constraints(second_, second_.normalised(found.x), false, 8);
-    if (exact.violation <= kFeasible) add(exact.x);
+    if (exact.violation <= kFeasibilityTolerance) add(exact.x);
   }
 
   CaptureProblem first_problem_, second_problem_;

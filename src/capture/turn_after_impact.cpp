@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/simulation/settings.hpp>
 
@@ -45,7 +46,7 @@ TurnAfterImpact::TurnAfterImpact(const CaptureProblem& problem, const ObjectiveT
 Vector3d TurnAfterImpact::operator()(const JointVectord& phi, const Vector6d& Delta_Omega,
                                      const JointVectord& Delta_phidot,
                                      const StopCondition& stop) const {
-  const Vector3d broken = M_PI / size_ * Vector3d::UnitX();
+  const Vector3d broken = kPi / size_ * Vector3d::UnitX();
   // No gravity and no sensor of the attitude: the turn is the same from every attitude.
   PlantState state = state_at_rest(Pose{}, phi);
   state.Omega = Delta_Omega;

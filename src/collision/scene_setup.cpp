@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <stillbase/core/constants.hpp>
+
 #include "collision/scene_data.hpp"
 
 namespace stillbase {
@@ -62,9 +64,8 @@ SceneItem make_item(Carrier carrier, int body, const std::string& name, const Po
 /// positions of its range): nothing that a path could avoid.
 bool overlap_always(const Joint& joint, const CollisionShape& child, const CollisionShape& parent) {
   constexpr int kPositions = 64;
-  constexpr double kHalfTurn = 3.14159265358979323846;
-  const double low = std::isfinite(joint.lower) ? joint.lower : -kHalfTurn;
-  const double high = std::isfinite(joint.upper) ? joint.upper : kHalfTurn;
+  const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
+  const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
   const auto child_fcl = make_fcl_shape(child.geometry),
              parent_fcl = make_fcl_shape(parent.geometry);
   for (int i = 0; i < kPositions; ++i) {

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // (t - sin t) / t^3. The closed form loses digits below t of about 0.3, where five terms of the
 // series are exact to rounding.

@@ -1,7 +1,7 @@
 #include <stillbase/dynamics/reaction_null_space.hpp>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
@@ -16,15 +16,13 @@ ReactionNullSpace from_dense(const Eigen::MatrixXd& A, double rank_tolerance) {
     out.range.resize(m, 0);
     return out;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& sigma = svd.singularValues();
-  const double threshold = rank_tolerance * (sigma.size() > 0 ? sigma[0] : 0.0);
-  while (out.rank < sigma.size() && sigma[out.rank] > threshold) ++out.rank;
-  out.singular_values = sigma;
-  const auto U = svd.matrixU().leftCols(out.rank);
-  const auto V = svd.matrixV().leftCols(out.rank);
+  const Svd svd = thin_svd(A);
+  out.rank = numerical_rank(svd.sigma, rank_tolerance);
+  out.singular_values = svd.sigma;
+  const auto U = svd.U.leftCols(out.rank);
+  const auto V = svd.V.leftCols(out.rank);
   out.P_RNS = JointMatrixd::Identity(n, n) - JointMatrixd(V * V.transpose());
-  out.A_pinv = V * sigma.head(out.rank).cwiseInverse().asDiagonal() * U.transpose();
+  out.A_pinv = V * svd.sigma.head(out.rank).cwiseInverse().asDiagonal() * U.transpose();
   if (out.rank == 0) out.A_pinv.setZero(n, m);
   out.range = U;
   return out;

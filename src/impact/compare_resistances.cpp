@@ -2,14 +2,15 @@
 
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/impact/gradient.hpp>
 
 namespace stillbase {
 
 namespace {
 
-constexpr double kServoFrequency = 2 * M_PI * 10;  // rad/s
-constexpr double kServoContact = 0.01;             // s
+constexpr double kServoFrequency = 2 * kPi * 10;  // rad/s
+constexpr double kServoContact = 0.01;            // s
 
 }  // namespace
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
 namespace {
-
-using DenseSvd = Eigen::JacobiSVD<Eigen::MatrixXd>;
 
 Vector6d force(const Vector3d& f) {
   Vector6d F = Vector6d::Zero();
@@ -18,22 +15,16 @@ Vector6d force(const Vector3d& f) {
   return F;
 }
 
-/// Singular values of A; none for a robot without joints.
-Eigen::VectorXd singular_values(const Eigen::MatrixXd& A) {
-  if (A.size() == 0) return {};
-  return DenseSvd(A).singularValues();
-}
-
 /// Null space of map on the allowed directions (map may stack several).
 ZeroDirections zero_directions(const Eigen::MatrixXd& map, const Directions& allowed,
                                double threshold) {
-  const DenseSvd svd(map * allowed, Eigen::ComputeThinU | Eigen::ComputeFullV);
+  const Svd svd = right_svd(map * allowed);
   ZeroDirections out;
-  out.singular_values = svd.singularValues();
+  out.singular_values = svd.sigma;
   while (out.rank < out.singular_values.size() && out.singular_values[out.rank] > threshold) {
     ++out.rank;
   }
-  out.directions = allowed * svd.matrixV().rightCols(allowed.cols() - out.rank);
+  out.directions = allowed * svd.V.rightCols(allowed.cols() - out.rank);
   return out;
 }
 
@@ -58,32 +49,29 @@ double impulse_index(const Matrix6d& W_h, const Vector3d& n, double restitution,
 
 Ellipsoid impulse_ellipsoid(const Matrix6d& W_h, const Matrix3d& W_t3) {
   const Matrix3d W = W_h.topLeftCorner<3, 3>() + W_t3;
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(W);
+  const SymmetricEigen3 eigen = symmetric_eigen3(W);
   // Ascending eigenvalues of W are descending ones of its inverse.
-  return {eigen.eigenvectors(), eigen.eigenvalues().cwiseInverse()};
+  return {eigen.vectors, eigen.values.cwiseInverse()};
 }
 
 BaseReactionEllipsoid base_reaction_ellipsoid(const PostureImpact<double>& posture,
                                               double rank_tolerance) {
-  const Eigen::JacobiSVD<Matrix3d> svd(base_reaction_to_force(posture),
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Svd3 svd = svd3(base_reaction_to_force(posture));
   BaseReactionEllipsoid out;
-  out.ellipsoid = {svd.matrixU(), svd.singularValues()};
-  out.causes = svd.matrixV();
+  out.ellipsoid = {svd.U, svd.sigma};
+  out.causes = svd.V;
   out.rank_tolerance = rank_tolerance;
-  const Vector3d& lengths = out.ellipsoid.lengths;
-  while (out.rank < 3 && lengths[out.rank] > rank_tolerance * lengths[0]) ++out.rank;
+  out.rank = numerical_rank(svd.sigma, rank_tolerance);
   return out;
 }
 
 FavourableDirections favourable_directions(const PostureImpact<double>& posture,
                                            const Directions& allowed) {
   // The right singular vectors of B_f E are the eigenvectors of E' B_f' B_f E, without squaring.
-  const DenseSvd svd(base_reaction_to_force(posture) * allowed,
-                     Eigen::ComputeThinU | Eigen::ComputeFullV);
+  const Svd svd = right_svd(base_reaction_to_force(posture) * allowed);
   FavourableDirections out;
-  out.directions = allowed * svd.matrixV().rowwise().reverse();
-  out.base_reaction = svd.singularValues().reverse();
+  out.directions = allowed * svd.V.rowwise().reverse();
+  out.base_reaction = svd.sigma.reverse();
   return out;
 }
 

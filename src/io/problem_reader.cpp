@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/plan/direction_cone.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
@@ -315,7 +316,7 @@ void resolve_cone(MapReader& map, CaptureProblem& problem) {
   } catch (const std::invalid_argument& error) {
     return refuse(error.what());
   }
-  if (!(uncertainty.cone_half_angle <= std::acos(-1.0) / 2)) {
+  if (!(uncertainty.cone_half_angle <= kPi / 2)) {
     refuse(
         fmt::format("the covariance gives {:.4g} rad; must be at most pi/2, or the target may "
                     "come from anywhere",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/approach/approach.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "io/problem_reader.hpp"
@@ -16,7 +17,6 @@ bool is_scalar(const Node* node) {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kManyTimes = 1'000'000'000;
 constexpr double kFastest = 1e5;  ///< m/s, ten times the speed of an orbit
 /// A mission's, s: farther away a tumbling target's attitude is not known to any digit.

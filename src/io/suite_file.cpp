@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/suite_file.hpp>
@@ -91,7 +92,7 @@ FamilySpec read_family(ReadContext& context, const Node& node, const std::string
   if (const Node* turn = map.child("free_attitude")) {
     const auto value =
         io::read_number(context, *turn, map.path_of("free_attitude"), io::Dimension::Angle,
-                        {.lower = 0, .upper = M_PI, .is_lower_open = true});
+                        {.lower = 0, .upper = kPi, .is_lower_open = true});
     if (value) out.free_attitude = *value;
   }
   map.number("free_contact_time", out.free_contact_time, io::Dimension::Time, io::kNonNegative);

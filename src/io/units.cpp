@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase::io {
 
 namespace {
@@ -12,7 +14,7 @@ struct Unit {
   double factor;
 };
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kDegree = kPi / 180;
 
 // The SI unit comes first in each dimension.
 constexpr std::array kUnits{

@@ -1,10 +1,10 @@
 #include <stillbase/nlp/certificate.hpp>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::nlp {
 
@@ -17,10 +17,7 @@ Eigen::VectorXd solve_nonnegative_least_squares(const Eigen::MatrixXd& A,
   const double epsilon = 1e-13 * b.norm();
 
   // Least squares over the passive unknowns, the others zero.
-  const auto solve_passive = [&] {
-    const Eigen::MatrixXd columns = A(Eigen::all, passive);
-    return Eigen::VectorXd(columns.colPivHouseholderQr().solve(b));
-  };
+  const auto solve_passive = [&] { return PivotedQr(A(Eigen::all, passive)).solve(b); };
 
   // Each pass lowers the residual, so no passive set repeats; the bound is for rounding.
   for (Eigen::Index pass = 0; pass < 3 * k + 10; ++pass) {
@@ -123,17 +120,12 @@ std::optional<double> reduced_hessian_min_eigenvalue(const Problem& problem,
   const Eigen::Index n = x.size();
   if (!problem.has_hessian()) return std::nullopt;
   Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(n, n);
-  if (normals.cols() > 0) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(normals);
-    Z = (qr.householderQ() * Z).rightCols(n - qr.rank()).eval();
-  }
+  if (normals.cols() > 0) Z = PivotedQr(normals).complement();
   if (Z.cols() == 0) return std::nullopt;
   Eigen::MatrixXd H;
   problem.lagrangian_hessian(x, 1.0, multipliers, H);
   if (!H.allFinite()) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Z.transpose() * H * Z,
-                                                              Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0];
+  return symmetric_eigenvalues(Z.transpose() * H * Z)[0];
 }
 
 }  // namespace
@@ -190,13 +182,10 @@ Certificate certify(const Problem& problem, const Eigen::VectorXd& x, const Eval
   Eigen::VectorXd signed_multipliers = Eigen::VectorXd::Zero(num_signed);
   Eigen::VectorXd free_multipliers = Eigen::VectorXd::Zero(num_free);
   if (num_free > 0) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E);
-    const auto project = [&](const Eigen::MatrixXd& M) {
-      Eigen::MatrixXd rotated = qr.householderQ().adjoint() * M;
-      return Eigen::MatrixXd(rotated.bottomRows(n - qr.rank()));
-    };
+    const PivotedQr qr(E);
     if (num_signed > 0 && qr.rank() < n) {
-      signed_multipliers = solve_nonnegative_least_squares(project(A), -project(at_x.gradient));
+      signed_multipliers = solve_nonnegative_least_squares(
+          qr.complement_components(A), -qr.complement_components(at_x.gradient));
     }
     residual += A * signed_multipliers;
     free_multipliers = qr.solve(-residual);

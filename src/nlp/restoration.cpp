@@ -1,6 +1,6 @@
 #include "nlp/restoration.hpp"
 
-#include <Eigen/QR>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::nlp {
 namespace {
@@ -14,9 +14,7 @@ Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
   }
   Eigen::VectorXd step;
   for (Eigen::Index pass = 0; pass <= x.size(); ++pass) {
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-9);
-    step = -solver.compute(J).solve(violation);
+    step = -least_norm_solution(J, violation, 1e-9);
     bool held_one = false;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
       const bool leaves = (x[j] <= monitor.lower()[j] && step[j] < 0.0) ||

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/plan/encounter.hpp>
 
 namespace stillbase {
@@ -19,8 +19,7 @@ double turn_bound(const CaptureProblem& problem, double duration) {
   const TargetBody& body = *problem.target;
   if (body.is_point_mass) return 0;
   const EstimateDeviations& sigma = *problem.target_deviations;
-  const Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3d moments = principal_moments(body.inertia);
   // The energy keeps |omega|^2 <= I_max / I_min |omega_0|^2; the unscented points are sqrt(3) off.
   const double moment_ratio = moments[2] / moments[0] * std::exp(4 * sigma.moments.maxCoeff());
   return duration * std::sqrt(moment_ratio) *

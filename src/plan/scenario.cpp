@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/plan/encounter.hpp>
 
@@ -54,7 +55,7 @@ std::vector<Scenario> rim_scenarios(const CaptureProblem& problem, int count) {
   std::vector<Scenario> out = {scenario};
   const int places = axes.plane_normal ? 2 : count;
   for (int i = 0; i < places && half_angle > 0; ++i) {
-    const double azimuth = 2 * M_PI * i / places;
+    const double azimuth = 2 * kPi * i / places;
     scenario.direction =
         (std::cos(half_angle) * axes.n +
          std::sin(half_angle) * (std::cos(azimuth) * side + std::sin(azimuth) * other))
@@ -77,7 +78,7 @@ std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
     Scenario scenario;
     scenario.weight = 1.0 / problem.measure.samples;
     double angle = about_zero(spread.cone_half_angle);
-    double azimuth = random.uniform(0, 2 * M_PI);
+    double azimuth = random.uniform(0, 2 * kPi);
     if (axes.plane_normal) {
       azimuth = 0;
     } else {
@@ -91,7 +92,7 @@ std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
     scenario.restitution = problem.impulse.restitution + about_zero(spread.restitution);
     scenario.target_mass_factor = 1 + about_zero(spread.target_mass);
     scenario.target_inertia_factor = 1 + about_zero(spread.target_inertia);
-    const double turn = random.uniform(0, 2 * M_PI), reach = random.uniform();
+    const double turn = random.uniform(0, 2 * kPi), reach = random.uniform();
     scenario.contact_offset = axes.plane_normal
                                   ? Vector3d(spread.contact_point * (2 * reach - 1) * side)
                                   : Vector3d(spread.contact_point * std::sqrt(reach) *

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/capture/robust.hpp>
+#include <stillbase/core/constants.hpp>
 
 #include "capture/measure.hpp"
 #include "planner/candidates.hpp"
@@ -11,11 +12,6 @@
 namespace stillbase {
 
 namespace {
-
-/// Of the objective's typical size: as good as zero.
-constexpr double kZero = 1e-9;
-/// Largest violation of a configuration that is allowed.
-constexpr double kFeasible = 1e-9;
 
 /// Whether the wedge's plane is the same in the contact frame at every configuration.
 bool is_wedge_constant(const CaptureProblem& problem) {
@@ -69,7 +65,7 @@ std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vec
   constexpr int kSpokes = 12;
   const Vector3d u = n.unitOrthogonal(), v = n.cross(u);
   for (int spoke = 0; spoke < kSpokes; ++spoke) {
-    const double azimuth = 2 * M_PI * spoke / kSpokes;
+    const double azimuth = 2 * kPi * spoke / kSpokes;
     const Vector3d side = std::cos(azimuth) * u + std::sin(azimuth) * v;
     add(side, alpha);
     if (spoke % 2 == 0) add(side, alpha / 2);
@@ -148,7 +144,7 @@ std::optional<double> best_value(const SearchResult& found) {
 
 bool is_zero_reached(const Formulation& formulation, const SearchResult& found) {
   const std::optional<double> best = best_value(found);
-  return best && *best <= kZero * formulation.objective_unit();
+  return best && *best <= kZeroObjective * formulation.objective_unit();
 }
 
 std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
@@ -162,7 +158,7 @@ std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
   options.value_at = [&](const Configuration& at) {
     const Eigen::VectorXd x = formulation.variables(at);
     for (const ConstraintValue& constraint : formulation.report(x)) {
-      if (!(constraint.violation <= kFeasible)) return kInfinity;
+      if (!(constraint.violation <= kFeasibilityTolerance)) return kInfinity;
     }
     return measure.reported(x);
   };

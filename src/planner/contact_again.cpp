@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "capture/measure.hpp"
@@ -11,8 +12,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kSolved = 1e-9;  ///< largest violation of a configuration
-constexpr double kZero = 1e-9;    ///< an objective that vanishes, in its unit
 constexpr int kProjections = 40;
 constexpr int kEvaluations = 400;  ///< the start is close
 
@@ -84,9 +83,9 @@ std::optional<Configuration> ContactAgain::at_base(const Pose& base, ContactSolv
   ProjectionResult solved = project_onto_constraints(formulation, x0, false, kProjections);
   if (best) {
     const ProjectionResult better = optimum(problem, formulation, solved.x);
-    if (better.violation <= kSolved) solved = better;
+    if (better.violation <= kFeasibilityTolerance) solved = better;
   }
-  if (!(solved.violation <= kSolved)) return std::nullopt;
+  if (!(solved.violation <= kFeasibilityTolerance)) return std::nullopt;
   if (best) best_.push_back({base, solved.x});
   const Configuration found = formulation.configuration(solved.x);
   returned_.emplace_back(found.phi, solved.x);
@@ -109,11 +108,11 @@ std::optional<Configuration> ContactAgain::near_posture(const JointVectord& phi,
         project_onto_constraints(formulation_, solved.x, true, kProjections);
     Eigen::VectorXd y;
     Eigen::MatrixXd slope;
-    if (zero.violation <= kSolved) formulation_.objective_vector(zero.x, y, slope);
-    const bool vanishes = zero.violation <= kSolved && y.norm() <= kZero;
+    if (zero.violation <= kFeasibilityTolerance) formulation_.objective_vector(zero.x, y, slope);
+    const bool vanishes = zero.violation <= kFeasibilityTolerance && y.norm() <= kZeroObjective;
     solved = vanishes ? zero : optimum(problem_, formulation_, solved.x);
   }
-  if (!(solved.violation <= kSolved)) return std::nullopt;
+  if (!(solved.violation <= kFeasibilityTolerance)) return std::nullopt;
   const Configuration found = formulation_.configuration(solved.x);
   returned_.emplace_back(found.phi, solved.x);
   return found;

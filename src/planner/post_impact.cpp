@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/plan/encounter.hpp>
 #include <stillbase/simulation/settings.hpp>
 
@@ -24,8 +25,7 @@ std::string endless_contact(const ContactCase& subject, const PostImpactSpec& sp
   return fmt::format(
       "hand and target still touch after the horizon of {:.4g} s: a contact of {:.4g} N/m between "
       "an effective {:.4g} kg lasts about {:.4g} s; post_impact.contact.stiffness is too low",
-      spec.horizon, spec.contact.stiffness, mass,
-      std::acos(-1.0) * std::sqrt(mass / spec.contact.stiffness));
+      spec.horizon, spec.contact.stiffness, mass, kPi * std::sqrt(mass / spec.contact.stiffness));
 }
 
 }  // namespace

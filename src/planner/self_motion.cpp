@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/capture/robust.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "capture/equations.hpp"
@@ -14,10 +15,8 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kSolved = 1e-9;  ///< largest violation of a configuration
-constexpr double kZero = 1e-9;    ///< an objective that vanishes, over its typical size
-constexpr double kStride = 0.4;   ///< rad of a step of a walk
-constexpr double kApart = 0.2;    ///< rad
+constexpr double kStride = 0.4;  ///< rad of a step of a walk
+constexpr double kApart = 0.2;   ///< rad
 constexpr int kMostSteps = 6, kHalvings = 2, kProjections = 20;
 
 /// As far as the problem allows in about one direction.
@@ -27,7 +26,7 @@ Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulati
   Eigen::VectorXd y, x = from;
   Eigen::MatrixXd slope;
   formulation.objective_vector(from, y, slope);
-  const bool keep_zero = problem.measure.kind == RiskMeasure::Nominal && y.norm() <= kZero;
+  const bool keep_zero = problem.measure.kind == RiskMeasure::Nominal && y.norm() <= kZeroObjective;
   const Measure measure(problem, formulation);
   const auto allowed = [&](const Eigen::VectorXd& at) {
     Candidate candidate;
@@ -52,7 +51,7 @@ Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulati
     for (int trial = 0; trial <= kHalvings && !moved; ++trial, stride /= 2) {
       const ProjectionResult there =
           project_onto_constraints(formulation, x + stride * direction, keep_zero, kProjections);
-      moved = there.violation <= kSolved && allowed(there.x);
+      moved = there.violation <= kFeasibilityTolerance && allowed(there.x);
       if (moved) x = there.x;
     }
     if (!moved) break;

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/robot/physical_checks.hpp>
 
 namespace stillbase {
@@ -13,8 +13,7 @@ std::string inertia_fault(const Matrix3d& inertia) {
       1e-12 * inertia.cwiseAbs().maxCoeff()) {
     return "the inertia tensor is not symmetric";
   }
-  const Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3d moments = principal_moments(inertia);
   const std::string principal = fmt::format("principal moments {:.6g}, {:.6g}, {:.6g} kg m^2",
                                             moments[0], moments[1], moments[2]);
   // Below 1e-12 of the largest a moment is rounding, not a number of the file.

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
@@ -70,11 +72,6 @@ Extent extent_of(const RobotModel& robot, int body) {
   return extent;
 }
 
-Vector3d principal_moments(const Body& body) {
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>(body.inertia, Eigen::EigenvaluesOnly)
-      .eigenvalues();
-}
-
 bool is_power_of_ten(double x) {
   const double exponent = std::log10(x);
   return std::abs(exponent - std::round(exponent)) < 1e-9;
@@ -83,7 +80,7 @@ bool is_power_of_ten(double x) {
 void look_at_body(const RobotModel& robot, int index, const Body& body,
                   std::vector<std::string>& remarks) {
   const Extent extent = extent_of(robot, index);
-  const Vector3d moments = principal_moments(body);
+  const Vector3d moments = principal_moments(body.inertia);
   const bool is_same_about_all = moments[2] - moments[0] <= 1e-9 * moments[2];
   if (is_same_about_all && is_power_of_ten(moments[1])) {
     remarks.push_back(fmt::format(
@@ -171,9 +168,9 @@ void look_at_joint(const Joint& joint, std::vector<std::string>& remarks) {
   look("effort", joint.max_effort, 1e5, effort_unit);
   if (joint.type == JointType::Continuous) return;
   const double range = joint.upper - joint.lower;
-  if (!joint.is_prismatic() && range > 8 * M_PI) {
+  if (!joint.is_prismatic() && range > 8 * kPi) {
     remarks.push_back(
-        fmt::format("{}: its limits leave {:.3g} turns", joint.name, range / (2 * M_PI)));
+        fmt::format("{}: its limits leave {:.3g} turns", joint.name, range / (2 * kPi)));
   }
   if (range <= 0) remarks.push_back(fmt::format("{}: its limits leave no motion", joint.name));
 }

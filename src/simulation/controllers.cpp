@@ -1,9 +1,9 @@
 #include <stillbase/simulation/controllers.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stillbase/core/linear_algebra.hpp>
 #include <utility>
 
 namespace stillbase {
@@ -132,11 +132,10 @@ MomentumTransfer compute_momentum_transfer(const Controller& controller,
                                            const Matrix3Xd& Htilde_omegaphi, const Vector3d& L_g) {
   // The 3x3 eigenproblem of A A' instead of a singular value decomposition of A: it squares the
   // condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
-  const Matrix3d AAt = Htilde_omegaphi * Htilde_omegaphi.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(AAt);
+  const SymmetricEigen3 eigen = symmetric_eigen3(Htilde_omegaphi * Htilde_omegaphi.transpose());
   MomentumTransfer transfer;
-  transfer.U = eigen.eigenvectors().rowwise().reverse();
-  transfer.sigma = eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
+  transfer.U = eigen.vectors.rowwise().reverse();
+  transfer.sigma = eigen.values.reverse().cwiseMax(0.0).cwiseSqrt();
   transfer.share.setZero();
   transfer.inverse.setZero();
   if (transfer.sigma[0] <= 0) return transfer;

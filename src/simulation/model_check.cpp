@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/impact/contact_impulse.hpp>
 
 namespace stillbase {
@@ -81,7 +82,7 @@ std::vector<ModelCheckRow> check_stiffness(const ModelCheckCase& subject,
     }
     SimulationOptions options;
     options.integrator = IntegratorKind::Fehlberg78;
-    const double half_period = std::sqrt(effective_mass / k) * 3.14159265358979323846;
+    const double half_period = std::sqrt(effective_mass / k) * kPi;
     options.horizon = 20 * half_period;  // a soft, damped contact takes longer than half a period
     options.step = half_period / 50;
     options.control_period = 0;

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// n' W_t n, 1/kg: how much the contact point gives way along the normal. Both are fixed to the
 /// target, so this is the same at all times.
@@ -40,12 +41,11 @@ EstimateCovariance square_root(const EstimateCovariance& covariance) {
   if (!covariance.allFinite() || !covariance.isApprox(covariance.transpose(), 1e-9)) {
     throw std::invalid_argument("predict_contact: the covariance must be finite and symmetric");
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const Eigen::VectorXd& values = eigen.eigenvalues();
-  if (values.minCoeff() < -1e-9 * values.maxCoeff()) {
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  if (eigen.values.minCoeff() < -1e-9 * eigen.values.maxCoeff()) {
     throw std::invalid_argument("predict_contact: the covariance is not positive semidefinite");
   }
-  return eigen.eigenvectors() * values.cwiseMax(0).cwiseSqrt().asDiagonal();
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// Probability that a Gaussian of two independent variances has a norm of at most a.
@@ -98,10 +98,9 @@ TargetEstimate with_error(const TargetEstimate& estimate, const EstimateVector& 
   changed.body.mass *= std::exp(error[kMassError]);
   const Vector3d moments = error.segment<3>(kMomentsError);
   if (!changed.body.is_point_mass && !moments.isZero(0)) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(estimate.body.inertia);
-    const Vector3d scaled = principal.eigenvalues().cwiseProduct(moments.array().exp().matrix());
-    changed.body.inertia =
-        principal.eigenvectors() * scaled.asDiagonal() * principal.eigenvectors().transpose();
+    const SymmetricEigen3 principal = symmetric_eigen3(estimate.body.inertia);
+    const Vector3d scaled = principal.values.cwiseProduct(moments.array().exp().matrix());
+    changed.body.inertia = principal.vectors * scaled.asDiagonal() * principal.vectors.transpose();
   }
   return changed;
 }

@@ -6,8 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 
 // The rotation is integrated in Euler parameters alone: with the angular momentum L constant in N,
 // omega = R I^-1 R' L is a function of the attitude. L is then conserved by construction and the
@@ -113,8 +114,7 @@ TargetMotion::TargetMotion(TargetBody body, const TargetState& estimate, double 
       table->constant_rate = estimate.angular_velocity;
     } else {
       table->rotation = {I.inverse(), q * L};
-      const double smallest_moment =
-          Eigen::SelfAdjointEigenSolver<Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues()(0);
+      const double smallest_moment = principal_moments(I)[0];
       // The rate is bounded by the energy: I_min |omega|^2 <= omega' I omega.
       const double max_rate = std::sqrt(w.dot(L) / smallest_moment);
       const double count = std::ceil(horizon * max_rate / kTurnPerNode);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
+
 #include "verification/checks.hpp"
 #include "verification/margins.hpp"
 #include "verification/recount.hpp"
@@ -11,7 +13,6 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kVanishes = 1e-8;   // of the terms that the objective is a sum and difference of
 constexpr double kApart = 0.1;       // between neighbours
 constexpr double kMeet = 1e-9;       // ends of a closed curve

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase::verification {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Candidates meet their constraints to 1e-9; another solution is never this near.
 constexpr double kNear = 1e-6;      // rad, m
 constexpr double kNearTime = 1e-5;  // s: targets are slow

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/simulation/settings.hpp>
 
 #include "verification/recomputation.hpp"
@@ -11,7 +12,6 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// The planner's fixed steps and the adaptive ones here, relative.
 constexpr double kIntegratorsAgree = 1e-5;
 

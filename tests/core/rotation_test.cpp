@@ -2,14 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
 
 using namespace stillbase;
-
-namespace {
-constexpr double kPi = 3.14159265358979323846;
-}
 
 TEST_CASE("skew(r) x is the cross product r x x") {
   Random random(1);

@@ -11,9 +11,11 @@
 #include <Eigen/Core>
 #include <limits>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase::nlp {
 
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using stillbase::kInfinity;
 
 /// Values and first derivatives at one point.
 struct Evaluation {

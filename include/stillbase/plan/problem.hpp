@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/impact/contact.hpp>
 #include <stillbase/impact/joint_resistance.hpp>
 #include <stillbase/robot/robot_model.hpp>
@@ -52,7 +53,7 @@ struct VariableSpec {
   /// Unit, in N. Axis: the base turns about it. Cone: the axis of the base that points along it in
   /// the stated attitude stays within base_attitude_max of it.
   Vector3d base_attitude_axis = Vector3d::UnitZ();
-  double base_attitude_max = 3.14159265358979323846;  ///< rad from the stated attitude
+  double base_attitude_max = kPi;  ///< rad from the stated attitude
   PositionFreedom base_position = PositionFreedom::Fixed;
   Vector3d base_position_lower = Vector3d::Zero();  ///< Box: corners in N, m
   Vector3d base_position_upper = Vector3d::Zero();

@@ -12,13 +12,13 @@
 #include <variant>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/core/types.hpp>
 
 namespace stillbase {
 
 inline constexpr int kBase = -1;  ///< body index of the base
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class JointType { Revolute, Continuous, Prismatic };
 

@@ -1,0 +1,83 @@
+#include <stillbase/core/linear_algebra.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+namespace stillbase {
+
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& A) {
+  if (A.size() == 0) return {};
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
+}
+
+Svd thin_svd(const Eigen::MatrixXd& A) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
+Svd right_svd(const Eigen::MatrixXd& A) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
+  return {{}, svd.singularValues(), svd.matrixV()};
+}
+
+Svd3 svd3(const Matrix3d& A) {
+  const Eigen::JacobiSVD<Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
+int numerical_rank(const Eigen::Ref<const Eigen::VectorXd>& sigma, double relative_tolerance) {
+  int rank = 0;
+  while (rank < sigma.size() && sigma[rank] > relative_tolerance * sigma[0]) ++rank;
+  return rank;
+}
+
+SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& A) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+SymmetricEigen3 symmetric_eigen3(const Matrix3d& A) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(A);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Vector3d principal_moments(const Matrix3d& inertia) {
+  return Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
+                                    double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(threshold);
+  return solver.compute(A).solve(b);
+}
+
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A, double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(threshold);
+  return solver.compute(A).pseudoInverse();
+}
+
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : qr_(A) {}
+
+Eigen::Index PivotedQr::rank() const { return qr_.rank(); }
+
+Eigen::MatrixXd PivotedQr::complement() const {
+  const Eigen::MatrixXd Q = qr_.householderQ() * Eigen::MatrixXd::Identity(qr_.rows(), qr_.rows());
+  return Q.rightCols(qr_.rows() - rank());
+}
+
+Eigen::MatrixXd PivotedQr::complement_components(const Eigen::MatrixXd& M) const {
+  const Eigen::MatrixXd rotated = qr_.householderQ().adjoint() * M;
+  return rotated.bottomRows(qr_.rows() - rank());
+}
+
+Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const { return qr_.solve(b); }
+
+Eigen::MatrixXd PivotedQr::solve_columns(const Eigen::MatrixXd& B) const { return qr_.solve(B); }
+
+}  // namespace stillbase
