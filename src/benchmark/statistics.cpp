@@ -6,6 +6,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
+#include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
 

@@ -1,0 +1,1 @@
+// Stands for the test programs when their precompiled headers are made: tests/CMakeLists.txt.
