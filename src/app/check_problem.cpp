@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/direction_cone.hpp>
 
 #include "app/check_report.hpp"

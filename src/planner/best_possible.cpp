@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/constants.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "planner/candidates.hpp"
 
 namespace stillbase {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/encounter.hpp>
 
 namespace stillbase {

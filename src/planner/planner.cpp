@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include <stillbase/capture/robust.hpp>
-#include <stillbase/capture/search.hpp>
 #include <stillbase/collision/scene.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/encounter.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "planner/approach_stage.hpp"
 #include "planner/best_possible.hpp"

@@ -1,10 +1,10 @@
 // What the variables of a box make of the encounter: posture, wrench per unit of impulse, where the
 // hand must be, which axes it must have, closing speed. For dual intervals of any size.
 //
-// The variables are the planner's (capture/layout.hpp), in its order: free joints, the turn of the
-// base from the stated attitude, contact time. The turn is an angle about an axis of N, or any turn
-// by its modified Rodrigues parameters (turn_by): rational, and the unit ball holds every turn. The
-// base position is none: a free station follows the hand.
+// The variables are the planner's (formulation/variables/layout.hpp), in its order: free joints,
+// the turn of the base from the stated attitude, contact time. The turn is an angle about an axis
+// of N, or any turn by its modified Rodrigues parameters (turn_by): rational, and the unit ball
+// holds every turn. The base position is none: a free station follows the hand.
 //
 // What is the same at every point of the box is taken as the doubles that the planner uses: the
 // wrench while neither attitude nor time are free, the target's axes and its contact point while

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include <stillbase/capture/formulation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/proof/proof.hpp>
 #include <stillbase/reference/reference.hpp>
 

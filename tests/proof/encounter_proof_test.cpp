@@ -7,10 +7,10 @@
 
 #include <Eigen/QR>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/proof/proof.hpp>
 
 #include "support/random_robot.hpp"

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/io/problem_file.hpp>
 
 #include "proof/zero_problem.hpp"

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
-#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "proof/minimum_problem.hpp"
 #include "proof/side_conditions.hpp"
 #include "support/shipped_problem.hpp"

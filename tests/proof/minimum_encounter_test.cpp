@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
 #include "support/shipped_problem.hpp"

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/plan.hpp>
 
 namespace stillbase {
