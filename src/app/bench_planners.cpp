@@ -13,8 +13,9 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/report/planner_log.hpp>
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/formulation/formulation.hpp>
-#include <stillbase/plan/direction_cone.hpp>
 
 #include "app/check_report.hpp"
 #include "app/words.hpp"

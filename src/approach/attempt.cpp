@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include "approach/base_motion.hpp"
 #include "approach/closure.hpp"

@@ -5,18 +5,10 @@
 #include <limits>
 
 #include <stillbase/core/random.hpp>
-#include <stillbase/impact/contact.hpp>
 
 #include "formulation/formulation_kernel.hpp"
 
 namespace stillbase {
-
-double impulse_magnitude(const CaptureProblem& problem, const Encounter& encounter,
-                         double hand_inverse_mass) {
-  if (encounter.magnitude_given) return problem.impulse.magnitude;
-  return normal_impulse(problem.impulse.restitution, encounter.closing_speed, hand_inverse_mass,
-                        encounter.target_inverse_mass);
-}
 
 Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms)
     : parts_(std::make_unique<Parts>(problem)) {
@@ -29,7 +21,7 @@ Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> us
         parts_->start_point(low_discrepancy_point(sample, parts_->start_dimension(), 0));
     const Local<double> local = parts_->localise<double>(x);
     const auto posture = parts_->posture(local);
-    const auto hit = parts_->hit<double>(local, posture, parts_->predicted());
+    const auto hit = parts_->impact<double>(local, posture, parts_->predicted());
     sizes.push_back(std::sqrt(
         parts_->turn_vector(x, parts_->predicted()).squaredNorm() +
         2 * (parts_->objective(posture, hit) + parts_->user_objective(x, parts_->predicted()))));
@@ -65,24 +57,24 @@ int Formulation::num_equations() const {
 
 void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
                                              const PostureImpact<double>& stated,
-                                             const Hit<double>* predicted,
+                                             const ScenarioImpact<double>* predicted,
                                              const std::vector<Scenario>& scenarios,
                                              bool derivatives, ScenarioEvaluation& out) const {
   for (std::size_t k = 0; k < scenarios.size(); ++k) {
     const Scenario& scenario = scenarios[k];
     const auto row = static_cast<Eigen::Index>(k);
     // No std::optional of a posture: g++ 12 fills its 70 kB with zeros, a third of a local solve.
-    const auto take = [&](const PostureImpact<double>& at, const Hit<double>& hit_k) {
+    const auto take = [&](const PostureImpact<double>& at, const ScenarioImpact<double>& hit_k) {
       out.values[row] = objective(at, hit_k);
       if (derivatives) compress_into(local, objective_gradient(at, hit_k), out.gradients.row(row));
     };
     if (scenario.joint_offset.size() > 0) {
       const PostureImpact<double> displaced = posture(local, scenario);
-      take(displaced, hit(local, displaced, scenario));
+      take(displaced, impact(local, displaced, scenario));
     } else if (predicted != nullptr && &scenarios == &prediction) {
       take(stated, *predicted);
     } else {
-      take(stated, hit(local, stated, scenario));
+      take(stated, impact(local, stated, scenario));
     }
     if (!turns.empty() && simulations_stop.reached()) {
       out.values[row] = std::numeric_limits<double>::quiet_NaN();
@@ -114,9 +106,9 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
     out.gradients.resize(count, num_variables());
     out.jacobian.resize(m, num_variables());
   }
-  Hit<double> predicted;
+  ScenarioImpact<double> predicted;
   const bool has_hit = parts.rows_need_hit || &scenarios == &parts.prediction;
-  if (has_hit) predicted = parts.hit(local, posture, parts.prediction.front());
+  if (has_hit) predicted = parts.impact(local, posture, parts.prediction.front());
   if (parts.in_packs(scenarios)) {
     parts.evaluate_in_packs(local, scenarios, derivatives, out);
   } else {
@@ -159,7 +151,7 @@ void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
   const Parts& parts = *parts_;
   const Local<double> local = parts.localise<double>(x);
   const auto posture = parts.posture(local);
-  const auto hit = parts.hit(local, posture, parts.predicted());
+  const auto hit = parts.impact(local, posture, parts.predicted());
   const double scale = hit.p / parts.objective_unit;
   std::vector<double> values;
   std::vector<Eigen::VectorXd> rows;
@@ -215,9 +207,7 @@ Eigen::VectorXd Formulation::variables(const Configuration& configuration) const
   return x;
 }
 
-Encounter Formulation::encounter(const Configuration& configuration) const {
-  return parts_->encounter(parts_->localise<double>(variables(configuration)));
-}
+const EncounterModel& Formulation::encounter_model() const { return parts_->model; }
 
 int Formulation::start_dimension() const { return parts_->start_dimension(); }
 
@@ -261,7 +251,7 @@ std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const
   const Parts& parts = *parts_;
   const Local<double> local = parts.localise<double>(x);
   const auto posture = parts.posture(local);
-  const auto hit = parts.hit(local, posture, parts.predicted());
+  const auto hit = parts.impact(local, posture, parts.predicted());
   std::vector<ConstraintValue> out;
   const auto add = [&out](const std::string& name, double value, double lower, double upper) {
     out.push_back({name, value, lower, upper, std::max({lower - value, value - upper, 0.0})});
@@ -274,8 +264,9 @@ std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const
   for (const Row& row : parts.implied_rows) {
     add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
   }
-  if (!has_closing_speed && !hit.magnitude_given) {
-    add("closing_speed", hit.closing_speed, parts.problem.constraints.closing_speed_min, kInfinity);
+  if (!has_closing_speed && !parts.model.magnitude_is_given()) {
+    add("closing_speed", hit.encounter.closing_speed, parts.problem.constraints.closing_speed_min,
+        kInfinity);
   }
   for (std::size_t i = 0; i < parts.layout.joints.size(); ++i) {
     const int k = parts.layout.joints[i];

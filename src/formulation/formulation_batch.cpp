@@ -54,14 +54,14 @@ void Formulation::Parts::resize_batch(Eigen::Index count) const {
   batch.target_inverse_mass.resize(by_law);
 }
 
-void Formulation::Parts::put_in_batch(const Local<double>& local, const Hit<double>& hit,
+void Formulation::Parts::put_in_batch(const Local<double>& local, const ScenarioImpact<double>& hit,
                                       const Scenario& scenario, Eigen::Index row) const {
   batch.phi.row(row) = local.phi.transpose();
   if (scenario.joint_offset.size() > 0) batch.phi.row(row) += scenario.joint_offset.transpose();
-  batch.F.row(row) = hit.response.F.transpose();
-  if (hit.magnitude_given) return;
-  batch.approach[row] = (1 + scenario.restitution) * std::max(hit.closing_speed, 0.0);
-  batch.target_inverse_mass[row] = hit.target_inverse_mass;
+  batch.F.row(row) = hit.encounter.F.transpose();
+  if (model.magnitude_is_given()) return;
+  batch.approach[row] = (1 + scenario.restitution) * std::max(hit.encounter.closing_speed, 0.0);
+  batch.target_inverse_mass[row] = hit.encounter.target_inverse_mass;
 }
 
 void Formulation::Parts::evaluate_batch(bool derivatives) const {
@@ -82,13 +82,13 @@ void Formulation::Parts::evaluate_in_packs(const Local<double>& local,
   resize_batch(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
-    put_in_batch(local, meet(local, scenario), scenario, k);
+    put_in_batch(local, encounter(local, scenario), scenario, k);
   }
   evaluate_batch(derivatives);
   out.values = batch_values.psi;
   if (!derivatives) return;
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Hit<double> met = meet(local, scenarios[static_cast<std::size_t>(k)]);
+    const ScenarioImpact<double> met = encounter(local, scenarios[static_cast<std::size_t>(k)]);
     const double along_p = 2 * batch_values.psi[k];
     ScalarGradient<double> gradient(n());
     gradient.phi = batch_values.gradient.row(k);
@@ -109,7 +109,7 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
     const Local<double> local = parts.localise<double>(points[static_cast<std::size_t>(i)]);
     for (Eigen::Index k = 0; k < each; ++k) {
       const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
-      parts.put_in_batch(local, parts.meet(local, scenario), scenario, i * each + k);
+      parts.put_in_batch(local, parts.encounter(local, scenario), scenario, i * each + k);
     }
   }
   parts.evaluate_batch(false);

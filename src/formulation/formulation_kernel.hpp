@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/tangent.hpp"
+#include "encounter/encounter_kernel.hpp"
 #include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
@@ -60,42 +61,7 @@ Matrix3<S> right_jacobian(const Vector3<S>& a) {
   return J;
 }
 
-/// A function of time from its value and rate: exact for numbers that carry first derivatives.
-template <class S, int Rows, int Cols>
-Eigen::Matrix<S, Rows, Cols> in_time(const Eigen::Matrix<double, Rows, Cols>& value,
-                                     const Eigen::Matrix<double, Rows, Cols>& rate, const S& dt) {
-  return value.template cast<S>() + rate.template cast<S>() * dt;
-}
-
 }  // namespace
-
-template <class S>
-ContactView<S> Formulation::Parts::view_at(const Matrix3<S>& R_NB, const S& time) const {
-  ContactView<S> out;
-  if (frame == ContactFrame::Base) out.R_EB.setIdentity();
-  if (frame == ContactFrame::Inertial) out.R_EB = R_NB;
-  if (frame != ContactFrame::Target) return out;
-
-  const double t = value_of_number(time);
-  const S dt = time - S(t);  // zero, with the derivatives of the time
-  const TargetState& state = target_state(t);
-  const Matrix3d R_NT = state.pose.orientation.toRotationMatrix();
-  // Euler's equations in T: omega' = -I^-1 (omega x I omega), and once more differentiated.
-  const Matrix3d& I = problem.target->inertia;
-  const Vector3d w = R_NT.transpose() * state.angular_velocity;
-  const Vector3d wdot = -target_inverse_inertia * w.cross(I * w);
-  const Vector3d wddot = -target_inverse_inertia * (wdot.cross(I * w) + w.cross(I * wdot));
-  const Matrix3<S> R = in_time<S, 3, 3>(R_NT, R_NT * skew<double>(w), dt);
-  out.omega = in_time<S, 3, 1>(w, wdot, dt);
-  out.omega_rate = in_time<S, 3, 1>(wdot, wddot, dt);
-  out.velocity = R.transpose() * state.linear_velocity.cast<S>();
-  out.R_EB = R.transpose() * R_NB;
-  out.omega_EB = -(out.R_EB.transpose() * out.omega);
-  const Vector3<S> r = r_E.cast<S>();
-  out.point = in_time<S, 3, 1>(state.pose.position, state.linear_velocity, dt) + R * r;
-  out.point_rate = R * (out.velocity + out.omega.cross(r));
-  return out;
-}
 
 template <class S>
 Local<S> Formulation::Parts::localise(const VectorX<S>& x) const {
@@ -117,7 +83,8 @@ Local<S> Formulation::Parts::localise(const VectorX<S>& x) const {
     out.R_NB = stated * rotation_matrix<S>(a);
     out.attitude_rates = right_jacobian<S>(a);
   }
-  out.view = view_at<S>(out.R_NB, out.time);
+  out.contact = contact_kinematics<S>(model, out.R_NB, out.time);
+  out.rates = contact_rates<S>(model, out.R_NB, out.contact);
   return out;
 }
 
@@ -135,51 +102,32 @@ PostureImpact<S> Formulation::Parts::posture(const Local<S>& local,
 }
 
 template <class S>
-Hit<S> Formulation::Parts::meet(const Local<S>& local, const Scenario& scenario) const {
-  Hit<S> out;
-  out.view = scenario.time_offset != 0 && motion
-                 ? view_at<S>(local.R_NB, local.time + S(scenario.time_offset))
-                 : local.view;
-  const ImpulseSpec& impulse = problem.impulse;
-  const Vector3d& d = scenario.direction;
-  const Vector3d r = r_E + scenario.contact_offset;
-
-  out.magnitude_given = impulse.source == ImpulseSource::Given;
-  out.closing_speed = S(impulse.closing_speed + scenario.closing_speed_offset);
-  if (direction_predicted()) {
-    const Vector3<S> d_S = d.cast<S>(), r_S = r.cast<S>();
-    out.closing_speed =
-        d_S.dot(out.view.velocity + out.view.omega.cross(r_S)) + S(scenario.closing_speed_offset);
-    out.closing_speed_rate =
-        d_S.dot(out.view.omega_rate.cross(r_S) - out.view.omega.cross(out.view.velocity));
+ScenarioImpact<S> Formulation::Parts::encounter(const Local<S>& local,
+                                                const Scenario& scenario) const {
+  ScenarioImpact<S> out;
+  if (scenario.time_offset != 0 && model.follows_target()) {
+    const S time = local.time + S(scenario.time_offset);
+    const ContactKinematics<S> contact = contact_kinematics<S>(model, local.R_NB, time);
+    out.rates = contact_rates<S>(model, local.R_NB, contact);
+    out.encounter = encounter_along<S>(model, contact, scenario);
+  } else {
+    out.rates = local.rates;
+    out.encounter = encounter_along<S>(model, local.contact, scenario);
   }
-  if (impulse.source != ImpulseSource::Given) {
-    out.target_inverse_mass = 1 / (problem.target->mass * scenario.target_mass_factor);
-  }
-  if (impulse.source == ImpulseSource::RigidBody) {
-    const Vector3d lever = r.cross(d);
-    out.target_inverse_mass +=
-        lever.dot(target_inverse_inertia * lever) / scenario.target_inertia_factor;
-  }
-
-  const Matrix3<S> R_BE = out.view.R_EB.transpose();
-  Vector6<S>& F = out.response.F;
-  F.template head<3>() = R_BE * d.cast<S>();
-  F.template tail<3>() = R_BE * Vector3d(moment_E + scenario.contact_offset.cross(d)).cast<S>();
+  out.closing_speed_rate = closing_speed_rate<S>(model, out.encounter.contact, out.rates, scenario);
   return out;
 }
 
 template <class S>
-Hit<S> Formulation::Parts::hit(const Local<S>& local, const PostureImpact<S>& posture,
-                               const Scenario& scenario) const {
-  Hit<S> out = meet<S>(local, scenario);
-  const Vector6<S> F = out.response.F;
-  out.response = respond<S>(posture, F);
-  if (out.magnitude_given) {
-    out.p = S(problem.impulse.magnitude);
-  } else if (out.closing_speed > S(0)) {
-    out.p = out.closing_speed * S(1 + scenario.restitution) /
-            (out.response.hand_inverse_mass + S(out.target_inverse_mass));
+ScenarioImpact<S> Formulation::Parts::impact(const Local<S>& local, const PostureImpact<S>& posture,
+                                             const Scenario& scenario) const {
+  ScenarioImpact<S> out = encounter<S>(local, scenario);
+  out.response = respond<S>(posture, out.encounter.F);
+  if (model.magnitude_is_given()) {
+    out.p = S(model.magnitude);
+  } else if (out.encounter.closing_speed > S(0)) {
+    out.p = out.encounter.closing_speed * S(1 + scenario.restitution) /
+            (out.response.hand_inverse_mass + S(out.encounter.target_inverse_mass));
   }
   return out;
 }
@@ -240,31 +188,31 @@ void add_term_weights(const ObjectiveTerm& term, const JointVector<S>& u,
 }
 
 template <class S>
-void Formulation::Parts::add_contact_turn(const ContactView<S>& view, const Vector3<S>& g,
+void Formulation::Parts::add_contact_turn(const ContactRates<S>& rates, const Vector3<S>& g,
                                           ScalarGradient<S>& gradient) const {
-  if (frame != ContactFrame::Base) gradient.theta += g;
-  gradient.t += g.dot(view.omega_EB);
+  if (model.frame != ContactFrame::Base) gradient.theta += g;
+  gradient.t += g.dot(rates.omega_EB);
 }
 
 template <class S>
-void Formulation::Parts::add_wrench_turn(const Hit<S>& hit, const Vector6<S>& by_F,
+void Formulation::Parts::add_wrench_turn(const ScenarioImpact<S>& hit, const Vector6<S>& by_F,
                                          ScalarGradient<S>& gradient) const {
   // Turning B by theta (in B) changes the wrench in B by F x theta.
   const Vector3<S> by_f = by_F.template head<3>(), by_t = by_F.template tail<3>();
-  const Vector3<S> f = hit.response.F.template head<3>(), t = hit.response.F.template tail<3>();
-  add_contact_turn<S>(hit.view, by_f.cross(f) + by_t.cross(t), gradient);
+  const Vector3<S> f = hit.encounter.F.template head<3>(), t = hit.encounter.F.template tail<3>();
+  add_contact_turn<S>(hit.rates, by_f.cross(f) + by_t.cross(t), gradient);
 }
 
 template <class S>
-void Formulation::Parts::add_speed_rate(const Hit<S>& hit, const S& along_p,
+void Formulation::Parts::add_speed_rate(const ScenarioImpact<S>& hit, const S& along_p,
                                         ScalarGradient<S>& gradient) const {
-  if (hit.magnitude_given || !(hit.closing_speed > S(0))) return;
-  gradient.t += along_p / hit.closing_speed * hit.closing_speed_rate;
+  if (model.magnitude_is_given() || !(hit.encounter.closing_speed > S(0))) return;
+  gradient.t += along_p / hit.encounter.closing_speed * hit.closing_speed_rate;
 }
 
 template <class S>
 ScalarGradient<S> Formulation::Parts::impact_gradient(const PostureImpact<S>& posture,
-                                                      const Hit<S>& hit,
+                                                      const ScenarioImpact<S>& hit,
                                                       const ResponseWeights<S>& weights) const {
   const auto raw = response_gradient<S>(problem.robot, posture, hit.response, weights);
   ScalarGradient<S> out(n());
@@ -275,12 +223,13 @@ ScalarGradient<S> Formulation::Parts::impact_gradient(const PostureImpact<S>& po
 
 template <class S>
 ScalarGradient<S> Formulation::Parts::scaled_gradient(const PostureImpact<S>& posture,
-                                                      const Hit<S>& hit, ResponseWeights<S> weights,
+                                                      const ScenarioImpact<S>& hit,
+                                                      ResponseWeights<S> weights,
                                                       const S& along_p) const {
   // p = (1+e) v_n / (F' W_h F + n' W_t n), along_p = p d psi / d p.
-  if (!hit.magnitude_given && hit.p > S(0)) {
+  if (!model.magnitude_is_given() && hit.p > S(0)) {
     weights.hand_inverse_mass =
-        -along_p / (hit.response.hand_inverse_mass + S(hit.target_inverse_mass));
+        -along_p / (hit.response.hand_inverse_mass + S(hit.encounter.target_inverse_mass));
   }
   ScalarGradient<S> out = impact_gradient<S>(posture, hit, weights);
   add_speed_rate<S>(hit, along_p, out);
@@ -288,7 +237,8 @@ ScalarGradient<S> Formulation::Parts::scaled_gradient(const PostureImpact<S>& po
 }
 
 template <class S>
-S Formulation::Parts::objective(const PostureImpact<S>& posture, const Hit<S>& hit) const {
+S Formulation::Parts::objective(const PostureImpact<S>& posture,
+                                const ScenarioImpact<S>& hit) const {
   const S scale = hit.p / S(objective_unit);
   S sum(0);
   for (const ObjectiveTerm& term : problem.objective) {
@@ -299,7 +249,7 @@ S Formulation::Parts::objective(const PostureImpact<S>& posture, const Hit<S>& h
 
 template <class S>
 ScalarGradient<S> Formulation::Parts::objective_gradient(const PostureImpact<S>& posture,
-                                                         const Hit<S>& hit) const {
+                                                         const ScenarioImpact<S>& hit) const {
   const S scale = hit.p / S(objective_unit);
   const S s2 = scale * scale;
   S sum(0);
@@ -340,10 +290,10 @@ VectorX<S> Formulation::Parts::lagrangian_gradient(const VectorX<S>& x,
     const bool displaced = scenarios[k].joint_offset.size() > 0;
     const PostureImpact<S> own = displaced ? posture<S>(local, scenarios[k]) : PostureImpact<S>();
     const PostureImpact<S>& posture_k = displaced ? own : at;
-    const Hit<S> hit_k = hit<S>(local, posture_k, scenarios[k]);
+    const ScenarioImpact<S> hit_k = impact<S>(local, posture_k, scenarios[k]);
     out += compress<S>(local, objective_gradient<S>(posture_k, hit_k)) * S(weight);
   }
-  const Hit<S> nominal = hit<S>(local, at, predicted());
+  const ScenarioImpact<S> nominal = impact<S>(local, at, predicted());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double multiplier = multipliers[static_cast<int>(i)];
     if (multiplier == 0) continue;

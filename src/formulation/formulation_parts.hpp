@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/impact/batch.hpp>
-#include <stillbase/target/target.hpp>
 
 #include "formulation/constraints/clearance_kernel.hpp"
 #include "formulation/constraints/singular_kernel.hpp"
@@ -22,10 +22,6 @@ namespace stillbase {
 
 template <class S>
 using VectorX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
-
-/// Frame in which the impulse direction never changes: rows are written in its components, so that
-/// "normal to n" means the same two axes at every point of the search.
-enum class ContactFrame { Base, Inertial, Target };
 
 enum class RowKind {
   HandPosition,    // component of the hand's distance from its point
@@ -54,9 +50,6 @@ struct Row {
   double lower, upper;
 };
 
-/// Two unit vectors that complete n to a right-handed basis.
-std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n);
-
 /// Gradient of a scalar over joints, turn of the base (rad, in B) and contact time.
 template <class S>
 struct ScalarGradient {
@@ -64,18 +57,6 @@ struct ScalarGradient {
   Vector3<S> theta = Vector3<S>::Zero();
   S t = S(0);
   explicit ScalarGradient(int n) : phi(JointVector<S>::Zero(n)) {}
-};
-
-/// How base and target lie and move to each other at one time.
-template <class S>
-struct ContactView {
-  Matrix3<S> R_EB;                             ///< E: the contact frame
-  Vector3<S> omega_EB = Vector3<S>::Zero();    ///< turn of B seen from E per s, in B
-  Vector3<S> velocity = Vector3<S>::Zero();    ///< of the target's centroid, in T, m/s
-  Vector3<S> omega = Vector3<S>::Zero();       ///< of the target, in T, rad/s
-  Vector3<S> omega_rate = Vector3<S>::Zero();  ///< its rate of change in T, rad/s^2
-  Vector3<S> point = Vector3<S>::Zero();       ///< contact feature in N, m
-  Vector3<S> point_rate = Vector3<S>::Zero();  ///< m/s
 };
 
 /// The variables: all joints, three of the attitude, the contact time.
@@ -89,46 +70,36 @@ struct Local {
   JointVector<S> phi;
   S time;
   Matrix3<S> R_NB;
-  Matrix3<S> attitude_rates;  ///< turn of B (in B) per attitude variable, one per column
-  ContactView<S> view;        ///< as predicted
+  Matrix3<S> attitude_rates;     ///< turn of B (in B) per attitude variable, one per column
+  ContactKinematics<S> contact;  ///< nominal
+  ContactRates<S> rates;         ///< of it
 };
 
 /// The impact of one scenario at one posture.
 template <class S>
-struct Hit {
-  ContactView<S> view;
-  bool magnitude_given = false;    ///< p is stated: no contact law
-  S closing_speed = S(0);          ///< m/s
-  S closing_speed_rate = S(0);     ///< per s of contact time
-  double target_inverse_mass = 0;  ///< n' W_t n, 1/kg
-  ImpactResponse<S> response;      ///< to a unit impulse
-  S p = S(0);                      ///< impulse, N s
+struct ScenarioImpact {
+  Encounter<S> encounter;
+  ContactRates<S> rates;
+  S closing_speed_rate = S(0);  ///< per s of contact time, m/s^2
+  ImpactResponse<S> response;   ///< to a unit impulse
+  S p = S(0);                   ///< impulse, N s
 };
 
 struct Formulation::Parts {
   CaptureProblem problem;
   VariableLayout layout;
   ImpactResistance resistance;
-  std::optional<TargetMotion> motion;  ///< of the predicted target
-  ContactFrame frame = ContactFrame::Base;
-  Vector3d n_E, u_E, v_E;                              ///< impulse direction and tangents in E
-  Vector3d moment_E = Vector3d::Zero();                ///< moment per unit of impulse (given ones)
-  Matrix3d hand_axes_E = Matrix3d::Identity();         ///< wanted ones, approach axis along -n
-  Vector3d r_E = Vector3d::Zero();                     ///< contact point from the target's centroid
-  Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< in T; zero for a point mass
+  EncounterModel model;
   std::vector<Row> rows;
   std::vector<Row> implied_rows;  ///< hold where the others do: reported, not given to optimizers
-  std::optional<Vector3d> hand_point;  ///< stated hand position
   std::vector<ClearancePair> clearances;
-  Matrix3d R_ET = Matrix3d::Identity();  ///< axes of the target where it meets the hand
-  Vector3d r_T = Vector3d::Zero();       ///< in T, from its centroid to where the hand meets it
-  int coupling_rank = 0;                 ///< generic ranks, of what a margin is asked for
+  TargetPlacement target;  ///< at the contact, where a clearance to it is asked for
+  int coupling_rank = 0;   ///< generic ranks, of what a margin is asked for
   int jacobian_rank = 0;
   double objective_unit = 1;
   bool rows_need_hit = false;          ///< some row is a function of the predicted impact
   std::vector<Scenario> prediction;    ///< the predicted one alone
   mutable ScenarioEvaluation at_last;  ///< workspace
-  mutable std::optional<TargetState> last_state;
   mutable long evaluations = 0;
 
   std::vector<TurnAfterImpact> turns;  ///< of the objective
@@ -137,14 +108,11 @@ struct Formulation::Parts {
 
   explicit Parts(const CaptureProblem& p);
 
-  bool hand_follows_contact() const { return motion.has_value() && !hand_point; }
-  bool direction_predicted() const { return motion.has_value(); }
   int n() const { return problem.robot.n(); }
   int start_dimension() const { return layout.size; }
   Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
   Configuration configuration(const Eigen::VectorXd& x) const;
-  Encounter encounter(const Local<double>& local) const;
-  Scenario predicted() const;
+  Scenario predicted() const { return nominal_scenario(model); }
 
   // Which rows there are (formulation_rows.cpp).
   void add_rows();
@@ -158,33 +126,33 @@ struct Formulation::Parts {
   template <class S>
   Local<S> localise(const VectorX<S>& x) const;
   template <class S>
-  ContactView<S> view_at(const Matrix3<S>& R_NB, const S& time) const;
-  template <class S>
   PostureImpact<S> posture(const Local<S>& local) const;
   /// The same with the joints displaced by the scenario's errors.
   template <class S>
   PostureImpact<S> posture(const Local<S>& local, const Scenario& scenario) const;
-  /// All of a hit that does not depend on the posture: response (but its F) and p are still open.
+  /// What of the impact does not depend on the posture; response and p are not set.
   template <class S>
-  Hit<S> meet(const Local<S>& local, const Scenario& scenario) const;
+  ScenarioImpact<S> encounter(const Local<S>& local, const Scenario& scenario) const;
   template <class S>
-  Hit<S> hit(const Local<S>& local, const PostureImpact<S>& posture,
-             const Scenario& scenario) const;
+  ScenarioImpact<S> impact(const Local<S>& local, const PostureImpact<S>& posture,
+                           const Scenario& scenario) const;
   /// 1/2 |y|^2 / unit^2 of a scenario, and its gradient.
   template <class S>
-  S objective(const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  S objective(const PostureImpact<S>& posture, const ScenarioImpact<S>& hit) const;
   template <class S>
-  ScalarGradient<S> objective_gradient(const PostureImpact<S>& posture, const Hit<S>& hit) const;
+  ScalarGradient<S> objective_gradient(const PostureImpact<S>& posture,
+                                       const ScenarioImpact<S>& hit) const;
   template <class S>
   S value_of(const Row& row, const Local<S>& local, const PostureImpact<S>& posture,
-             const Hit<S>& hit) const;
+             const ScenarioImpact<S>& hit) const;
   template <class S>
   ScalarGradient<S> gradient_of(const Row& row, const Local<S>& local,
-                                const PostureImpact<S>& posture, const Hit<S>& hit) const;
+                                const PostureImpact<S>& posture,
+                                const ScenarioImpact<S>& hit) const;
   /// Both, without working out twice what they share.
   template <class S>
   S value_and_gradient(const Row& row, const Local<S>& local, const PostureImpact<S>& posture,
-                       const Hit<S>& hit, ScalarGradient<S>& gradient) const;
+                       const ScenarioImpact<S>& hit, ScalarGradient<S>& gradient) const;
   template <class S>
   VectorX<S> compress(const Local<S>& local, const ScalarGradient<S>& gradient) const;
   /// The same into a row of a matrix.
@@ -196,21 +164,19 @@ struct Formulation::Parts {
                                  const Eigen::VectorXd& weights,
                                  const Eigen::VectorXd& multipliers) const;
 
-  /// The state of the target at a time, of which the last one is kept: it is the same all along
-  /// where the time is no variable.
-  const TargetState& target_state(double time) const;
-  /// @param predicted the predicted hit, where it is known already
+  /// @param predicted the nominal impact, where it is known already
   void evaluate_one_by_one(const Local<double>& local, const PostureImpact<double>& stated,
-                           const Hit<double>* predicted, const std::vector<Scenario>& scenarios,
-                           bool derivatives, ScenarioEvaluation& out) const;
+                           const ScenarioImpact<double>* predicted,
+                           const std::vector<Scenario>& scenarios, bool derivatives,
+                           ScenarioEvaluation& out) const;
 
   // Scenarios in the lanes of wide registers (formulation_batch.cpp).
   /// Fewer scenarios at one posture than this are evaluated one by one.
   static constexpr int kWorthPacks = 3;
   bool in_packs(const std::vector<Scenario>& scenarios) const;
   void resize_batch(Eigen::Index count) const;
-  void put_in_batch(const Local<double>& local, const Hit<double>& hit, const Scenario& scenario,
-                    Eigen::Index row) const;
+  void put_in_batch(const Local<double>& local, const ScenarioImpact<double>& hit,
+                    const Scenario& scenario, Eigen::Index row) const;
   void evaluate_batch(bool derivatives) const;
   void evaluate_in_packs(const Local<double>& local, const std::vector<Scenario>& scenarios,
                          bool derivatives, ScenarioEvaluation& out) const;
@@ -228,25 +194,23 @@ struct Formulation::Parts {
   // Pieces of the above.
   /// d psi of psi(p y): the weights of y per unit impulse, and of p through the contact law.
   template <class S>
-  ScalarGradient<S> scaled_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
+  ScalarGradient<S> scaled_gradient(const PostureImpact<S>& posture, const ScenarioImpact<S>& hit,
                                     ResponseWeights<S> weights, const S& along_p) const;
   /// d value / d(turn of B seen from the contact frame) goes to the base attitude, or to time.
   template <class S>
-  void add_contact_turn(const ContactView<S>& view, const Vector3<S>& g,
+  void add_contact_turn(const ContactRates<S>& rates, const Vector3<S>& g,
                         ScalarGradient<S>& gradient) const;
   /// d value / dF acts through the turn of B, in which F is fixed to the contact frame.
   template <class S>
-  void add_wrench_turn(const Hit<S>& hit, const Vector6<S>& by_F,
+  void add_wrench_turn(const ScenarioImpact<S>& hit, const Vector6<S>& by_F,
                        ScalarGradient<S>& gradient) const;
   /// along_p = p d value / dp acts through the closing speed's change in time.
   template <class S>
-  void add_speed_rate(const Hit<S>& hit, const S& along_p, ScalarGradient<S>& gradient) const;
+  void add_speed_rate(const ScenarioImpact<S>& hit, const S& along_p,
+                      ScalarGradient<S>& gradient) const;
   template <class S>
-  ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture, const Hit<S>& hit,
+  ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture, const ScenarioImpact<S>& hit,
                                     const ResponseWeights<S>& weights) const;
-  /// Wanted hand axes in B for HandConstraint::Pose.
-  template <class S>
-  Matrix3<S> wanted_hand_axes(const Local<S>& local) const;
   /// The coupling matrix, or the generalized Jacobian with its angular rows times a length; and its
   /// smallest singular value of generic rank.
   template <class S>

@@ -7,18 +7,10 @@
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/plan/encounter.hpp>
 
 #include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
-
-std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n) {
-  int smallest = 0;
-  n.cwiseAbs().minCoeff(&smallest);
-  const Vector3d u = n.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
-  return {u, n.cross(u)};
-}
 
 namespace {
 
@@ -41,39 +33,14 @@ bool depends_on_hit(const Row& row) {
 }  // namespace
 
 Formulation::Parts::Parts(const CaptureProblem& p)
-    : problem(p), layout(p), resistance(prepare_resistance(p.resistance, p.robot.n())) {
-  const auto refuse = [this](const std::string& rule, const std::string& message) {
-    throw InputError({Finding{problem.source, 0, rule, message}});
-  };
-  const ImpulseSpec& impulse = problem.impulse;
-  hand_point = problem.hand.position;
-  if (impulse.direction) {
-    frame = impulse.direction_frame == Frame::Base ? ContactFrame::Base : ContactFrame::Inertial;
-    n_E = *impulse.direction;
-    if (impulse.source == ImpulseSource::RigidBody) {
-      refuse("impulse-source",
-             "impact.source rigid_body takes its direction from the contact feature; remove "
-             "impact.direction");
-    }
-  } else {
-    if (!problem.target || problem.variables.feature.empty()) {
-      refuse("impulse-direction",
-             "without impact.direction a target with a contact feature is needed");
-    }
-    frame = ContactFrame::Target;
-    n_E = chosen_feature(problem).normal;
-    motion = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
+    : problem(p),
+      layout(p),
+      resistance(prepare_resistance(p.resistance, p.robot.n())),
+      model(stillbase::encounter_model(p)) {
+  if (layout.size == 0) {
+    throw InputError(
+        {Finding{problem.source, 0, "no-variables", "variables: nothing is free to be planned"}});
   }
-  std::tie(u_E, v_E) = tangent_basis(n_E);
-  const HandSpec& hand = problem.hand;
-  hand_axes_E = rotation_exp(n_E * hand.roll).toRotationMatrix() *
-                Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E).toRotationMatrix();
-  if (impulse.source == ImpulseSource::Given) moment_E = impulse.moment / impulse.magnitude;
-  if (frame == ContactFrame::Target) r_E = chosen_feature(problem).point;
-  if (problem.target && !problem.target->inertia.isZero(0)) {
-    target_inverse_inertia = problem.target->inertia.inverse();
-  }
-  if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
   prediction = {predicted()};
   add_rows();
   drop_structural_rows();
@@ -83,7 +50,7 @@ Formulation::Parts::Parts(const CaptureProblem& p)
 
 void Formulation::Parts::add_rows() {
   const HandSpec& hand = problem.hand;
-  const bool has_point = hand_point || hand_follows_contact();
+  const bool has_point = model.hand_point || model.hand_follows_target();
   if (hand.constraint != HandConstraint::None && has_point &&
       problem.variables.base_position == PositionFreedom::Fixed) {
     for (int i = 0; i < 3; ++i) {
@@ -111,7 +78,7 @@ void Formulation::Parts::add_rows() {
   add_case_rows();
   add_margin_rows();
   add_clearance_rows();
-  if (layout.time >= 0 && motion) {
+  if (layout.time >= 0 && model.follows_target()) {
     rows.push_back({RowKind::ClosingSpeed, 0, "closing_speed",
                     problem.constraints.closing_speed_min, kInfinity});
   }
@@ -132,7 +99,7 @@ void Formulation::Parts::add_case_rows() {
     // r_gh x n is normal to n: two independent rows.
     rows.push_back({RowKind::CaseTotal, 0, "case_total_1", 0, 0});
     rows.push_back({RowKind::CaseTotal, 1, "case_total_2", 0, 0});
-    if (!moment_E.isZero(0)) rows.push_back({RowKind::CaseTotal, 2, "case_total_3", 0, 0});
+    if (!model.moment.isZero(0)) rows.push_back({RowKind::CaseTotal, 2, "case_total_3", 0, 0});
   }
   if (wanted == CaseConstraint::G2) {
     for (int i = 0; i < 3; ++i) {
@@ -192,7 +159,7 @@ void Formulation::Parts::drop_structural_rows() {
     const Eigen::VectorXd x = start_point(low_discrepancy_point(sample, start_dimension(), 0));
     const Local<double> local = localise<double>(x);
     const auto at = posture(local);
-    const auto response = hit(local, at, predicted());
+    const auto response = impact(local, at, predicted());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double value = value_of(rows[i], local, at, response);
       const bool violated = value < rows[i].lower - kZero || value > rows[i].upper + kZero;
@@ -217,7 +184,7 @@ void Formulation::Parts::set_combinations_aside() {
     const Eigen::VectorXd x = start_point(low_discrepancy_point(sample, start_dimension(), 0));
     const Local<double> local = localise<double>(x);
     const auto at = posture(local);
-    const auto response = hit(local, at, predicted());
+    const auto response = impact(local, at, predicted());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       auto part = profiles[i].segment(sample * each, each);
       part[0] = value_of(rows[i], local, at, response) - rows[i].lower;

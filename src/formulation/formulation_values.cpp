@@ -11,37 +11,33 @@ namespace stillbase {
 
 template Local<double> Formulation::Parts::localise(const VectorX<double>&) const;
 template PostureImpact<double> Formulation::Parts::posture(const Local<double>&) const;
-template Hit<double> Formulation::Parts::hit(const Local<double>&, const PostureImpact<double>&,
-                                             const Scenario&) const;
+template ScenarioImpact<double> Formulation::Parts::impact(const Local<double>&,
+                                                           const PostureImpact<double>&,
+                                                           const Scenario&) const;
 template double Formulation::Parts::objective(const PostureImpact<double>&,
-                                              const Hit<double>&) const;
-template ScalarGradient<double> Formulation::Parts::objective_gradient(const PostureImpact<double>&,
-                                                                       const Hit<double>&) const;
+                                              const ScenarioImpact<double>&) const;
+template ScalarGradient<double> Formulation::Parts::objective_gradient(
+    const PostureImpact<double>&, const ScenarioImpact<double>&) const;
 template double Formulation::Parts::value_of(const Row&, const Local<double>&,
                                              const PostureImpact<double>&,
-                                             const Hit<double>&) const;
-template ScalarGradient<double> Formulation::Parts::gradient_of(const Row&, const Local<double>&,
-                                                                const PostureImpact<double>&,
-                                                                const Hit<double>&) const;
+                                             const ScenarioImpact<double>&) const;
+template ScalarGradient<double> Formulation::Parts::gradient_of(
+    const Row&, const Local<double>&, const PostureImpact<double>&,
+    const ScenarioImpact<double>&) const;
 template double Formulation::Parts::value_and_gradient(const Row&, const Local<double>&,
                                                        const PostureImpact<double>&,
-                                                       const Hit<double>&,
+                                                       const ScenarioImpact<double>&,
                                                        ScalarGradient<double>&) const;
 template VectorX<double> Formulation::Parts::compress(const Local<double>&,
                                                       const ScalarGradient<double>&) const;
 template ScalarGradient<double> Formulation::Parts::scaled_gradient(const PostureImpact<double>&,
-                                                                    const Hit<double>&,
+                                                                    const ScenarioImpact<double>&,
                                                                     ResponseWeights<double>,
                                                                     const double&) const;
 template JointVector<double> term_quantity(const ObjectiveTerm&, const PostureImpact<double>&,
                                            const ImpactResponse<double>&);
 template void add_term_weights(const ObjectiveTerm&, const JointVector<double>&,
                                ResponseWeights<double>&);
-
-const TargetState& Formulation::Parts::target_state(double time) const {
-  if (!last_state || last_state->time != time) last_state = motion->state(time);
-  return *last_state;
-}
 
 void Formulation::Parts::compress_into(
     const Local<double>& local, const ScalarGradient<double>& gradient,
@@ -101,45 +97,12 @@ Configuration Formulation::Parts::configuration(const Eigen::VectorXd& x) const 
   out.contact_time = layout.contact_time(problem, x);
   out.feature = problem.variables.feature;
   const bool follows = problem.variables.base_position != PositionFreedom::Fixed;
-  const bool stated_in_N = hand_point && problem.hand.frame == Frame::Inertial;
-  if (follows && (hand_follows_contact() || stated_in_N)) {
-    const Vector3d point = hand_point ? *hand_point : localise<double>(x).view.point;
+  const bool stated_in_N = model.hand_point && model.hand_frame == Frame::Inertial;
+  if (follows && (model.hand_follows_target() || stated_in_N)) {
+    const Vector3d point = model.hand_point ? *model.hand_point : localise<double>(x).contact.point;
     const auto kinematics = compute_kinematics<double>(problem.robot, out.phi);
     out.base.position = point - out.base.orientation * kinematics.r_bh;
   }
-  return out;
-}
-
-Encounter Formulation::Parts::encounter(const Local<double>& local) const {
-  Encounter out;
-  const ContactView<double>& view = local.view;
-  const Matrix3d R_BE = view.R_EB.transpose();
-  out.R_EB = view.R_EB;
-  out.F << R_BE * n_E, R_BE * moment_E;
-  out.magnitude_given = problem.impulse.source == ImpulseSource::Given;
-  out.closing_speed = problem.impulse.closing_speed;
-  out.r = R_BE * r_E;
-  if (direction_predicted()) {
-    out.speed_stated = false;
-    const Vector3d velocity = view.velocity + view.omega.cross(r_E);  // in T, as E is
-    out.closing_speed = n_E.dot(velocity);
-    out.velocity = R_BE * velocity;
-  }
-  if (out.magnitude_given) return out;
-  out.target_mass = problem.target->mass;
-  out.target_inverse_mass = 1 / out.target_mass;
-  if (problem.impulse.source == ImpulseSource::RigidBody) {
-    const Vector3d lever = r_E.cross(n_E);
-    out.target_inverse_mass += lever.dot(target_inverse_inertia * lever);
-    out.target_inverse_inertia = R_BE * target_inverse_inertia * view.R_EB;
-  }
-  return out;
-}
-
-Scenario Formulation::Parts::predicted() const {
-  Scenario out;
-  out.direction = n_E;
-  out.restitution = problem.impulse.restitution;
   return out;
 }
 

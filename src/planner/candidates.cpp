@@ -71,26 +71,22 @@ CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& co
 
 bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
                         const StopCondition& stop) {
-  const CaptureProblem at = at_contact(problem, configuration);
-  return post_impact_failure(problem, configuration,
-                             predict_impact(at, Formulation(at), configuration), stop)
+  return post_impact_failure(problem, configuration, impact_at(problem, configuration), stop)
       .empty();
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
                                  const std::vector<Candidate>& candidates,
                                  const StopCondition& stop) {
-  std::optional<Formulation> formulation;
-  if (!stop.reached()) formulation.emplace(problem);
+  const EncounterModel model = encounter_model(problem);
   CandidateOrder out;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) continue;
     const Configuration& configuration = candidates[i].configuration;
     const bool holds =
-        formulation && !stop.reached() &&
-        post_impact_failure(problem, configuration,
-                            predict_impact(problem, *formulation, configuration), stop)
+        !stop.reached() &&
+        post_impact_failure(problem, configuration, impact_at(problem, model, configuration), stop)
             .empty();
     (holds ? out.order : others).push_back(i);
   }

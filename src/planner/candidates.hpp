@@ -7,8 +7,8 @@
 
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/formulation/formulation.hpp>
-#include <stillbase/plan/encounter.hpp>
 
 namespace stillbase {
 

@@ -90,7 +90,7 @@ Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulat
   ProofOptions options;
   options.stop = stop;
   options.judge = [&](const JointBox& box) { return judge(problem, formulation, box); };
-  return prove(problem, formulation.encounter(stated).F, options);
+  return prove(problem, encounter_at(formulation.encounter_model(), stated).F, options);
 }
 
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {

@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
+#include <stillbase/plan/feature.hpp>
 #include <stillbase/simulation/settings.hpp>
 
 namespace stillbase {

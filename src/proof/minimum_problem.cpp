@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 namespace stillbase::proof {
 namespace {

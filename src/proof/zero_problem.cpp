@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/impact/gradient.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 
 namespace stillbase::proof {
 namespace {

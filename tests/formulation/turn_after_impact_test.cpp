@@ -55,11 +55,12 @@ TEST_CASE("the turn in an objective is the one that another integrator finds fro
     options.horizon = 0.5;
     for (int i = 0; i < 4; ++i) {
       const Configuration at = formulation.configuration(some_point(formulation, i));
-      const Encounter encounter = formulation.encounter(at);
+      const EncounterModel& model = formulation.encounter_model();
+      const Encounter<double> encounter = encounter_at(model, at);
       const auto posture = evaluate_posture<double>(
           problem.robot, prepare_resistance(problem.resistance, problem.robot.n()), at.phi);
       const auto response = respond<double>(posture, encounter.F);
-      const double p = impulse_magnitude(problem, encounter, response.hand_inverse_mass);
+      const double p = impulse_magnitude(model, encounter, response.hand_inverse_mass);
       const PlantState after = state_after_impact(problem.robot, problem.resistance,
                                                   state_at_rest(at.base, at.phi), p * encounter.F);
       const SimulationResult run = simulate_post_impact(

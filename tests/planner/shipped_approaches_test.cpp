@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include <stillbase/collision/scene.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/plan/encounter.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
 

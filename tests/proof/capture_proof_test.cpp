@@ -13,9 +13,8 @@ namespace stillbase {
 namespace {
 
 Vector6d wrench_of(const CaptureProblem& problem) {
-  return Formulation(problem)
-      .encounter({problem.start, problem.base, problem.variables.contact_time_lower})
-      .F;
+  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
+  return encounter_at(encounter_model(problem), stated).F;
 }
 
 Proof proof_of(const std::string& name) {

@@ -42,7 +42,8 @@ void add_turning_client(CaptureProblem& problem, const Vector3d& position, doubl
 Proof proof_of(const CaptureProblem& problem, long max_boxes = 50000) {
   const Formulation formulation(problem);
   const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  return prove(problem, formulation.encounter(stated).F, {.max_boxes = max_boxes});
+  return prove(problem, encounter_at(formulation.encounter_model(), stated).F,
+               {.max_boxes = max_boxes});
 }
 
 /// The equations (and the objective's vector, when it is to vanish) with their Jacobian.

@@ -38,9 +38,9 @@ CaptureProblem tumbling_client() {
 
 /// A second at which hand and target close.
 double time_of_approach(const CaptureProblem& problem) {
-  const Formulation formulation(problem);
+  const EncounterModel model = encounter_model(problem);
   double time = 10;
-  while (formulation.encounter({problem.start, problem.base, time}).closing_speed < 0.05) time += 1;
+  while (encounter_at(model, {problem.start, problem.base, time}).closing_speed < 0.05) time += 1;
   return time;
 }
 

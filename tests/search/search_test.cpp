@@ -160,7 +160,9 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
         formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 9)));
     const WorstCase worst = worst_case(problem, formulation, configuration);
 
-    const Encounter encounter = formulation.encounter(configuration);
+    const EncounterModel& model = formulation.encounter_model();
+    const Encounter<double> encounter = encounter_at(model, configuration);
+    const ContactTarget target = contact_target(model, encounter.contact);
     const auto posture = evaluate_posture<double>(
         problem.robot, prepare_resistance(problem.resistance, problem.robot.n()),
         configuration.phi);
@@ -169,12 +171,10 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
       Vector6d F;
       F << d, 0, 0, 0;
       const auto response = respond<double>(posture, F);
-      const Vector3d lever = encounter.r.cross(d);
-      Encounter here = encounter;
-      here.closing_speed = d.dot(encounter.velocity);
-      here.target_inverse_mass =
-          1 / encounter.target_mass + lever.dot(encounter.target_inverse_inertia * lever);
-      return impulse_magnitude(problem, here, response.hand_inverse_mass) * response.base.norm();
+      Encounter<double> here = encounter;
+      here.closing_speed = d.dot(target.contact_velocity().head<3>());
+      here.target_inverse_mass = target_inverse_mass(target.mass, target.inertia, target.r, d);
+      return impulse_magnitude(model, here, response.hand_inverse_mass) * response.base.norm();
     };
     double scan = value(n);
     const double alpha = problem.uncertainty.cone_half_angle;

@@ -155,7 +155,7 @@ TEST_CASE("simulations that are given up leave no number behind") {
   CHECK_FALSE(cut.is_complete);
   CHECK(cut.value == nominal);
   CHECK(cut.value < worst.value);
-  CHECK(cut.direction.isApprox(formulation.encounter(at).F.head<3>()));
+  CHECK(cut.direction.isApprox(encounter_at(formulation.encounter_model(), at).F.head<3>()));
 }
 
 }  // namespace stillbase

@@ -18,30 +18,11 @@
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/nlp/problem.hpp>
-#include <stillbase/plan/plan.hpp>
-#include <stillbase/plan/scenario.hpp>
 
 namespace stillbase {
-
-/// The encounter at one attitude and time, in B.
-struct Encounter {
-  Vector6d F;                            ///< [n; moment per unit of impulse]
-  double closing_speed = 0;              ///< v_n, m/s (stated, or of the predicted motion)
-  double target_inverse_mass = 0;        ///< n' W_t n, 1/kg
-  bool magnitude_given = false;          ///< the impulse is stated: no contact law
-  bool speed_stated = true;              ///< v_n is the same for every direction
-  Vector3d velocity = Vector3d::Zero();  ///< of the target's contact point, when predicted
-  Vector3d r = Vector3d::Zero();         ///< contact point from the target's centroid
-  Matrix3d target_inverse_inertia = Matrix3d::Zero();  ///< I_t^-1; zero for a point mass
-  double target_mass = kInfinity;
-  Matrix3d R_EB = Matrix3d::Identity();  ///< E: the contact frame of scenario.hpp
-};
-
-/// Impulse along the encounter's direction: p of the contact law (1 when given).
-double impulse_magnitude(const CaptureProblem& problem, const Encounter& encounter,
-                         double hand_inverse_mass);
 
 /// A term of the objective from outside the library: |y| is joined by value / size.
 ///
@@ -97,8 +78,9 @@ class Formulation final : public nlp::Problem {
                         const Eigen::VectorXd& weights, const Eigen::VectorXd& multipliers,
                         Eigen::MatrixXd& out) const;
   const std::vector<UserTerm>& user_terms() const;
-  /// The encounter as predicted.
-  Scenario predicted_scenario() const;
+  /// What encounters of all configurations have in common.
+  const EncounterModel& encounter_model() const;
+  Scenario predicted_scenario() const;  ///< the nominal encounter
 
   /// Those that are independent where they hold.
   int num_equations() const;
@@ -113,7 +95,6 @@ class Formulation final : public nlp::Problem {
   double objective_unit() const;
 
   Configuration configuration(const Eigen::VectorXd& x) const;
-  Encounter encounter(const Configuration& configuration) const;
   /// The variables of a configuration: the inverse of configuration().
   Eigen::VectorXd variables(const Configuration& configuration) const;
   /// A start point for u in [0,1)^d, d = start_dimension(): joints within their limits (one turn

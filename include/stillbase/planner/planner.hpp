@@ -39,8 +39,4 @@ struct PlannerOptions {
 /// @throws InputError for a problem whose parts do not fit together
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options = {});
 
-/// The impact at a configuration: impulse by the problem's contact law, then everything about it.
-ImpactSummary predict_impact(const CaptureProblem& problem, const Formulation& formulation,
-                             const Configuration& configuration);
-
 }  // namespace stillbase

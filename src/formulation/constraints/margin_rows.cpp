@@ -4,7 +4,6 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/plan/encounter.hpp>
 
 #include <stillbase/dynamics/inertia.hpp>
 
@@ -73,24 +72,13 @@ void Formulation::Parts::add_clearance_rows() {
   };
   clearances = clearance_pairs(problem);
   const bool has_target = problem.target && !problem.target->shapes.empty();
-  if (has_target && direction_predicted()) {
-    if (hand_point) {
-      refuse("the target lies with its contact feature at the hand; leave hand.position out");
-    }
-    r_T = r_E;
-  } else if (has_target) {
-    if (frame == ContactFrame::Base && layout.attitude_size > 0) {
-      refuse("with a direction stated in the base frame the attitude of the base must be fixed");
-    }
-    const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-    const auto met = encounter_motion(problem, Vector3d::Zero(), stated.base.orientation, 0);
-    const TargetState state = met->state(0);
-    const Matrix3d R_NT = state.pose.orientation.toRotationMatrix();
-    R_ET = frame == ContactFrame::Base
-               ? Matrix3d(stated.base.orientation.conjugate().toRotationMatrix() * R_NT)
-               : R_NT;
-    r_T = -(R_NT.transpose() * state.pose.position);  // the hand is at N's origin
+  if (has_target && model.follows_target() && model.hand_point) {
+    refuse("the target lies with its contact feature at the hand; leave hand.position out");
   }
+  if (has_target && model.frame == ContactFrame::Base && layout.attitude_size > 0) {
+    refuse("with a direction stated in the base frame the attitude of the base must be fixed");
+  }
+  if (has_target) target = target_placement(problem, model);
   for (std::size_t i = 0; i < clearances.size(); ++i) {
     rows.push_back({RowKind::Clearance, static_cast<int>(i), clearances[i].name,
                     *problem.constraints.clearance, kInfinity});

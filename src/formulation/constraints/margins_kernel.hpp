@@ -45,8 +45,8 @@ PlacedShape<S> Formulation::Parts::placed(const ClearanceShape& shape, const Loc
     R = kin.R[static_cast<std::size_t>(shape.body)];
     o = kin.o[static_cast<std::size_t>(shape.body)];
   } else if (shape.body == kTargetBody) {
-    R = local.view.R_EB.transpose() * R_ET.cast<S>();
-    o = kin.r_bh - R * r_T.cast<S>();
+    R = local.contact.R_EB.transpose() * target.R_ET.cast<S>();
+    o = kin.r_bh - R * target.r.cast<S>();
   }
   const Matrix3<S> axes = R * shape.R.cast<S>();
   return {&shape, axes, o + R * shape.p.cast<S>()};
@@ -71,7 +71,7 @@ ScalarGradient<S> Formulation::Parts::separation_gradient(const ClearancePair& p
       for (int k = 0; k < n(); ++k) {
         out.phi[k] += normal.dot(Vector3<S>(posture.jacobian.J_phi.template block<3, 1>(0, k)));
       }
-      add_contact_turn<S>(local.view, normal.cross(Vector3<S>(at.point - kin.r_bh)), out);
+      add_contact_turn<S>(local.rates, normal.cross(Vector3<S>(at.point - kin.r_bh)), out);
       return;
     }
     for (int k = body; k != kBase; k = problem.robot.joints[static_cast<std::size_t>(k)].parent) {

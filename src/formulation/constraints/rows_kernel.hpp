@@ -33,32 +33,25 @@ Vector3<S> rotation_error_turn(const Matrix3<S>& R, const Matrix3<S>& D, int i) 
 }  // namespace
 
 template <class S>
-Matrix3<S> Formulation::Parts::wanted_hand_axes(const Local<S>& local) const {
-  const HandSpec& hand = problem.hand;
-  if (hand.orientation) {
-    const Matrix3<S> R = hand.orientation->toRotationMatrix().cast<S>();
-    return hand.frame == Frame::Base ? R : Matrix3<S>(local.R_NB.transpose() * R);
-  }
-  return local.view.R_EB.transpose() * hand_axes_E.cast<S>();
-}
-
-template <class S>
 S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
-                               const PostureImpact<S>& posture, const Hit<S>& hit) const {
+                               const PostureImpact<S>& posture,
+                               const ScenarioImpact<S>& hit) const {
   const Kinematics<S>& kin = posture.kinematics;
   const ImpactResponse<S>& response = hit.response;
   const auto r_bh_N = [&](int i) -> S { return local.R_NB.row(i).dot(kin.r_bh); };
   const auto contact_point = [&]() -> Vector3<S> {
-    return hand_point ? Vector3<S>(hand_point->cast<S>()) : local.view.point;
+    return model.hand_point ? Vector3<S>(model.hand_point->cast<S>()) : local.contact.point;
   };
-  const Vector3<S> tangent = (row.index == 0 ? u_E : (row.index == 1 ? v_E : n_E)).cast<S>();
+  const Vector3<S> tangent =
+      (row.index == 0 ? model.u : (row.index == 1 ? model.v : model.n)).cast<S>();
   const auto hand_axis = [&]() -> Vector3<S> {
-    return local.view.R_EB * Vector3<S>(kin.R_hand * problem.hand.approach_axis.template cast<S>());
+    return local.contact.R_EB *
+           Vector3<S>(kin.R_hand * problem.hand.approach_axis.template cast<S>());
   };
   switch (row.kind) {
     case RowKind::HandPosition:
-      if (hand_point && problem.hand.frame == Frame::Base) {
-        return kin.r_bh[row.index] - S((*hand_point)[row.index]);
+      if (model.hand_point && problem.hand.frame == Frame::Base) {
+        return kin.r_bh[row.index] - S((*model.hand_point)[row.index]);
       }
       return r_bh_N(row.index) + S(problem.base.position[row.index]) - contact_point()[row.index];
     case RowKind::StationBox:
@@ -66,13 +59,14 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
     case RowKind::HandAxis:
       return tangent.dot(hand_axis());
     case RowKind::HandFacing:
-      return n_E.cast<S>().dot(hand_axis());
+      return model.n.cast<S>().dot(hand_axis());
     case RowKind::HandPose:
-      return rotation_error<S>(kin.R_hand, wanted_hand_axes<S>(local), row.index);
+      return rotation_error<S>(
+          kin.R_hand, wanted_hand_axes<S>(model, local.R_NB, local.contact.R_EB), row.index);
     case RowKind::PoseFacing:
-      return alignment<S>(kin.R_hand, wanted_hand_axes<S>(local));
+      return alignment<S>(kin.R_hand, wanted_hand_axes<S>(model, local.R_NB, local.contact.R_EB));
     case RowKind::CaseTotal:
-      return tangent.dot(local.view.R_EB * response.total);
+      return tangent.dot(local.contact.R_EB * response.total);
     case RowKind::CaseBase:
       return response.base[row.index];
     case RowKind::CaseCoupling:
@@ -80,7 +74,7 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
     case RowKind::CouplingColumn:
       return Vector3<S>(posture.tilde.Htilde_omegaphi.col(row.index)).dot(response.coupling());
     case RowKind::ClosingSpeed:
-      return hit.closing_speed;
+      return hit.encounter.closing_speed;
     case RowKind::AttitudeAngle:
       return local.x.template segment<3>(layout.attitude).squaredNorm();
     case RowKind::AttitudeCone: {
@@ -103,11 +97,12 @@ S Formulation::Parts::value_of(const Row& row, const Local<S>& local,
 template <class S>
 ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>& local,
                                                   const PostureImpact<S>& posture,
-                                                  const Hit<S>& hit) const {
+                                                  const ScenarioImpact<S>& hit) const {
   const Kinematics<S>& kin = posture.kinematics;
   const ImpactResponse<S>& response = hit.response;
   ScalarGradient<S> out(n());
-  const Vector3<S> tangent = (row.index == 0 ? u_E : (row.index == 1 ? v_E : n_E)).cast<S>();
+  const Vector3<S> tangent =
+      (row.index == 0 ? model.u : (row.index == 1 ? model.v : model.n)).cast<S>();
   // Turn of the hand per joint rate, in B.
   const auto turn = [&](int k) -> Vector3<S> {
     return posture.jacobian.J_phi.template block<3, 1>(3, k);
@@ -117,7 +112,7 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
   switch (row.kind) {
     case RowKind::HandPosition:
     case RowKind::StationBox: {
-      const bool in_base = hand_point && problem.hand.frame == Frame::Base;
+      const bool in_base = model.hand_point && problem.hand.frame == Frame::Base;
       const S sign = row.kind == RowKind::HandPosition ? S(1) : S(-1);
       const Vector3<S> axis =
           in_base ? unit(row.index) : Vector3<S>(local.R_NB.row(row.index).transpose());
@@ -125,23 +120,24 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
         out.phi[k] = sign * axis.dot(Vector3<S>(posture.jacobian.J_phi.template block<3, 1>(0, k)));
       }
       if (!in_base) out.theta = kin.r_bh.cross(axis) * sign;
-      if (!hand_point) out.t = -sign * local.view.point_rate[row.index];
+      if (!model.hand_point) out.t = -sign * local.rates.point[row.index];
       return out;
     }
     case RowKind::HandAxis:
     case RowKind::HandFacing: {
-      const Vector3<S> e = row.kind == RowKind::HandFacing ? Vector3<S>(n_E.cast<S>()) : tangent;
-      const Vector3<S> e_B = local.view.R_EB.transpose() * e;
+      const Vector3<S> e =
+          row.kind == RowKind::HandFacing ? Vector3<S>(model.n.cast<S>()) : tangent;
+      const Vector3<S> e_B = local.contact.R_EB.transpose() * e;
       const Vector3<S> a = kin.R_hand * problem.hand.approach_axis.template cast<S>();
       for (int k = 0; k < n(); ++k) out.phi[k] = turn(k).cross(a).dot(e_B);
-      add_contact_turn<S>(local.view, a.cross(e_B), out);
+      add_contact_turn<S>(local.rates, a.cross(e_B), out);
       return out;
     }
     case RowKind::HandPose:
     case RowKind::PoseFacing: {
       // In B: turning B against the wanted axes turns them back.
       const Matrix3<S> R = kin.R_hand;
-      const Matrix3<S> D = wanted_hand_axes<S>(local);
+      const Matrix3<S> D = wanted_hand_axes<S>(model, local.R_NB, local.contact.R_EB);
       Vector3<S> g_R, g_D;
       if (row.kind == RowKind::HandPose) {
         g_R = rotation_error_turn<S>(R, D, row.index);
@@ -152,7 +148,7 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
       }
       for (int k = 0; k < n(); ++k) out.phi[k] = turn(k).dot(g_R);
       if (!problem.hand.orientation) {
-        add_contact_turn<S>(local.view, -g_D, out);
+        add_contact_turn<S>(local.rates, -g_D, out);
       } else if (problem.hand.frame == Frame::Inertial) {
         out.theta -= g_D;
       }
@@ -160,9 +156,9 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
     }
     case RowKind::CaseTotal: {
       ResponseWeights<S> weights;
-      weights.total = local.view.R_EB.transpose() * tangent;
+      weights.total = local.contact.R_EB.transpose() * tangent;
       out = impact_gradient<S>(posture, hit, weights);
-      add_contact_turn<S>(local.view, response.total.cross(weights.total), out);
+      add_contact_turn<S>(local.rates, response.total.cross(weights.total), out);
       return out;
     }
     case RowKind::CaseBase: {
@@ -217,7 +213,8 @@ ScalarGradient<S> Formulation::Parts::gradient_of(const Row& row, const Local<S>
 
 template <class S>
 S Formulation::Parts::value_and_gradient(const Row& row, const Local<S>& local,
-                                         const PostureImpact<S>& posture, const Hit<S>& hit,
+                                         const PostureImpact<S>& posture,
+                                         const ScenarioImpact<S>& hit,
                                          ScalarGradient<S>& gradient) const {
   switch (row.kind) {
     case RowKind::CouplingMargin:

@@ -17,7 +17,8 @@ double positive_part(double x) { return std::max(x, 0.0); }
 DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formulation,
                                const Configuration& at)
     : problem(&p),
-      encounter(formulation.encounter(at)),
+      model(&formulation.encounter_model()),
+      encounter(encounter_at(*model, at)),
       turns(turns_after_impact(p)),
       user_terms(&formulation.user_terms()),
       stop(formulation.simulations_stop()),
@@ -42,9 +43,9 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
     for (int i = 0; i < 4; ++i) Y.col(i).tail(y[i].size()) = y[i];
   }
   W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
-  const Matrix3d lever = skew<double>(encounter.r);
-  W += lever.transpose() * encounter.target_inverse_inertia * lever;
-  W.diagonal().array() += 1 / encounter.target_mass;
+  const ContactTarget target = contact_target(*model, encounter.contact);
+  W += target_inverse_inertia3(target);
+  velocity = target.contact_velocity().head<3>();
   n = encounter.F.head<3>();
   half_angle = p.uncertainty.cone_half_angle;
   planar = p.uncertainty.cone_plane_normal.has_value();
@@ -78,10 +79,11 @@ Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
 template <class S>
 S DirectionModel::square(const Vector3<S>& d) const {
   S p(problem->impulse.magnitude);
-  if (!encounter.magnitude_given) {
-    const Vector3d& v_t = encounter.velocity;
-    const S speed = encounter.speed_stated ? S(encounter.closing_speed)
-                                           : d[0] * S(v_t[0]) + d[1] * S(v_t[1]) + d[2] * S(v_t[2]);
+  if (!model->magnitude_is_given()) {
+    const Vector3d& v_t = velocity;
+    const S speed = !model->follows_target()
+                        ? S(encounter.closing_speed)
+                        : d[0] * S(v_t[0]) + d[1] * S(v_t[1]) + d[2] * S(v_t[2]);
     S inverse_mass(0);
     for (int i = 0; i < 3; ++i) {
       inverse_mass += d[i] * (S(W(i, 0)) * d[0] + S(W(i, 1)) * d[1] + S(W(i, 2)) * d[2]);
@@ -97,8 +99,8 @@ S DirectionModel::square(const Vector3<S>& d) const {
 }
 
 double DirectionModel::other_square(const Vector3d& d, const StopCondition& until) const {
-  const double speed = encounter.speed_stated ? encounter.closing_speed : d.dot(encounter.velocity);
-  const double p = encounter.magnitude_given
+  const double speed = !model->follows_target() ? encounter.closing_speed : d.dot(velocity);
+  const double p = model->magnitude_is_given()
                        ? problem->impulse.magnitude
                        : (1 + problem->impulse.restitution) * positive_part(speed) / d.dot(W * d);
   Vector6d F;
@@ -151,11 +153,11 @@ bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,
     gradient += weight / x * g;
     hessian += weight / x * H - weight / (x * x) * (g * g.transpose());
   };
-  if (!encounter.magnitude_given) {
-    if (!encounter.speed_stated) {
-      const double speed = d.dot(encounter.velocity);
+  if (!model->magnitude_is_given()) {
+    if (model->follows_target()) {
+      const double speed = d.dot(velocity);
       if (!(speed > 0)) return false;
-      add(2, speed, encounter.velocity, Matrix3d::Zero());
+      add(2, speed, velocity, Matrix3d::Zero());
     }
     const Matrix3d twice = W + W.transpose();
     add(-2, d.dot(W * d), twice * d, twice);

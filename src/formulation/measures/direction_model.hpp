@@ -14,7 +14,9 @@ struct DirectionModel {
   static constexpr int kMaxRows = 3 + 3 + 3 + 6 + 1 + kMaxJoints;  // one term of each quantity
 
   const CaptureProblem* problem;
-  Encounter encounter;
+  const EncounterModel* model;
+  Encounter<double> encounter;
+  Vector3d velocity;  ///< of the target's contact point in B, where it decides the closing speed
   /// y = p Y [d; 1]: all terms below each other, and what a stated moment adds.
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::ColMajor, kMaxRows, 4> Y;
   Matrix3d W;        ///< d' W d: inverse mass of hand and target together

@@ -272,7 +272,8 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
   std::vector<ConeMaximum> out;
   for (const Place& place : maxima(model)) {
     ConeMaximum maximum{formulation.predicted_scenario(), place.value};
-    maximum.scenario.direction = (model.encounter.R_EB * model.direction(place.c)).normalized();
+    maximum.scenario.direction =
+        (model.encounter.contact.R_EB * model.direction(place.c)).normalized();
     out.push_back(maximum);
   }
   return out;
@@ -282,7 +283,7 @@ std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation&
                                const Configuration& configuration,
                                const std::vector<Scenario>& from) {
   const DirectionModel model(problem, formulation, configuration);
-  const Matrix3d& R_EB = model.encounter.R_EB;
+  const Matrix3d& R_EB = model.encounter.contact.R_EB;
   std::vector<ConeMaximum> out;
   for (const Scenario& scenario : from) {
     const Eigen::Vector2d c = model.coordinates(R_EB.transpose() * scenario.direction);

@@ -10,7 +10,7 @@ Eigen::VectorXd Formulation::Parts::turn_vector(const Eigen::VectorXd& x,
   Eigen::VectorXd out(3 * static_cast<Eigen::Index>(turns.size()));
   if (turns.empty()) return out;
   const Local<double> local = localise<double>(x);
-  const auto met = hit(local, posture(local, scenario), scenario);
+  const auto met = impact(local, posture(local, scenario), scenario);
   JointVectord phi = local.phi;
   if (scenario.joint_offset.size() > 0) phi += scenario.joint_offset;
   const Vector6d Delta_Omega = met.p * met.response.d.Delta_Omega;

@@ -8,12 +8,12 @@ double Formulation::Parts::user_objective(const Eigen::VectorXd& x,
   if (user_terms.empty()) return 0;
   const Local<double> local = localise<double>(x);
   const auto at = posture(local, scenario);
-  const auto hit_here = hit(local, at, scenario);
+  const auto hit_here = impact(local, at, scenario);
   Configuration where = configuration(x);
   if (scenario.joint_offset.size() > 0) where.phi += scenario.joint_offset;
   const ImpactSummary impact =
       summarize_impact(problem.robot, where.phi, problem.resistance,
-                       hit_here.p * hit_here.response.F, hit_here.closing_speed);
+                       hit_here.p * hit_here.encounter.F, hit_here.encounter.closing_speed);
   double sum = 0;
   for (const UserTerm& term : user_terms) {
     sum += std::pow(term.value(where, impact) / (term.size * objective_unit), 2) / 2;

@@ -1,22 +1,11 @@
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include <stillbase/plan/feature.hpp>
 
 namespace stillbase {
-
-const ContactFeature& chosen_feature(const CaptureProblem& problem) {
-  for (const ContactFeature& feature : problem.target->features) {
-    if (feature.name == problem.variables.feature) return feature;
-  }
-  throw std::logic_error("no contact feature '" + problem.variables.feature + "'");
-}
-
-CaptureProblem at_feature(CaptureProblem problem, const std::string& feature) {
-  if (!feature.empty()) problem.variables.feature = feature;
-  return problem;
-}
 
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
                                              const Eigen::Quaterniond& R_NB, double contact_time) {

@@ -1,11 +1,11 @@
-#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <stillbase/core/linear_algebra.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 
 namespace stillbase {
 
