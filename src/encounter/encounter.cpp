@@ -66,7 +66,7 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
   if (problem.target) {
     out.target_mass = problem.target->mass;
     out.target_inertia = problem.target->inertia;
-    if (!out.target_inertia.isZero(0)) out.target_inverse_inertia = out.target_inertia.inverse();
+    out.target_inverse_inertia = problem.target->inverse_inertia();
   }
 
   const HandSpec& hand = problem.hand;
@@ -83,6 +83,14 @@ Scenario nominal_scenario(const EncounterModel& model) {
   Scenario out;
   out.direction = model.n;
   out.restitution = model.restitution;
+  return out;
+}
+
+Configuration start_configuration(const CaptureProblem& problem) {
+  Configuration out;
+  out.phi = problem.start;
+  out.base = problem.base;
+  out.contact_time = problem.variables.contact_time_lower;
   return out;
 }
 
@@ -108,7 +116,7 @@ ContactTarget contact_target(const EncounterModel& model,
   const Matrix3d R_BE = contact.R_EB.transpose();
   ContactTarget out;
   out.mass = model.magnitude_is_given() ? kInfinity : model.target_mass;
-  if (model.source != ImpulseSource::RigidBody) {
+  if (!model.is_rigid()) {
     // A point mass at the contact.
     out.velocity = R_BE * (model.follows_target() ? contact.velocity_at(model.r)
                                                   : Vector3d(model.closing_speed * model.n));

@@ -80,6 +80,23 @@ ContactRates<S> contact_rates(const EncounterModel& model, const Matrix3<S>& R_N
   return out;
 }
 
+/// [n; moment] in B of a direction and a moment per unit of impulse in E.
+template <class S>
+Vector6<S> unit_wrench(const Matrix3<S>& R_EB, const Vector3d& direction, const Vector3d& moment) {
+  Vector6<S> F;
+  F << R_EB.transpose() * Vector3<S>(direction.cast<S>()),
+      R_EB.transpose() * Vector3<S>(moment.cast<S>());
+  return F;
+}
+
+/// n . (v_target - v_hand) along a direction of E where the target moves as it does nominally, m/s.
+/// @param r contact point in T, m
+/// @pre model.follows_target()
+template <class S>
+S speed_along(const ContactKinematics<S>& contact, const Vector3d& direction, const Vector3d& r) {
+  return Vector3<S>(direction.cast<S>()).dot(contact.velocity_at(Vector3<S>(r.cast<S>())));
+}
+
 template <class S>
 Encounter<S> encounter_along(const EncounterModel& model, const ContactKinematics<S>& contact,
                              const Scenario& scenario) {
@@ -87,22 +104,16 @@ Encounter<S> encounter_along(const EncounterModel& model, const ContactKinematic
   out.contact = contact;
   const Vector3d& d = scenario.direction;
   const Vector3d r = model.r + scenario.contact_offset;
-  const Vector3<S> d_S = d.cast<S>();
-  out.F.template head<3>() = contact.R_EB.transpose() * d_S;
-  out.F.template tail<3>() =
-      contact.R_EB.transpose() *
-      Vector3<S>(Vector3d(model.moment + scenario.contact_offset.cross(d)).cast<S>());
+  out.F =
+      unit_wrench<S>(contact.R_EB, d, Vector3d(model.moment + scenario.contact_offset.cross(d)));
   out.closing_speed =
-      (model.follows_target() ? S(d_S.dot(contact.velocity_at(Vector3<S>(r.cast<S>()))))
-                              : S(model.closing_speed)) +
+      (model.follows_target() ? speed_along<S>(contact, d, r) : S(model.closing_speed)) +
       S(scenario.closing_speed_offset);
   if (model.magnitude_is_given()) return out;
-  out.target_inverse_mass = 1 / (model.target_mass * scenario.target_mass_factor);
-  if (model.source == ImpulseSource::RigidBody) {
-    const Vector3d lever = r.cross(d);
-    out.target_inverse_mass +=
-        lever.dot(model.target_inverse_inertia * lever) / scenario.target_inertia_factor;
-  }
+  const double mass = model.target_mass * scenario.target_mass_factor;
+  const Matrix3d inverse_inertia =
+      model.target_inverse_inertia * (model.is_rigid() ? 1 / scenario.target_inertia_factor : 0);
+  out.target_inverse_mass = target_inverse_mass(mass, inverse_inertia, r, d);
   return out;
 }
 

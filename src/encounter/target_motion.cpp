@@ -3,9 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/dynamics/kinematics.hpp>
 #include <stillbase/plan/feature.hpp>
 
 namespace stillbase {
+
+namespace {
+
+Vector3d hand_in_N(const CaptureProblem& problem, const Configuration& configuration) {
+  return configuration.base * compute_kinematics<double>(problem.robot, configuration.phi).r_bh;
+}
+
+}  // namespace
 
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
                                              const Eigen::Quaterniond& R_NB, double contact_time) {
@@ -40,6 +49,24 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, cons
   }
   state.pose.position = hand_N - contact_point;
   return TargetMotion(*problem.target, state, reach);
+}
+
+std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem,
+                                             const Configuration& configuration) {
+  return encounter_motion(problem, hand_in_N(problem, configuration),
+                          configuration.base.orientation, configuration.contact_time);
+}
+
+std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
+                                             const Configuration& configuration) {
+  const auto motion = encounter_motion(problem, configuration);
+  if (!motion) return std::nullopt;
+  TargetState state = motion->state(configuration.contact_time);
+  if (!problem.variables.feature.empty()) {
+    state.pose.position =
+        hand_in_N(problem, configuration) - state.pose.orientation * chosen_feature(problem).point;
+  }
+  return state;
 }
 
 }  // namespace stillbase

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include <stillbase/planner/planner.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include "planner/post_impact.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
                               const Configuration& configuration) {
   const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  const std::optional<TargetMotion> motion = target_at(problem, configuration);
+  const std::optional<TargetMotion> motion = encounter_motion(problem, configuration);
   // The approach keeps its clearance up to the contact, so a candidate must offer it.
   const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
   if (!motion) {
@@ -39,13 +39,6 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
 }
 
 }  // namespace
-
-std::optional<TargetMotion> target_at(const CaptureProblem& problem,
-                                      const Configuration& configuration) {
-  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  return encounter_motion(problem, configuration.base * kinematics.r_bh,
-                          configuration.base.orientation, configuration.contact_time);
-}
 
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate) {

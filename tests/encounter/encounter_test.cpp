@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/dynamics/kinematics.hpp>
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
-#include <stillbase/impact/contact.hpp>
 #include <stillbase/plan/feature.hpp>
 
 #include "encounter/encounter_kernel.hpp"
@@ -92,7 +92,7 @@ TEST_CASE("the target's inverse mass along the impulse is its answer to a unit i
     const Encounter<double> rigid = encounter_at(model, at);
     const double exact = point_speed_per_impulse(body, feature.point, feature.normal);
     CHECK(rigid.target_inverse_mass == Approx(exact).epsilon(1e-12));
-    CHECK(target_inverse_mass(body.mass, body.inertia, feature.point, feature.normal) ==
+    CHECK(target_inverse_mass(body.mass, body.inverse_inertia(), feature.point, feature.normal) ==
           Approx(exact).epsilon(1e-12));
     // The same from the target's inverse inertia in B.
     const ContactTarget target = contact_target(model, rigid.contact);
@@ -288,6 +288,20 @@ TEST_CASE("a target with a stated direction reaches the hand along it at the con
   const Matrix3d R_NT = state.pose.orientation.toRotationMatrix();
   CHECK((R_NE * placement.R_ET).isApprox(R_NT, 1e-12));
   CHECK((state.pose.position + R_NT * placement.r).isApprox(hand, 1e-12));
+}
+
+TEST_CASE("at the contact the feature is at the hand, wherever the hand is") {
+  Random random(11);
+  const CaptureProblem problem = some_tumbling_problem(185);
+  const Configuration at = some_configuration(problem, random);
+  const auto state = target_at_contact(problem, at);
+  REQUIRE(state);
+  const auto kinematics = compute_kinematics<double>(problem.robot, at.phi);
+  CHECK((state->pose * chosen_feature(problem).point)
+            .isApprox(at.base * Vector3d(kinematics.r_bh), 1e-12));
+  const TargetState nominal = encounter_motion(problem, at)->state(at.contact_time);
+  CHECK(state->pose.orientation.coeffs() == nominal.pose.orientation.coeffs());
+  CHECK(state->angular_velocity == nominal.angular_velocity);
 }
 
 TEST_CASE("encounters without a direction of their own are refused") {

@@ -41,9 +41,7 @@ void add_turning_client(CaptureProblem& problem, const Vector3d& position, doubl
 
 Proof proof_of(const CaptureProblem& problem, long max_boxes = 50000) {
   const Formulation formulation(problem);
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  return prove(problem, encounter_at(formulation.encounter_model(), stated).F,
-               {.max_boxes = max_boxes});
+  return prove(problem, {.max_boxes = max_boxes});
 }
 
 /// The equations (and the objective's vector, when it is to vanish) with their Jacobian.
@@ -413,8 +411,7 @@ TEST_CASE("what cannot be proven says why") {
   }
   SECTION("clearances that nobody judges") {
     problem.constraints.clearance = 0.1;
-    const Vector6d F = Vector6d::Unit(0);
-    CHECK(prove(problem, F).statement.find("nobody judges") != std::string::npos);
+    CHECK(prove(problem).statement.find("nobody judges") != std::string::npos);
   }
 }
 

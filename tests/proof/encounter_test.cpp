@@ -43,9 +43,7 @@ TEST_CASE("wrench, closing speed and their slopes are those of the planner's for
     problem.impulse.moment = {0.1, 0.2, -0.3};
   }
   const Formulation formulation(problem);
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  const ZeroProblem zeros =
-      zero_problem(problem, encounter_at(formulation.encounter_model(), stated).F);
+  const ZeroProblem zeros = zero_problem(problem);
   REQUIRE(zeros.encounter.num_variables() == 3);
   REQUIRE(formulation.num_variables() == 3);
   Random random(2);

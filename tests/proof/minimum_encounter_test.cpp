@@ -167,7 +167,7 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
   const Formulation formulation(problem);
   const std::vector<Scenario> scenarios = draw_scenarios(problem);
   const proof::MinimumProblem minimum = proof::minimum_problem(problem, scenarios);
-  const proof::EncounterModel& encounter = minimum.where.encounter;
+  const proof::VariableEncounter& encounter = minimum.where.encounter;
   const proof::WrenchBasis basis = basis_of(minimum);
   // A time on which nothing depends is none.
   const int n = kind == 1 ? 2 : 3;

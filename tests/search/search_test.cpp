@@ -173,7 +173,8 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
       const auto response = respond<double>(posture, F);
       Encounter<double> here = encounter;
       here.closing_speed = d.dot(target.contact_velocity().head<3>());
-      here.target_inverse_mass = target_inverse_mass(target.mass, target.inertia, target.r, d);
+      here.target_inverse_mass =
+          target_inverse_mass(target.mass, target.inertia.inverse(), target.r, d);
       return impulse_magnitude(model, here, response.hand_inverse_mass) * response.base.norm();
     };
     double scan = value(n);

@@ -62,6 +62,8 @@ struct EncounterModel {
   Vector3d approach_axis = Vector3d::UnitZ();  ///< in the hand frame, unit
 
   bool magnitude_is_given() const { return source == ImpulseSource::Given; }
+  /// Whether the target answers the impulse as a rigid body instead of a point mass.
+  bool is_rigid() const { return source == ImpulseSource::RigidBody; }
   /// Whether direction and closing speed follow from the motion of the target.
   bool follows_target() const { return motion.has_value(); }
   /// Whether the hand must be at the contact feature instead of at a stated point.
@@ -150,6 +152,9 @@ S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& co
 template <class S>
 Matrix3<S> wanted_hand_axes(const EncounterModel& model, const Matrix3<S>& R_NB,
                             const Matrix3<S>& R_EB);
+
+/// The start posture at the stated base pose and the earliest contact time.
+Configuration start_configuration(const CaptureProblem& problem);
 
 /// The nominal encounter at a configuration (its base attitude and contact time).
 Encounter<double> encounter_at(const EncounterModel& model, const Configuration& configuration);

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include <stillbase/plan/problem.hpp>
+#include <stillbase/plan/plan.hpp>
 
 namespace stillbase {
 
@@ -20,5 +20,15 @@ namespace stillbase {
 /// @return nothing when the problem has no target body
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
                                              const Eigen::Quaterniond& R_NB, double contact_time);
+
+/// The same towards the hand of a configuration.
+std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem,
+                                             const Configuration& configuration);
+
+/// State of the target at the contact time of a configuration. A named contact feature is at the
+/// hand, also where the nominal motion would bring it elsewhere.
+/// @return nothing when the problem has no target body
+std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
+                                             const Configuration& configuration);
 
 }  // namespace stillbase
