@@ -101,7 +101,7 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     for (std::size_t k = 0; k < scenarios.size(); ++k) {
       const int row = static_cast<int>(k);
       const PostureImpact<Dual> at = parts.posture(local, scenarios[k]);
-      const Dual f = parts.objective(at, parts.hit(local, at, scenarios[k]));
+      const Dual f = parts.objective(at, parts.impact(local, at, scenarios[k]));
       INFO("trial " << trial << ", scenario " << k);
       CHECK(here.values[row] * unit * unit == Approx(f.value()).epsilon(1e-12));
       CHECK(relative(here.gradients.row(row) * unit * unit, derivatives(f, x.size())) < 1e-11);
@@ -115,7 +115,7 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     CHECK(alone.values[0] == Approx(here.values[0]).epsilon(1e-12));
     CHECK(relative(alone.gradients.row(0), here.gradients.row(0)) < 1e-11);
 
-    const Hit<Dual> hit = parts.hit(local, posture, parts.predicted());
+    const ScenarioImpact<Dual> hit = parts.impact(local, posture, parts.predicted());
     REQUIRE(here.constraints.size() == static_cast<int>(parts.rows.size()));
     for (std::size_t i = 0; i < parts.rows.size(); ++i) {
       const Dual g = parts.value_of(parts.rows[i], local, posture, hit);

@@ -171,7 +171,7 @@ TEST_CASE("a margin counts the singular values of the generic rank only") {
   const Eigen::VectorXd x = parts.start_point(low_discrepancy_point(3, 3, 0));
   const auto local = parts.localise<double>(x);
   const auto posture = parts.posture(local);
-  const auto hit = parts.hit(local, posture, parts.predicted());
+  const auto hit = parts.impact(local, posture, parts.predicted());
   for (const Row& row : parts.rows) {
     if (row.kind != RowKind::CouplingMargin) continue;
     CHECK(parts.value_of(row, local, posture, hit) ==

@@ -28,7 +28,7 @@ TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
     REQUIRE_FALSE(maxima.empty());
     INFO("trial " << trial);
     for (const ConeMaximum& maximum : maxima) {
-      const Vector3d d = model.encounter.R_EB.transpose() * maximum.scenario.direction;
+      const Vector3d d = model.encounter.contact.R_EB.transpose() * maximum.scenario.direction;
       const Eigen::Vector2d c = model.coordinates(d);
       CHECK(model.value(c) == Approx(maximum.value).epsilon(1e-12));
       for (const double step : {1e-2, 1e-3, 1e-4}) {
