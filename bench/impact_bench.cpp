@@ -9,9 +9,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/dynamics/bias.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/impact/batch.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 #include <stillbase/simulation/plant.hpp>

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/encounter/encounter.hpp>
 
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"
-#include "app/start_impact.hpp"
 
 namespace stillbase::app {
 
@@ -19,7 +19,7 @@ double angle_deg(const Vector3d& direction) {
 
 std::vector<AnalysisRow> sweep(CaptureProblem problem, int directions) {
   if (directions == 0) {
-    const ImpactSummary impact = start_impact(problem);
+    const ImpactSummary impact = impact_at(problem, start_configuration(problem));
     return {{angle_deg(impact.Fbar.head<3>()), impact}};
   }
   if (!problem.impulse.direction) {
@@ -33,7 +33,7 @@ std::vector<AnalysisRow> sweep(CaptureProblem problem, int directions) {
     const double degrees = 360.0 * i / directions;
     const double angle = degrees * kPi / 180;
     problem.impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0);
-    rows.push_back({degrees, start_impact(problem)});
+    rows.push_back({degrees, impact_at(problem, start_configuration(problem))});
   }
   return rows;
 }
@@ -43,7 +43,7 @@ std::vector<AnalysisComparison> compare(CaptureProblem problem) {
   for (const ComparedResistance& entry :
        resistances_to_compare(problem.robot, problem.start, problem.resistance)) {
     problem.resistance = entry.resistance;
-    out.push_back({entry.is_illustrative, start_impact(problem)});
+    out.push_back({entry.is_illustrative, impact_at(problem, start_configuration(problem))});
   }
   return out;
 }

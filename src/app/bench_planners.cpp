@@ -12,9 +12,9 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/sha256.hpp>
-#include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/report/planner_log.hpp>
 
@@ -55,9 +55,7 @@ PlannerTask task_of(const std::string& path) {
   options.stop = stop_condition();
   out.goal = make_plan(out.problem, options).configuration;
   out.problem = at_feature(std::move(out.problem), out.goal.feature);
-  const auto kinematics = compute_kinematics<double>(out.problem.robot, out.goal.phi);
-  out.target = encounter_motion(out.problem, out.goal.base * kinematics.r_bh,
-                                out.goal.base.orientation, out.goal.contact_time);
+  out.target = encounter_motion(out.problem, out.goal);
   return out;
 }
 

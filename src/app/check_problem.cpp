@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/linear_algebra.hpp>
-#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
 #include "app/check_report.hpp"
 #include "app/words.hpp"
@@ -16,11 +16,10 @@ namespace stillbase::app {
 
 namespace {
 
-/// What a contact feature gives way, kg: a point mass there would be as heavy.
+/// Effective mass of the target along the normal of a contact feature, kg.
 double effective_mass(const TargetBody& target, const ContactFeature& feature) {
-  if (target.is_point_mass) return target.mass;
-  const Vector3d arm = feature.point.cross(feature.normal);
-  return 1 / (1 / target.mass + arm.dot(target.inertia.llt().solve(arm)));
+  return 1 /
+         target_inverse_mass(target.mass, target.inverse_inertia(), feature.point, feature.normal);
 }
 
 std::vector<std::string> target_suspicions(const TargetBody& target) {

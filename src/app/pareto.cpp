@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <stillbase/capture/trade_off.hpp>
 #include <stillbase/plan/scenario.hpp>
 #include <stillbase/report/plot.hpp>
+#include <stillbase/search/trade_off.hpp>
 
 #include "app/exit_code.hpp"
 #include "app/interruption.hpp"

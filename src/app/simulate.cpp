@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <stillbase/core/file.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/simulation/settings.hpp>
@@ -16,7 +17,6 @@
 #include "app/load.hpp"
 #include "app/output.hpp"
 #include "app/simulate_plot.hpp"
-#include "app/start_impact.hpp"
 #include "app/words.hpp"
 #include "io/json.hpp"
 #include "planner/post_impact.hpp"
@@ -50,7 +50,7 @@ Case load_case(const std::string& path) {
   }
   result.problem = read_problem(path);
   result.configuration = start_configuration(result.problem);
-  result.impact = start_impact(result.problem);
+  result.impact = impact_at(result.problem, result.configuration);
   return result;
 }
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include "approach/base_motion.hpp"
 #include "approach/closure.hpp"
@@ -87,9 +87,7 @@ std::optional<TargetMotion> target_for(const ApproachTask& task, const Configura
   if (task.target == nullptr) return std::nullopt;
   const bool moves = end.base.position != task.goal.base.position || end.phi != task.goal.phi;
   if (!task.problem.impulse.direction || !moves) return *task.target;
-  const auto kinematics = compute_kinematics<double>(task.problem.robot, end.phi);
-  return encounter_motion(task.problem, end.base * Vector3d(kinematics.r_bh), end.base.orientation,
-                          end.contact_time);
+  return encounter_motion(task.problem, end);
 }
 
 /// Whether a thing of the scene is the base or fixed to it.

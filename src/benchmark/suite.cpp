@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
-#include "capture/projection.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 

@@ -7,7 +7,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/file.hpp>
-#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 #include <stillbase/simulation/contact.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 
 #include "io/wedge_check.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/plan/feature.hpp>
 
 namespace stillbase {
 
@@ -29,8 +29,10 @@ ContactAxes contact_axes(const CaptureProblem& problem) {
   }
   out.n = chosen_feature(problem).normal;
   if (plane) {
-    const auto motion = encounter_motion(problem, Vector3d::Zero(), R_NB, 0);
-    const TargetState state = motion->state(problem.variables.contact_time_lower);
+    const double time = problem.variables.contact_time_lower;
+    const double horizon = std::abs(time - problem.target_state.time) + 1;
+    const TargetState state =
+        TargetMotion(*problem.target, problem.target_state, horizon).state(time);
     out.plane_normal = state.pose.orientation.conjugate() * (R_NB * *plane);
   }
   return out;

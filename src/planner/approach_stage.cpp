@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/approach/approach.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include "planner/candidates.hpp"
 #include "planner/contact_again.hpp"
@@ -123,7 +124,7 @@ class Stage {
       if (tried_ && options_.stop.reached()) return;
       progress(done++);
       const Configuration& goal = found_.candidates[order[i]].configuration;
-      const std::optional<TargetMotion> motion = target_at(problem_, goal);
+      const std::optional<TargetMotion> motion = encounter_motion(problem_, goal);
       const std::unique_ptr<ContactAgain> contact = contact_at(order[i]);
       const Approach approach =
           plan_approach(problem_, goal, motion ? &*motion : nullptr, seed_ + i, options_.stop,
@@ -198,7 +199,7 @@ class Stage {
       const bool is_welcome =
           path_decides(problem_) || is_good(problem_, candidate, best, options_.goal_factor);
       if (!is_welcome) continue;
-      goals.push_back({i, {}, target_at(problem_, candidate.configuration), contact_at(i)});
+      goals.push_back({i, {}, encounter_motion(problem_, candidate.configuration), contact_at(i)});
     }
     return goals;
   }
@@ -224,7 +225,7 @@ class Stage {
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
       if (!keeps_limits_after(problem_, at, options_.stop)) continue;
-      goals.push_back({beside, std::move(sample), target_at(problem_, at), nullptr});
+      goals.push_back({beside, std::move(sample), encounter_motion(problem_, at), nullptr});
     }
   }
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <optional>
 
-#include <stillbase/capture/search.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "planner/resolved.hpp"
 

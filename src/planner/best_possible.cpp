@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/constants.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "planner/candidates.hpp"
 
 namespace stillbase {
@@ -109,8 +109,9 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
   if (problem.uncertainty.cone_plane_normal) {
     // Of a wedge that turns with the base only its middle is always in it.
     if (!is_wedge_constant(problem)) return out;
-    const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-    plane_normal = formulation.encounter(stated).R_EB * *problem.uncertainty.cone_plane_normal;
+    plane_normal =
+        encounter_at(formulation.encounter_model(), start_configuration(problem)).contact.R_EB *
+        *problem.uncertainty.cone_plane_normal;
   }
   std::vector<Vector3d> directions = active_directions(problem, formulation, found, best);
   for (const Vector3d& direction : spread_directions(problem, n, plane_normal)) {

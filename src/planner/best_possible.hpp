@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include <stillbase/capture/search.hpp>
 #include <stillbase/proof/minimum.hpp>
+#include <stillbase/search/search.hpp>
 
 namespace stillbase {
 

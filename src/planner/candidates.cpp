@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include <stillbase/planner/planner.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 
 #include "planner/post_impact.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
                               const Configuration& configuration) {
   const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  const std::optional<TargetMotion> motion = target_at(problem, configuration);
+  const std::optional<TargetMotion> motion = encounter_motion(problem, configuration);
   // The approach keeps its clearance up to the contact, so a candidate must offer it.
   const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
   if (!motion) {
@@ -39,13 +39,6 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
 }
 
 }  // namespace
-
-std::optional<TargetMotion> target_at(const CaptureProblem& problem,
-                                      const Configuration& configuration) {
-  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  return encounter_motion(problem, configuration.base * kinematics.r_bh,
-                          configuration.base.orientation, configuration.contact_time);
-}
 
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate) {
@@ -71,26 +64,22 @@ CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& co
 
 bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
                         const StopCondition& stop) {
-  const CaptureProblem at = at_contact(problem, configuration);
-  return post_impact_failure(problem, configuration,
-                             predict_impact(at, Formulation(at), configuration), stop)
+  return post_impact_failure(problem, configuration, impact_at(problem, configuration), stop)
       .empty();
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
                                  const std::vector<Candidate>& candidates,
                                  const StopCondition& stop) {
-  std::optional<Formulation> formulation;
-  if (!stop.reached()) formulation.emplace(problem);
+  const EncounterModel model = encounter_model(problem);
   CandidateOrder out;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) continue;
     const Configuration& configuration = candidates[i].configuration;
     const bool holds =
-        formulation && !stop.reached() &&
-        post_impact_failure(problem, configuration,
-                            predict_impact(problem, *formulation, configuration), stop)
+        !stop.reached() &&
+        post_impact_failure(problem, configuration, impact_at(problem, model, configuration), stop)
             .empty();
     (holds ? out.order : others).push_back(i);
   }

@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/interrupt.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
-
-/// The target on its way to the hand of a configuration; nothing when the problem has none.
-std::optional<TargetMotion> target_at(const CaptureProblem& problem,
-                                      const Configuration& configuration);
 
 /// Sets `collision` and `collision_free`: what touches what while the robot waits at the candidate
 /// and the target comes in.

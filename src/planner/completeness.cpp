@@ -86,11 +86,10 @@ WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation
 
 Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
                       const StopCondition& stop) {
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
   ProofOptions options;
   options.stop = stop;
   options.judge = [&](const JointBox& box) { return judge(problem, formulation, box); };
-  return prove(problem, formulation.encounter(stated).F, options);
+  return prove(problem, options);
 }
 
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <stillbase/capture/search.hpp>
+#include <stillbase/search/search.hpp>
 
 namespace stillbase {
 

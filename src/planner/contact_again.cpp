@@ -6,7 +6,7 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 
 namespace stillbase {
 

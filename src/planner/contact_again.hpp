@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <stillbase/approach/approach.hpp>
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
-#include "capture/projection.hpp"
+#include "formulation/projection.hpp"
 #include "planner/resolved.hpp"
 
 namespace stillbase {

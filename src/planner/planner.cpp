@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include <stillbase/capture/robust.hpp>
-#include <stillbase/capture/search.hpp>
 #include <stillbase/collision/scene.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
+#include <stillbase/plan/feature.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "planner/approach_stage.hpp"
 #include "planner/best_possible.hpp"
@@ -25,21 +25,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-}  // namespace
-
-ImpactSummary predict_impact(const CaptureProblem& problem, const Formulation& formulation,
-                             const Configuration& configuration) {
-  const Encounter encounter = formulation.encounter(configuration);
-  const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
-  const auto posture = evaluate_posture<double>(problem.robot, resistance, configuration.phi);
-  const auto response = respond<double>(posture, encounter.F);
-  const double p = impulse_magnitude(problem, encounter, response.hand_inverse_mass);
-  return summarize_impact(problem.robot, configuration.phi, problem.resistance, p * encounter.F,
-                          encounter.closing_speed);
-}
-
-namespace {
 
 /// Relative: values nearer than that are the same.
 constexpr double kBetter = 1e-6;
@@ -168,7 +153,7 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.configuration = best.configuration;
   const CaptureProblem at = at_contact(problem, best.configuration);
   const Formulation there(at);
-  plan.impact = predict_impact(at, there, best.configuration);
+  plan.impact = impact_at(problem, best.configuration);
   plan.objective.name = objective_name(problem);
   plan.objective.unit = objective_unit_name(problem);
   plan.objective.nominal = best.objective;

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
-#include <stillbase/plan/encounter.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/simulation/settings.hpp>
 
 namespace stillbase {
@@ -45,21 +45,13 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
   subject.restitution = problem.impulse.restitution;
   if (subject.impulse > 0) subject.normal_N = R_NB * (f / subject.impulse);
 
-  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  const auto motion = encounter_motion(problem, configuration.base * Vector3d(kinematics.r_bh),
-                                       R_NB, configuration.contact_time);
-  if (!motion || problem.impulse.source == ImpulseSource::Given) return subject;
-  const TargetState state = motion->state(configuration.contact_time);
+  const auto state = target_at_contact(problem, configuration);
+  if (!state || problem.impulse.source == ImpulseSource::Given) return subject;
   MetTarget target{*problem.target, {}};
   if (problem.impulse.source == ImpulseSource::PointMass) target.body.inertia.setZero();
-  target.state.pose = state.pose;
-  if (!problem.variables.feature.empty()) {
-    // A posture that is not that of a plan has its hand elsewhere: the contact is at the hand.
-    const Vector3d hand_N = configuration.base * Vector3d(kinematics.r_bh);
-    target.state.pose.position = hand_N - state.pose.orientation * chosen_feature(problem).point;
-  }
-  target.state.velocity = state.linear_velocity;
-  target.state.angular_velocity = state.pose.orientation.conjugate() * state.angular_velocity;
+  target.state.pose = state->pose;
+  target.state.velocity = state->linear_velocity;
+  target.state.angular_velocity = state->pose.orientation.conjugate() * state->angular_velocity;
   subject.target = target;
   return subject;
 }

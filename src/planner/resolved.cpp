@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <stillbase/capture/robust.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/certificate.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 
 namespace stillbase {
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/equations.hpp"
-#include "capture/measure.hpp"
-#include "capture/projection.hpp"
+#include "formulation/equations.hpp"
+#include "formulation/measures/measure.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
 

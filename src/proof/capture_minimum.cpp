@@ -89,7 +89,7 @@ std::string words(const CaptureProblem& problem, const MinimumProblem& bounded,
 }
 
 /// Where the encounter's variables are x, everything else as stated.
-Configuration configuration_at(const CaptureProblem& problem, const proof::EncounterModel& model,
+Configuration configuration_at(const CaptureProblem& problem, const proof::VariableEncounter& model,
                                const Eigen::VectorXd& x) {
   Configuration out{model.start, problem.base, problem.variables.contact_time_lower};
   for (std::size_t i = 0; i < model.free.size(); ++i) {
@@ -127,7 +127,7 @@ std::string minimum_objection(const CaptureProblem& problem) {
     return fmt::format("it takes one to three free variables, here are {} joints", joints);
   }
   const MinimumProblem bounded = proof::minimum_problem(problem, {});
-  const proof::EncounterModel& encounter = bounded.where.encounter;
+  const proof::VariableEncounter& encounter = bounded.where.encounter;
   if (is_mean && problem.uncertainty.contact_time > 0 && encounter.time_is_free) {
     return "the samples differ in their contact time, which is free";
   }
@@ -157,7 +157,7 @@ MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scen
   MinimumProblem bounded = proof::minimum_problem(problem, scenarios);
   const bool only_points = is_list_of_points(enclosed);
   if (only_points) bounded.places = enclosed.solutions;
-  const proof::EncounterModel& encounter = bounded.where.encounter;
+  const proof::VariableEncounter& encounter = bounded.where.encounter;
   std::function<double(const Eigen::VectorXd&)> value_at;
   if (options.value_at) {
     value_at = [&](const Eigen::VectorXd& x) {

@@ -35,14 +35,14 @@ bool is_angular(const std::vector<ObjectiveTerm>& objective) {
 
 }  // namespace
 
-Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions& options) {
+Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   const std::string reason = objection(problem);
   if (!reason.empty()) {
     Proof out;
     out.statement = "no proof: " + reason;
     return out;
   }
-  proof::ZeroProblem zeros = proof::zero_problem(problem, F);
+  proof::ZeroProblem zeros = proof::zero_problem(problem);
   if (zeros.has_limits && !options.judge) {
     Proof out;
     out.statement = "no proof: nobody judges the limits on rates, singular values or clearances";

@@ -89,7 +89,7 @@ template <class S>
 std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>& rows,
                              std::span<const S> x) {
   const RobotModel& robot = problem.robot;
-  const EncounterModel& encounter = problem.encounter;
+  const VariableEncounter& encounter = problem.encounter;
   const EncounterRange<S> at = encounter_over<S>(encounter, x);
   const Kinematics<S> kin = compute_kinematics<S>(robot, at.phi);
   const InertiaMatrices<S> inertia = compute_inertia<S>(robot, kin);
@@ -138,7 +138,7 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
         break;
       case RowKind::Total: {
         const Vector3<S> direction = row.direction.cast<S>();
-        value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE * direction).dot(L);
+        value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE() * direction).dot(L);
         break;
       }
       case RowKind::Base:

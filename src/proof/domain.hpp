@@ -9,7 +9,7 @@ namespace stillbase::proof {
 /// @param periodic which of them are angles of a full turn
 /// @pre N >= encounter.num_variables(); sides beyond are zero
 template <int N>
-Box<N> domain_of(const RobotModel& robot, const EncounterModel& encounter,
+Box<N> domain_of(const RobotModel& robot, const VariableEncounter& encounter,
                  std::array<bool, N>& periodic) {
   const Interval whole_turn(-kPi.upper(), kPi.upper());
   Box<N> box;

@@ -1,22 +1,27 @@
-// What the variables of a box make of the encounter: posture, wrench per unit of impulse, where the
-// hand must be, which axes it must have, closing speed. For dual intervals of any size.
+// The encounter over a box of the variables: posture, wrench per unit of impulse, where the hand
+// must be, which axes it must have, closing speed. For dual intervals of any size.
 //
-// The variables are the planner's (capture/layout.hpp), in its order: free joints, the turn of the
-// base from the stated attitude, contact time. The turn is an angle about an axis of N, or any turn
-// by its modified Rodrigues parameters (turn_by): rational, and the unit ball holds every turn. The
-// base position is none: a free station follows the hand.
-//
-// What is the same at every point of the box is taken as the doubles that the planner uses: the
-// wrench while neither attitude nor time are free, the target's axes and its contact point while
-// the time is not. With the time free the target's motion is enclosed (spin.hpp).
+// Directions, speeds and hand axes are those of encounter/encounter_kernel.hpp, instantiated on
+// enclosing numbers. Three things are written here:
+// - Which variables a box has. They are the planner's (formulation/variables/layout.hpp), in its
+//   order: free joints, rotation of the base from the stated attitude, contact time. The rotation
+//   is an angle about an axis of N, or given by modified Rodrigues parameters (rotation_by): they
+//   are rational, and the unit ball holds every rotation. The base position is none: a free station
+//   follows the hand.
+// - The motion of the target over a span of times, enclosed (spin.hpp): the planner's own motion is
+//   an integration in floating point.
+// - What is the same at every point of the box is taken as the doubles that the planner uses, which
+//   keeps enclosures narrow: the wrench while neither attitude nor time are free, the target's axes
+//   and its contact point while the time is not.
 #pragma once
 
 #include <optional>
 #include <span>
 #include <vector>
 
-#include <stillbase/plan/problem.hpp>
+#include <stillbase/encounter/encounter.hpp>
 
+#include "encounter/encounter_kernel.hpp"
 #include "proof/interval.hpp"
 #include "proof/spin.hpp"
 
@@ -26,52 +31,32 @@ inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Dual<N>> = 8;
 
 namespace stillbase::proof {
 
-/// Frame E in which the direction of the impulse never changes.
-enum class DirectionFrame { Base, Inertial, Target };
-
-/// The constants of an encounter.
-struct EncounterModel {
+/// An encounter, and the variables that it is a function of.
+struct VariableEncounter : EncounterModel {
   // Variables. Entry i < free.size() of x is the position of joint free[i].
   JointVectord start;                ///< n, positions of the joints that are not free
   std::vector<int> free;             ///< indices of the free joints
   std::vector<double> lower, upper;  ///< one per free joint; not used for continuous joints
   bool attitude_is_free = false;     ///< the next entry: angle about attitude_axis, rad
   Vector3d attitude_axis = Vector3d::UnitZ();  ///< unit, in N
-  double attitude_max = 0;                     ///< rad; pi or more: a full turn
+  double attitude_max = 0;                     ///< rad; pi or more: all angles
   /// Or: the next entries x, sigma = sum x_i turn_basis[i]. Unit, in N, at right angles.
   std::vector<Vector3d> turn_basis;
   double turn_size_max = 1;               ///< of |sigma|
   bool time_is_free = false;              ///< the last entry: contact time / time_unit
   double time_lower = 0, time_upper = 0;  ///< s; equal: fixed
-  double time_unit = 1;  ///< s, a power of two: about a radian of the target's turn
+  double time_unit = 1;  ///< s, a power of two: about a radian of the target's rotation
 
-  Matrix3d R_NB = Matrix3d::Identity();  ///< stated
+  // Stated base pose, and the nominal encounter there at the earliest contact time, as doubles.
+  Matrix3d R_NB = Matrix3d::Identity();
   Vector3d base_position = Vector3d::Zero();
-
-  // The impulse.
-  DirectionFrame frame = DirectionFrame::Base;
-  Vector3d n = Vector3d::UnitX(), u = Vector3d::UnitY(), v = Vector3d::UnitZ();  ///< in E
-  Vector3d moment = Vector3d::Zero();  ///< per unit of impulse, in E
-  Vector6d F = Vector6d::Zero();  ///< wrench per unit of impulse in B at stated attitude and time
+  Encounter<double> stated;
+  Vector3d stated_hand_point = Vector3d::Zero();  ///< where the hand must be, in B, m
 
   // The target, of which the direction is a feature's normal.
-  std::optional<SpinEnclosure> spin;          ///< with the time free
-  Matrix3d R_NT = Matrix3d::Identity();       ///< at the fixed contact time, like the next three
-  Vector3d omega = Vector3d::Zero();          ///< in T, rad/s
-  Vector3d contact_point = Vector3d::Zero();  ///< in N, m
-  double closing_speed = 0;                   ///< m/s; a stated one as well
-  double estimate_time = 0;                   ///< s
-  Vector3d centroid = Vector3d::Zero();       ///< in N at the time of the estimate, m
-  Vector3d velocity = Vector3d::Zero();       ///< of the centroid in N, m/s
-  Vector3d feature_point = Vector3d::Zero();  ///< in T, m
-
-  // Where the hand must be.
-  std::optional<Vector3d> hand_point;  ///< stated; empty: at the contact point
-  Frame hand_frame = Frame::Inertial;
-  Vector3d fixed_hand_point = Vector3d::Zero();  ///< in B, while is_fixed(), m
-  std::optional<Matrix3d> hand_axes;  ///< stated, in hand_frame; empty: by hand_axes_in_E
-  Matrix3d hand_axes_in_E = Matrix3d::Identity();
-  Vector3d approach_axis = Vector3d::UnitZ();  ///< in the hand frame
+  std::optional<SpinEnclosure> spin;     ///< with the time free
+  TargetState estimate;                  ///< of its motion
+  Matrix3d R_NT = Matrix3d::Identity();  ///< at the earliest contact time
 
   int num_variables() const { return time_index() + time_is_free; }
   int attitude_index() const { return static_cast<int>(free.size()); }
@@ -86,22 +71,15 @@ template <class S>
 struct EncounterRange {
   JointVector<S> phi;  ///< n
   Matrix3<S> R_NB;
-  S turn_size_squared = S(0.0);  ///< |sigma|^2, with any turn free
-  Matrix3<S> R_BE;
-  Vector6<S> F;              ///< [n; moment] in B
-  Vector3<S> contact_point;  ///< of hand and target in N, m: the stated one, else the feature's
-  Vector3<S> hand_point;     ///< the same in B, where the base position is stated
-  S closing_speed = S(0.0);  ///< m/s
-  // With the time free: the target's motion, in T.
-  Vector3<S> target_velocity = Vector3<S>::Zero();  ///< of its centroid, m/s
-  Vector3<S> target_omega = Vector3<S>::Zero();     ///< rad/s
-};
+  S turn_size_squared = S(0.0);  ///< |sigma|^2, with a free attitude
+  ContactKinematics<S> contact;  ///< velocities with the time free only
+  Vector6<S> F;                  ///< [n; moment] in B
+  Vector3<S> contact_point;      ///< of hand and target in N, m: the stated one, else the feature's
+  Vector3<S> hand_point;         ///< the same in B, where the base position is stated
+  S closing_speed = S(0.0);      ///< m/s
 
-/// Velocity of a point of the target, in T, m/s. @param point in T, m
-template <class S>
-Vector3<S> velocity_in_T(const EncounterRange<S>& at, const Vector3d& point) {
-  return at.target_velocity + at.target_omega.cross(Vector3<S>(point.cast<S>()));
-}
+  auto R_BE() const { return contact.R_EB.transpose(); }
+};
 
 /// Attitude and rate of the target over a span of time.
 template <class S>
@@ -129,7 +107,7 @@ Eigen::Matrix<Dual<N>, Rows, Cols> in_time(const Eigen::Matrix<Number, Rows, Col
   return out;
 }
 
-/// The target's turn as numbers that know how it changes with time.
+/// Attitude and rate of the target with their derivatives in time.
 template <int N>
 TargetTurn<Dual<N>> turn_over(const SpinEnclosure& spin, const Dual<N>& time) {
   const SpinRange range = spin.over(time.v);
@@ -138,20 +116,20 @@ TargetTurn<Dual<N>> turn_over(const SpinEnclosure& spin, const Dual<N>& time) {
 
 /// Rotation by `angle` about a constant unit axis: E + sin K + (1 - cos) K^2.
 template <class S>
-Matrix3<S> turn_about(const Vector3d& axis, const S& angle) {
+Matrix3<S> rotation_about(const Vector3d& axis, const S& angle) {
   const Matrix3<S> K = skew<double>(axis).template cast<S>();
   Matrix3<S> R = K * sin(angle) + Matrix3<S>(K * K) * (S(1.0) - cos(angle));
   for (int i = 0; i < 3; ++i) R(i, i) += S(1.0);
   return R;
 }
 
-/// Turn by the angle theta about the unit axis a, sigma = a tan(theta / 4), |sigma| <= 1 for all
-/// turns up to pi (Schaub and Junkins, J. Astronaut. Sci. 44, 1996, with the sign that maps B to
-/// N):
+/// Rotation by the angle theta about the unit axis a, sigma = a tan(theta / 4), |sigma| <= 1 for
+/// all angles up to pi (Schaub and Junkins, J. Astronaut. Sci. 44, 1996, with the sign that maps B
+/// to N):
 ///   E + (8 K^2 + 4 (1 - |sigma|^2) K) / (1 + |sigma|^2)^2, K = skew(sigma).
 /// @param size_squared |sigma|^2
 template <class S>
-Matrix3<S> turn_by(const Vector3<S>& sigma, const S& size_squared) {
+Matrix3<S> rotation_by(const Vector3<S>& sigma, const S& size_squared) {
   // By the unit quaternion (w, r): E + 2 w skew(r) + 2 skew(r)^2.
   const S twice_inverse = inverse_of(size_squared + S(1.0)) * S(2.0);
   const S w = twice_inverse - S(1.0);
@@ -168,14 +146,14 @@ Matrix3<S> turn_by(const Vector3<S>& sigma, const S& size_squared) {
 
 /// @param x num_variables() entries
 template <class S>
-EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S> x) {
+EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const S> x) {
   EncounterRange<S> out;
   out.phi = model.start.template cast<S>();
   for (std::size_t i = 0; i < model.free.size(); ++i) out.phi[model.free[i]] = x[i];
   out.R_NB = model.R_NB.template cast<S>();
   if (model.attitude_is_free) {
     const S& angle = x[static_cast<std::size_t>(model.attitude_index())];
-    out.R_NB = turn_about<S>(model.attitude_axis, angle) * out.R_NB;
+    out.R_NB = rotation_about<S>(model.attitude_axis, angle) * out.R_NB;
   }
   if (!model.turn_basis.empty()) {
     Vector3<S> sigma = Vector3<S>::Zero();
@@ -184,51 +162,39 @@ EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S>
       sigma += Vector3<S>(model.turn_basis[i].template cast<S>()) * entry;
       out.turn_size_squared += square(entry);
     }
-    out.R_NB = turn_by<S>(sigma, out.turn_size_squared) * out.R_NB;
+    out.R_NB = rotation_by<S>(sigma, out.turn_size_squared) * out.R_NB;
   }
-  const Matrix3<S> R_BN = out.R_NB.transpose();
 
-  out.closing_speed = S(model.closing_speed);
-  out.contact_point = model.contact_point.template cast<S>();
-  Matrix3<S> R_NT = model.R_NT.template cast<S>();
-  if (model.time_is_free && model.spin) {
+  out.closing_speed = S(model.stated.closing_speed);
+  if (!model.follows_target()) {
+    out.contact = contact_kinematics<S>(model, out.R_NB);
+  } else if (model.time_is_free) {
     const S time = x[static_cast<std::size_t>(model.time_index())] * S(model.time_unit);
     const TargetTurn<S> turn = turn_over(*model.spin, time);
-    R_NT = turn.R_NT;
-    const Vector3<S> r = model.feature_point.template cast<S>();
-    const Vector3<S> velocity = model.velocity.template cast<S>();
-    out.contact_point = Vector3<S>(model.centroid.template cast<S>()) +
-                        velocity * (time - S(model.estimate_time)) + R_NT * r;
-    out.target_omega = turn.omega;
-    out.target_velocity = R_NT.transpose() * velocity;
-    out.closing_speed =
-        Vector3<S>(model.n.template cast<S>()).dot(velocity_in_T<S>(out, model.feature_point));
-  }
-  switch (model.frame) {
-    case DirectionFrame::Base:
-      out.R_BE.setIdentity();
-      break;
-    case DirectionFrame::Inertial:
-      out.R_BE = R_BN;
-      break;
-    case DirectionFrame::Target:
-      out.R_BE = R_BN * R_NT;
-      break;
-  }
-  if (model.is_fixed()) {
-    out.F = model.F.template cast<S>();
+    const Vector3<S> velocity = model.estimate.linear_velocity.template cast<S>();
+    const Vector3<S> position = Vector3<S>(model.estimate.pose.position.template cast<S>()) +
+                                velocity * (time - S(model.estimate.time));
+    const TargetKinematics<S> target{turn.R_NT, position, velocity, turn.omega};
+    out.contact = contact_kinematics<S>(model, out.R_NB, target);
+    out.closing_speed = speed_along<S>(out.contact, model.n, model.r);
   } else {
-    out.F.template head<3>() = out.R_BE * Vector3<S>(model.n.template cast<S>());
-    out.F.template tail<3>() = out.R_BE * Vector3<S>(model.moment.template cast<S>());
+    out.contact.R_EB = Matrix3<S>(model.R_NT.transpose().template cast<S>()) * out.R_NB;
+    out.contact.point = model.stated.contact.point.template cast<S>();
   }
-  if (model.hand_point) out.contact_point = model.hand_point->template cast<S>();
+  out.contact_point =
+      model.hand_point ? Vector3<S>(model.hand_point->template cast<S>()) : out.contact.point;
   if (model.is_fixed()) {
-    out.hand_point = model.fixed_hand_point.template cast<S>();
-  } else if (model.hand_point && model.hand_frame == Frame::Base) {
+    out.F = model.stated.F.template cast<S>();
+    out.hand_point = model.stated_hand_point.template cast<S>();
+    return out;
+  }
+  out.F = unit_wrench<S>(out.contact.R_EB, model.n, model.moment);
+  if (model.hand_point && model.hand_frame == Frame::Base) {
     out.hand_point = out.contact_point;
   } else {
     out.hand_point =
-        R_BN * Vector3<S>(out.contact_point - Vector3<S>(model.base_position.template cast<S>()));
+        out.R_NB.transpose() *
+        Vector3<S>(out.contact_point - Vector3<S>(model.base_position.template cast<S>()));
   }
   return out;
 }
@@ -236,18 +202,10 @@ EncounterRange<S> encounter_over(const EncounterModel& model, std::span<const S>
 /// Cosine of the angle between the axis of the base that points along attitude_axis in the stated
 /// attitude, and attitude_axis.
 template <class S>
-S tilt_cosine(const EncounterModel& model, const EncounterRange<S>& at) {
+S tilt_cosine(const VariableEncounter& model, const EncounterRange<S>& at) {
   const Vector3d in_B = model.R_NB.transpose() * model.attitude_axis;
   const Vector3<S> axis = at.R_NB * Vector3<S>(in_B.cast<S>());
   return axis.dot(Vector3<S>(model.attitude_axis.cast<S>()));
-}
-
-/// Axes in B that the hand must have.
-template <class S>
-Matrix3<S> wanted_axes(const EncounterModel& model, const EncounterRange<S>& at) {
-  if (!model.hand_axes) return at.R_BE * Matrix3<S>(model.hand_axes_in_E.template cast<S>());
-  const Matrix3<S> R = model.hand_axes->template cast<S>();
-  return model.hand_frame == Frame::Base ? R : Matrix3<S>(at.R_NB.transpose() * R);
 }
 
 }  // namespace stillbase::proof

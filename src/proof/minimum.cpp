@@ -29,7 +29,7 @@ constexpr double kImpulsesPerPosture = 128;
 /// All values of the variables; those that are not needed stay at zero.
 template <int N>
 std::vector<Box<N>> domain_of(const MinimumProblem& problem) {
-  const EncounterModel& model = problem.where.encounter;
+  const VariableEncounter& model = problem.where.encounter;
   const Interval slack(-kFeasible, kFeasible);
   const Interval time_slack = slack / Interval(model.time_unit);
   std::vector<Box<N>> out;
@@ -118,7 +118,7 @@ class ImpactProgram final : public Program<N> {
   void add_equations(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
                      std::vector<Form<N>>& equations) const {
     const ZeroProblem& where = problem_.where;
-    const EncounterModel& encounter = where.encounter;
+    const VariableEncounter& encounter = where.encounter;
     const auto add = [&](Form<N> off) {
       off.r += encounter.time_is_free ? kFeasible + kIntegrated : kFeasible;
       equations.push_back(off);
@@ -240,7 +240,7 @@ int max_minimum_joints() { return kMaxJointsOf<Form<2>>; }
 BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
                              const MinimumOptions& options,
                              const std::function<double(const Eigen::VectorXd& x)>& value_at) {
-  const EncounterModel& encounter = problem.where.encounter;
+  const VariableEncounter& encounter = problem.where.encounter;
   assert(problem.where.robot.n() <= max_minimum_joints());
   assert(!problem.impulses.empty() && best > 0);
   assert(!encounter.spin || encounter.spin->is_valid());

@@ -41,10 +41,7 @@ class ImpactForms {
     base_ = Elimination<S, 6>(6, [&](int i, int j) { return arm_.articulated.column(j)[i]; });
     std::vector<Response> responses;
     for (const Vector6d& F_E : basis.wrenches) {
-      Vector6<S> F;
-      F << at.R_BE * Vector3<S>(F_E.head<3>().cast<S>()),
-          at.R_BE * Vector3<S>(F_E.tail<3>().cast<S>());
-      responses.push_back(respond(F));
+      responses.push_back(respond(unit_wrench<S>(at.contact.R_EB, F_E.head<3>(), F_E.tail<3>())));
     }
     compare(responses);
   }
@@ -125,8 +122,8 @@ class ImpactForms {
       if (term.quantity != ObjectiveQuantity::ImpulseMagnitude) continue;
       gram_.constant += square(inverse_of(S(term.size)));
     }
-    gram_.target_velocity = encounter_.target_velocity;
-    gram_.target_omega = encounter_.target_omega;
+    gram_.target_velocity = encounter_.contact.velocity;
+    gram_.target_omega = encounter_.contact.omega;
   }
 
   /// a' W_h b

@@ -36,7 +36,7 @@ std::pair<Vector3d, Vector3d> normals_of(const Vector3d& f) {
 /// All equations, those that may vanish identically included.
 std::vector<Row> all_rows(const ZeroProblem& problem) {
   std::vector<Row> rows;
-  const EncounterModel& encounter = problem.encounter;
+  const VariableEncounter& encounter = problem.encounter;
   const auto add_three = [&](RowKind kind) {
     for (int i = 0; i < 3; ++i) rows.push_back({kind, i, Vector3d::Zero(), 1});
   };
@@ -61,12 +61,12 @@ std::vector<Row> all_rows(const ZeroProblem& problem) {
   if (total) {
     // Without a moment L = r x f is normal to f: two components say it all.
     const bool is_fixed = encounter.is_fixed();
-    const Vector3d f = is_fixed ? Vector3d(encounter.F.head<3>()) : encounter.n;
+    const Vector3d f = is_fixed ? Vector3d(encounter.stated.F.head<3>()) : encounter.n;
     const auto [u, v] = normals_of(f);
     rows.push_back({RowKind::Total, 0, u, 1});
     rows.push_back({RowKind::Total, 1, v, 1});
     const bool has_moment =
-        is_fixed ? !encounter.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
+        is_fixed ? !encounter.stated.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
     if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized(), 1});
   }
   if (base) add_three(RowKind::Base);
@@ -208,7 +208,7 @@ int rank_at_solutions(const RowSystem<N>& system, const Box<N>& domain) {
 
 /// Something other than a joint that the equations do not depend on; empty: nothing.
 template <int N>
-std::string idle_variable(const EncounterModel& encounter, const Survey<N>& survey) {
+std::string idle_variable(const VariableEncounter& encounter, const Survey<N>& survey) {
   const auto is_idle = [&](bool is_free, int index) {
     return is_free && !survey.matters[static_cast<std::size_t>(index)];
   };
@@ -218,7 +218,7 @@ std::string idle_variable(const EncounterModel& encounter, const Survey<N>& surv
 }
 
 template <int N>
-JointBox joint_box(const EncounterModel& encounter, const Box<N>& box) {
+JointBox joint_box(const VariableEncounter& encounter, const Box<N>& box) {
   JointBox out{encounter.start, encounter.start, {}, {}};
   for (std::size_t i = 0; i < encounter.free.size(); ++i) {
     out.lower[encounter.free[i]] = box.side[i].lower();
@@ -280,7 +280,7 @@ std::string statement_of(const ZeroProblem& problem, const Proof& proof, bool li
 
 template <int N>
 Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
-  const EncounterModel& encounter = problem.encounter;
+  const VariableEncounter& encounter = problem.encounter;
   const std::string variable = encounter.is_fixed() ? "free joint" : "free variable";
   const Survey<N> survey = survey_of<N>(problem, all_rows(problem));
   const std::vector<Row>& rows = survey.rows;
@@ -333,7 +333,7 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
 
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options) {
   const RobotModel& robot = problem.robot;
-  const EncounterModel& encounter = problem.encounter;
+  const VariableEncounter& encounter = problem.encounter;
   if (robot.n() > kMaxJointsInProof) {
     return not_applicable("no proof: the robot has more than " + std::to_string(kMaxJointsInProof) +
                           " joints");

@@ -18,17 +18,18 @@ inline Kept is_between(const Interval& x, double lower, double upper) {
 /// Whether the side conditions hold at every point of a box (Yes), at none (No).
 /// @param x values of the variables over the box
 inline Kept keeps_side_conditions(const ZeroProblem& problem, std::span<const Number> x) {
-  const EncounterModel& model = problem.encounter;
+  const VariableEncounter& model = problem.encounter;
   const EncounterRange<Number> at = encounter_over<Number>(model, x);
   const Kinematics<Number> kin = compute_kinematics<Number>(problem.robot, at.phi);
   const auto value_of = [&](const SideCondition& condition) -> Number {
     switch (condition.kind) {
       case SideKind::HandFacing: {
-        const Vector3<Number> n = at.R_BE * Vector3<Number>(model.n.cast<Number>());
+        const Vector3<Number> n = at.R_BE() * Vector3<Number>(model.n.cast<Number>());
         return n.dot(kin.R_hand * Vector3<Number>(model.approach_axis.cast<Number>()));
       }
       case SideKind::PoseFacing: {
-        const Vector3<Number> wanted = wanted_axes<Number>(model, at).col(condition.index);
+        const Vector3<Number> wanted =
+            wanted_hand_axes<Number>(model, at.R_NB, at.contact.R_EB).col(condition.index);
         return wanted.dot(Vector3<Number>(kin.R_hand.col(condition.index)));
       }
       case SideKind::ClosingSpeed:

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/core/rotation.hpp>
 #include <stillbase/impact/gradient.hpp>
-#include <stillbase/plan/encounter.hpp>
 
 namespace stillbase::proof {
 namespace {
 
-void set_variables(const CaptureProblem& problem, EncounterModel& out) {
+void set_variables(const CaptureProblem& problem, VariableEncounter& out) {
   const VariableSpec& variables = problem.variables;
   out.start = problem.start;
   for (int k = 0; k < problem.robot.n(); ++k) {
@@ -37,79 +35,43 @@ void set_variables(const CaptureProblem& problem, EncounterModel& out) {
   out.time_is_free = out.time_upper > out.time_lower;
 }
 
-/// The feature's motion at a fixed time as the planner's doubles, over a span of times enclosed.
-void set_target(const CaptureProblem& problem, EncounterModel& out) {
-  const TargetState& estimate = problem.target_state;
-  out.feature_point = chosen_feature(problem).point;
-  if (out.time_is_free) {
-    const double rate = std::max({estimate.angular_velocity.norm(), estimate.linear_velocity.norm(),
-                                  1 / (out.time_upper - out.time_lower)});
-    out.time_unit = std::exp2(-std::round(std::log2(rate)));
-    // Boxes are tried a little larger than they are.
-    out.spin.emplace(*problem.target, estimate, out.time_lower - out.time_unit,
-                     out.time_upper + out.time_unit);
-    out.estimate_time = estimate.time;
-    out.centroid = estimate.pose.position;
-    out.velocity = estimate.linear_velocity;
-    return;
-  }
-  const auto motion = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
-  const TargetState state = motion->state(out.time_lower);
-  out.R_NT = state.pose.orientation.toRotationMatrix();
-  const Vector3d omega = out.R_NT.transpose() * state.angular_velocity;
-  const Vector3d velocity = out.R_NT.transpose() * state.linear_velocity;
-  out.contact_point = state.pose.position + out.R_NT * out.feature_point;
-  out.closing_speed = out.n.dot(velocity + omega.cross(out.feature_point));
+/// Over a span of times the target's motion is enclosed; at a fixed one the planner's doubles
+/// count.
+void set_target(const CaptureProblem& problem, VariableEncounter& out) {
+  out.estimate = problem.target_state;
+  out.R_NT = target_kinematics<double>(out, out.time_lower).R_NT;
+  if (!out.time_is_free) return;
+  const double rate =
+      std::max({out.estimate.angular_velocity.norm(), out.estimate.linear_velocity.norm(),
+                1 / (out.time_upper - out.time_lower)});
+  out.time_unit = std::exp2(-std::round(std::log2(rate)));
+  // Boxes are tried a little larger than they are.
+  out.spin.emplace(*problem.target, out.estimate, out.time_lower - out.time_unit,
+                   out.time_upper + out.time_unit);
 }
 
-EncounterModel encounter_model(const CaptureProblem& problem, const Vector6d& F) {
-  EncounterModel out;
+VariableEncounter variable_encounter(const CaptureProblem& problem) {
+  VariableEncounter out;
+  static_cast<EncounterModel&>(out) = encounter_model(problem);
   set_variables(problem, out);
-  const ImpulseSpec& impulse = problem.impulse;
-  out.F = F;
   out.R_NB = problem.base.orientation.toRotationMatrix();
   out.base_position = problem.base.position;
-  if (impulse.direction) {
-    out.frame =
-        impulse.direction_frame == Frame::Base ? DirectionFrame::Base : DirectionFrame::Inertial;
-    out.n = *impulse.direction;
-    out.closing_speed = impulse.closing_speed;
-  } else {
-    out.frame = DirectionFrame::Target;
-    out.n = chosen_feature(problem).normal;
-    set_target(problem, out);
-  }
-  int smallest = 0;
-  out.n.cwiseAbs().minCoeff(&smallest);
-  out.u = out.n.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
-  out.v = out.n.cross(out.u);
-  if (impulse.source == ImpulseSource::Given) out.moment = impulse.moment / impulse.magnitude;
-
-  const HandSpec& hand = problem.hand;
-  out.hand_point = hand.position;
-  out.hand_frame = hand.frame;
-  const bool is_in_base = hand.position && hand.frame == Frame::Base;
-  const Vector3d point_N = hand.position ? *hand.position : out.contact_point;
-  out.fixed_hand_point =
-      is_in_base ? point_N
-                 : Vector3d(problem.base.orientation.conjugate() * (point_N - out.base_position));
-  out.approach_axis = hand.approach_axis;
-  if (hand.orientation) {
-    out.hand_axes = hand.orientation->toRotationMatrix();
-  } else {
-    const Matrix3d facing =
-        Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -out.n).toRotationMatrix();
-    out.hand_axes_in_E = rotation_exp(out.n * hand.roll).toRotationMatrix() * facing;
-  }
+  out.stated = encounter_at(out, start_configuration(problem));
+  if (out.follows_target()) set_target(problem, out);
+  const bool is_in_base = out.hand_point && out.hand_frame == Frame::Base;
+  const Vector3d point = out.hand_point ? *out.hand_point : out.stated.contact.point;
+  out.stated_hand_point =
+      is_in_base ? point
+                 : Vector3d(problem.base.orientation.conjugate() * (point - out.base_position));
   return out;
 }
 
 }  // namespace
 
-ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
+ZeroProblem zero_problem(const CaptureProblem& problem) {
   ZeroProblem out;
   out.robot = problem.robot;
-  out.encounter = encounter_model(problem, F);
+  out.encounter = variable_encounter(problem);
   out.impact_case = problem.constraints.impact_case;
   const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
   out.added_inertia = resistance.added_inertia;
@@ -137,8 +99,8 @@ ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F) {
   }
   // At a fixed time it is the same everywhere, and of a stated impulse nothing is asked.
   const double slowest = problem.constraints.closing_speed_min;
-  const bool is_slow =
-      out.encounter.closing_speed < slowest && problem.impulse.source != ImpulseSource::Given;
+  const bool is_slow = out.encounter.stated.closing_speed < slowest &&
+                       problem.impulse.source != ImpulseSource::Given;
   if (is_predicted && (out.encounter.time_is_free || is_slow)) {
     sides.push_back({SideKind::ClosingSpeed, 0, slowest, kInfinity});
   }

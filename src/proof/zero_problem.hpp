@@ -29,7 +29,7 @@ struct SideCondition {
 /// Equations and inequalities over the encounter's variables.
 struct ZeroProblem {
   RobotModel robot;
-  EncounterModel encounter;
+  VariableEncounter encounter;
   JointVectord added_inertia;  ///< n
   std::vector<bool> locked;    ///< n, or empty
   CaseConstraint impact_case = CaseConstraint::None;
@@ -43,8 +43,7 @@ struct ZeroProblem {
 
 /// The variables, equations and inequalities of a capture problem. Constraints on rates, singular
 /// values and clearances are left out.
-/// @param F wrench per unit of impulse in B at the stated base attitude and the first contact time
-ZeroProblem zero_problem(const CaptureProblem& problem, const Vector6d& F);
+ZeroProblem zero_problem(const CaptureProblem& problem);
 
 /// Every zero of the equations that keeps the side conditions within the bounds of the variables.
 /// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of

@@ -13,23 +13,21 @@ namespace stillbase {
 
 namespace {
 
-/// n' W_t n, 1/kg: how much the contact point gives way along the normal. Both are fixed to the
-/// target, so this is the same at all times.
+/// n' W_t n at a contact feature, 1/kg: the same at all times, for both are fixed in T.
 double inverse_effective_mass(const TargetBody& body, const ContactFeature& feature) {
-  if (body.is_point_mass) return 1 / body.mass;
-  const Vector3d arm = feature.point.cross(feature.normal);
-  return 1 / body.mass + arm.dot(body.inertia.llt().solve(arm));
+  return target_inverse_mass(body.mass, body.inverse_inertia(), feature.point, feature.normal);
 }
 
-/// Rotation vector that turns the unit vector a into b on the shortest way.
-Vector3d shortest_turn(const Vector3d& a, const Vector3d& b) {
+/// Shortest rotation vector that maps the unit vector a to b.
+Vector3d shortest_rotation(const Vector3d& a, const Vector3d& b) {
   const Vector3d axis = a.cross(b);
   const double sine = axis.norm(), cosine = a.dot(b);
   if (sine > 1e-300) return std::atan2(sine, cosine) / sine * axis;
   return cosine > 0 ? Vector3d(Vector3d::Zero()) : Vector3d(kPi * a.unitOrthogonal());
 }
 
-/// Square root of a positive semidefinite matrix, column by column.
+/// L with L L' = covariance.
+/// @throws std::invalid_argument when it is not finite or not positive semidefinite
 EstimateCovariance square_root(const EstimateCovariance& covariance) {
   // Diagonal covariances, the common case, keep their axes.
   if (covariance.isDiagonal(0)) {
@@ -50,7 +48,7 @@ EstimateCovariance square_root(const EstimateCovariance& covariance) {
 
 /// Probability that a Gaussian of two independent variances has a norm of at most a.
 double probability_within(double a, double l1, double l2) {
-  constexpr int kSamples = 720;  // over a quarter turn: the integrand has four like quarters
+  constexpr int kSamples = 720;  // over a quarter circle: the integrand has four equal quarters
   double sum = 0;
   for (int i = 0; i < kSamples; ++i) {
     const double phi = kPi / 2 * (i + 0.5) / kSamples;
@@ -60,7 +58,7 @@ double probability_within(double a, double l1, double l2) {
   return sum / kSamples;
 }
 
-/// Where a rising function of (0, upper] passes a value.
+/// Argument in (0, upper] at which an increasing function takes a value.
 template <class F>
 double bisect(F f, double value, double upper) {
   double low = 0, high = upper;
@@ -123,7 +121,7 @@ ContactVector contact_vector(const TargetBody& body, const ContactFeature& featu
                              double reference_effective_mass) {
   ContactVector y;
   y.segment<3>(kContactPoint) = contact.point;
-  y.segment<3>(kContactNormal) = shortest_turn(reference.normal, contact.normal);
+  y.segment<3>(kContactNormal) = shortest_rotation(reference.normal, contact.normal);
   y.segment<3>(kContactVelocity) = contact.velocity;
   y[kClosingSpeed] = contact.normal.dot(contact.velocity);
   y[kEffectiveMass] = -std::log(inverse_effective_mass(body, feature) * reference_effective_mass);
@@ -157,12 +155,12 @@ std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
   for (int k = 0; k < n; ++k) {
     if (root.col(k).isZero(0)) continue;
     for (const double sign : {1.0, -1.0}) {
-      const TargetEstimate moved = with_error(estimate, sign * root.col(k));
-      const TargetMotion moved_motion(moved.body, moved.state, horizon);
+      const TargetEstimate sigma_point = with_error(estimate, sign * root.col(k));
+      const TargetMotion sigma_motion(sigma_point.body, sigma_point.state, horizon);
       for (ContactPrediction& p : predictions) {
         const ContactVector difference =
-            contact_vector(moved.body, feature, moved_motion.contact(feature, p.time), p.estimated,
-                           p.effective_mass) -
+            contact_vector(sigma_point.body, feature, sigma_motion.contact(feature, p.time),
+                           p.estimated, p.effective_mass) -
             p.value;
         p.mean += difference / (2 * kSpread);
         p.spread += difference * difference.transpose() / (2 * kSpread);
@@ -184,7 +182,7 @@ double cone_half_angle(const ContactPrediction& prediction, double probability) 
   const double half = std::hypot(0.5 * (spread(0, 0) - spread(1, 1)), spread(0, 1));
   const double l1 = middle + half, l2 = std::max(0.0, middle - half);
   if (!(l1 > 0)) return 0;
-  // No Gaussian of these variances lies further out than the round one of the larger.
+  // The isotropic Gaussian of the larger variance bounds the angle from above.
   const double upper = std::sqrt(-2 * l1 * std::log1p(-probability));
   const auto within = [&](double a) { return probability_within(a, l1, l2); };
   return bisect(within, probability, upper * (1 + 1e-9));

@@ -21,10 +21,9 @@ namespace {
 using EulerParameters = std::array<double, 4>;
 using Stepper = boost::numeric::odeint::runge_kutta_fehlberg78<EulerParameters>;
 
-// Turn between nodes, rad. With a step of order 8 the local error is below the rounding error.
-constexpr double kTurnPerNode = 0.05;
-// Beyond this table the request is a mistake (0.05 rad each: 500 000 rad either way).
-constexpr double kMaxNodes = 1e7;
+// Rotation between nodes, rad. With a step of order 8 the local error is below the rounding error.
+constexpr double kAnglePerNode = 0.05;
+constexpr double kMaxNodes = 1e7;  // 500 000 rad on either side of the estimate
 
 EulerParameters to_array(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 Eigen::Quaterniond to_quaternion(const EulerParameters& e) {
@@ -40,7 +39,7 @@ struct FreeRotation {
     return inverse_inertia * (q.conjugate() * L);
   }
   void operator()(const EulerParameters& e, EulerParameters& rate, double /*time*/) const {
-    // A stage is a little off unit length; only its direction is an attitude.
+    // Stages of the integrator differ from unit length; only the direction is an attitude.
     const Vector3d w = rate_in_T(to_quaternion(e));
     rate[0] = -0.5 * (e[1] * w.x() + e[2] * w.y() + e[3] * w.z());
     rate[1] = 0.5 * (e[0] * w.x() + e[2] * w.z() - e[3] * w.y());
@@ -49,12 +48,22 @@ struct FreeRotation {
   }
 };
 
-// No inertia to speak of: turns about nothing.
-bool turns(const TargetBody& body, const TargetState& estimate) {
+bool rotates(const TargetBody& body, const TargetState& estimate) {
   return !body.is_point_mass && !body.inertia.isZero(0) && !estimate.angular_velocity.isZero(0);
 }
 
 }  // namespace
+
+Matrix3d TargetBody::inverse_inertia() const {
+  return is_point_mass || inertia.isZero(0) ? Matrix3d(Matrix3d::Zero())
+                                            : Matrix3d(inertia.inverse());
+}
+
+double target_inverse_mass(double mass, const Matrix3d& inverse_inertia, const Vector3d& r,
+                           const Vector3d& n) {
+  const Vector3d lever = r.cross(n);
+  return 1 / mass + lever.dot(inverse_inertia * lever);
+}
 
 struct TargetMotion::Table {
   TargetBody body;
@@ -103,7 +112,7 @@ TargetMotion::TargetMotion(TargetBody body, const TargetState& estimate, double 
   table->estimate.pose.orientation.normalize();
   table->horizon = horizon;
 
-  if (turns(table->body, estimate)) {
+  if (rotates(table->body, estimate)) {
     const Eigen::Quaterniond q = table->estimate.pose.orientation;
     const Matrix3d& I = table->body.inertia;
     assert(I.llt().info() == Eigen::Success);
@@ -117,10 +126,10 @@ TargetMotion::TargetMotion(TargetBody body, const TargetState& estimate, double 
       const double smallest_moment = principal_moments(I)[0];
       // The rate is bounded by the energy: I_min |omega|^2 <= omega' I omega.
       const double max_rate = std::sqrt(w.dot(L) / smallest_moment);
-      const double count = std::ceil(horizon * max_rate / kTurnPerNode);
+      const double count = std::ceil(horizon * max_rate / kAnglePerNode);
       if (!(count <= kMaxNodes)) {
         throw std::invalid_argument(
-            "TargetMotion: the target turns too often within the horizon to be predicted");
+            "TargetMotion: the target rotates by more than 500 000 rad within the horizon");
       }
       const int side = std::max(1, static_cast<int>(count));
       table->spacing = horizon / side;
@@ -144,7 +153,7 @@ const TargetBody& TargetMotion::body() const { return table_->body; }
 TargetState TargetMotion::state(double time) const {
   const Table& table = *table_;
   double dt = time - table.estimate.time;
-  // A time asked for at the very end may be off by rounding.
+  // Times at the ends of the horizon may differ from them by rounding.
   const double slack = 1e-12 * (table.horizon + std::abs(table.estimate.time));
   if (!(std::abs(dt) <= table.horizon + slack)) {
     throw std::out_of_range("TargetMotion: time outside the horizon");

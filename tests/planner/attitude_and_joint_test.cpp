@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/robust.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"

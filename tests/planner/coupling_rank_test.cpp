@@ -21,8 +21,7 @@ TEST_CASE("candidates near postures with parallel columns meet the case, not its
   REQUIRE(plan.status == PlanStatus::Optimal);
   REQUIRE(plan.candidates.size() > 10);
   for (const Candidate& candidate : plan.candidates) {
-    const ImpactSummary impact =
-        predict_impact(problem, Formulation(problem), candidate.configuration);
+    const ImpactSummary impact = impact_at(problem, candidate.configuration);
     CHECK(impact.rank == 2);
     CHECK(impact.judgement.coupling <= 1e-9);
   }

@@ -1,8 +1,8 @@
 // Samples of the self-motion at the contact, and a plan that ends at one.
 #include <catch2/catch.hpp>
 
-#include <stillbase/capture/search.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/search/search.hpp>
 #include <stillbase/verification/verification.hpp>
 
 #include "planner/approach_stage.hpp"

@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include <stillbase/collision/scene.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/plan/encounter.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/verification.hpp>
 
@@ -27,17 +27,11 @@ std::vector<std::string> problem_files() {
   return files;
 }
 
-std::optional<TargetMotion> target_at(const CaptureProblem& problem, const Configuration& at) {
-  const auto kinematics = compute_kinematics<double>(problem.robot, at.phi);
-  return encounter_motion(problem, at.base * Vector3d(kinematics.r_bh), at.base.orientation,
-                          at.contact_time);
-}
-
 /// Whether the straight line in joint space touches something: the robot itself, obstacles, or the
 /// target where it is at the contact.
 bool straight_line_collides(const CaptureProblem& problem, const Configuration& goal) {
   const CollisionScene scene(problem);
-  const auto motion = target_at(problem, goal);
+  const auto motion = encounter_motion(problem, goal);
   const Pose target = motion ? motion->state(goal.contact_time).pose : Pose{};
   for (int i = 0; i <= 400; ++i) {
     const JointVectord phi = problem.start + i / 400.0 * (goal.phi - problem.start);

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include <stillbase/capture/formulation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/proof/proof.hpp>
 #include <stillbase/reference/reference.hpp>
 
@@ -13,14 +13,12 @@ namespace stillbase {
 namespace {
 
 Vector6d wrench_of(const CaptureProblem& problem) {
-  return Formulation(problem)
-      .encounter({problem.start, problem.base, problem.variables.contact_time_lower})
-      .F;
+  return encounter_at(encounter_model(problem), start_configuration(problem)).F;
 }
 
 Proof proof_of(const std::string& name) {
   const CaptureProblem problem = test::shipped(name);
-  return prove(problem, wrench_of(problem));
+  return prove(problem);
 }
 
 /// Momenta after a unit impulse at the middle of a box, by the second implementation.
@@ -71,7 +69,7 @@ TEST_CASE("every posture of a redundant planar arm that keeps the base still is 
 TEST_CASE("the straight arm hit along its axis is among the C2 postures") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.impulse.direction = Vector3d(-1, 0, 0);
-  const Proof proof = prove(problem, wrench_of(problem));
+  const Proof proof = prove(problem);
   CAPTURE(proof.statement);
   // At (0, 0) all centroids lie on the line; if it is no simple zero it is undecided, not lost.
   bool held = false;
@@ -85,7 +83,7 @@ TEST_CASE("the straight arm hit along its axis is among the C2 postures") {
 
 TEST_CASE("joint limits that leave a solution out take it off the list") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_b");
-  const Proof all = prove(problem, wrench_of(problem));
+  const Proof all = prove(problem);
   REQUIRE(all.solutions.size() == 10);
   for (Joint& joint : problem.robot.joints) {
     joint.type = JointType::Revolute;
@@ -96,22 +94,21 @@ TEST_CASE("joint limits that leave a solution out take it off the list") {
   for (const JointBox& box : all.solutions) {
     inside += box.lower.minCoeff() > -1.5 && box.upper.maxCoeff() < 1.5;
   }
-  const Proof some = prove(problem, wrench_of(problem));
+  const Proof some = prove(problem);
   CHECK(some.status == ProofStatus::Complete);
   CHECK(some.solutions.size() == inside);
 }
 
 TEST_CASE("the proof is the same for every call, and a limit of boxes is said") {
   const CaptureProblem problem = test::shipped("planar_two_link_c2_a");
-  const Vector6d F = wrench_of(problem);
-  const Proof one = prove(problem, F), two = prove(problem, F);
+  const Proof one = prove(problem), two = prove(problem);
   CHECK(one.boxes == two.boxes);
   REQUIRE(one.solutions.size() == two.solutions.size());
   for (std::size_t i = 0; i < one.solutions.size(); ++i) {
     CHECK(one.solutions[i].lower == two.solutions[i].lower);
     CHECK(one.solutions[i].upper == two.solutions[i].upper);
   }
-  const Proof cut = prove(problem, F, {.max_boxes = 50});
+  const Proof cut = prove(problem, {.max_boxes = 50});
   CHECK(cut.status == ProofStatus::Undecided);
   CHECK(cut.statement.find("stopped at the limit") != std::string::npos);
   // Nothing is lost: every solution is in a box of one kind.
@@ -133,7 +130,7 @@ TEST_CASE("problems of another kind say why there is no proof") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::G2;
   problem.objective = {{ObjectiveQuantity::BaseAngularMomentum}};
-  const Proof curve = prove(problem, wrench_of(problem));
+  const Proof curve = prove(problem);
   CHECK(curve.status == ProofStatus::NotApplicable);
   CHECK(curve.statement.find("1 equation for 2 free joints") != std::string::npos);
 }

@@ -7,10 +7,10 @@
 
 #include <Eigen/QR>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/proof/proof.hpp>
 
 #include "support/random_robot.hpp"
@@ -41,8 +41,7 @@ void add_turning_client(CaptureProblem& problem, const Vector3d& position, doubl
 
 Proof proof_of(const CaptureProblem& problem, long max_boxes = 50000) {
   const Formulation formulation(problem);
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  return prove(problem, formulation.encounter(stated).F, {.max_boxes = max_boxes});
+  return prove(problem, {.max_boxes = max_boxes});
 }
 
 /// The equations (and the objective's vector, when it is to vanish) with their Jacobian.
@@ -412,8 +411,7 @@ TEST_CASE("what cannot be proven says why") {
   }
   SECTION("clearances that nobody judges") {
     problem.constraints.clearance = 0.1;
-    const Vector6d F = Vector6d::Unit(0);
-    CHECK(prove(problem, F).statement.find("nobody judges") != std::string::npos);
+    CHECK(prove(problem).statement.find("nobody judges") != std::string::npos);
   }
 }
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/io/problem_file.hpp>
 
 #include "proof/zero_problem.hpp"
@@ -43,8 +43,7 @@ TEST_CASE("wrench, closing speed and their slopes are those of the planner's for
     problem.impulse.moment = {0.1, 0.2, -0.3};
   }
   const Formulation formulation(problem);
-  const Configuration stated{problem.start, problem.base, problem.variables.contact_time_lower};
-  const ZeroProblem zeros = zero_problem(problem, formulation.encounter(stated).F);
+  const ZeroProblem zeros = zero_problem(problem);
   REQUIRE(zeros.encounter.num_variables() == 3);
   REQUIRE(formulation.num_variables() == 3);
   Random random(2);
@@ -52,9 +51,9 @@ TEST_CASE("wrench, closing speed and their slopes are those of the planner's for
     const Eigen::VectorXd x =
         formulation.start_point(Vector3d(random.uniform(), random.uniform(), random.uniform()));
     const auto at = [&](const Eigen::VectorXd& y) {
-      return formulation.encounter(formulation.configuration(y));
+      return encounter_at(formulation.encounter_model(), formulation.configuration(y));
     };
-    const Encounter exact = at(x);
+    const Encounter<double> exact = at(x);
     // Slopes by differences.
     constexpr double kStep = 1e-5;
     const Eigen::VectorXd angle = kStep * Eigen::VectorXd::Unit(3, 1);

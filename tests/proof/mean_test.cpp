@@ -58,7 +58,7 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
                        {ObjectiveQuantity::JointRateNorm, 0.1},
                        {ObjectiveQuantity::ImpulseMagnitude, 0.01}};
   MinimumProblem minimum = proof::minimum_problem(problem, draw_scenarios(problem));
-  proof::EncounterModel& encounter = minimum.where.encounter;
+  proof::VariableEncounter& encounter = minimum.where.encounter;
   const int n = static_cast<int>(encounter.free.size());
   REQUIRE(encounter.num_variables() == n);
   REQUIRE(n == (kind == 1 ? 2 : 3));

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
-#include <stillbase/capture/robust.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "proof/minimum_problem.hpp"
 #include "proof/side_conditions.hpp"
 #include "support/shipped_problem.hpp"
@@ -121,7 +121,7 @@ TEST_CASE("the parameters of a turn give the turn") {
     const Vector3d sigma = axis * std::tan(angle / 4);
     const proof::RoundUpward upward;
     const Vector3<proof::Number> s = sigma.cast<proof::Number>();
-    const auto R = proof::turn_by<proof::Number>(s, s.squaredNorm());
+    const auto R = proof::rotation_by<proof::Number>(s, s.squaredNorm());
     const Matrix3d expected = rotation_exp(angle * axis).toRotationMatrix();
     for (Eigen::Index k = 0; k < 9; ++k) {
       CHECK(std::abs(proof::middle(R.data()[k].v) - expected.data()[k]) < 1e-14);
@@ -133,7 +133,7 @@ TEST_CASE("the parameters of a turn give the turn") {
 TEST_CASE("a box is left out only where no attitude of it is allowed, and most such boxes are") {
   const AttitudeFreedom freedom = GENERATE(AttitudeFreedom::Cone, AttitudeFreedom::Free);
   const CaptureProblem problem = held_arm(Arm::Spatial, freedom);
-  const proof::ZeroProblem where = proof::zero_problem(problem, Vector6d::Zero());
+  const proof::ZeroProblem where = proof::zero_problem(problem);
   Random random(11);
   int left_out = 0, none_allowed = 0, kept = 0;
   for (int i = 0; i < 3000; ++i) {

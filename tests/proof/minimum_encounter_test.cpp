@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
 #include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
 #include "support/shipped_problem.hpp"
@@ -38,9 +38,9 @@ CaptureProblem tumbling_client() {
 
 /// A second at which hand and target close.
 double time_of_approach(const CaptureProblem& problem) {
-  const Formulation formulation(problem);
+  const EncounterModel model = encounter_model(problem);
   double time = 10;
-  while (formulation.encounter({problem.start, problem.base, time}).closing_speed < 0.05) time += 1;
+  while (encounter_at(model, {problem.start, problem.base, time}).closing_speed < 0.05) time += 1;
   return time;
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
   const Formulation formulation(problem);
   const std::vector<Scenario> scenarios = draw_scenarios(problem);
   const proof::MinimumProblem minimum = proof::minimum_problem(problem, scenarios);
-  const proof::EncounterModel& encounter = minimum.where.encounter;
+  const proof::VariableEncounter& encounter = minimum.where.encounter;
   const proof::WrenchBasis basis = basis_of(minimum);
   // A time on which nothing depends is none.
   const int n = kind == 1 ? 2 : 3;

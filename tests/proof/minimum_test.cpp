@@ -149,10 +149,10 @@ TEST_CASE("a spatial arm at a point: the bound is the least value of its enclose
   MinimumProblem minimum = bounded(problem, {n, Vector3d(-2.1, -1, -2), Vector3d(-2, -1.1, -2)});
   problem.hand.constraint = HandConstraint::Position;
   problem.hand.frame = Frame::Base;
-  problem.hand.position = minimum.where.encounter.fixed_hand_point;
-  Vector6d F;
-  F << n, Vector3d::Zero();
-  const Proof proof = prove(problem, F);
+  problem.hand.position = minimum.where.encounter.stated_hand_point;
+  problem.impulse.direction = n;
+  problem.impulse.direction_frame = Frame::Base;
+  const Proof proof = prove(problem);
   REQUIRE(proof.status == ProofStatus::Complete);
   REQUIRE_FALSE(proof.solutions.empty());
   double least = 1e300;
@@ -197,7 +197,7 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
   // One free joint and no point for the hand.
   minimum.where.has_hand_point = false;
   minimum.where.robot.joints[2].type = JointType::Revolute;
-  proof::EncounterModel& encounter = minimum.where.encounter;
+  proof::VariableEncounter& encounter = minimum.where.encounter;
   encounter.free = {2};
   encounter.lower = {0.2};
   encounter.upper = {1.1};

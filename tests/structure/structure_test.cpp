@@ -201,11 +201,11 @@ TEST_CASE("the independent rooms stay independent, whatever the table says") {
   const auto rooms = read_table();
   CHECK(reachable(rooms, "nlp") == Names{"core"});
   CHECK(reachable(rooms, "reference") == Names{"core", "robot"});
-  for (const char* planner : {"capture", "approach", "planner"}) {
+  for (const char* planner : {"formulation", "search", "approach", "planner"}) {
     CHECK(reachable(rooms, "simulation").count(planner) == 0);
     CHECK(reachable(rooms, "verification").count(planner) == 0);
   }
-  for (const char* kernel : {"dynamics", "impact", "nlp"}) {
+  for (const char* kernel : {"dynamics", "impact", "nlp", "encounter"}) {
     CHECK(rooms.at("verification").may_include.count(kernel) == 0);
   }
 }
@@ -276,8 +276,8 @@ TEST_CASE("verification calls nothing that planning calls") {
   const Names own = {"core", "robot",      "reference", "target",
                      "plan", "simulation", "collision", "verification"};
   const Names allowed = declared_functions(files, own);
-  const Names kernel =
-      declared_functions(files, {"dynamics", "impact", "nlp", "capture", "approach", "planner"});
+  const Names kernel = declared_functions(files, {"dynamics", "impact", "nlp", "encounter",
+                                                  "formulation", "search", "approach", "planner"});
   REQUIRE(kernel.count("compute_jump") == 1);
   REQUIRE(kernel.count("compute_kinematics") == 1);
   Names forbidden;

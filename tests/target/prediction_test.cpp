@@ -27,7 +27,7 @@ TargetEstimate tumbling_box() {
 
 const ContactFeature kEdge{"edge", {0.5, 0.1, 0.55}, {1, 0, 0}};
 
-/// Errors of every kind; `scale` 1 turns the normal by some degrees after half a minute.
+/// Errors of every kind; `scale` 1 rotates the normal by several degrees within 30 s.
 EstimateDeviations deviations(double scale) {
   EstimateDeviations sigma;
   sigma.position = scale * Vector3d(0.02, 0.01, 0.03);
@@ -140,7 +140,7 @@ TEST_CASE("the cone holds the stated part of the sampled normals") {
   }
 }
 
-TEST_CASE("a body that does not turn has closed-form contact errors") {
+TEST_CASE("a body that does not rotate has closed-form contact errors") {
   TargetEstimate estimate = tumbling_box();
   estimate.state.angular_velocity.setZero();
   EstimateDeviations sigma;
@@ -169,7 +169,7 @@ TEST_CASE("cones of round and of flat errors are Rayleigh's and the normal distr
     deviations.orientation = orientation;
     return predict_contact(estimate, covariance_of(deviations), kEdge, {5.0}).front();
   };
-  // The normal is x of T: errors about y and z turn it, one about x does not.
+  // The normal is x of T: errors about y and z rotate it, one about x does not.
   const ContactPrediction round = prediction({0.3, sigma, sigma});
   const ContactPrediction flat = prediction({0.3, 0, sigma});
   CHECK(cone_half_angle(round, 0.95) == Approx(sigma * std::sqrt(-2 * std::log(0.05))));

@@ -113,7 +113,7 @@ TEST_CASE("the prediction solves Euler's equations") {
     const Vector3d w = rate_in_T(t);
     const Vector3d w_rate = rate_of(rate_in_T, t, 1e-2);
     CHECK((body.inertia * w_rate + w.cross(body.inertia * w)).norm() <= 1e-9);
-    // The attitude turns at the angular velocity.
+    // The attitude changes at the angular velocity.
     auto turn = [&](double time) -> Vector3d {
       return rotation_log(motion.state(time).pose.orientation * s.pose.orientation.conjugate());
     };
@@ -139,7 +139,7 @@ TEST_CASE("a symmetric top precesses and spins at the closed-form rates") {
   }
 }
 
-TEST_CASE("a sphere turns at a constant rate and a body at rest stays") {
+TEST_CASE("a sphere rotates at a constant rate and a body at rest stays at rest") {
   const TargetState start = tumbling({0.1, 0.2, -0.3});
   const TargetMotion sphere(with_inertia({3, 3, 3}), start, 500);
   const TargetState later = sphere.state(start.time + 123.4);
@@ -152,7 +152,7 @@ TEST_CASE("a sphere turns at a constant rate and a body at rest stays") {
   CHECK(rest.pose.orientation.angularDistance(still.pose.orientation) <= 1e-15);
 }
 
-TEST_CASE("a point mass does not turn") {
+TEST_CASE("a point mass does not rotate") {
   TargetBody body;
   body.mass = 100;
   body.is_point_mass = true;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 
 #include "verification/checks.hpp"
 #include "verification/example_plans.hpp"

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 
-#include <stillbase/capture/robust.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
 
-#include "capture/capture_problems.hpp"
-#include "capture/measure.hpp"
+#include "formulation/measures/measure.hpp"
+#include "support/capture_problems.hpp"
 #include "verification/recomputation.hpp"
 
 namespace stillbase {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"

@@ -15,12 +15,6 @@ enum class ContactModel {
   Latch       ///< a grasp that closes at once; the target stays attached
 };
 
-/// Inverse mass that the target shows at the contact along n, 1/kg.
-/// A point mass: 1/m_t. A rigid body: n' W_t n = 1/m_t + (r x n)' I_t^-1 (r x n).
-/// @param r contact point from the target's centroid, m; n unit; both in the axes of I_t
-double target_inverse_mass(double mass, const Matrix3d& inertia, const Vector3d& r,
-                           const Vector3d& n);
-
 /// Frictionless impact along n: p = (1+e) v_n / (n' W_h n + n' W_t n); 0 when v_n <= 0.
 /// @param restitution e in [0, 1]
 double normal_impulse(double restitution, double closing_speed, double hand_inverse_mass,

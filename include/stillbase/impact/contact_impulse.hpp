@@ -42,7 +42,7 @@ struct ContactTarget {
 };
 
 /// W_t3 = E/m_t - skew(r) I_t^-1 skew(r): velocity of the contact point per impulse there, 1/kg.
-/// A point mass: E/m_t. n' W_t3 n is target_inverse_mass().
+/// A point mass: E/m_t. n' W_t3 n is target_inverse_mass() of target.hpp.
 Matrix3d target_inverse_inertia3(const ContactTarget& target);
 
 /// W_t6: velocity [v; omega] at the contact per impulse [f; t] there,

@@ -140,7 +140,7 @@ struct ConstraintSpec {
 struct UncertaintySpec {
   double cone_half_angle = 0;  ///< rad; 0: the direction is exactly known
   /// The half-angle is the one that follows from `target_deviations` with this probability
-  /// (plan/direction_cone.hpp); empty: it is stated.
+  /// (encounter/direction_cone.hpp); empty: it is stated.
   std::optional<double> cone_confidence;
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)

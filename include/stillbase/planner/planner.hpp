@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include <stillbase/capture/formulation.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/plan.hpp>
 
 namespace stillbase {
@@ -38,9 +38,5 @@ struct PlannerOptions {
 /// @return a plan in every case: `status` and `approach.status` say what holds
 /// @throws InputError for a problem whose parts do not fit together
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options = {});
-
-/// The impact at a configuration: impulse by the problem's contact law, then everything about it.
-ImpactSummary predict_impact(const CaptureProblem& problem, const Formulation& formulation,
-                             const Configuration& configuration);
 
 }  // namespace stillbase

@@ -50,7 +50,7 @@ struct ProofOptions {
 /// equations leave freedom that its objective's zeros take up: all configurations at which the
 /// objective vanishes, which are its global minima (lower bound zero). Where it vanishes nowhere,
 /// that alone is said.
-/// @param F wrench per unit of impulse in B at the stated base attitude and the first contact time
-Proof prove(const CaptureProblem& problem, const Vector6d& F, const ProofOptions& options = {});
+/// @throws InputError as encounter_model()
+Proof prove(const CaptureProblem& problem, const ProofOptions& options = {});
 
 }  // namespace stillbase

@@ -1,4 +1,4 @@
-// How well a contact is known: the uncertainty of the target's estimate, carried to the contact.
+// Covariance of a contact: the covariance of the target's estimate propagated to the contact time.
 //
 // Assumptions. The errors of the estimate are Gaussian. Attitude errors are rotation vectors in T
 // (true attitude = estimated attitude * exp(error)), errors of mass and principal moments are
@@ -86,16 +86,16 @@ ContactVector contact_vector(const TargetBody& body, const ContactFeature& featu
 /// Carries the covariance of an estimate to a contact feature at several instants by the unscented
 /// transform.
 ///
-/// With L L' = covariance of n errors, the 2 n + 1 points 0, +-sqrt(n + kappa) L_i are moved and
-/// weighted by kappa / (n + kappa) and 1 / (2 (n + kappa)); kappa = 3 - n, which matches the fourth
-/// moments of a Gaussian along each point's direction. Source: Julier and Uhlmann, "A new extension
-/// of the Kalman filter to nonlinear systems", 1997; second moments are taken about the central
-/// point, their form for negative kappa, which is positive semidefinite whatever the map. In the
-/// scaled form of Wan and van der Merwe, "The unscented Kalman filter for nonlinear estimation",
-/// 2000, this is alpha = 1, kappa = 3 - n, beta = 1. Attitudes are moved by the exponential of
-/// SO(3).
+/// With L L' = covariance of n errors, the 2 n + 1 points 0, +-sqrt(n + kappa) L_i are propagated
+/// and weighted by kappa / (n + kappa) and 1 / (2 (n + kappa)); kappa = 3 - n, which matches the
+/// fourth moments of a Gaussian along each point's direction. Source: Julier and Uhlmann, "A new
+/// extension of the Kalman filter to nonlinear systems", 1997; second moments are taken about the
+/// central point, their form for negative kappa, which is positive semidefinite whatever the map.
+/// In the scaled form of Wan and van der Merwe, "The unscented Kalman filter for nonlinear
+/// estimation", 2000, this is alpha = 1, kappa = 3 - n, beta = 1. Attitude errors are applied by
+/// the exponential of SO(3).
 /// @param covariance positive semidefinite
-/// @throws std::invalid_argument when a target turns too often to be predicted, or the covariance
+/// @throws std::invalid_argument when a target rotates too often to be predicted, or the covariance
 ///   is not finite or not positive semidefinite
 std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
                                                const EstimateCovariance& covariance,
@@ -112,7 +112,7 @@ std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
 /// @return rad; may exceed pi, when nothing is known of the direction
 double cone_half_angle(const ContactPrediction& prediction, double probability);
 
-/// The same for directions in a plane: half-angle of the wedge that holds the turn about the
+/// The same for directions in a plane: half-angle of the wedge that holds the rotation about the
 /// plane's normal, a Gaussian of mean zero. @param plane_normal unit, in N
 double wedge_half_angle(const ContactPrediction& prediction, const Vector3d& plane_normal,
                         double probability);

@@ -1,7 +1,7 @@
-// The tumbling object: a rigid body in free motion with contact features on its surface.
+// The target: a rigid body in free motion with contact features on its surface.
 //
-// Target frame T: origin at the centroid. Straight motion of the centroid in the inertial frame N,
-// torque-free rotation (Euler's equations).
+// Target frame T: origin at the centroid. The centroid moves straight in the inertial frame N, the
+// rotation is torque-free (Euler's equations).
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace stillbase {
 
-/// A place that may be hit or grasped, fixed to the target.
+/// A place on the target for a contact, fixed in T.
 struct ContactFeature {
   std::string name;
   Vector3d point = Vector3d::Zero();    ///< in T, m
@@ -31,7 +31,16 @@ struct TargetBody {
   bool is_point_mass = false;
   std::vector<TargetShape> shapes;
   std::vector<ContactFeature> features;
+
+  Matrix3d inverse_inertia() const;  ///< zero for a point mass
 };
+
+/// Inverse mass that a free body shows at a contact point along n, 1/kg:
+///   n' W_t n = 1/m + (r x n)' I^-1 (r x n).
+/// @param inverse_inertia I^-1 about the centroid; zero for a point mass
+/// @param r contact point from the centroid, m; n unit; both in the axes of I
+double target_inverse_mass(double mass, const Matrix3d& inverse_inertia, const Vector3d& r,
+                           const Vector3d& n);
 
 /// Motion at one instant.
 struct TargetState {
@@ -41,23 +50,24 @@ struct TargetState {
   Vector3d angular_velocity = Vector3d::Zero();  ///< in N, rad/s
 };
 
-/// A contact feature at one instant, in N, with time derivatives for the search.
+/// A contact feature at one instant, in N.
 struct ContactState {
   Vector3d point, normal, velocity;  ///< m, unit, m/s (of the material point)
   Vector3d r;                        ///< point from the target's centroid, m
-  Vector3d point_rate, normal_rate,
-      velocity_rate;  ///< d/dt of the above: velocity, omega x normal, acceleration
+  // d/dt of the above: velocity, omega x normal, acceleration.
+  Vector3d point_rate, normal_rate, velocity_rate;
 };
 
-/// Prediction of the free motion from an estimate at time t0. Immutable; copies share their table.
+/// Free motion from an estimate at time t0. Immutable; copies share their table.
 ///
-/// Attitude and rate are integrated once, at construction, over [t0 - horizon, t0 + horizon] to
-/// nodes from which any time is one short high-order step away: evaluation costs the same for every
-/// time and is smooth in it. Energy and angular momentum are conserved to 1e-10 over 1000 s.
+/// Attitude and rate are integrated once, at construction, over [t0 - horizon, t0 + horizon]. The
+/// nodes are so dense that one high-order step reaches any time: evaluation costs the same for
+/// every time and is smooth in it. Energy and angular momentum are conserved to 1e-10 over 1000 s.
 class TargetMotion {
  public:
   /// @param horizon s on either side of estimate.time within which times may be asked for
-  /// @throws std::invalid_argument for a horizon that is not finite and positive
+  /// @throws std::invalid_argument for a horizon that is not finite and positive, or a target that
+  ///   rotates by more than 500 000 rad within it
   TargetMotion(TargetBody body, const TargetState& estimate, double horizon);
 
   const TargetBody& body() const;

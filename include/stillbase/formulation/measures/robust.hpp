@@ -1,0 +1,53 @@
+// The worst case over a cone of impulse directions.
+//
+// Hand and posture fixed; the direction varies within the cone about the predicted one, and the
+// impulse is recomputed by the contact law for every direction. The maximum can lie inside the
+// cone.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <stillbase/formulation/formulation.hpp>
+
+namespace stillbase {
+
+struct WorstCase {
+  double value = 0;                       ///< max |y| over the cone, in the objective's unit
+  Vector3d direction = Vector3d::Zero();  ///< where, unit, in B
+  /// False: simulations were given up before (Formulation::give_up_simulations_at); the largest
+  /// over the directions that were looked at, the predicted one among them.
+  bool is_complete = true;
+};
+
+/// Largest |y| over the problem's uncertainty cone at a configuration. A scan of rings (planar: of
+/// the wedge) followed by local refinement of the best places.
+WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
+                     const Configuration& configuration);
+
+/// All maxima over the cone that the scan sees, the largest first, as scenarios with their |y|:
+/// where several are as large, all of them hold back a better posture.
+struct ConeMaximum {
+  Scenario scenario;
+  double value = 0;
+};
+std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,
+                                     const Configuration& configuration);
+
+/// The maximum that each of these directions belongs to, in the same order.
+std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation& formulation,
+                               const Configuration& configuration,
+                               const std::vector<Scenario>& from);
+
+/// Size of each term of the objective as predicted, by name, in its own unit. Its simulations are
+/// never given up.
+std::map<std::string, double> objective_terms(const CaptureProblem& problem,
+                                              const Formulation& formulation,
+                                              const Configuration& configuration);
+
+/// |y| at the predicted direction. Its simulations are never given up.
+double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
+                     const Configuration& configuration);
+
+}  // namespace stillbase

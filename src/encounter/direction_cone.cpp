@@ -1,0 +1,65 @@
+#include <stillbase/encounter/direction_cone.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/plan/feature.hpp>
+
+namespace stillbase {
+
+namespace {
+
+// Beyond this the direction is a guess, and the integration takes seconds.
+constexpr double kMaxTurn = 300;  // rad
+
+/// No less than the turn (rad) of the target, or of one somewhat off the estimate, over `duration`.
+double turn_bound(const CaptureProblem& problem, double duration) {
+  const TargetBody& body = *problem.target;
+  if (body.is_point_mass) return 0;
+  const EstimateDeviations& sigma = *problem.target_deviations;
+  const Vector3d moments = principal_moments(body.inertia);
+  // The energy keeps |omega|^2 <= I_max / I_min |omega_0|^2; the unscented points are sqrt(3) off.
+  const double moment_ratio = moments[2] / moments[0] * std::exp(4 * sigma.moments.maxCoeff());
+  return duration * std::sqrt(moment_ratio) *
+         (problem.target_state.angular_velocity.norm() + 2 * sigma.angular_velocity.maxCoeff());
+}
+
+}  // namespace
+
+std::vector<ContactPrediction> predict_contacts(const CaptureProblem& problem) {
+  constexpr int kIntervals = 8;
+  const double lower = problem.variables.contact_time_lower;
+  const double upper = problem.variables.contact_time_upper;
+  std::vector<double> times{lower};
+  for (int i = 1; i <= kIntervals && upper > lower; ++i) {
+    times.push_back(i == kIntervals ? upper : lower + (upper - lower) * i / kIntervals);
+  }
+  const double start = problem.target_state.time;
+  const double duration = std::max(std::abs(lower - start), std::abs(upper - start));
+  if (!(turn_bound(problem, duration) <= kMaxTurn)) {
+    throw std::invalid_argument(
+        "the target may turn by more than 300 rad from its estimate to the contact; its direction "
+        "cannot be predicted");
+  }
+  return predict_contact({*problem.target, problem.target_state},
+                         covariance_of(*problem.target_deviations), chosen_feature(problem), times);
+}
+
+DirectionCone direction_cone(const CaptureProblem& problem, double probability) {
+  const auto& plane = problem.uncertainty.cone_plane_normal;
+  DirectionCone cone;
+  bool is_first = true;
+  for (const ContactPrediction& prediction : predict_contacts(problem)) {
+    const double half_angle =
+        plane ? wedge_half_angle(prediction, problem.base.orientation * *plane, probability)
+              : cone_half_angle(prediction, probability);
+    if (!is_first && half_angle <= cone.half_angle) continue;
+    cone = {half_angle, prediction};
+    is_first = false;
+  }
+  return cone;
+}
+
+}  // namespace stillbase

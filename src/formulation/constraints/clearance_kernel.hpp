@@ -1,0 +1,349 @@
+// Signed distance of two shapes and where it is taken, for any number type.
+//
+// Which features are nearest is decided on plain values; the distance between those features is
+// then written in S, so that it has exact derivatives wherever the choice does not change. The
+// distance is continuously differentiable while the shapes are apart and the nearest points are
+// unique; parallel segments, two boxes that change their separating axis, and shapes that lie deep
+// inside each other have kinks, at which the derivative is that of one side.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <stillbase/core/types.hpp>
+
+#include "core/tangent.hpp"
+#include "formulation/constraints/clearance.hpp"
+
+namespace stillbase {
+
+/// Axes and origin of a shape in a common frame.
+template <class S>
+struct PlacedShape {
+  const ClearanceShape* shape;
+  Matrix3<S> R;
+  Vector3<S> p;
+};
+
+/// d distance = normal . (velocity of the first - velocity of the second, both at `point`).
+template <class S>
+struct Separation {
+  S distance = S(0);
+  Vector3<S> normal;  ///< from the second to the first; a unit vector unless they overlap deeply
+  Vector3<S> point;
+};
+
+namespace {
+
+template <class S>
+Vector3d plain(const Vector3<S>& v) {
+  return {value_of_number(v[0]), value_of_number(v[1]), value_of_number(v[2])};
+}
+
+inline double sign_of(double x) { return x < 0 ? -1 : 1; }
+
+/// Where on two segments a + s u and b + t v, s and t in [-1, 1], the nearest points are.
+struct SegmentChoice {
+  double s = 0, t = 0;
+  bool s_free = false, t_free = false;  ///< not at an end
+};
+
+inline SegmentChoice nearest_on_segments(const Vector3d& a, const Vector3d& u, const Vector3d& b,
+                                         const Vector3d& v) {
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+  SegmentChoice best;
+  double least = -1;
+  const auto offer = [&](const SegmentChoice& choice) {
+    const double square = (a + choice.s * u - b - choice.t * v).squaredNorm();
+    if (least >= 0 && square >= least) return;
+    least = square;
+    best = choice;
+  };
+  // The foot of a point on the other segment; at an end when it lies beyond.
+  const auto foot = [](const Vector3d& point, const Vector3d& from, const Vector3d& along,
+                       double square, bool& is_free) {
+    const double at = square > 0 ? along.dot(point - from) / square : 0;
+    is_free = square > 0 && at > -1 && at < 1;
+    return std::clamp(at, -1.0, 1.0);
+  };
+  for (const double end : {-1.0, 1.0}) {
+    SegmentChoice first{end, 0, false, false}, second{0, end, false, false};
+    first.t = foot(a + end * u, b, v, vv, first.t_free);
+    offer(first);
+    second.s = foot(b + end * v, a, u, uu, second.s_free);
+    offer(second);
+  }
+  const double determinant = uu * vv - uv * uv;
+  if (determinant > 1e-12 * uu * vv) {
+    const Vector3d w = b - a;
+    const double s = (vv * u.dot(w) - uv * v.dot(w)) / determinant;
+    const double t = (uv * u.dot(w) - uu * v.dot(w)) / determinant;
+    if (std::abs(s) < 1 && std::abs(t) < 1) offer({s, t, true, true});
+  }
+  return best;
+}
+
+template <class S>
+Separation<S> between_segments(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  using std::sqrt;
+  const Vector3<S> u = first.R.col(2) * S(first.shape->half.z());
+  const Vector3<S> v = second.R.col(2) * S(second.shape->half.z());
+  const Vector3<S> w = second.p - first.p;
+  const SegmentChoice choice =
+      nearest_on_segments(plain<S>(first.p), plain<S>(u), plain<S>(second.p), plain<S>(v));
+  S s(choice.s), t(choice.t);
+  const S uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+  if (choice.s_free && choice.t_free) {
+    const S determinant = uu * vv - uv * uv;
+    s = (vv * u.dot(w) - uv * v.dot(w)) / determinant;
+    t = (uv * u.dot(w) - uu * v.dot(w)) / determinant;
+  } else if (choice.s_free) {
+    s = u.dot(w + v * t) / uu;
+  } else if (choice.t_free) {
+    t = v.dot(u * s - w) / vv;
+  }
+  Separation<S> out;
+  out.point = first.p + u * s;
+  const Vector3<S> apart = u * s - v * t - w;
+  const S square = apart.squaredNorm();
+  if (!(square > S(1e-20))) {  // the axes meet: no direction is better than another
+    out.normal = first.R.col(0);
+    out.distance = S(-first.shape->radius - second.shape->radius);
+    return out;
+  }
+  const S length = sqrt(square);
+  out.normal = apart / length;
+  out.distance = length - S(first.shape->radius + second.shape->radius);
+  return out;
+}
+
+/// Signed distance of a point (in the box's axes) from a box, on plain values.
+inline double box_distance(const Vector3d& p, const Vector3d& half) {
+  const Vector3d q = p.cwiseAbs() - half;
+  const double inside = q.maxCoeff();
+  return inside > 0 ? Vector3d(q.cwiseMax(0)).norm() : inside;
+}
+
+/// The t in [-1, 1] at which p + t d is nearest to a box, and what holds it there: the minimum of a
+/// parabola, two faces that are equally far (deep inside; `face_i` and `face_j`, which may be the
+/// opposite ones of one axis), or nothing of both: an end.
+struct BoxChoice {
+  double t = 0;
+  bool is_free = false;
+  int face_i = -1, face_j = -1;
+};
+
+/// The signed distance is convex along the segment. Between the places where it enters or leaves a
+/// slab of the box its square is one parabola; inside it is a broken line.
+inline BoxChoice nearest_to_box(const Vector3d& p, const Vector3d& d, const Vector3d& half) {
+  std::array<BoxChoice, 26> breaks;
+  std::size_t count = 0;
+  const auto add = [&](double numerator, double denominator, int i, int j) {
+    if (denominator == 0) return;
+    const double t = numerator / denominator;
+    if (t > -1 && t < 1) breaks[count++] = {t, false, i, j};
+  };
+  for (int i = 0; i < 3; ++i) {
+    add(-p[i], d[i], i, i);
+    add(half[i] - p[i], d[i], -1, -1);
+    add(-half[i] - p[i], d[i], -1, -1);
+    const int j = (i + 1) % 3;  // |p_i| - h_i = |p_j| - h_j
+    for (const double sign : {1.0, -1.0}) {
+      add(half[i] - half[j] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
+      add(half[j] - half[i] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
+    }
+  }
+  breaks[count++] = {-1, false, -1, -1};
+  breaks[count++] = {1, false, -1, -1};
+  std::sort(breaks.begin(), breaks.begin() + static_cast<std::ptrdiff_t>(count),
+            [](const BoxChoice& a, const BoxChoice& b) { return a.t < b.t; });
+  BoxChoice best;
+  double least = kInfinity;
+  const auto offer = [&](BoxChoice choice) {
+    const Vector3d at = p + choice.t * d;
+    const double value = box_distance(at, half);
+    if (value >= least) return;
+    least = value;
+    // Faces that are not the nearest ones hold nothing.
+    const Vector3d q = at.cwiseAbs() - half;
+    if (choice.face_i >= 0 &&
+        (value > 0 || q[choice.face_i] < value - 1e-12 || q[choice.face_j] < value - 1e-12)) {
+      choice.face_i = choice.face_j = -1;
+    }
+    best = choice;
+  };
+  for (std::size_t k = 0; k < count; ++k) offer(breaks[k]);
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const double low = breaks[k].t, high = breaks[k + 1].t;
+    const Vector3d middle = p + (low + high) / 2 * d;
+    double slope = 0, curvature = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double side = sign_of(middle[i]);
+      if (!(side * middle[i] > half[i])) continue;
+      slope += (side * p[i] - half[i]) * side * d[i];
+      curvature += d[i] * d[i];
+    }
+    if (!(curvature > 0)) continue;
+    const double t = -slope / curvature;
+    if (t > low && t < high) offer({t, true, -1, -1});
+  }
+  return best;
+}
+
+/// A sphere or capsule against a box.
+template <class S>
+Separation<S> segment_and_box(const PlacedShape<S>& round, const PlacedShape<S>& box) {
+  using std::sqrt;
+  const Vector3d& half = box.shape->half;
+  const Vector3<S> p = box.R.transpose() * (round.p - box.p);
+  const Vector3<S> d = box.R.transpose() * round.R.col(2) * S(round.shape->half.z());
+  const BoxChoice choice = nearest_to_box(plain<S>(p), plain<S>(d), half);
+  const Vector3d at = plain<S>(p) + choice.t * plain<S>(d);
+  S t(choice.t);
+  if (choice.is_free) {
+    S slope(0), curvature(0);
+    for (int i = 0; i < 3; ++i) {
+      const double side = sign_of(at[i]);
+      if (!(side * at[i] > half[i])) continue;
+      slope += (p[i] * S(side) - S(half[i])) * d[i] * S(side);
+      curvature += d[i] * d[i];
+    }
+    t = -slope / curvature;
+  } else if (choice.face_i >= 0 && choice.face_i != choice.face_j) {
+    // Where the segment is as far from one face as from the other: its least depth there is a
+    // mixture of both, in which the slopes along the segment cancel.
+    const int i = choice.face_i, j = choice.face_j;
+    const S side_i(sign_of(at[i])), side_j(sign_of(at[j]));
+    const S slope_i = d[i] * side_i, slope_j = d[j] * side_j;
+    const S depth_i = p[i] * side_i - S(half[i]), depth_j = p[j] * side_j - S(half[j]);
+    const S difference = slope_i - slope_j;
+    if (value_of_number(difference) != 0) {
+      t = (depth_j - depth_i) / difference;
+      Separation<S> out;
+      out.distance = depth_i + slope_i * t - S(round.shape->radius);
+      Vector3<S> normal = Vector3<S>::Zero();
+      normal[i] = -side_i * slope_j / difference;
+      normal[j] = side_j * slope_i / difference;
+      out.normal = box.R * normal;
+      out.point = round.p + round.R.col(2) * (t * S(round.shape->half.z()));
+      return out;
+    }
+  } else if (choice.face_i >= 0) {
+    // Across the middle of the box: as deep as it can be, wherever it moves.
+    Separation<S> out;
+    out.distance = S(-half[choice.face_i] - round.shape->radius);
+    out.normal = Vector3<S>::Zero();
+    out.point = round.p;
+    return out;
+  }
+  const Vector3<S> x = p + d * t;
+  Separation<S> out;
+  out.point = round.p + round.R.col(2) * (t * S(round.shape->half.z()));
+  Vector3<S> normal = Vector3<S>::Zero();
+  const Vector3d q = at.cwiseAbs() - half;
+  if (q.maxCoeff() > 1e-10) {
+    S square(0);
+    for (int i = 0; i < 3; ++i) {
+      if (!(q[i] > 0)) continue;
+      normal[i] = x[i] - S(sign_of(at[i]) * half[i]);
+      square += normal[i] * normal[i];
+    }
+    const S length = sqrt(square);
+    normal /= length;
+    out.distance = length - S(round.shape->radius);
+  } else {
+    int face = 0;
+    q.maxCoeff(&face);
+    normal[face] = S(sign_of(at[face]));
+    out.distance = x[face] * S(sign_of(at[face])) - S(half[face] + round.shape->radius);
+  }
+  out.normal = box.R * normal;
+  return out;
+}
+
+/// Centre of a box's edge (the two axes beside `along`) or its corner (along < 0) that is furthest
+/// along a direction.
+template <class S>
+Vector3<S> support(const PlacedShape<S>& box, const Vector3d& direction, int along) {
+  Vector3<S> out = box.p;
+  for (int i = 0; i < 3; ++i) {
+    if (i == along) continue;
+    const Vector3<S> axis = box.R.col(i);
+    out += axis * S(sign_of(plain<S>(axis).dot(direction)) * box.shape->half[i]);
+  }
+  return out;
+}
+
+/// Two boxes: the widest gap among the faces' normals and the products of their edges.
+template <class S>
+Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  using std::sqrt;
+  const Vector3d c = plain<S>(first.p) - plain<S>(second.p);
+  Vector3d a[3], b[3];
+  for (int i = 0; i < 3; ++i) {
+    a[i] = plain<S>(first.R.col(i));
+    b[i] = plain<S>(second.R.col(i));
+  }
+  int best_i = -1, best_j = -1;
+  double widest = -kInfinity;
+  const auto offer = [&](const Vector3d& axis, int i, int j) {
+    double gap = std::abs(axis.dot(c));
+    for (int k = 0; k < 3; ++k) {
+      gap -= std::abs(axis.dot(a[k])) * first.shape->half[k] +
+             std::abs(axis.dot(b[k])) * second.shape->half[k];
+    }
+    if (gap <= widest + 1e-12) return;
+    widest = gap;
+    best_i = i;
+    best_j = j;
+  };
+  for (int i = 0; i < 3; ++i) offer(a[i], i, -1);
+  for (int j = 0; j < 3; ++j) offer(b[j], -1, j);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector3d axis = a[i].cross(b[j]);
+      if (axis.norm() > 1e-6) offer(axis.normalized(), i, j);
+    }
+  }
+
+  Separation<S> out;
+  if (best_j < 0) {
+    out.normal = first.R.col(best_i) * S(sign_of(a[best_i].dot(c)));
+    out.point = support<S>(second, plain<S>(out.normal), -1);
+    out.distance = out.normal.dot(first.p - out.point) - S(first.shape->half[best_i]);
+    return out;
+  }
+  if (best_i < 0) {
+    out.normal = second.R.col(best_j) * S(sign_of(b[best_j].dot(c)));
+    out.point = support<S>(first, -plain<S>(out.normal), -1);
+    out.distance = out.normal.dot(out.point - second.p) - S(second.shape->half[best_j]);
+    return out;
+  }
+  const Vector3<S> u = first.R.col(best_i), v = second.R.col(best_j);
+  Vector3<S> axis = u.cross(v);
+  axis *= S(sign_of(plain<S>(axis).dot(c)));
+  out.normal = axis / S(sqrt(axis.squaredNorm()));
+  const Vector3d direction = plain<S>(out.normal);
+  const Vector3<S> on_first = support<S>(first, -direction, best_i);
+  const Vector3<S> w = support<S>(second, direction, best_j) - on_first;
+  out.distance = -out.normal.dot(w);
+  const S uv = u.dot(v);
+  out.point = on_first + u * ((u.dot(w) - uv * v.dot(w)) / (S(1) - uv * uv));
+  return out;
+}
+
+}  // namespace
+
+template <class S>
+Separation<S> separate(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  const bool a = first.shape->is_box, b = second.shape->is_box;
+  if (a && b) return between_boxes(first, second);
+  if (!a && !b) return between_segments(first, second);
+  if (b) return segment_and_box(first, second);
+  Separation<S> out = segment_and_box(second, first);
+  out.normal = -out.normal;
+  return out;
+}
+
+}  // namespace stillbase

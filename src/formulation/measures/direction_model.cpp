@@ -1,0 +1,180 @@
+#include "formulation/measures/direction_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/pack.hpp"
+#include "formulation/formulation_kernel.hpp"
+
+namespace stillbase {
+
+namespace {
+
+double positive_part(double x) { return std::max(x, 0.0); }
+
+}  // namespace
+
+DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formulation,
+                               const Configuration& at)
+    : problem(&p),
+      model(&formulation.encounter_model()),
+      encounter(encounter_at(*model, at)),
+      turns(turns_after_impact(p)),
+      user_terms(&formulation.user_terms()),
+      stop(formulation.simulations_stop()),
+      configuration(at) {
+  const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
+  const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
+  Vector6d moment = Vector6d::Zero();
+  moment.tail<3>() = encounter.F.tail<3>();
+  const ImpactResponse<double> unit[4] = {
+      respond<double>(posture, Vector6d::Unit(0)), respond<double>(posture, Vector6d::Unit(1)),
+      respond<double>(posture, Vector6d::Unit(2)), respond<double>(posture, moment)};
+  Y.resize(0, 4);
+  for (const ObjectiveTerm& term : p.objective) {
+    JointVectord y[4];
+    for (int i = 0; i < 4; ++i) y[i] = term_quantity<double>(term, posture, unit[i]);
+    // The impulse itself is no linear image of the direction: 1 per unit, whatever it is.
+    if (term.quantity == ObjectiveQuantity::ImpulseMagnitude) {
+      for (int i = 0; i < 3; ++i) y[i].setZero();
+    }
+    const Eigen::Index first = Y.rows();
+    Y.conservativeResize(first + y[0].size(), 4);
+    for (int i = 0; i < 4; ++i) Y.col(i).tail(y[i].size()) = y[i];
+  }
+  W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
+  const ContactTarget target = contact_target(*model, encounter.contact);
+  W += target_inverse_inertia3(target);
+  velocity = target.contact_velocity().head<3>();
+  n = encounter.F.head<3>();
+  half_angle = p.uncertainty.cone_half_angle;
+  planar = p.uncertainty.cone_plane_normal.has_value();
+  if (planar) {
+    u = p.uncertainty.cone_plane_normal->cross(n).normalized();
+    v.setZero();
+  } else {
+    std::tie(u, v) = tangent_basis(n);
+  }
+}
+
+Vector3d DirectionModel::direction(const Eigen::Vector2d& c) const {
+  const double angle = c.norm();
+  if (angle == 0) return n;
+  return std::cos(angle) * n + std::sin(angle) / angle * (c[0] * u + c[1] * v);
+}
+
+Eigen::Vector2d DirectionModel::coordinates(const Vector3d& d) const {
+  const Eigen::Vector2d side(d.dot(u), d.dot(v));
+  const double sine = side.norm();
+  if (sine == 0) return side;
+  return project(side * (std::atan2(sine, d.dot(n)) / sine));
+}
+
+Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
+  if (planar) c[1] = 0;
+  const double angle = c.norm();
+  return angle > half_angle ? Eigen::Vector2d(c * (half_angle / angle)) : c;
+}
+
+template <class S>
+S DirectionModel::square(const Vector3<S>& d) const {
+  S p(problem->impulse.magnitude);
+  if (!model->magnitude_is_given()) {
+    const Vector3d& v_t = velocity;
+    const S speed = !model->follows_target()
+                        ? S(encounter.closing_speed)
+                        : d[0] * S(v_t[0]) + d[1] * S(v_t[1]) + d[2] * S(v_t[2]);
+    S inverse_mass(0);
+    for (int i = 0; i < 3; ++i) {
+      inverse_mass += d[i] * (S(W(i, 0)) * d[0] + S(W(i, 1)) * d[1] + S(W(i, 2)) * d[2]);
+    }
+    p = S(1 + problem->impulse.restitution) * positive_part(speed) / inverse_mass;
+  }
+  S sum(0);
+  for (Eigen::Index i = 0; i < Y.rows(); ++i) {
+    const S y = p * (S(Y(i, 0)) * d[0] + S(Y(i, 1)) * d[1] + S(Y(i, 2)) * d[2] + S(Y(i, 3)));
+    sum += y * y;
+  }
+  return sum;
+}
+
+double DirectionModel::other_square(const Vector3d& d, const StopCondition& until) const {
+  const double speed = !model->follows_target() ? encounter.closing_speed : d.dot(velocity);
+  const double p = model->magnitude_is_given()
+                       ? problem->impulse.magnitude
+                       : (1 + problem->impulse.restitution) * positive_part(speed) / d.dot(W * d);
+  Vector6d F;
+  F << d, encounter.F.tail<3>();
+  const ImpactSummary impact =
+      summarize_impact(problem->robot, configuration.phi, problem->resistance, p * F, speed);
+  double sum = 0;
+  for (const TurnAfterImpact& turn : turns) {
+    sum += turn(configuration.phi, impact.Delta_Omega, impact.Delta_phidot, until).squaredNorm();
+  }
+  for (const UserTerm& term : *user_terms) {
+    sum += std::pow(term.value(configuration, impact) / term.size, 2);
+  }
+  return sum;
+}
+
+double DirectionModel::value(const Eigen::Vector2d& c) const {
+  const Vector3d d = direction(c);
+  if (is_linear()) return std::sqrt(square<double>(d));
+  const bool is_predicted = c.isZero(0);
+  if (!is_predicted && !is_complete()) return -kInfinity;
+  const double sum = square<double>(d) + other_square(d, is_predicted ? StopCondition{} : stop);
+  return std::isnan(sum) && !is_complete() ? -kInfinity : std::sqrt(sum);
+}
+
+void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
+                            const std::vector<Vector3d>& directions,
+                            std::vector<double>& values) const {
+  using Lanes = Pack<2>;
+  values.resize(places.size());
+  std::size_t i = 0;
+  for (; i + 2 <= places.size() && is_linear(); i += 2) {
+    Vector3<Lanes> both;
+    for (int k = 0; k < 3; ++k) {
+      const double entries[2] = {directions[i][k], directions[i + 1][k]};
+      both[k] = Lanes::load(entries);
+    }
+    sqrt(square<Lanes>(both)).store(&values[i]);
+  }
+  for (; i < places.size(); ++i) values[i] = value(places[i]);
+}
+
+bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,
+                                     Matrix3d& hessian) const {
+  if (!is_linear()) return false;
+  gradient.setZero();
+  hessian.setZero();
+  // + weight ln x, x with gradient g and Hessian H.
+  const auto add = [&](double weight, double x, const Vector3d& g, const Matrix3d& H) {
+    gradient += weight / x * g;
+    hessian += weight / x * H - weight / (x * x) * (g * g.transpose());
+  };
+  if (!model->magnitude_is_given()) {
+    if (model->follows_target()) {
+      const double speed = d.dot(velocity);
+      if (!(speed > 0)) return false;
+      add(2, speed, velocity, Matrix3d::Zero());
+    }
+    const Matrix3d twice = W + W.transpose();
+    add(-2, d.dot(W * d), twice * d, twice);
+  }
+  double square = 0;
+  Vector3d slope = Vector3d::Zero();
+  Matrix3d bend = Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < Y.rows(); ++i) {
+    const Vector3d row = Y.row(i).head<3>().transpose();
+    const double y = row.dot(d) + Y(i, 3);
+    square += y * y;
+    slope += 2 * y * row;
+    bend += 2 * row * row.transpose();
+  }
+  if (!(square > 0)) return false;
+  add(1, square, slope, bend);
+  return gradient.allFinite() && hessian.allFinite();
+}
+
+}  // namespace stillbase

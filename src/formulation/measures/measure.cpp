@@ -1,0 +1,209 @@
+#include "formulation/measures/measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stillbase/formulation/measures/robust.hpp>
+
+#include "formulation/measures/epigraph.hpp"
+#include "formulation/measures/sampled_program.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Scenario> scenarios_of(const std::vector<ConeMaximum>& maxima) {
+  std::vector<Scenario> out;
+  for (const ConeMaximum& maximum : maxima) out.push_back(maximum.scenario);
+  return out;
+}
+
+}  // namespace
+
+Measure::Measure(const CaptureProblem& problem, const Formulation& formulation)
+    : problem_(problem), formulation_(formulation) {
+  const RiskMeasure kind = problem.measure.kind;
+  if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
+    samples_ = draw_scenarios(problem);
+  }
+  weights_.resize(static_cast<Eigen::Index>(samples_.size()));
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    weights_[static_cast<Eigen::Index>(k)] = samples_[k].weight;
+  }
+}
+
+double Measure::half_square(double size) const {
+  const double ratio = size / formulation_.objective_unit();
+  return ratio * ratio / 2;
+}
+
+std::optional<double> Measure::level() const {
+  if (problem_.measure.kind == RiskMeasure::Cvar) return problem_.measure.cvar_level;
+  return std::nullopt;
+}
+
+double Measure::value(const Eigen::VectorXd& x) const {
+  if (is_nominal()) {
+    nlp::Evaluation here;
+    formulation_.evaluate_value(x, here);
+    return here.objective;
+  }
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    const WorstCase worst = worst_at(x);
+    return worst.is_complete ? half_square(worst.value) : kUnknown;
+  }
+  Known& here = known(x);
+  if (!here.sampled) {
+    const double value = sampled_value(x);
+    if (!std::isfinite(value)) return value;
+    here.sampled = value;
+  }
+  return *here.sampled;
+}
+
+double Measure::sampled_value(const Eigen::VectorXd& x) const {
+  ScenarioEvaluation here;
+  formulation_.evaluate_scenarios(x, samples_, false, here);
+  if (here.values.hasNaN()) return kUnknown;
+  return level() ? tail_mean(here.values, weights_, *level()).mean : weights_.dot(here.values);
+}
+
+WorstCase Measure::worst_at(const Eigen::VectorXd& x) const {
+  Known& here = known(x);
+  if (here.worst) return *here.worst;
+  const WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
+  if (worst.is_complete) here.worst = worst;
+  return worst;
+}
+
+bool Measure::knows(const Eigen::VectorXd& x) const {
+  const Known& here = known(x);
+  return here.worst && (samples_.empty() || here.sampled);
+}
+
+Measure::Known& Measure::known(const Eigen::VectorXd& x) const {
+  const auto at =
+      std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
+  if (at != known_.end()) return *at;
+  known_.push_back({x, std::nullopt, std::nullopt});
+  return known_.back();
+}
+
+double Measure::reported(const Eigen::VectorXd& x) const {
+  const Configuration configuration = formulation_.configuration(x);
+  if (is_nominal()) return nominal_value(problem_, formulation_, configuration);
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    const WorstCase worst = worst_at(x);
+    return worst.is_complete ? worst.value : kUnknown;
+  }
+  return formulation_.objective_unit() * std::sqrt(2 * value(x));
+}
+
+MeasureSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
+                                          const nlp::OptimizeOptions& options,
+                                          const Eigen::VectorXd& x0) const {
+  if (problem_.measure.kind == RiskMeasure::WorstCase) return exchange(optimizer, options, x0);
+  return {x0, 0};
+}
+
+MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
+                                const nlp::OptimizeOptions& options,
+                                const Eigen::VectorXd& x0) const {
+  if (is_nominal()) return {optimizer.minimize(formulation_, x0, options).x, 1};
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    MeasureSolution first = follow(optimizer, options, x0);
+    if (certify(first.x).kkt_residual <= options.optimality_tolerance) return first;
+    // The maxima have changed on the way: once more from cuts that hold everywhere.
+    const MeasureSolution nearer = exchange(optimizer, options, first.x);
+    MeasureSolution second = follow(optimizer, options, nearer.x);
+    const int calls = first.solver_calls + nearer.solver_calls + second.solver_calls;
+    MeasureSolution& best = value(second.x) < value(first.x) ? second : first;
+    best.solver_calls = calls;
+    return best;
+  }
+  const double scale = value(x0);
+  if (!(scale > 0)) return {x0, 0};  // nothing left to improve
+  const SampledProgram program(formulation_, samples_, level(), scale);
+  return {optimizer.minimize(program, program.lifted(x0), options).x.head(x0.size()), 1};
+}
+
+std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
+  return cone_maxima(problem_, formulation_, formulation_.configuration(x));
+}
+
+MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
+                                  const nlp::OptimizeOptions& options,
+                                  const Eigen::VectorXd& x0) const {
+  constexpr int kRounds = 6;
+  constexpr double kNear = 1e-2;  // the directions hardly turn any more
+  nlp::OptimizeOptions rough = options;
+  rough.max_evaluations = std::min(options.max_evaluations, 60);
+  MeasureSolution out{x0, 0};
+  std::vector<ConeMaximum> worst = maxima_at(x0);
+  std::vector<Scenario> active = scenarios_of(worst);
+  for (int round = 0; round < kRounds; ++round) {
+    const double scale = half_square(worst.front().value);
+    if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
+    const EpigraphProgram program(formulation_, active, scale);
+    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), rough);
+    ++out.solver_calls;
+    if (!result.feasible) break;
+    out.x = result.x.head(x0.size());
+    worst = maxima_at(out.x);
+    const double reached = program.lifted(out.x)[x0.size()] * scale;
+    if (half_square(worst.front().value) <= reached * (1 + kNear)) break;
+    for (const ConeMaximum& maximum : worst) {
+      if (half_square(maximum.value) > reached) active.push_back(maximum.scenario);
+    }
+  }
+  return out;
+}
+
+MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
+                                const nlp::OptimizeOptions& options,
+                                const Eigen::VectorXd& x0) const {
+  constexpr int kRounds = 6;
+  constexpr double kWorthy = 0.25;    // of the worst |y|^2: smaller maxima do not count yet
+  constexpr double kFinished = 1e-8;  // KKT residual
+  MeasureSolution out{x0, 0};
+  std::vector<ConeMaximum> worst = maxima_at(x0);
+  for (int round = 0; round < kRounds; ++round) {
+    const double scale = half_square(worst.front().value);
+    if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
+    std::vector<Scenario> following;
+    for (const ConeMaximum& maximum : worst) {
+      if (half_square(maximum.value) >= kWorthy * scale) following.push_back(maximum.scenario);
+    }
+    const EpigraphProgram program(formulation_, following, scale, &problem_);
+    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
+    ++out.solver_calls;
+    const Eigen::VectorXd x = result.x.head(x0.size());
+    worst = maxima_at(x);
+    // A maximum that was left out may have taken over: then x0 stays better.
+    if (!result.feasible || half_square(worst.front().value) > scale * (1 + 1e-12)) break;
+    out.x = x;
+    if (certify(x).kkt_residual <= kFinished) break;
+  }
+  return out;
+}
+
+nlp::Certificate Measure::certify(const Eigen::VectorXd& x) const {
+  if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
+  const double size = value(x);
+  // Of a measure that vanishes what is left is rounding: there is no less.
+  constexpr double kZero = 1e-9;  // of the objective's typical size
+  const double scale = size > half_square(kZero * formulation_.objective_unit()) ? size : 1;
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
+    const EpigraphProgram program(formulation_, scenarios_of(maxima), scale);
+    // First order only: that the worst directions turn with x adds curvature which fixed ones lack.
+    return nlp::certify(program, program.lifted(x));
+  }
+  const SampledProgram program(formulation_, samples_, level(), scale);
+  return nlp::certify(program, program.lifted(x), {.second_order = true});
+}
+
+}  // namespace stillbase

@@ -1,0 +1,319 @@
+#include <stillbase/formulation/measures/robust.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <stillbase/core/constants.hpp>
+
+#include "formulation/measures/direction_model.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// A place in the cone and its |y|.
+struct Place {
+  Eigen::Vector2d c;
+  double value;
+};
+
+/// Rings about the predicted direction, or a row in the wedge.
+std::vector<Place> scan(const DirectionModel& model) {
+  // A direction that has to be simulated costs as much as all the others together.
+  const bool dear = !model.turns.empty();
+  const int rings = dear ? 3 : 12;
+  const int spokes = dear ? 12 : 36;
+  const int row = dear ? 17 : 97;  // a wedge is one-dimensional: finer for less
+  const double alpha = model.half_angle;
+  std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
+  std::vector<Vector3d> directions = {model.n};
+  if (alpha > 0 && model.planar) {
+    for (int i = 0; i < row; ++i) {
+      grid.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
+      directions.push_back(model.direction(grid.back()));
+    }
+  } else if (alpha > 0) {
+    grid.reserve(static_cast<std::size_t>(1 + rings * spokes));
+    directions.reserve(grid.capacity());
+    std::vector<Eigen::Vector2d> polar;  // cosine and sine of each ring's angle
+    for (int ring = 1; ring <= rings; ++ring) {
+      const double angle = alpha * ring / rings;
+      polar.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const double angle = 2 * kPi * spoke / spokes;
+      const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
+      const Vector3d outward = side[0] * model.u + side[1] * model.v;
+      for (int ring = 1; ring <= rings; ++ring) {
+        const Eigen::Vector2d& at = polar[static_cast<std::size_t>(ring - 1)];
+        grid.emplace_back(side * (alpha * ring / rings));
+        directions.push_back(at[0] * model.n + at[1] * outward);
+      }
+    }
+  }
+  std::vector<double> values;
+  model.values(grid, directions, values);
+  std::vector<Place> out(grid.size());
+  for (std::size_t i = 0; i < grid.size(); ++i) out[i] = {grid[i], values[i]};
+  return out;
+}
+
+/// Compass search: steps of one size while they lead up.
+Place ascend(const DirectionModel& model, Place place, double step) {
+  const int compass = model.planar ? 2 : 8;
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (int i = 0; i < compass; ++i) {
+      const double angle = 2 * kPi / compass * i;
+      const Eigen::Vector2d c =
+          model.project(place.c + step * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const double value = model.value(c);
+      if (value > place.value * (1 + 1e-14)) {
+        place = {c, value};
+        moved = true;
+      }
+    }
+  }
+  return place;
+}
+
+/// To the top of the parabola through the values at distances `step` about a place: within the
+/// cone, or along its rim.
+Place jump_to_top(const DirectionModel& model, const Place& place, double step) {
+  const double radius = place.c.norm();
+  const bool at_rim = radius > model.half_angle - step;
+  if (at_rim && model.planar) return place;
+  const Eigen::Vector2d outward =
+      at_rim ? Eigen::Vector2d(place.c / radius) : Eigen::Vector2d(1, 0);
+  const Eigen::Vector2d across(-outward.y(), outward.x());
+  const auto value = [&](double a, double b) {
+    return model.value(model.project(place.c + step * (a * outward + b * across)));
+  };
+  // Gradient and Hessian in steps.
+  const auto slope = [](double minus, double plus) { return (plus - minus) / 2; };
+  const auto bend = [&](double minus, double plus) { return plus - 2 * place.value + minus; };
+  Eigen::Vector2d move = Eigen::Vector2d::Zero();
+  if (at_rim || model.planar) {
+    const double minus = at_rim ? value(0, -1) : value(-1, 0);
+    const double plus = at_rim ? value(0, 1) : value(1, 0);
+    if (!(bend(minus, plus) < 0)) return place;
+    move[at_rim ? 1 : 0] = -slope(minus, plus) / bend(minus, plus);
+  } else {
+    const double w = value(-1, 0), e = value(1, 0), s = value(0, -1), n = value(0, 1);
+    const double twist = (value(1, 1) - value(1, -1) - value(-1, 1) + value(-1, -1)) / 4;
+    Eigen::Matrix2d H;
+    H << bend(w, e), twist, twist, bend(s, n);
+    if (!(H(0, 0) < 0) || !(H.determinant() > 0)) return place;
+    move = -H.inverse() * Eigen::Vector2d(slope(w, e), slope(s, n));
+  }
+  if (!(move.norm() < 4)) return place;  // outside of what the parabola knows
+  const Eigen::Vector2d c = model.project(place.c + step * (move[0] * outward + move[1] * across));
+  const Place top{c, model.value(c)};
+  return top.value > place.value ? top : place;
+}
+
+/// A move on the sphere of directions, or along the cone's rim.
+struct Step {
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();  // rad, away from the cone's axis and around it
+  bool on_rim = false;
+};
+
+/// Newton's step towards the maximum of ln |y|^2 over the directions: on the sphere, or along the
+/// cone's rim where the maximum lies beyond it. Uphill where the function is not concave. Zero
+/// where there is nothing to climb.
+Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
+  Step step;
+  const double angle = c.norm(), alpha = model.half_angle;
+  const Vector3d d = model.direction(c);
+  Vector3d g;
+  Matrix3d H;
+  if (!model.log_derivatives(d, g, H)) return step;
+  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
+  const Vector3d outward = side[0] * model.u + side[1] * model.v;
+  const Vector3d away = std::cos(angle) * outward - std::sin(angle) * model.n;
+  const Vector3d around = side[0] * model.v - side[1] * model.u;
+  const double uphill = alpha / 12, longest = alpha / 4;
+  const Eigen::Vector2d slope(g.dot(away), g.dot(around));
+  step.on_rim = angle >= alpha * (1 - 1e-12) && slope[0] > 0;
+  if (step.on_rim && model.planar) return step;
+  if (step.on_rim) {
+    // A circle of radius sin(alpha) bends towards its axis.
+    const double bend = around.dot(H * around) - g.dot(outward) / std::sin(alpha);
+    step.along[1] = bend < 0 ? -slope[1] / bend : std::copysign(uphill, slope[1]);
+  } else {
+    // A great circle bends towards -d.
+    Eigen::Matrix2d bend;
+    bend << away.dot(H * away), away.dot(H * around), away.dot(H * around), around.dot(H * around);
+    bend.diagonal().array() -= g.dot(d);
+    if (model.planar) {
+      step.along[0] = bend(0, 0) < 0 ? -slope[0] / bend(0, 0) : std::copysign(uphill, slope[0]);
+    } else if (bend(0, 0) < 0 && bend.determinant() > 0) {
+      step.along = -bend.inverse() * slope;
+    } else if (slope.norm() > 0) {
+      step.along = slope * (uphill / slope.norm());
+    }
+  }
+  if (!step.along.allFinite()) step.along.setZero();
+  if (step.along.norm() > longest) step.along *= longest / step.along.norm();
+  return step;
+}
+
+/// The place at the end of a part of a step.
+Eigen::Vector2d gone(const DirectionModel& model, const Eigen::Vector2d& c, const Step& step,
+                     double part) {
+  const double angle = c.norm(), length = part * step.along.norm();
+  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
+  if (step.on_rim) {
+    const double turn = part * step.along[1] / std::sin(model.half_angle);
+    return model.project(Eigen::Rotation2Dd(turn) * c);
+  }
+  if (!(length > 0)) return c;
+  const Vector3d away =
+      std::cos(angle) * (side[0] * model.u + side[1] * model.v) - std::sin(angle) * model.n;
+  const Vector3d around = side[0] * model.v - side[1] * model.u;
+  const Vector3d heading = (step.along[0] * away + step.along[1] * around).normalized();
+  return model.coordinates(std::cos(length) * model.direction(c) + std::sin(length) * heading);
+}
+
+Place climb_by_newton(const DirectionModel& model, Place place) {
+  constexpr int kSteps = 50, kHalvings = 6;
+  constexpr double kNothing = 1e-10;  // rad: what is left changes the value by its square,
+  constexpr double kVisible = 1e-7;   // which drowns in rounding already here
+  for (int i = 0; i < kSteps; ++i) {
+    const Step step = newton_step(model, place.c);
+    bool rose = false;
+    double part = 1;
+    for (int halving = 0; halving < kHalvings && !rose; ++halving, part /= 2) {
+      const double length = part * step.along.norm();
+      if (length < (halving == 0 ? kNothing : kVisible)) return place;
+      const Eigen::Vector2d c = gone(model, place.c, step, part);
+      const Place trial{c, model.value(c)};
+      rose = trial.value > place.value;
+      if (rose) place = trial;
+    }
+    if (!rose) break;
+  }
+  return place;
+}
+
+/// The maximum that a place belongs to. The value is flat there: a step of 1e-8 rad leaves an error
+/// of about 1e-16.
+Place refine(const DirectionModel& model, Place place) {
+  const double alpha = model.half_angle;
+  if (!(alpha > 0)) return place;
+  if (model.is_linear()) {
+    // A round of the compass about the top: off a saddle, and on where |y| was zero.
+    constexpr int kRounds = 4;
+    for (int round = 0; round < kRounds; ++round) {
+      place = climb_by_newton(model, place);
+      const Place further = ascend(model, place, alpha / 36);
+      if (!(further.value > place.value)) return place;
+      place = further;
+    }
+    return climb_by_newton(model, place);
+  }
+  for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
+  for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
+  // Hardly anything is left to do; where the parabolas failed, everything.
+  for (const double step : {1e-5, 1e-7, 1e-9}) place = ascend(model, place, step);
+  return place;
+}
+
+/// The maxima over the cone, largest first.
+std::vector<Place> maxima(const DirectionModel& model) {
+  const std::vector<Place> places = scan(model);
+  const std::size_t most = model.turns.empty() ? 6 : 3;
+  // Places apart from each other, so that equal maxima are all found.
+  std::vector<Place> seeds;
+  while (seeds.size() < most) {
+    const Place* best = nullptr;
+    for (const Place& place : places) {
+      const auto near = [&](const Place& seed) {
+        return (seed.c - place.c).squaredNorm() <= std::pow(model.half_angle / 4, 2);
+      };
+      if (best != nullptr && !(place.value > best->value)) continue;
+      if (std::none_of(seeds.begin(), seeds.end(), near)) best = &place;
+    }
+    if (best == nullptr) break;
+    seeds.push_back(*best);
+  }
+  std::vector<Place> out;
+  for (const Place& seed : seeds) {
+    const Place found = refine(model, seed);
+    bool known = false;
+    for (Place& other : out) {
+      if ((other.c - found.c).norm() > 1e-3 * model.half_angle) continue;
+      known = true;
+      if (found.value > other.value) other = found;
+    }
+    if (!known) out.push_back(found);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Place& a, const Place& b) { return a.value > b.value; });
+  return out;
+}
+
+}  // namespace
+
+WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
+                     const Configuration& configuration) {
+  const DirectionModel model(problem, formulation, configuration);
+  const Place worst = maxima(model).front();
+  return {worst.value, model.direction(worst.c), model.is_complete()};
+}
+
+std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,
+                                     const Configuration& configuration) {
+  const DirectionModel model(problem, formulation, configuration);
+  std::vector<ConeMaximum> out;
+  for (const Place& place : maxima(model)) {
+    ConeMaximum maximum{formulation.predicted_scenario(), place.value};
+    maximum.scenario.direction =
+        (model.encounter.contact.R_EB * model.direction(place.c)).normalized();
+    out.push_back(maximum);
+  }
+  return out;
+}
+
+std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation& formulation,
+                               const Configuration& configuration,
+                               const std::vector<Scenario>& from) {
+  const DirectionModel model(problem, formulation, configuration);
+  const Matrix3d& R_EB = model.encounter.contact.R_EB;
+  std::vector<ConeMaximum> out;
+  for (const Scenario& scenario : from) {
+    const Eigen::Vector2d c = model.coordinates(R_EB.transpose() * scenario.direction);
+    const Place place = refine(model, {c, model.value(c)});
+    out.push_back({scenario, place.value});
+    out.back().scenario.direction = (R_EB * model.direction(place.c)).normalized();
+  }
+  return out;
+}
+
+double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
+                     const Configuration& configuration) {
+  const DirectionModel model(problem, formulation, configuration);
+  return model.value(Eigen::Vector2d::Zero());
+}
+
+std::map<std::string, double> objective_terms(const CaptureProblem& problem,
+                                              const Formulation& formulation,
+                                              const Configuration& configuration) {
+  std::map<std::string, double> out;
+  CaptureProblem one = problem;
+  const std::vector<UserTerm> none;  // those of the user are no quantities
+  for (ObjectiveTerm term : problem.objective) {
+    term.size = 1;
+    one.objective = {term};
+    DirectionModel model(one, formulation, configuration);
+    model.user_terms = &none;
+    out[to_string(term.quantity)] = model.value(Eigen::Vector2d::Zero());
+  }
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,253 @@
+#include "search/families.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/formulation/measures/robust.hpp>
+
+#include "search/solution_curve.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kZero = 1e-9;  ///< an objective that vanishes, over its typical size
+constexpr double kFlat =
+    1e-9;                      ///< worst cases that are the same, over the objective's typical size
+constexpr double kArc = 1e-8;  ///< to which a minimum is placed
+
+bool vanishes(const Formulation& formulation, const Eigen::VectorXd& x) {
+  nlp::Evaluation at_x;
+  formulation.evaluate_value(x, at_x);
+  return std::sqrt(2 * at_x.objective) <= kZero;
+}
+
+/// A curve with what is to be made small along it.
+class RatedCurve {
+ public:
+  RatedCurve(const CaptureProblem& problem, const Formulation& formulation, SolutionCurve curve)
+      : problem_(problem), formulation_(formulation), curve_(std::move(curve)) {
+    for (const CurvePoint& point : curve_.points) values_.push_back(value_at(point.x));
+  }
+
+  std::size_t size() const { return values_.size(); }
+
+  bool is_flat() const {
+    const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
+    return *most - *least <= kFlat * formulation_.objective_unit();
+  }
+
+  /// The point next to i on one side; i itself at the curve's end.
+  std::size_t neighbour(std::size_t i, int side) const {
+    const std::size_t n = size();
+    if (curve_.is_closed) return side > 0 ? (i + 1) % n : (i + n - 1) % n;
+    if (side > 0) return i + 1 < n ? i + 1 : i;
+    return i > 0 ? i - 1 : i;
+  }
+
+  /// The bottom at which a walk downhill from sample i ends.
+  std::size_t bottom_below(std::size_t i, const std::vector<std::size_t>& bottoms) const {
+    const auto is_bottom = [&bottoms](std::size_t k) {
+      return std::find(bottoms.begin(), bottoms.end(), k) != bottoms.end();
+    };
+    while (!is_bottom(i)) {
+      const std::size_t before = neighbour(i, -1), after = neighbour(i, 1);
+      // As in bottoms(): of equal neighbours the first one.
+      i = values_[after] < values_[before] && values_[after] < values_[i] ? after : before;
+    }
+    return i;
+  }
+
+  /// Samples that are lowest among their neighbours, of those that `counts` says.
+  std::vector<std::size_t> bottoms(const std::vector<bool>& counts) const {
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (!counts[i]) continue;
+      const std::size_t before = neighbour(i, -1), after = neighbour(i, 1);
+      // Of equal neighbours the first one.
+      const bool below_before = !counts[before] || before == i || values_[i] < values_[before];
+      const bool below_after = !counts[after] || after == i || values_[i] <= values_[after];
+      if (below_before && below_after) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// The minimum between the neighbours of a bottom: golden section, since a worst case has kinks.
+  Eigen::VectorXd minimum_at(std::size_t bottom) const {
+    constexpr double kGolden = 0.6180339887498949;
+    double low = arc_of(bottom, -1), high = arc_of(bottom, 1);
+    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    double at_a = value_on(a), at_b = value_on(b);
+    while (high - low > kArc) {
+      if (at_a <= at_b) {
+        high = b, b = a, at_b = at_a;
+        a = high - kGolden * (high - low), at_a = value_on(a);
+      } else {
+        low = a, a = b, at_a = at_b;
+        b = low + kGolden * (high - low), at_b = value_on(b);
+      }
+    }
+    const double arc = at_a <= at_b ? a : b;
+    const bool is_better = std::min(at_a, at_b) < values_[bottom];
+    return is_better ? point_on(arc) : curve_.points[bottom].x;
+  }
+
+  const Eigen::VectorXd& point(std::size_t i) const { return curve_.points[i].x; }
+
+  std::size_t nearest_sample(const Eigen::VectorXd& x) const {
+    const auto apart = [&](const CurvePoint& point) {
+      return formulation_.normalised(point.x - x).squaredNorm();
+    };
+    return static_cast<std::size_t>(std::min_element(curve_.points.begin(), curve_.points.end(),
+                                                     [&](const CurvePoint& a, const CurvePoint& b) {
+                                                       return apart(a) < apart(b);
+                                                     }) -
+                                    curve_.points.begin());
+  }
+
+  /// The middle sample of each stretch of a curve in which `counts` holds.
+  std::vector<std::size_t> middles(const std::vector<bool>& counts) const {
+    const std::size_t n = size();
+    const auto gap = std::find(counts.begin(), counts.end(), false);
+    if (gap == counts.end()) return {n / 2};
+    // From a gap on, so that no stretch of a closed curve is cut in two.
+    const std::size_t from = curve_.is_closed ? static_cast<std::size_t>(gap - counts.begin()) : 0;
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0, length = 0; k <= n; ++k) {
+      if (k < n && counts[(from + k) % n]) {
+        ++length;
+      } else if (length > 0) {
+        out.push_back((from + k - length + length / 2) % n);
+        length = 0;
+      }
+    }
+    return out;
+  }
+
+ private:
+  double value_at(const Eigen::VectorXd& x) const {
+    return worst_case(problem_, formulation_, formulation_.configuration(x)).value;
+  }
+  Eigen::VectorXd point_on(double arc) const {
+    const double length = curve_.length;
+    if (curve_.is_closed) arc -= length * std::floor(arc / length);
+    return point_at(formulation_, curve_, std::clamp(arc, 0.0, length));
+  }
+  double value_on(double arc) const { return value_at(point_on(arc)); }
+  /// Arc of a neighbour, beyond the ends of a closed curve where it is there.
+  double arc_of(std::size_t i, int side) const {
+    const double arc = curve_.points[neighbour(i, side)].arc, own = curve_.points[i].arc;
+    if (side < 0 && arc > own) return arc - curve_.length;
+    if (side > 0 && arc < own) return arc + curve_.length;
+    return arc;
+  }
+
+  const CaptureProblem& problem_;
+  const Formulation& formulation_;
+  SolutionCurve curve_;
+  std::vector<double> values_;
+};
+
+/// From end to end, at most kSpacing apart; of a closed curve the first one again at the end.
+std::vector<Configuration> points_along(const Formulation& formulation,
+                                        const SolutionCurve& curve) {
+  constexpr double kSpacing = 0.09;  // as the crow flies it is a little more than the arc says
+  std::vector<Configuration> out;
+  double last = 0;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const bool is_end = i + 1 == curve.points.size();
+    const double next = is_end ? curve.length : curve.points[i + 1].arc;
+    const bool is_needed = i == 0 || next - last > kSpacing || (is_end && !curve.is_closed);
+    if (!is_needed) continue;
+    last = curve.points[i].arc;
+    out.push_back(formulation.configuration(formulation.normalised(curve.points[i].x)));
+  }
+  if (curve.is_closed) out.push_back(out.front());
+  return out;
+}
+
+/// One curve's entries in the list of solutions.
+std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& formulation,
+                                  const std::vector<FamilyMember>& members,
+                                  const std::function<bool(const Configuration&)>& is_free,
+                                  const StopCondition& stop) {
+  const int family = members.front().family;
+  std::vector<FamilyMember> out;
+  std::vector<bool> free(curve.size(), true);
+  // A target that comes in is followed for every point: thousands of distances.
+  for (std::size_t i = 0; i < curve.size() && is_free && !stop.reached(); ++i) {
+    free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
+  }
+  if (curve.is_flat()) {
+    for (const std::size_t i : curve.middles(free)) {
+      out.push_back({formulation.normalised(curve.point(i)), 0, family});
+    }
+    if (out.empty()) out.push_back(members.front());
+    out.front().reached = 0;
+    for (const FamilyMember& member : members) out.front().reached += member.reached;
+    return out;
+  }
+  const std::vector<bool> all(curve.size(), true);
+  const std::vector<std::size_t> bottoms = curve.bottoms(all);
+  std::vector<int> reached(curve.size(), 0);
+  for (const FamilyMember& member : members) {
+    reached[curve.bottom_below(curve.nearest_sample(member.x), bottoms)] += member.reached;
+  }
+  for (const std::size_t i : bottoms) {
+    out.push_back({formulation.normalised(curve.minimum_at(i)), reached[i], family});
+  }
+  for (const std::size_t i : curve.bottoms(free)) {
+    if (std::find(bottoms.begin(), bottoms.end(), i) != bottoms.end()) continue;
+    out.push_back({formulation.normalised(curve.point(i)), 0, family});
+  }
+  return out;
+}
+
+}  // namespace
+
+Families follow_families(const CaptureProblem& problem, const Formulation& formulation,
+                         const std::vector<FamilyMember>& solutions,
+                         const std::function<bool(const Configuration&)>& is_free,
+                         const StopCondition& stop) {
+  Families out;
+  std::vector<SolutionCurve> curves;
+  std::vector<std::vector<FamilyMember>> members;
+  for (FamilyMember solution : solutions) {
+    solution.x = in_shortest_turns(formulation, solution.x);
+    if (vanishes(formulation, solution.x)) {
+      for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
+        if (place_on(formulation, curves[i], solution.x)) solution.family = static_cast<int>(i);
+      }
+      if (solution.family < 0 && !stop.reached()) {
+        if (auto curve = trace_curve(formulation, solution.x, stop)) {
+          solution.family = static_cast<int>(curves.size());
+          curves.push_back(std::move(*curve));
+          members.emplace_back();
+        }
+      }
+    }
+    if (solution.family < 0) {
+      out.solutions.push_back(solution);
+    } else {
+      members[static_cast<std::size_t>(solution.family)].push_back(solution);
+    }
+  }
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0,
+                          points_along(formulation, curves[i])};
+    for (const FamilyMember& member : members[i]) family.starts += member.reached;
+    out.families.push_back(family);
+    if (stop.reached()) {
+      out.solutions.insert(out.solutions.end(), members[i].begin(), members[i].end());
+      continue;
+    }
+    const RatedCurve rated(problem, formulation, std::move(curves[i]));
+    for (FamilyMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
+      out.solutions.push_back(std::move(best));
+    }
+  }
+  out.stopped = stop.reached();
+  return out;
+}
+
+}  // namespace stillbase

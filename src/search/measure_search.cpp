@@ -1,0 +1,164 @@
+#include "search/measure_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/core/constants.hpp>
+
+#include "formulation/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+struct Point {
+  Eigen::VectorXd x;
+  double value;
+};
+
+bool lower(const Point& a, const Point& b) { return a.value < b.value; }
+
+/// Sorted by value, without those that repeat a better one.
+std::vector<Point> distinct(const Formulation& formulation, std::vector<Point> points,
+                            double apart) {
+  std::stable_sort(points.begin(), points.end(), lower);
+  std::vector<Point> out;
+  for (Point& point : points) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Point& other) {
+      return formulation.distance(other.x, point.x) < apart;
+    });
+    if (!known) out.push_back(std::move(point));
+  }
+  return out;
+}
+
+bool is_near(const Formulation& formulation, const std::vector<Eigen::VectorXd>& points,
+             const Eigen::VectorXd& x, double distance) {
+  return std::any_of(points.begin(), points.end(), [&](const Eigen::VectorXd& other) {
+    return formulation.distance(other, x) < distance;
+  });
+}
+
+/// The postures in which three successive joints change branch: (a, b, c) and (a + pi, -b, c + pi)
+/// turn a wrist, an elbow or a shoulder with meeting axes the same way. Of other arms they are just
+/// other places to start from.
+std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
+                                            const Eigen::VectorXd& x) {
+  const Configuration here = formulation.configuration(x);
+  const auto half_turn = [](double angle) { return angle > 0 ? angle - kPi : angle + kPi; };
+  std::vector<Eigen::VectorXd> out;
+  for (Eigen::Index k = 0; k + 2 < here.phi.size(); ++k) {
+    Configuration other = here;
+    other.phi[k] = half_turn(here.phi[k]);
+    other.phi[k + 1] = -here.phi[k + 1];
+    other.phi[k + 2] = half_turn(here.phi[k + 2]);
+    out.push_back(
+        formulation.variables(other).cwiseMax(formulation.lower()).cwiseMin(formulation.upper()));
+  }
+  return out;
+}
+
+class MinimaFinder {
+ public:
+  MinimaFinder(const Formulation& formulation, const Measure& measure,
+               const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
+               MeasureMinima& out)
+      : formulation_(formulation),
+        measure_(measure),
+        optimizer_(optimizer),
+        solve_(solve),
+        out_(out) {}
+
+  /// A point nearer to a minimum; nothing when it leaves the constraints.
+  std::optional<Point> rough(const Eigen::VectorXd& start) {
+    return taken(measure_.minimize_roughly(optimizer_, solve_, start));
+  }
+  std::optional<Point> fine(const Eigen::VectorXd& start) {
+    return taken(measure_.finish(optimizer_, solve_, start));
+  }
+  bool stopped() {
+    out_.stopped = out_.stopped || solve_.stop.reached();
+    return out_.stopped;
+  }
+
+ private:
+  std::optional<Point> taken(const MeasureSolution& solution) {
+    out_.solver_calls += solution.solver_calls;
+    const ProjectionResult exact = project_onto_constraints(formulation_, solution.x, false, 8);
+    if (!(exact.violation <= solve_.feasibility_tolerance)) return std::nullopt;
+    const Eigen::VectorXd x = formulation_.normalised(exact.x);
+    const double value = measure_.value(x);
+    if (std::isnan(value)) return std::nullopt;  // simulations were given up
+    return Point{x, value};
+  }
+
+  const Formulation& formulation_;
+  const Measure& measure_;
+  const nlp::Optimizer& optimizer_;
+  const nlp::OptimizeOptions& solve_;
+  MeasureMinima& out_;
+};
+
+}  // namespace
+
+MeasureMinima measure_minima(const Formulation& formulation, const Measure& measure,
+                             const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
+                             const std::vector<Eigen::VectorXd>& starts,
+                             const MeasureSearchOptions& options) {
+  constexpr double kSameBasin = 0.02;  // rad: rough points this near end at the same minimum
+  constexpr double kPromising = 1.05;  // of the best |y|^2
+  constexpr double kWorthASolve = 1.5;
+  MeasureMinima out;
+  MinimaFinder finder(formulation, measure, optimizer, solve, out);
+
+  std::vector<Point> approached;
+  for (const Eigen::VectorXd& start : starts) {
+    if (finder.stopped()) break;
+    if (auto point = finder.rough(start)) approached.push_back(std::move(*point));
+  }
+  approached = distinct(formulation, std::move(approached), kSameBasin);
+
+  std::vector<Point> minima;
+  const auto keep = [&](Point point) {
+    out.points.push_back(point.x);
+    minima.push_back(std::move(point));
+    minima = distinct(formulation, std::move(minima), 1e-3);
+  };
+  const auto most = static_cast<std::size_t>(options.finished);
+  for (std::size_t i = 0; i < approached.size() && i < most && !finder.stopped(); ++i) {
+    if (auto point = finder.fine(approached[i].x)) keep(std::move(*point));
+  }
+  // Stopped before a minimum was reached: the best of what is known.
+  const bool is_ahead =
+      !approached.empty() && (minima.empty() || approached.front().value < minima.front().value);
+  if (finder.stopped() && is_ahead) keep(approached.front());
+  if (minima.empty()) return out;
+
+  // From the best on: the other branches of each good posture.
+  std::vector<Eigen::VectorXd> flipped;
+  int flips = 0;
+  for (std::size_t i = 0; i < minima.size() && flips < options.flips && !finder.stopped();) {
+    const Point from = minima[i];
+    if (from.value > kPromising * minima.front().value) break;
+    const bool done = is_near(formulation, flipped, from.x, kSameBasin);
+    if (done) {
+      ++i;
+      continue;
+    }
+    flipped.push_back(from.x);
+    for (const Eigen::VectorXd& other : other_branches(formulation, from.x)) {
+      const ProjectionResult start = project_onto_constraints(formulation, other, false, 15);
+      if (!(start.violation <= 1e-3)) continue;
+      if (!(measure.value(start.x) <= kWorthASolve * minima.front().value)) continue;
+      std::vector<Eigen::VectorXd> known;
+      for (const Point& point : minima) known.push_back(point.x);
+      if (is_near(formulation, known, start.x, 5 * kSameBasin)) continue;
+      ++flips;
+      if (auto point = finder.fine(start.x)) keep(std::move(*point));
+    }
+    i = 0;  // the order may have changed
+  }
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,411 @@
+#include <stillbase/search/search.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+
+#include "formulation/projection.hpp"
+#include "search/families.hpp"
+#include "search/measure_search.hpp"
+#include "search/screening.hpp"
+#include "search/solution.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr int kMoreDraws = 8;       ///< of a start point that the constraints refuse
+constexpr int kDrawn = 256;         ///< more postures for the measure, of which the best are kept:
+constexpr int kKept = 16;           ///< they count where few starts are asked for
+constexpr double kSameStart = 0.1;  ///< rad between two of them
+constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
+
+/// The measure's value; nominal value and worst case are known already, to the last bit. Not worked
+/// out, of samples: the nominal value.
+double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
+  switch (measure.kind()) {
+    case RiskMeasure::Nominal:
+      return nominal;
+    case RiskMeasure::WorstCase:
+      return worst;
+    default:
+      break;
+  }
+  const double value = measure.reported(x);
+  return std::isnan(value) ? nominal : value;
+}
+
+/// What the prediction alone would have chosen; see NominalOptimum. Empty when a limit came first.
+std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
+                                              const Formulation& formulation,
+                                              const Measure& measure,
+                                              const std::vector<Solution>& solutions) {
+  const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
+  double lowest = kInfinity;
+  for (const Solution& solution : solutions) lowest = std::min(lowest, size(solution));
+  constexpr double kEqual = 1e-8;  // of the objective's typical size
+  NominalOptimum best;
+  best.worst_case = kInfinity;
+  for (const Solution& solution : solutions) {
+    if (size(solution) > lowest + kEqual) continue;
+    const Configuration configuration = formulation.configuration(solution.x);
+    const double worst = measure.worst_at(solution.x).value;
+    const double measured = measure.value(solution.x);
+    if (!measure.knows(solution.x) || std::isnan(measured)) return std::nullopt;
+    if (worst >= best.worst_case) continue;
+    const double nominal = nominal_value(problem, formulation, configuration);
+    best = {configuration, nominal, worst, reported(measure, solution.x, nominal, worst)};
+  }
+  return best;
+}
+
+/// The solver that goes on where another one stopped short of a minimum: equations whose gradients
+/// nearly depend on each other stop sequential quadratic programming, an interior point seldom.
+constexpr const char* kRescuer = "ipopt";
+
+/// Whether what a solver leaves is meant to be a minimum.
+bool ends_at_minima(const nlp::OptimizerInfo& info) {
+  return info.uses_gradient && !info.global && info.name != "gradient-projection";
+}
+
+class Search {
+ public:
+  Search(const CaptureProblem& problem, const Formulation& formulation,
+         const SearchOptions& options)
+      : problem_(problem),
+        formulation_(formulation),
+        options_(options),
+        measure_(problem, formulation),
+        optimizer_(nlp::make_optimizer(options.optimizer)),
+        rescuer_(nlp::make_optimizer(kRescuer)),
+        isolated_(formulation.freedom() == 0),
+        simulates_(simulates_turn(problem)),
+        own_starts_(isolated_ ? 16 * options.starts : options.starts) {
+    if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
+    // A local solve needs about 40; creeping is cut off.
+    solve_.max_evaluations = simulates_ ? 200 : 1000;
+    solve_.stop = options.stop;
+    solve_.feasibility_tolerance = kFeasibilityTolerance;
+    solve_.optimality_tolerance = kOptimal;
+  }
+
+  SearchResult run() {
+    find_solutions();
+    if (out_.stopped && simulates_) keep_best_alone();
+    // A curve takes thousands of evaluations: not where each of them is a simulation.
+    if (!isolated_ && !simulates_) follow_curves();
+    out_.unseen = unseen();
+    if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
+    const bool feasible = nearest_.violation <= kFeasibilityTolerance;
+    if (feasible) {
+      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+      if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
+    }
+    out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
+    rank();
+    out_.stopped = out_.stopped || (simulates_ && options_.stop.reached());
+    out_.evaluations = formulation_.evaluations();
+    out_.status = out_.stopped ? PlanStatus::Limit
+                  : feasible   ? PlanStatus::Feasible
+                               : PlanStatus::Infeasible;
+    return std::move(out_);
+  }
+
+ private:
+  /// A start point on the constraints, or as near to them as a few draws come.
+  ProjectionResult posture_of(int start) const {
+    if (start >= own_starts_) {
+      return projected(options_.more_starts[static_cast<std::size_t>(start - own_starts_)]);
+    }
+    ProjectionResult best = projected(drawn(start));
+    // Many random postures lead nowhere: another one costs far less than a solve from there.
+    for (int again = 1; again <= kMoreDraws && !isolated_ && best.violation > kOnConstraints;
+         ++again) {
+      const ProjectionResult trial = projected(drawn(start + again * own_starts_));
+      if (trial.violation < best.violation) best = trial;
+    }
+    return best;
+  }
+  Eigen::VectorXd drawn(int index) const {
+    return formulation_.start_point(
+        low_discrepancy_point(index, formulation_.start_dimension(), options_.seed));
+  }
+  ProjectionResult projected(const Eigen::VectorXd& x) const {
+    return project_onto_constraints(formulation_, x, false, isolated_ ? 60 : 15);
+  }
+
+  Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0) {
+    const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve_);
+    ++out_.solver_calls[optimizer.info().name];
+    return polish(problem_, formulation_,
+                  judge(problem_, formulation_, formulation_.normalised(result.x)));
+  }
+
+  Solution local_minimum(const Eigen::VectorXd& x0) {
+    Solution found = solved(*optimizer_, x0);
+    if (rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
+        nlp::certify(formulation_, found.x).kkt_residual > kOptimal) {
+      const Solution further = solved(*rescuer_, found.x);
+      if (better(further, found)) found = further;
+    }
+    return found;
+  }
+
+  /// The nominal problem from every start.
+  ///
+  /// With as many equations as variables the solutions are isolated points and there is nothing to
+  /// minimise: Newton steps from many more starts find them, and cost less than one local solve.
+  void find_solutions() {
+    const int starts = own_starts_ + static_cast<int>(options_.more_starts.size());
+    for (int start = 0; start < starts; ++start) {
+      if (options_.stop.reached() && start > 0) {
+        out_.stopped = true;
+        return;
+      }
+      const ProjectionResult posture = posture_of(start);
+      if (posture.violation <= kOnConstraints) on_constraints_.push_back(posture.x);
+      solve_.seed = options_.seed + static_cast<std::uint64_t>(start);
+      Solution found = isolated_ && start >= options_.starts
+                           ? judge(problem_, formulation_, formulation_.normalised(posture.x))
+                           : local_minimum(posture.x);
+      found.x = formulation_.normalised(found.x);
+      ++out_.starts;
+      if (better(found, nearest_)) nearest_ = found;
+      if (found.violation <= kFeasibilityTolerance) keep_distinct(formulation_, found, solutions_);
+      if (options_.on_progress) options_.on_progress(start + 1, starts);
+    }
+  }
+
+  /// What is still to be said of a solution takes hundreds of simulations where the objective is
+  /// simulated: after a deadline or an interrupt what is known of the best one has to do. The best
+  /// by the measure, if that is known of any; else as predicted.
+  void keep_best_alone() {
+    const auto is_ahead = [this](const Solution& a, const Solution& b) {
+      const bool a_known = measure_.knows(a.x), b_known = measure_.knows(b.x);
+      if (a_known != b_known) return a_known;
+      return a_known ? rank_value(a) < rank_value(b) : better(a, b);
+    };
+    const auto best = std::min_element(solutions_.begin(), solutions_.end(), is_ahead);
+    if (best != solutions_.end()) solutions_ = {Solution(*best)};
+  }
+  /// By which candidates are ordered, of a point that the measure knows.
+  double rank_value(const Solution& solution) const {
+    return measure_.is_nominal() ? measure_.worst_at(solution.x).value : measure_.value(solution.x);
+  }
+
+  /// Where the solutions form curves: the best ones of each curve in place of those that the starts
+  /// happened to end at.
+  void follow_curves() {
+    std::vector<FamilyMember> members;
+    for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
+    Families found =
+        follow_families(problem_, formulation_, members, options_.is_free, options_.stop);
+    out_.families = std::move(found.families);
+    out_.stopped = out_.stopped || found.stopped;
+    if (out_.families.empty()) return;
+    solutions_.clear();
+    for (const FamilyMember& member : found.solutions) {
+      Solution solution = judge(problem_, formulation_, member.x);
+      solution.reached = member.reached;
+      solution.family = member.family;
+      if (!(solution.violation <= kFeasibilityTolerance)) continue;
+      keep_distinct(formulation_, solution, solutions_);
+      if (better(solution, nearest_)) nearest_ = solution;
+    }
+  }
+
+  /// Good and Turing's estimate: the share of the starts whose solution, or curve of solutions, no
+  /// other start reached.
+  double unseen() const {
+    int reached = 0, once = 0;
+    const auto count = [&](int starts) {
+      reached += starts;
+      once += starts == 1 ? 1 : 0;
+    };
+    for (const SolutionFamily& family : out_.families) count(family.starts);
+    for (const Solution& solution : solutions_) {
+      if (solution.family < 0) count(solution.reached);
+    }
+    return reached > 0 ? static_cast<double>(once) / reached : 1;
+  }
+
+  /// The local minima of the problem's measure, beside the solutions of the nominal problem.
+  void find_minima_of_measure() {
+    std::vector<Eigen::VectorXd> from = std::move(on_constraints_);
+    for (const Solution& solution : solutions_) from.push_back(solution.x);
+    for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
+    // A long list is asked for where much of it may touch something.
+    MeasureSearchOptions effort;
+    effort.finished = std::max(effort.finished, options_.max_candidates / 2);
+    const MeasureMinima found =
+        measure_minima(formulation_, measure_, *optimizer_, solve_, from, effort);
+    out_.solver_calls[options_.optimizer] += found.solver_calls;
+    out_.stopped = out_.stopped || found.stopped;
+    std::vector<Solution> minima;
+    for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
+    rescue_best(minima);
+    improve_prediction(minima);
+    // What the prediction alone would choose stays in the list: another choice when the minima
+    // of the measure touch something.
+    for (Solution& solution : solutions_) {
+      const double value = measure_.value(solution.x);
+      if (!std::isnan(value)) solution.objective = value;
+      if (!std::isnan(value) || minima.empty()) keep_distinct(formulation_, solution, minima);
+    }
+    solutions_ = std::move(minima);
+  }
+
+  /// With few starts a minimum of the measure can be better as predicted than what they found: the
+  /// nominal problem is solved from there as well.
+  void improve_prediction(const std::vector<Solution>& minima) {
+    constexpr int kTimes = 3;
+    constexpr double kClearly = 1e-7;  // of the objective's typical size
+    const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
+    bool is_better = false;
+    for (int time = 0; time < kTimes && !options_.stop.reached(); ++time) {
+      double lowest = kInfinity;
+      for (const Solution& solution : solutions_) lowest = std::min(lowest, size(solution));
+      Solution from;
+      for (const Solution& minimum : minima) {
+        const Solution predicted = judge(problem_, formulation_, minimum.x);
+        if (better(predicted, from)) from = predicted;
+      }
+      if (!(from.violation <= kFeasibilityTolerance && size(from) < lowest - kClearly)) break;
+      const Solution further = local_minimum(from.x);
+      keep_distinct(formulation_, better(further, from) ? further : from, solutions_);
+      is_better = true;
+    }
+    if (is_better) {
+      // There was no zero before: now there may be one, on a curve.
+      if (!simulates_ && out_.families.empty()) follow_curves();
+      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+    }
+  }
+
+  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
+    const double violation = largest_violation(problem_, formulation_, x);
+    if (!(violation <= kFeasibilityTolerance)) return;
+    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima);
+  }
+
+  /// Goes on from the best minima where the solver stopped short.
+  void rescue_best(std::vector<Solution>& minima) {
+    constexpr int kRescued = 2;
+    for (int i = 0; i < kRescued && rescuer_ && !minima.empty() && !options_.stop.reached(); ++i) {
+      const Eigen::VectorXd best =
+          std::min_element(minima.begin(), minima.end(), [](const Solution& a, const Solution& b) {
+            return better(a, b);
+          })->x;
+      if (measure_.certify(best).kkt_residual <= kOptimal) return;
+      nlp::OptimizeOptions briefly = solve_;
+      briefly.max_evaluations = 100;  // it is close; an iteration costs ten times one of SLSQP
+      const MeasureSolution further = measure_.finish(*rescuer_, briefly, best);
+      out_.solver_calls[kRescuer] += further.solver_calls;
+      const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
+      if (!(exact.violation <= kFeasibilityTolerance)) return;
+      const Eigen::VectorXd x = formulation_.normalised(exact.x);
+      if (!(measure_.value(x) < measure_.value(best))) return;
+      keep_minimum(x, minima);
+    }
+  }
+
+  /// Postures on the constraints that look best for the measure, out of many draws.
+  std::vector<Eigen::VectorXd> screened_starts() const {
+    const int first = own_starts_ * (1 + kMoreDraws);
+    std::vector<Eigen::VectorXd> postures;
+    for (int draw = first; draw < first + kDrawn && !options_.stop.reached(); ++draw) {
+      const ProjectionResult posture = projected(drawn(draw));
+      if (posture.violation <= kOnConstraints) postures.push_back(posture.x);
+    }
+    return best_by_screening(problem_, formulation_, postures, kKept, kSameStart);
+  }
+
+  /// Candidates by the measure (the nominal one: by their worst case), with certificates.
+  void rank() {
+    struct Ranked {
+      Candidate candidate;
+      WorstCase worst;
+      Eigen::VectorXd x;
+    };
+    if (simulates_) judge_all();
+    std::vector<Ranked> ranked;
+    for (const Solution& solution : solutions_) {
+      Candidate candidate;
+      const WorstCase worst = measure_.worst_at(solution.x);
+      candidate.configuration = formulation_.configuration(solution.x);
+      candidate.objective = nominal_value(problem_, formulation_, candidate.configuration);
+      candidate.worst_case = worst.value;
+      candidate.max_violation = solution.violation;
+      candidate.starts_reached = solution.reached;
+      candidate.family = solution.family;
+      candidate.value = reported(measure_, solution.x, candidate.objective, candidate.worst_case);
+      candidate.is_judged = measure_.knows(solution.x);
+      ranked.push_back({candidate, worst, solution.x});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(), [this](const Ranked& a, const Ranked& b) {
+      return measure_.is_nominal() ? a.candidate.worst_case < b.candidate.worst_case
+                                   : a.candidate.value < b.candidate.value;
+    });
+    if (static_cast<int>(ranked.size()) > options_.max_candidates) {
+      ranked.resize(static_cast<std::size_t>(options_.max_candidates));
+    }
+    for (const auto& [candidate, worst, x] : ranked) {
+      const nlp::Certificate kkt = measure_.certify(x);
+      Certificate certificate;
+      certificate.kkt_residual = kkt.kkt_residual;
+      certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
+      certificate.max_violation = candidate.max_violation;
+      certificate.starts = out_.starts;
+      certificate.distinct_solutions = out_.distinct_solutions;
+      certificate.unseen = out_.unseen;
+      out_.candidates.push_back(candidate);
+      out_.certificates.push_back(certificate);
+      out_.worst_cases.push_back(worst);
+      out_.points.push_back(x);
+    }
+  }
+
+  /// Worst cases and measures, for as long as there is time; then only what is known counts.
+  void judge_all() {
+    for (const Solution& solution : solutions_) {
+      if (options_.stop.reached()) break;
+      static_cast<void>(measure_.worst_at(solution.x));
+      static_cast<void>(measure_.value(solution.x));
+    }
+    if (options_.stop.reached()) keep_best_alone();
+  }
+
+  const CaptureProblem& problem_;
+  const Formulation& formulation_;
+  const SearchOptions& options_;
+  const Measure measure_;
+  std::unique_ptr<nlp::Optimizer> optimizer_, rescuer_;
+  nlp::OptimizeOptions solve_;
+  const bool isolated_;
+  const bool simulates_;
+  const int own_starts_;
+  std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
+  std::vector<Solution> solutions_;
+  Solution nearest_;  ///< the best of all that was found
+  SearchResult out_;
+};
+
+}  // namespace
+
+SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
+                    const SearchOptions& options) {
+  return Search(problem, formulation, options).run();
+}
+
+PlanStatus status_of(const Certificate& certificate) {
+  if (!(certificate.max_violation <= kFeasibilityTolerance)) return PlanStatus::Infeasible;
+  return certificate.kkt_residual <= kOptimal ? PlanStatus::Optimal : PlanStatus::Feasible;
+}
+
+}  // namespace stillbase

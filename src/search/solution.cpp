@@ -1,0 +1,99 @@
+#include "search/solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
+#include <stillbase/impact/summary.hpp>
+
+#include "formulation/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kSameConfiguration = 1e-5;
+
+/// Momenta that the problem's case wants to be zero, relative to |f| |r_gh| + |t|.
+double case_residual(const CaptureProblem& problem, const Formulation& formulation,
+                     const Eigen::VectorXd& x) {
+  const CaseConstraint wanted = problem.constraints.impact_case;
+  if (wanted == CaseConstraint::None) return 0;
+  const Configuration at = formulation.configuration(x);
+  const Encounter<double> encounter = encounter_at(formulation.encounter_model(), at);
+  const CaseJudgement found = summarize_impact(problem.robot, at.phi, problem.resistance,
+                                               encounter.F, encounter.closing_speed)
+                                  .judgement;
+  switch (wanted) {
+    case CaseConstraint::G2:
+      return found.base;
+    case CaseConstraint::G3:
+      return found.coupling;
+    case CaseConstraint::C2:
+      return std::max({found.total, found.base, found.coupling});
+    default:
+      return found.total;
+  }
+}
+
+}  // namespace
+
+double largest_violation(const CaptureProblem& problem, const Formulation& formulation,
+                         const Eigen::VectorXd& x) {
+  double worst = 0;
+  for (const ConstraintValue& value : formulation.report(x)) {
+    worst = std::max(worst, value.violation);
+  }
+  const double of_case = case_residual(problem, formulation, x);
+  return of_case <= kFeasibilityTolerance ? worst : std::max(worst, of_case);
+}
+
+Solution judge(const CaptureProblem& problem, const Formulation& formulation,
+               const Eigen::VectorXd& x) {
+  nlp::Evaluation at_x;
+  formulation.evaluate_value(x, at_x);
+  if (std::isnan(at_x.objective)) {  // simulations were given up: this one is still needed
+    const double size = nominal_value(problem, formulation, formulation.configuration(x)) /
+                        formulation.objective_unit();
+    at_x.objective = size * size / 2;
+  }
+  return {x, at_x.objective, largest_violation(problem, formulation, x)};
+}
+
+bool better(const Solution& a, const Solution& b) {
+  const bool fa = a.violation <= kFeasibilityTolerance, fb = b.violation <= kFeasibilityTolerance;
+  if (fa != fb) return fa;
+  return fa ? a.objective < b.objective : a.violation < b.violation;
+}
+
+Solution polish(const CaptureProblem& problem, const Formulation& formulation,
+                const Solution& found) {
+  Solution best = found;
+  const auto consider = [&](const ProjectionResult& moved) {
+    if (moved.x == best.x) return;
+    const Solution trial = judge(problem, formulation, moved.x);
+    if (better(trial, best) && formulation.distance(trial.x, found.x) < 0.1) best = trial;
+  };
+  consider(project_onto_constraints(formulation, best.x, false, 8));
+  if (best.objective < 1e-6 && best.objective > 0) {
+    consider(project_onto_constraints(formulation, best.x, true, 20));
+  }
+  return best;
+}
+
+void keep_distinct(const Formulation& formulation, const Solution& found,
+                   std::vector<Solution>& solutions) {
+  for (Solution& known : solutions) {
+    if (formulation.distance(known.x, found.x) > kSameConfiguration) continue;
+    const int reached = known.reached + found.reached;
+    const int family = std::max(known.family, found.family);
+    if (better(found, known)) known = found;
+    known.reached = reached;
+    known.family = family;
+    return;
+  }
+  solutions.push_back(found);
+}
+
+}  // namespace stillbase

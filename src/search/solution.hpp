@@ -1,0 +1,41 @@
+// A point that a search ended at: judged by our own evaluation, made exact, told apart from others.
+#pragma once
+
+#include <vector>
+
+#include <stillbase/formulation/formulation.hpp>
+
+namespace stillbase {
+
+inline constexpr double kOptimal = 1e-6;  ///< largest KKT residual of an optimal plan
+
+struct Solution {
+  Eigen::VectorXd x;
+  double objective = kInfinity;  ///< nominal, or the measure's; 1/2 |y|^2 in objective units
+  double violation = kInfinity;
+  int reached = 1;
+  int family = -1;  ///< the curve that it is on
+};
+
+/// Largest violation of the constraints and, where it is not met though its rows are, of the case:
+/// rows along two columns of a coupling matrix of rank 2 say little of it where the two are nearly
+/// parallel.
+double largest_violation(const CaptureProblem& problem, const Formulation& formulation,
+                         const Eigen::VectorXd& x);
+
+/// Objective as predicted, which takes a simulation even where others were given up, and violation.
+Solution judge(const CaptureProblem& problem, const Formulation& formulation,
+               const Eigen::VectorXd& x);
+
+/// The better of two points: feasible before infeasible, then the lower objective.
+bool better(const Solution& a, const Solution& b);
+
+/// What a local solver leaves is close; Newton steps make constraints exact and zeros exact.
+Solution polish(const CaptureProblem& problem, const Formulation& formulation,
+                const Solution& found);
+
+/// Adds a solution, or a start to the one that it repeats.
+void keep_distinct(const Formulation& formulation, const Solution& found,
+                   std::vector<Solution>& solutions);
+
+}  // namespace stillbase

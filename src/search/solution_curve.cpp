@@ -1,0 +1,213 @@
+#include "search/solution_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stillbase/core/linear_algebra.hpp>
+
+#include "formulation/equations.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr double kLongestStep = 0.05;
+constexpr double kShortestStep = 1e-6;
+constexpr int kMostPoints = 4000;    ///< of one direction: 200 rad
+constexpr double kExact = 1e-12;     ///< largest residual of a point, typical sizes
+constexpr double kOffTangent = 0.2;  ///< of a step, what Newton's method may move it sideways
+constexpr double kTurn = 0.97;       ///< least cosine between neighbouring tangents
+constexpr double kSamePoint = 1e-6;
+constexpr double kInside = 1e-12;  ///< an inequality that is met with equality
+
+/// Newton's method within the plane through `x` normal to `normal`; empty: it did not converge.
+std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eigen::VectorXd& x,
+                                       const Eigen::VectorXd& normal) {
+  constexpr int kIterations = 8;
+  Eigen::VectorXd at = x, r;
+  Eigen::MatrixXd J;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    evaluate_equations(formulation, at, true, r, J);
+    if (!r.allFinite()) return std::nullopt;
+    if (r.cwiseAbs().maxCoeff() <= kExact) return at;
+    Eigen::MatrixXd A(J.rows() + 1, J.cols());
+    A << J, normal.transpose();
+    Eigen::VectorXd b(r.size() + 1);
+    b << r, normal.dot(at - x);
+    at -= least_norm_solution(A, b, 1e-9);  // rows of a planar robot may vanish identically
+  }
+  evaluate_equations(formulation, at, true, r, J);
+  return r.cwiseAbs().maxCoeff() <= kExact ? std::optional(at) : std::nullopt;
+}
+
+/// Whether a turn of the base is its shortest: beyond half a turn other variables say the same.
+bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x) {
+  return (in_shortest_turns(formulation, x) - x).isZero(0);
+}
+
+bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x) {
+  if (!is_shortest(formulation, x)) return false;
+  if (((formulation.lower() - x).array() > kInside).any()) return false;
+  if (((x - formulation.upper()).array() > kInside).any()) return false;
+  nlp::Evaluation at_x;
+  formulation.evaluate_value(x, at_x);
+  const Eigen::VectorXd lower = formulation.constraint_lower();
+  const Eigen::VectorXd upper = formulation.constraint_upper();
+  const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);
+  for (Eigen::Index i = 0; i < violation.size(); ++i) {
+    if (lower[i] != upper[i] && std::abs(violation[i]) > kInside) return false;
+  }
+  return true;
+}
+
+/// The one open direction at x, in the sense of `like`.
+std::optional<Eigen::VectorXd> tangent_at(const Formulation& formulation, const Eigen::VectorXd& x,
+                                          const Eigen::VectorXd& like) {
+  const Eigen::MatrixXd open = open_directions(formulation, x, true);
+  if (open.cols() != 1) return std::nullopt;
+  const Eigen::VectorXd t = open.col(0);
+  return t.dot(like) < 0 ? Eigen::VectorXd(-t) : t;
+}
+
+/// A step of length h from a point of the curve; empty: too long for the curve's bend.
+std::optional<CurvePoint> stepped(const Formulation& formulation, const CurvePoint& from,
+                                  double h) {
+  const Eigen::VectorXd ahead = from.x + h * from.tangent;
+  const auto x = correct(formulation, ahead, from.tangent);
+  if (!x || (*x - ahead).norm() > kOffTangent * h) return std::nullopt;
+  const auto tangent = tangent_at(formulation, *x, from.tangent);
+  if (!tangent || tangent->dot(from.tangent) < kTurn) return std::nullopt;
+  return CurvePoint{*x, *tangent, from.arc + h};
+}
+
+/// Step along the tangent of `from` at which the curve passes through x, at most `longest`.
+std::optional<double> step_to(const Formulation& formulation, const CurvePoint& from,
+                              const Eigen::VectorXd& x, double longest) {
+  const Eigen::VectorXd d = formulation.normalised(x - from.x);
+  const double h = from.tangent.dot(d);
+  if (h < -kSamePoint || h > longest + kSamePoint) return std::nullopt;
+  if ((d - h * from.tangent).norm() > kOffTangent * h + kSamePoint) return std::nullopt;
+  const auto there = correct(formulation, from.x + h * from.tangent, from.tangent);
+  if (!there || formulation.normalised(*there - x).norm() > kSamePoint) return std::nullopt;
+  return h;
+}
+
+/// The last point before a limit that lies within one step.
+CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, double h) {
+  CurvePoint last = from;
+  double inside = 0, outside = h;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = (inside + outside) / 2;
+    const auto trial = stepped(formulation, from, middle);
+    if (trial && is_inside(formulation, trial->x)) {
+      inside = middle;
+      last = *trial;
+    } else {
+      outside = middle;
+    }
+  }
+  return last;
+}
+
+/// Points after `start` in the sense of its tangent.
+struct Walk {
+  std::vector<CurvePoint> points;
+  std::optional<double> closing_step;  ///< from the last one back to `start`
+  bool is_complete = false;
+};
+
+Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCondition& stop) {
+  Walk out;
+  CurvePoint at = start;
+  double h = kLongestStep;
+  while (static_cast<int>(out.points.size()) < kMostPoints && !stop.reached()) {
+    const auto next = stepped(formulation, at, h);
+    if (!next) {
+      h /= 2;
+      if (h < kShortestStep) return out;
+      continue;
+    }
+    if (at.arc > 10 * kSamePoint && at.tangent.dot(start.tangent) > 0) {
+      if (const auto closing = step_to(formulation, at, start.x, h)) {
+        out.closing_step = std::max(*closing, 0.0);
+        out.is_complete = true;
+        return out;
+      }
+    }
+    if (!is_inside(formulation, next->x)) {
+      const CurvePoint last = last_inside(formulation, at, h);
+      if (last.arc > at.arc) out.points.push_back(last);
+      const auto beyond = stepped(formulation, last, kShortestStep);
+      out.is_complete = is_shortest(formulation, beyond ? beyond->x : next->x);
+      return out;
+    }
+    out.points.push_back(*next);
+    at = *next;
+    h = std::min(1.5 * h, kLongestStep);
+  }
+  return out;
+}
+
+}  // namespace
+
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x) {
+  constexpr double kOther = 1;  // rad: far more than rounding, less than between the two
+  const Eigen::VectorXd again = formulation.variables(formulation.configuration(x));
+  return (again - x).norm() > kOther ? again : x;
+}
+
+std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
+                                         const StopCondition& stop) {
+  const auto tangent = tangent_at(formulation, x, Eigen::VectorXd::Ones(x.size()));
+  if (!tangent) return std::nullopt;
+  const CurvePoint start{x, *tangent, 0};
+  SolutionCurve curve;
+  const Walk ahead = walk(formulation, start, stop);
+  if (ahead.closing_step) {
+    curve.points.push_back(start);
+    curve.points.insert(curve.points.end(), ahead.points.begin(), ahead.points.end());
+    curve.is_closed = true;
+    curve.is_complete = true;
+    curve.length = curve.points.back().arc + *ahead.closing_step;
+    return curve;
+  }
+  const Walk back = walk(formulation, {x, -*tangent, 0}, stop);
+  const double before = back.points.empty() ? 0 : back.points.back().arc;
+  for (auto point = back.points.rbegin(); point != back.points.rend(); ++point) {
+    curve.points.push_back({point->x, -point->tangent, before - point->arc});
+  }
+  curve.points.push_back({x, *tangent, before});
+  for (const CurvePoint& point : ahead.points) {
+    curve.points.push_back({point.x, point.tangent, before + point.arc});
+  }
+  curve.is_complete = ahead.is_complete && back.is_complete;
+  // The way back was measured along the tangents at the other ends of its steps.
+  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+    const CurvePoint& last = curve.points[i - 1];
+    curve.points[i].arc = last.arc + last.tangent.dot(curve.points[i].x - last.x);
+  }
+  curve.length = curve.points.back().arc;
+  return curve;
+}
+
+std::optional<double> place_on(const Formulation& formulation, const SolutionCurve& curve,
+                               const Eigen::VectorXd& x) {
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const bool is_last = i + 1 == curve.points.size();
+    const double next = is_last ? curve.length : curve.points[i + 1].arc;
+    if (const auto h = step_to(formulation, curve.points[i], x, next - curve.points[i].arc)) {
+      return std::clamp(curve.points[i].arc + *h, 0.0, curve.length);
+    }
+  }
+  return std::nullopt;
+}
+
+Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc) {
+  const auto after =
+      std::upper_bound(curve.points.begin(), curve.points.end(), arc,
+                       [](double value, const CurvePoint& point) { return value < point.arc; });
+  const CurvePoint& from = after == curve.points.begin() ? *after : *(after - 1);
+  const auto x = correct(formulation, from.x + (arc - from.arc) * from.tangent, from.tangent);
+  return x ? *x : from.x;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,50 @@
+// Curves of solutions: where the equations and the zeros of the objective leave one direction open.
+//
+// Followed by predictor and corrector: a step along the tangent, then Newton's method within the
+// plane normal to it (Keller's pseudo-arclength continuation; Allgower and Georg, Introduction to
+// Numerical Continuation Methods, SIAM 2003).
+//
+// Assumptions: the curve is smooth and keeps away from points where a second direction opens; a
+// trace ends there and is marked as not complete, as where a base that may turn all the way is half
+// a turn away from its stated attitude: beyond it the variables are others. Lengths mix rad, m and
+// s as the variables do.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/formulation/formulation.hpp>
+
+namespace stillbase {
+
+struct CurvePoint {
+  Eigen::VectorXd x;        ///< continuous angles go on beyond a turn
+  Eigen::VectorXd tangent;  ///< unit, all in the sense of the points' order
+  double arc = 0;           ///< sum of the steps before it
+};
+
+struct SolutionCurve {
+  std::vector<CurvePoint> points;  ///< at most 0.05 apart
+  bool is_closed = false;          ///< the first point follows the last one
+  bool is_complete = false;        ///< closed, or followed to limits at both ends
+  double length = 0;               ///< with the step back to the first point when closed
+};
+
+/// The same configuration with every turn of the base by half a turn at most.
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x);
+
+/// The curve through x, in both directions, until it closes or meets a bound or an inequality.
+/// @param x solution of the equations with vanishing objective, in shortest turns
+/// @return empty unless exactly one direction is open at x
+std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
+                                         const StopCondition& stop);
+
+/// Where a solution is on a curve, as a value of `arc`; empty: it is not on it.
+std::optional<double> place_on(const Formulation& formulation, const SolutionCurve& curve,
+                               const Eigen::VectorXd& x);
+
+/// The solution at a value of `arc` in [0, length].
+Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc);
+
+}  // namespace stillbase

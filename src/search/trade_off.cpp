@@ -1,0 +1,341 @@
+#include <stillbase/search/trade_off.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/random.hpp>
+#include <stillbase/formulation/measures/robust.hpp>
+#include <stillbase/nlp/certificate.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/search/search.hpp>
+
+#include "formulation/projection.hpp"
+
+namespace stillbase {
+
+namespace {
+
+constexpr std::size_t kStartsOfAKind = 6;
+constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
+/// What counts as having the least of a quantity: so near to it, relative to that value, and, as
+/// the square of a quantity has no gradient at zero that could hold it there, relative to its value
+/// at the other end.
+constexpr double kNearLeast = 1e-6, kNearZero = 1e-5;
+/// What that is worth in the other quantity.
+constexpr double kSame = 1e-4;
+
+CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
+  ObjectiveTerm alone{quantity};
+  for (const ObjectiveTerm& stated : problem.objective) {
+    if (stated.quantity == quantity) alone.after = stated.after;
+  }
+  problem.objective = {alone};
+  problem.measure = {};
+  return problem;
+}
+
+/// Least second quantity while the first is at most `level`, > 0.
+class LimitedProgram final : public nlp::Problem {
+ public:
+  LimitedProgram(const Formulation& first, const Formulation& second, double level)
+      : first_(first),
+        second_(second),
+        limit_(std::pow(level / first.objective_unit(), 2) / 2),
+        m_(second.num_constraints()) {}
+
+  int num_variables() const override { return second_.num_variables(); }
+  int num_constraints() const override { return m_ + 1; }
+  Eigen::VectorXd lower() const override { return second_.lower(); }
+  Eigen::VectorXd upper() const override { return second_.upper(); }
+  Eigen::VectorXd constraint_lower() const override {
+    return joined(second_.constraint_lower(), -nlp::kInfinity);
+  }
+  Eigen::VectorXd constraint_upper() const override {
+    return joined(second_.constraint_upper(), 1);
+  }
+  void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    second_.evaluate(x, out);
+    first_.evaluate(x, first_here_);
+    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+    out.jacobian.conservativeResize(m_ + 1, x.size());
+    out.jacobian.row(m_) = first_here_.gradient.transpose() / limit_;
+  }
+  void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
+    second_.evaluate_value(x, out);
+    first_.evaluate_value(x, first_here_);
+    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+  }
+  bool has_hessian() const override { return first_.has_hessian() && second_.has_hessian(); }
+  void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
+                          const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(first_.num_constraints());
+    Eigen::MatrixXd of_first;
+    first_.lagrangian_hessian(x, multipliers[m_] / limit_, none, of_first);
+    second_.lagrangian_hessian(x, sigma, multipliers.head(m_), out);
+    out += of_first;
+  }
+
+ private:
+  static Eigen::VectorXd joined(const Eigen::VectorXd& a, double b) {
+    Eigen::VectorXd out(a.size() + 1);
+    out << a, b;
+    return out;
+  }
+
+  const Formulation& first_;
+  const Formulation& second_;
+  double limit_;
+  int m_;
+  mutable nlp::Evaluation first_here_;
+};
+
+/// What is asked, and what every part of the search needs.
+class FrontSearch {
+ public:
+  FrontSearch(const CaptureProblem& problem, ObjectiveQuantity first, ObjectiveQuantity second,
+              const TradeOffOptions& options, TradeOff& out)
+      : first_problem_(with_objective(problem, first)),
+        second_problem_(with_objective(problem, second)),
+        first_(first_problem_),
+        second_(second_problem_),
+        options_(options),
+        out_(out),
+        optimizer_(nlp::make_optimizer(options.optimizer)) {
+    if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    first_.give_up_simulations_at(options.stop);
+    second_.give_up_simulations_at(options.stop);
+    solve_.max_evaluations = 1000;
+    solve_.stop = options.stop;
+    solve_.feasibility_tolerance = kFeasibilityTolerance;
+    solve_.optimality_tolerance = 1e-6;
+  }
+
+  void run() {
+    // The extremes, and the other good postures on the way to them as starts.
+    for (const auto& [problem, formulation] :
+         {std::pair(&first_problem_, &first_), std::pair(&second_problem_, &second_)}) {
+      if (!points_.empty() && stopped()) break;
+      SearchOptions search_options;
+      search_options.optimizer = options_.optimizer;
+      search_options.starts = options_.starts;
+      search_options.seed = options_.seed;
+      search_options.stop = options_.stop;
+      const SearchResult found = search(*problem, *formulation, search_options);
+      for (const auto& [name, calls] : found.solver_calls) out_.solver_calls[name] += calls;
+      out_.stopped = out_.stopped || found.stopped;
+      for (std::size_t i = 0; i < found.points.size(); ++i) {
+        // What a quantity is worth may take a simulation each time.
+        if (!points_.empty() && stopped()) break;
+        if (found.candidates[i].max_violation <= kFeasibilityTolerance) add(found.points[i]);
+      }
+    }
+    // A front may jump from one family of postures to another: starts from everywhere.
+    for (int draw = 0; draw < kDrawn * options_.starts && !stopped(); ++draw) {
+      const Eigen::VectorXd x0 = second_.start_point(
+          low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
+      const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
+      if (projected.violation <= kFeasibilityTolerance) add(second_.normalised(projected.x));
+    }
+    if (points_.empty()) return;
+    improve_ends();
+    // Upwards from the least first quantity, then downwards: each level starts from what its
+    // neighbours found.
+    const double lowest = least(&Point::first);
+    const double highest = end(&Point::second, &Point::first).first;
+    const int total = 2 * options_.levels;
+    for (int step = 0; step < total && !stopped(); ++step) {
+      const int k = step < options_.levels ? step : total - 1 - step;
+      // Denser where the first quantity is small: there the second one falls fastest.
+      const double part = std::pow(static_cast<double>(k) / (options_.levels - 1), 3);
+      const double level = lowest + (highest - lowest) * part;
+      improve(std::max(level, end_level(&Point::first, &Point::second)));
+      if (options_.on_progress) options_.on_progress(step + 1, total);
+    }
+  }
+
+  /// Those that no other one beats, with certificates.
+  std::vector<TradeOffPoint> front() {
+    std::vector<TradeOffPoint> out;
+    if (points_.empty()) return {};
+    const Point& start = end(&Point::first, &Point::second);
+    const Point& last = end(&Point::second, &Point::first);
+    const double same = 1e-6 * (last.first - start.first);
+    std::vector<Point> best{start};
+    // The best at each level. Between levels nothing was solved for: there a point may look good
+    // only because no other one is near.
+    std::sort(levels_.begin(), levels_.end());
+    for (const double level : levels_) {
+      const Point* least = nullptr;
+      for (const Point& point : points_) {
+        const bool keeps = point.first <= level * (1 + kNearLeast);
+        if (keeps && (least == nullptr || point.second < least->second)) least = &point;
+      }
+      if (least != nullptr && least->second < best.back().second * (1 - 1e-9) &&
+          least->first > best.back().first + same && least->first < last.first - same) {
+        best.push_back(*least);
+      }
+    }
+    if (last.first > start.first && last.second < best.back().second * (1 - 1e-9)) {
+      best.push_back(last);
+    }
+    for (const Point& point : best) {
+      TradeOffPoint entry;
+      entry.configuration = first_.configuration(point.x);
+      entry.first = point.first;
+      entry.second = point.second;
+      for (const ConstraintValue& value : first_.report(point.x)) {
+        entry.max_violation = std::max(entry.max_violation, value.violation);
+      }
+      const double level = std::max(point.first, 1e-12 * first_.objective_unit());
+      entry.kkt_residual =
+          nlp::certify(LimitedProgram(first_, second_, level), point.x).kkt_residual;
+      out.push_back(entry);
+    }
+    return out;
+  }
+
+ private:
+  struct Point {
+    Eigen::VectorXd x;
+    double first, second;
+  };
+
+  bool stopped() {
+    out_.stopped = out_.stopped || options_.stop.reached();
+    return out_.stopped;
+  }
+
+  void add(const Eigen::VectorXd& x) {
+    const Configuration at = first_.configuration(x);
+    points_.push_back({x, nominal_value(first_problem_, first_, at),
+                       nominal_value(second_problem_, second_, at)});
+  }
+
+  using Quantity = double Point::*;
+
+  /// An end of the front: of all points that have the least of a quantity the one with the least of
+  /// another, and of those that are as good as it the one that has really the least.
+  const Point& end(Quantity held, Quantity lowered) const {
+    const double level = end_level(held, lowered);
+    double best = kInfinity;
+    for (const Point& point : points_) {
+      if (point.*held <= level) best = std::min(best, point.*lowered);
+    }
+    const Point* out = nullptr;
+    for (const Point& point : points_) {
+      const bool is_best = point.*held <= level && point.*lowered <= best * (1 + kSame);
+      if (is_best && (out == nullptr || point.*held < out->*held)) out = &point;
+    }
+    return *out;
+  }
+
+  double least(Quantity quantity) const {
+    double out = kInfinity;
+    for (const Point& point : points_) out = std::min(out, point.*quantity);
+    return out;
+  }
+
+  double end_level(Quantity held, Quantity lowered) const {
+    double at_other_end = 0;
+    const double lowest = least(held), least_other = least(lowered);
+    for (const Point& point : points_) {
+      if (point.*lowered == least_other) at_other_end = point.*held;
+    }
+    return std::max(lowest * (1 + kNearLeast), kNearZero * at_other_end);
+  }
+
+  /// Least second quantity with the first at most at the level.
+  void improve(double level) {
+    if (level > 0) {
+      levels_.push_back(level);
+      solve(&Point::first, level, &Point::second, LimitedProgram(first_, second_, level));
+    }
+  }
+
+  /// Many configurations may have the least of a quantity, and the search for it ends at any.
+  void improve_ends() {
+    improve_end(&Point::first, &Point::second, first_, second_);
+    improve_end(&Point::second, &Point::first, second_, first_);
+  }
+
+  void improve_end(Quantity held, Quantity lowered, const Formulation& of_held,
+                   const Formulation& of_lowered) {
+    // Half of what counts: a solver is not exact.
+    const double level = (least(held) + end_level(held, lowered)) / 2;
+    if (!(level > 0)) return;
+    const std::size_t before = points_.size();
+    solve(held, level, lowered, LimitedProgram(of_held, of_lowered, level));
+    // From there to what has really the least.
+    const std::size_t found = points_.size();
+    for (std::size_t i = before; i < found && !stopped(); ++i) {
+      const Eigen::VectorXd start = points_[i].x;
+      add_solution(optimizer_->minimize(of_held, start, solve_));
+    }
+  }
+
+  void solve(Quantity held, double level, Quantity lowered, const LimitedProgram& program) {
+    // The best of those that keep the level, and the nearest of those that are better but do not.
+    std::vector<Point> kept, beyond;
+    double best = kInfinity;
+    for (const Point& point : points_) {
+      if (point.*held > level) continue;
+      kept.push_back(point);
+      best = std::min(best, point.*lowered);
+    }
+    for (const Point& point : points_) {
+      if (point.*held > level && point.*lowered < best) beyond.push_back(point);
+    }
+    std::stable_sort(kept.begin(), kept.end(),
+                     [&](const Point& a, const Point& b) { return a.*lowered < b.*lowered; });
+    std::stable_sort(beyond.begin(), beyond.end(),
+                     [&](const Point& a, const Point& b) { return a.*held < b.*held; });
+    std::vector<Eigen::VectorXd> starts;
+    for (const std::vector<Point>& points : {kept, beyond}) {
+      const std::size_t most = starts.size() + kStartsOfAKind;
+      for (const Point& point : points) {
+        const bool known = std::any_of(starts.begin(), starts.end(), [&](const auto& other) {
+          return first_.distance(other, point.x) < 0.05;
+        });
+        if (!known) starts.push_back(point.x);
+        if (starts.size() >= most) break;
+      }
+    }
+    for (const Eigen::VectorXd& start : starts) {
+      if (stopped()) return;
+      add_solution(optimizer_->minimize(program, start, solve_));
+    }
+  }
+
+  void add_solution(const nlp::OptimizeResult& found) {
+    ++out_.solver_calls[options_.optimizer];
+    const ProjectionResult exact =
+        project_onto_constraints(second_, second_.normalised(found.x), false, 8);
+    if (exact.violation <= kFeasibilityTolerance) add(exact.x);
+  }
+
+  CaptureProblem first_problem_, second_problem_;
+  Formulation first_, second_;
+  const TradeOffOptions& options_;
+  TradeOff& out_;
+  std::unique_ptr<nlp::Optimizer> optimizer_;
+  nlp::OptimizeOptions solve_;
+  std::vector<Point> points_;
+  std::vector<double> levels_;  ///< of the first quantity, that were solved at
+};
+
+}  // namespace
+
+TradeOff trade_off(const CaptureProblem& problem, ObjectiveQuantity first, ObjectiveQuantity second,
+                   const TradeOffOptions& options) {
+  if (first == second) throw std::invalid_argument("a trade-off needs two quantities");
+  if (options.levels < 2) throw std::invalid_argument("a trade-off needs two levels at least");
+  TradeOff out{first, second, {}, false, {}};
+  FrontSearch search(problem, first, second, options, out);
+  search.run();
+  out.points = search.front();
+  return out;
+}
+
+}  // namespace stillbase

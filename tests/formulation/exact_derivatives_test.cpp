@@ -1,0 +1,178 @@
+#include <catch2/catch.hpp>
+
+#include "formulation/constraints/rows_kernel.hpp"
+#include "support/autodiff_kernel.hpp"
+#include "support/capture_problems.hpp"
+
+namespace stillbase {
+namespace {
+
+VectorX<Dual> independent_variables(const Eigen::VectorXd& x) {
+  VectorX<Dual> out(x.size());
+  for (int k = 0; k < x.size(); ++k) out[k] = Dual(x[k], static_cast<int>(x.size()), k);
+  return out;
+}
+
+Eigen::VectorXd derivatives(const Dual& y, Eigen::Index size) {
+  return y.derivatives().size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(size))
+                                     : Eigen::VectorXd(y.derivatives());
+}
+
+double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff());
+}
+
+/// A box or capsule, at random, on base and target, alternating ones on the bodies.
+void add_shapes(Random& random, CaptureProblem& problem) {
+  const auto pose = [&random] {
+    const Vector3d position = 0.3 * random.unit_vector();
+    return Pose{position, rotation_exp(random.unit_vector())};
+  };
+  problem.robot.shapes = {{kBase, "base", pose(), Box{{0.8, 0.7, 0.5}}}};
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Geometry geometry = k % 3 == 0   ? Geometry(Capsule{0.05, 0.4})
+                              : k % 3 == 1 ? Geometry(Sphere{0.1})
+                                           : Geometry(Box{{0.1, 0.2, 0.3}});
+    problem.robot.shapes.push_back({k, "link_" + std::to_string(k), pose(), geometry});
+  }
+  problem.target->shapes = {{pose(), Box{{0.6, 0.5, 0.4}}}, {pose(), Cylinder{0.1, 0.5}}};
+}
+
+/// A problem that has every kind of row and of term somewhere among the trials.
+CaptureProblem rich_problem(Random& random, int trial) {
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, trial % 2 == 0));
+  const CaseConstraint cases[] = {CaseConstraint::C2, CaseConstraint::G2, CaseConstraint::None};
+  problem.constraints.impact_case = cases[trial % 3];
+  if (trial % 4 == 1) problem.hand.constraint = HandConstraint::Pose;
+  if (trial % 4 == 2) {
+    problem.variables.base_attitude = AttitudeFreedom::Axis;
+    problem.variables.base_attitude_axis = random.unit_vector();
+  }
+  if (trial % 3 == 1) problem.variables.base_attitude_max = 2;
+  if (trial % 5 == 4) {
+    problem.variables.base_attitude = AttitudeFreedom::Cone;
+    problem.variables.base_attitude_axis = random.unit_vector();
+    problem.variables.base_attitude_max = 0.4;
+    problem.base.orientation = rotation_exp(random.unit_vector());
+  }
+  if (trial % 4 == 3) problem.variables.base_position = PositionFreedom::Fixed;
+  add_shapes(random, problem);
+  problem.constraints.joint_rate_max = JointVectord::Constant(problem.robot.n(), 0.01);
+  problem.constraints.coupling_singular_value_min = 0.1;
+  problem.constraints.jacobian_singular_value_min = 0.1;
+  problem.constraints.jacobian_length = 0.7;
+  problem.constraints.clearance = 0.02;
+  problem.objective = {
+      {ObjectiveQuantity::BaseAngularMomentum, 0.7}, {ObjectiveQuantity::BaseAngularVelocity, 0.3},
+      {ObjectiveQuantity::TotalAngularMomentum, 2},  {ObjectiveQuantity::BaseMomentum, 3, 0.5},
+      {ObjectiveQuantity::ImpulseMagnitude, 5},      {ObjectiveQuantity::JointRateNorm, 0.2}};
+  problem.uncertainty.cone_half_angle = 0.3;
+  problem.uncertainty.closing_speed = 0.01;
+  problem.uncertainty.restitution = 0.1;
+  problem.uncertainty.target_mass = 0.2;
+  problem.uncertainty.target_inertia = 0.2;
+  problem.uncertainty.contact_point = 0.05;
+  problem.uncertainty.contact_time = 2;
+  if (trial % 2 == 1) problem.uncertainty.joint_position = JointVectord::Constant(6, 0.1);
+  problem.measure.samples = 5;
+  return problem;
+}
+
+Eigen::VectorXd some_point(const Formulation& formulation, int index) {
+  return formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), 3));
+}
+
+}  // namespace
+
+TEST_CASE("gradients of every row, term and scenario agree with automatic differentiation") {
+  Random random(51);
+  for (int trial = 0; trial < 12; ++trial) {
+    const CaptureProblem problem = rich_problem(random, trial);
+    const Formulation formulation(problem);
+    const Formulation::Parts parts(problem);
+    const Eigen::VectorXd x = some_point(formulation, trial);
+    const std::vector<Scenario> scenarios = draw_scenarios(problem);
+    ScenarioEvaluation here;
+    formulation.evaluate_scenarios(x, scenarios, true, here);
+
+    const Local<Dual> local = parts.localise<Dual>(independent_variables(x));
+    const PostureImpact<Dual> posture = parts.posture(local);
+    const double unit = formulation.objective_unit();
+    for (std::size_t k = 0; k < scenarios.size(); ++k) {
+      const int row = static_cast<int>(k);
+      const PostureImpact<Dual> at = parts.posture(local, scenarios[k]);
+      const Dual f = parts.objective(at, parts.impact(local, at, scenarios[k]));
+      INFO("trial " << trial << ", scenario " << k);
+      CHECK(here.values[row] * unit * unit == Approx(f.value()).epsilon(1e-12));
+      CHECK(relative(here.gradients.row(row) * unit * unit, derivatives(f, x.size())) < 1e-11);
+    }
+    CHECK(formulation.evaluate_points({x}, scenarios)
+              .row(0)
+              .transpose()
+              .isApprox(here.values, 1e-14));
+    ScenarioEvaluation alone;
+    formulation.evaluate_scenarios(x, {scenarios[0]}, true, alone);  // too few for packs
+    CHECK(alone.values[0] == Approx(here.values[0]).epsilon(1e-12));
+    CHECK(relative(alone.gradients.row(0), here.gradients.row(0)) < 1e-11);
+
+    const ScenarioImpact<Dual> hit = parts.impact(local, posture, parts.predicted());
+    REQUIRE(here.constraints.size() == static_cast<int>(parts.rows.size()));
+    for (std::size_t i = 0; i < parts.rows.size(); ++i) {
+      const Dual g = parts.value_of(parts.rows[i], local, posture, hit);
+      INFO("trial " << trial << ", row " << parts.rows[i].name);
+      CHECK(here.constraints[static_cast<int>(i)] == Approx(g.value()).margin(1e-12));
+      CHECK(relative(here.jacobian.row(static_cast<int>(i)), derivatives(g, x.size())) < 1e-11);
+    }
+  }
+}
+
+TEST_CASE("the Hessian over scenarios and rows agrees with automatic differentiation") {
+  Random random(52);
+  for (int trial = 0; trial < 8; ++trial) {
+    const CaptureProblem problem = rich_problem(random, trial);
+    const Formulation formulation(problem);
+    const Eigen::VectorXd x = some_point(formulation, trial);
+    const std::vector<Scenario> scenarios = draw_scenarios(problem);
+    Eigen::VectorXd weights(static_cast<int>(scenarios.size()));
+    for (double& w : weights) w = random.normal();
+    Eigen::VectorXd multipliers(formulation.num_constraints());
+    for (double& m : multipliers) m = random.normal();
+    Eigen::MatrixXd hessian;
+    formulation.scenario_hessian(x, scenarios, weights, multipliers, hessian);
+
+    const Formulation::Parts parts(problem);
+    const double unit = formulation.objective_unit();
+    const VectorX<Dual> gradient = parts.lagrangian_gradient<Dual>(
+        independent_variables(x), scenarios, weights / (unit * unit), multipliers);
+    Eigen::MatrixXd expected(x.size(), x.size());
+    for (int i = 0; i < x.size(); ++i) expected.row(i) = derivatives(gradient[i], x.size());
+    const double size = 1 + expected.cwiseAbs().maxCoeff();
+    CHECK((hessian - expected).cwiseAbs().maxCoeff() / size < 1e-11);
+    CHECK((expected - expected.transpose()).cwiseAbs().maxCoeff() / size < 1e-11);
+  }
+}
+
+TEST_CASE("the Hessian is the change of the gradient") {
+  Random random(53);
+  for (int trial = 0; trial < 4; ++trial) {
+    const CaptureProblem problem = rich_problem(random, trial);
+    const Formulation formulation(problem);
+    const Eigen::VectorXd x = some_point(formulation, trial);
+    const Eigen::VectorXd multipliers = Eigen::VectorXd::Ones(formulation.num_constraints());
+    Eigen::MatrixXd hessian;
+    formulation.lagrangian_hessian(x, 1, multipliers, hessian);
+    const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+      nlp::Evaluation e;
+      formulation.evaluate(at, e);
+      return e.gradient + e.jacobian.transpose() * multipliers;
+    };
+    const double h = 1e-5, size = 1 + hessian.cwiseAbs().maxCoeff();
+    for (int i = 0; i < x.size(); ++i) {
+      const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(x.size(), i);
+      const Eigen::VectorXd column = (gradient(x + step) - gradient(x - step)) / (2 * h);
+      CHECK((hessian.col(i) - column).cwiseAbs().maxCoeff() / size < 1e-7);
+    }
+  }
+}
+
+}  // namespace stillbase

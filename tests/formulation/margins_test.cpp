@@ -1,0 +1,197 @@
+// Margins at the contact: closed-form distances, singular values, joint rates.
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/search/search.hpp>
+
+#include "collision/closed_forms.hpp"
+#include "collision/fcl_shape.hpp"
+#include "formulation/constraints/rows_kernel.hpp"
+#include "support/capture_problems.hpp"
+
+namespace stillbase {
+namespace {
+
+ClearanceShape box(const Vector3d& size) {
+  ClearanceShape shape;
+  shape.is_box = true;
+  shape.half = size / 2;
+  return shape;
+}
+
+ClearanceShape capsule(double radius, double length) {
+  ClearanceShape shape;
+  shape.radius = radius;
+  shape.half.z() = length / 2;
+  return shape;
+}
+
+PlacedShape<double> at(const ClearanceShape& shape, const Pose& pose) {
+  return {&shape, pose.orientation.toRotationMatrix(), pose.position};
+}
+
+Pose random_pose(Random& random, double far) {
+  return {far * random.unit_vector(), rotation_exp(2 * random.unit_vector())};
+}
+
+/// Least distance of sampled points of a capsule's axis from a box, by its definition.
+double sampled(const Pose& round, double length, const Pose& box_pose, const Vector3d& size) {
+  double least = kInfinity;
+  for (int i = 0; i <= 20000; ++i) {
+    const Vector3d p = round * Vector3d(0, 0, length * (i / 20000.0 - 0.5));
+    const Vector3d q = (box_pose.inverse() * p).cwiseAbs() - size / 2;
+    least = std::min(least, q.maxCoeff() > 0 ? Vector3d(q.cwiseMax(0)).norm() : q.maxCoeff());
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("distances of spheres and capsules are those of the collision scene's closed form") {
+  Random random(61);
+  for (int trial = 0; trial < 500; ++trial) {
+    const ClearanceShape a = capsule(0.1, trial % 3 == 0 ? 0 : 1), b = capsule(0.2, 0.7);
+    const Pose pose_a = random_pose(random, 0.8), pose_b = random_pose(random, 0.4);
+    const auto ends = [](const Pose& pose, double half, double radius) {
+      return RoundSegment{pose * Vector3d(0, 0, -half), pose * Vector3d(0, 0, half), radius};
+    };
+    const double expected =
+        round_distance(ends(pose_a, a.half.z(), a.radius), ends(pose_b, b.half.z(), b.radius));
+    CHECK(separate<double>(at(a, pose_a), at(b, pose_b)).distance ==
+          Approx(expected).margin(1e-12));
+  }
+}
+
+TEST_CASE("a capsule's distance from a box is the least over its axis, inside the box too") {
+  Random random(62);
+  int inside = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vector3d size(0.8, 0.6, 0.4);
+    const double length = trial % 4 == 0 ? 0.0 : 0.5;
+    const ClearanceShape round = capsule(0.1, length), block = box(size);
+    const Pose a = random_pose(random, random.uniform(0, 1)), b = random_pose(random, 0.1);
+    const double found = separate<double>(at(round, a), at(block, b)).distance;
+    const double expected = sampled(a, length, b, size) - 0.1;
+    inside += expected < -0.1;
+    CHECK(found <= expected + 1e-12);
+    CHECK(found == Approx(expected).margin(5e-5));
+    CHECK(separate<double>(at(block, b), at(round, a)).distance == found);
+  }
+  CHECK(inside > 20);
+}
+
+TEST_CASE("the gap of two boxes is never above their distance, and negative when they overlap") {
+  Random random(63);
+  int apart = 0, overlapping = 0, exact = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Vector3d size_a(0.8, 0.6, 0.4), size_b(0.3, 0.5, 0.9);
+    const ClearanceShape a = box(size_a), b = box(size_b);
+    const Pose pose_a = random_pose(random, random.uniform(0, 1.5)),
+               pose_b = random_pose(random, 0);
+    const double gap = separate<double>(at(a, pose_a), at(b, pose_b)).distance;
+    const double distance = fcl_distance(
+        *make_fcl_shape(Box{size_a}), pose_a.orientation.toRotationMatrix(), pose_a.position,
+        *make_fcl_shape(Box{size_b}), pose_b.orientation.toRotationMatrix(), pose_b.position);
+    if (distance > 1e-3) {
+      ++apart;
+      CHECK(gap > 0);
+      CHECK(gap <= distance + 1e-6);
+      exact += gap > distance - 1e-3;
+    } else if (distance <= 0) {
+      ++overlapping;
+      CHECK(gap <= 1e-9);
+    }
+  }
+  CHECK(apart > 50);
+  CHECK(overlapping > 50);
+  CHECK(exact > 20);
+}
+
+TEST_CASE("only bodies that may not touch are kept apart") {
+  Random random(64);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 3, false));
+  problem.robot.hand_body = 2;
+  for (int k = 0; k < 3; ++k) problem.robot.joints[static_cast<std::size_t>(k)].parent = k - 1;
+  problem.robot.shapes = {{kBase, "base", {}, Box{{1, 1, 1}}}};
+  for (int k = 0; k < 3; ++k) {
+    problem.robot.shapes.push_back({k, "link_" + std::to_string(k), {}, Sphere{0.05}});
+  }
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  const auto names = [&problem] {
+    std::string out;
+    for (const ClearancePair& pair : clearance_pairs(problem)) out += pair.name.substr(10) + " ";
+    return out;
+  };
+  const auto has = [&names](const std::string& name) {
+    return names().find(name) != std::string::npos;
+  };
+  CHECK(has("1_3_base_link_1"));
+  CHECK(has("2_4_link_0_link_2"));
+  CHECK(has("1_5_base_target"));
+  CHECK(has("3_5_link_1_target"));
+  CHECK_FALSE(has("link_2_target"));  // the hand's body is to meet it
+  problem.allowed_contacts = {{"link_2", "link_0"}};
+  CHECK_FALSE(has("2_4_link_0_link_2"));
+}
+
+TEST_CASE("a search keeps the margins that the problem asks for") {
+  Random random(65);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+  for (Joint& joint : problem.robot.joints) joint.type = JointType::Revolute;
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  problem.robot.shapes = {{kBase, "base", {}, Box{{0.6, 0.6, 0.6}}}};
+  problem.variables.base_position = PositionFreedom::Free;
+  problem.constraints.joint_rate_max = JointVectord::Constant(7, 0.05);
+  problem.constraints.coupling_singular_value_min = 0.5;
+  problem.constraints.jacobian_singular_value_min = 0.05;
+  problem.constraints.clearance = 0.05;
+  const Formulation formulation(problem);
+  SearchOptions options;
+  options.starts = 16;
+  const SearchResult found = search(problem, formulation, options);
+  REQUIRE(found.distinct_solutions > 0);
+  const Eigen::VectorXd& x = found.points.front();
+  std::string names;
+  for (const ConstraintValue& value : formulation.report(x)) {
+    names += value.name + " ";
+    CHECK(value.violation <= 1e-9);
+  }
+  for (const char* name : {"joint_rate_", "coupling_singular_value", "jacobian_singular_value",
+                           "clearance_1_2_base_target"}) {
+    CHECK_THAT(names, Catch::Contains(name));
+  }
+}
+
+TEST_CASE("a margin counts the singular values of the generic rank only") {
+  Random random(66);
+  CaptureProblem problem = point_mass_problem(random_planar_robot(random, 3), {0.6, 0.8, 0});
+  problem.constraints.coupling_singular_value_min = 1e-3;
+  const Formulation::Parts parts(problem);
+  CHECK(parts.coupling_rank == 1);
+  const Eigen::VectorXd x = parts.start_point(low_discrepancy_point(3, 3, 0));
+  const auto local = parts.localise<double>(x);
+  const auto posture = parts.posture(local);
+  const auto hit = parts.impact(local, posture, parts.predicted());
+  for (const Row& row : parts.rows) {
+    if (row.kind != RowKind::CouplingMargin) continue;
+    CHECK(parts.value_of(row, local, posture, hit) ==
+          Approx(posture.tilde.Htilde_omegaphi.row(2).norm()).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("clearances that the problem leaves undefined are refused") {
+  Random random(67);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 4, false));
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  problem.constraints.clearance = 0.01;
+  problem.hand.position = Vector3d(1, 2, 3);
+  CHECK_THROWS_AS(Formulation(problem), InputError);
+  CaptureProblem along = point_mass_problem(random_robot(random, 4, false), {0.6, 0.8, 0});
+  along.target->shapes = {{{}, Sphere{0.1}}};
+  along.constraints.clearance = 0.01;
+  CHECK_NOTHROW(Formulation(along));
+  along.variables.base_attitude = AttitudeFreedom::Free;
+  CHECK_THROWS_AS(Formulation(along), InputError);
+}
+
+}  // namespace stillbase

@@ -1,0 +1,74 @@
+// The maxima over a cone of directions, and the derivatives by which they are found.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include <stillbase/formulation/measures/robust.hpp>
+
+#include "formulation/measures/direction_model.hpp"
+#include "support/capture_problems.hpp"
+
+namespace stillbase {
+
+TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
+  Random random(36);
+  for (int trial = 0; trial < 24; ++trial) {
+    CaptureProblem problem =
+        trial % 3 == 0 ? point_mass_problem(random_robot(random, 6, false), random.unit_vector())
+                       : tumbling_problem(random, random_robot(random, 7, false));
+    problem.uncertainty.cone_half_angle = 0.02 + 0.06 * trial;
+    if (trial % 3 == 0 && trial % 2 == 0) {
+      problem.uncertainty.cone_plane_normal = problem.impulse.direction->unitOrthogonal();
+    }
+    const Formulation formulation(problem);
+    const Configuration configuration = formulation.configuration(
+        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 9)));
+    const DirectionModel model(problem, formulation, configuration);
+    const std::vector<ConeMaximum> maxima = cone_maxima(problem, formulation, configuration);
+    REQUIRE_FALSE(maxima.empty());
+    INFO("trial " << trial);
+    for (const ConeMaximum& maximum : maxima) {
+      const Vector3d d = model.encounter.contact.R_EB.transpose() * maximum.scenario.direction;
+      const Eigen::Vector2d c = model.coordinates(d);
+      CHECK(model.value(c) == Approx(maximum.value).epsilon(1e-12));
+      for (const double step : {1e-2, 1e-3, 1e-4}) {
+        for (int i = 0; i < 16; ++i) {
+          const Eigen::Vector2d side(std::cos(M_PI / 8 * i), std::sin(M_PI / 8 * i));
+          const double length = step * model.half_angle;
+          CHECK(model.value(model.project(c + length * side)) <= maximum.value * (1 + 1e-13));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the derivatives of ln |y|^2 over the direction are those of its differences") {
+  Random random(37);
+  for (int trial = 0; trial < 6; ++trial) {
+    const CaptureProblem problem =
+        trial % 2 == 0 ? point_mass_problem(random_robot(random, 6, false), random.unit_vector())
+                       : tumbling_problem(random, random_robot(random, 7, false));
+    const Formulation formulation(problem);
+    const DirectionModel model(
+        problem, formulation,
+        formulation.configuration(formulation.start_point(
+            low_discrepancy_point(trial, formulation.start_dimension(), 9))));
+    Vector3d g, g_up, g_down;
+    Matrix3d H, unused;
+    REQUIRE(model.log_derivatives(model.n, g, H));
+    constexpr double kStep = 1e-5;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d h = kStep * Vector3d::Unit(i);
+      std::vector<double> values;
+      model.values({{0, 0}, {0, 0}}, {model.n + h, model.n - h}, values);
+      CHECK((2 * std::log(values[0] / values[1])) / (2 * kStep) ==
+            Approx(g[i]).epsilon(1e-7).margin(1e-7));
+      REQUIRE(model.log_derivatives(model.n + h, g_up, unused));
+      REQUIRE(model.log_derivatives(model.n - h, g_down, unused));
+      const Vector3d column = (g_up - g_down) / (2 * kStep);
+      CHECK((column - H.col(i)).norm() <= 1e-6 * (1 + H.norm()));
+    }
+  }
+}
+
+}  // namespace stillbase
