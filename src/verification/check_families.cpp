@@ -200,9 +200,9 @@ class Curves {
            configuration_objections(here, point, at.event, at.response)) {
         objections_.push_back(fmt::format("curve {}: {}", number, objection));
       }
-      if (!places.empty())
-        step_ = std::max(step_, Place(at.problem, point).distance(places.back()));
-      places.emplace_back(at.problem, point);
+      const Place place(context_.problem, point);
+      if (!places.empty()) step_ = std::max(step_, place.distance(places.back()));
+      places.push_back(place);
     }
     judge_length(family, places);
     judge_ends(family, places, number);
