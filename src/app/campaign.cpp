@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/campaign/campaign.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
@@ -15,7 +16,6 @@
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/trials_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -111,7 +111,7 @@ std::string work(const std::string& text) {
     plan = make_plan(problem);
     result.plan_status = to_string(plan.status);
   }
-  result.verified = verify_plan(plan).pass;
+  result.verified = judge_plan(plan).pass;
   std::vector<TrialOutcome> outcomes;
   if (plan.status != PlanStatus::Infeasible) {
     outcomes =

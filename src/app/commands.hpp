@@ -16,6 +16,7 @@ void add_analyze(CLI::App& app, Action& action);
 void add_plan(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
+void add_audit(CLI::App& app, Action& action);
 void add_campaign(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);

@@ -86,6 +86,7 @@ int main(int argc, char** argv) {
   add_plan(app, action);
   add_simulate(app, action);
   add_verify(app, action);
+  add_audit(app, action);
   add_campaign(app, action);
   add_bench(app, action);
   add_report(app, action);

@@ -128,13 +128,14 @@ PageSection verification(const std::string& text) {
                                : value.dump();
   };
   out.paragraphs = {"Verdict: " + json.value("verdict", "unknown") + "."};
-  out.table.header = {"claim", "value", "limit", "unit", "holds", "detail"};
+  out.table.header = {"check", "value", "limit", "unit", "holds", "detail"};
   for (const Json& claim : json.value("claims", Json::array())) {
     std::vector<std::string> row;
     for (const char* key : {"name", "value", "limit", "unit"}) {
       row.push_back(words(claim.value(key, Json(""))));
     }
-    row.emplace_back(claim.value("pass", false) ? "yes" : "NO");
+    const Json pass = claim.value("pass", Json(false));
+    row.emplace_back(pass.is_null() ? "not checked" : pass == true ? "yes" : "NO");
     row.push_back(words(claim.value("detail", Json(""))));
     out.table.rows.push_back(std::move(row));
   }

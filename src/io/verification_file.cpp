@@ -12,15 +12,16 @@ namespace {
 
 using io::Json;
 
-/// What an unfinished simulation leaves open is null.
+/// Numbers that an unfinished simulation does not have are null.
 Json open_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json claim_json(const Claim& claim) {
-  return {{"name", claim.name},
+  return {{"group", to_string(claim.group)},
+          {"name", claim.name},
           {"value", claim.value ? io::number_json(*claim.value) : Json(nullptr)},
           {"limit", io::number_json(claim.limit)},
           {"unit", claim.unit},
-          {"pass", claim.pass},
+          {"pass", claim.is_checked ? Json(claim.pass) : Json(nullptr)},
           {"detail", claim.detail}};
 }
 
@@ -50,7 +51,7 @@ std::string verification_to_json(const Verification& verification,
   json["version"] = 1;
   json["content_sha256"] = content_sha256;
   json["verdict"] = verification.pass ? "pass" : "fail";
-  if (verification.interrupted) json["interrupted"] = true;  // cut short: no word on the plan
+  if (verification.interrupted) json["interrupted"] = true;  // no verdict on the plan
   json["claims"] = Json::array();
   for (const Claim& claim : verification.claims) json["claims"].push_back(claim_json(claim));
   json["post_impact"] = Json::array();

@@ -32,7 +32,7 @@ Matrix3d cross_matrix(const Vector3d& a) {
 }
 
 // Rotation about z by angle.
-Matrix3d turn_z(double angle) {
+Matrix3d rotation_about_z(double angle) {
   Matrix3d m = Matrix3d::Identity();
   m(0, 0) = m(1, 1) = std::cos(angle);
   m(1, 0) = std::sin(angle);
@@ -55,7 +55,7 @@ std::vector<MovingFrame> body_frames(const RobotModel& robot, const VectorXd& ph
       frame.rate = parent.rate;
       frame.o_rate = parent.point_rate(joint.p) + parent.rate.cross(z) * phi(k) + z * phidot(k);
     } else {
-      frame.R = R0 * turn_z(phi(k));
+      frame.R = R0 * rotation_about_z(phi(k));
       frame.o = parent.point(joint.p);
       frame.rate = parent.rate + z * phidot(k);
       frame.o_rate = parent.point_rate(joint.p);
@@ -156,14 +156,14 @@ Dynamics compute(const RobotModel& robot, const State& state) {
     const MatrixXd J_v = part.jacobian.J.topRows(3), J_w = part.jacobian.J.bottomRows(3);
     d.H += part.mass * J_v.transpose() * J_v + J_w.transpose() * part.inertia * J_w;
 
-    // The columns of J are components in B, which turns: the acceleration has the transport term.
+    // The columns of J are components in B, which rotates: the acceleration has a transport term.
     const Vector3d v = J_v * x, w = J_w * x;
     const Vector3d a = part.jacobian.J_rate.topRows(3) * x + omega.cross(v);
     const Vector3d alpha = part.jacobian.J_rate.bottomRows(3) * x + omega.cross(w);
     const Vector3d moment = part.inertia * alpha + w.cross(part.inertia * w);
     d.c += J_v.transpose() * (part.mass * a) + J_w.transpose() * moment;
 
-    // About the system centroid: what the locked robot and the joints alone carry.
+    // About the system centroid: momenta of the locked robot and of the joints alone.
     const Matrix3d arm = cross_matrix(part.centroid - d.centroid);
     d.P += part.mass * v;
     d.L_g += part.inertia * w + part.mass * arm * v;
@@ -180,6 +180,8 @@ Dynamics compute(const RobotModel& robot, const State& state) {
   return d;
 }
 
+MatrixXd solve_definite(const MatrixXd& A, const MatrixXd& B) { return A.ldlt().solve(B); }
+
 namespace {
 
 // Solves H x = b where locked joints keep x = 0: their rows become x_k = 0, their columns drop out.
@@ -192,7 +194,7 @@ VectorXd solve_free(MatrixXd H, const std::vector<bool>& locked, VectorXd b) {
     H(row, row) = 1;
     b(row) = 0;
   }
-  return H.ldlt().solve(b);
+  return solve_definite(H, b);
 }
 
 }  // namespace

@@ -10,9 +10,8 @@ namespace stillbase::verification {
 Vector6d drifting_base_velocity(const RobotModel& robot, const Eigen::VectorXd& phi,
                                 const Eigen::VectorXd& phidot) {
   const reference::Dynamics d = reference::compute(robot, {phi, {}, {}});
-  const Matrix6d H_b = d.H.topLeftCorner<6, 6>();
   const Vector6d momentum = d.H.topRightCorner(6, phi.size()) * phidot;
-  return -H_b.ldlt().solve(momentum);
+  return -reference::solve_definite(d.H.topLeftCorner(6, 6), momentum);
 }
 
 namespace {
@@ -38,7 +37,7 @@ Pose moved(Pose pose, const PoseRate& rate, double h) {
 Pose drifted_base(const RobotModel& robot, const HermiteSegment& segment, double s0, double s1,
                   const Pose& from, double max_travel) {
   const double rate = segment.extremes().rate.maxCoeff();
-  // Near rest the rate grows from nothing: few steps by travel, but the rate is not a constant.
+  // Near rest few steps would do by travel, but the rate changes: at least four per segment.
   const double most = std::max((s1 - s0) * rate / max_travel, 4 * (s1 - s0) / segment.duration());
   const int steps = std::max(1, static_cast<int>(std::ceil(most)));
   const double h = (s1 - s0) / steps;

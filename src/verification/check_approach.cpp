@@ -1,4 +1,4 @@
-// Can the approach be flown as stored? Ends, limits, base motion, clearances.
+// The approach path as stored: ends, limits, base motion, clearances.
 #include <algorithm>
 #include <cmath>
 
@@ -11,30 +11,30 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kSame = 1e-9;        // rad, m, s: what was copied may differ by rounding only
-constexpr double kLimitSlack = 1e-6;  // rad, m: overshoot of a segment that ends at a limit
-// Joint travel of one integration step, rad: the error of a step is its fifth power.
+constexpr double kSame = 1e-9;        ///< rad, m, s: copied numbers differ by rounding only
+constexpr double kLimitSlack = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
+/// Joint travel of one integration step, rad: the error of a step is its fifth power.
 constexpr double kTravelPerStep = 0.005;
-// Pairs of flat shapes have distances that are only this exact.
-constexpr double kDistanceError = 1e-3;  // m
-// The same distance by the same function; base poses between samples agree to about 1e-6 m and rad,
-// and the arm is a lever of some metres.
-constexpr double kStatedDistance = 1e-5;  // m
-// Accelerations are second differences of the positions: they round to about 1e-15 of them.
+/// Error of the distance between two flat shapes, m.
+constexpr double kDistanceError = 1e-3;
+/// m: the same distance by the same function. Base poses between samples agree to about 1e-6 m and
+/// rad, with a lever of the arm's length.
+constexpr double kStatedDistance = 1e-5;
+/// Accelerations are second differences of the positions: they round to about 1e-15 of them.
 constexpr double kRounding = 1e-13;
 
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
-                          bool up_to_turns) {
+                          bool modulo_full_rotations) {
   double largest = 0;
   for (int k = 0; k < robot.n(); ++k) {
     const double difference = a(k) - b(k);
-    const bool turns = up_to_turns && robot.joints[k].type == JointType::Continuous;
-    largest = std::max(largest, std::abs(turns ? wrap_angle(difference) : difference));
+    const bool wraps = modulo_full_rotations && robot.joints[k].type == JointType::Continuous;
+    largest = std::max(largest, std::abs(wraps ? wrap_angle(difference) : difference));
   }
   return largest;
 }
 
-// Euclidean length in joint space, by the eight chords per segment that a plan states it with.
+/// Euclidean length in joint space, by the eight chords per segment that define it in a plan.
 double path_length(const Approach& approach) {
   constexpr int kChords = 8;
   double length = 0;
@@ -69,7 +69,7 @@ void check_ends(const Context& context, ClaimList& claims) {
                           approach.joint_velocities.back().cwiseAbs().maxCoeff()),
                  kSame, "rad/s", "joint rates at both ends");
 
-  // The wait: how long nothing has moved when the contact comes.
+  // The wait: how long the joints have been at rest at the contact.
   std::size_t arrival = last;
   while (arrival > 0 && approach.joint_positions[arrival - 1] == approach.joint_positions[last] &&
          approach.joint_velocities[arrival - 1].isZero(0)) {
@@ -95,34 +95,28 @@ void check_ends(const Context& context, ClaimList& claims) {
 void check_limits(const Context& context, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
   const Approach& approach = context.plan.approach;
-  double beyond = 0, rate = 0, acceleration = 0;
-  std::string where, fastest, hardest;
+  Largest beyond, rate, acceleration;
   for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
     const HermiteSegment::Extremes e = HermiteSegment(approach, i).extremes();
     for (int k = 0; k < problem.robot.n(); ++k) {
       const Joint& joint = problem.robot.joints[k];
       const std::string place = fmt::format("{} at {:.3f} s", joint.name, approach.times[i]);
-      auto worse = [&](double value, double& worst, std::string& at) {
-        if (!(value > worst)) return;
-        worst = value;
-        at = place;
-      };
-      worse(std::max(joint.lower - e.lowest(k), e.highest(k) - joint.upper), beyond, where);
-      worse(e.rate(k) / (joint.max_velocity * problem.approach.velocity_scale), rate, fastest);
-      worse(e.acceleration(k) / problem.approach.acceleration_limit(k), acceleration, hardest);
+      beyond.take(std::max(joint.lower - e.lowest(k), e.highest(k) - joint.upper), place);
+      rate.take(e.rate(k) / (joint.max_velocity * problem.approach.velocity_scale), place);
+      acceleration.take(e.acceleration(k) / problem.approach.acceleration_limit(k), place);
     }
   }
   const double slack = context.options.limit_slack;
-  claims.at_most("approach_joint_limits", beyond, kLimitSlack, "rad",
-                 "furthest beyond a joint limit between the samples " + where);
-  claims.at_most("approach_joint_rates", rate, 1 + slack, "1",
-                 "largest part of a rate limit " + fastest);
-  claims.at_most("approach_joint_accelerations", acceleration, 1 + slack, "1",
-                 "largest part of an acceleration limit " + hardest);
+  claims.at_most("approach_joint_limits", beyond.value, kLimitSlack, "rad",
+                 "furthest beyond a joint limit between the samples: " + beyond.place);
+  claims.at_most("approach_joint_rates", rate.value, 1 + slack, "1",
+                 "largest fraction of a rate limit: " + rate.place);
+  claims.at_most("approach_joint_accelerations", acceleration.value, 1 + slack, "1",
+                 "largest fraction of an acceleration limit: " + acceleration.place);
 }
 
-// Stated accelerations against those of the segments, in units of what rounding can do to them: the
-// sizes of positions and rates over the square of the time between.
+/// Stated accelerations against those of the segments, relative to their rounding: the sizes of
+/// positions and rates over the square of the time between samples.
 void check_accelerations(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
   double worst = approach.joint_accelerations.back().cwiseAbs().maxCoeff();
@@ -143,7 +137,7 @@ void check_accelerations(const Context& context, ClaimList& claims) {
                  "rates over the time between samples");
 }
 
-// Integrated poses at all samples, starting from the first stored one.
+/// Integrated poses at all samples, from the first stored one on.
 std::vector<Pose> integrated_poses(const Context& context, double* worst_step) {
   const Approach& approach = context.plan.approach;
   std::vector<Pose> poses{approach.base_poses.front()};
@@ -163,9 +157,9 @@ std::vector<Pose> integrated_poses(const Context& context, double* worst_step) {
   return poses;
 }
 
-// |H_b Omega + H_bphi phidot| relative to what the parts carry, linear and angular part apart.
-double momentum_left(const RobotModel& robot, const JointVectord& phi, const Vector6d& Omega,
-                     const JointVectord& phidot) {
+/// |H_b Omega + H_bphi phidot| relative to the two terms, linear and angular part apart.
+double relative_momentum(const RobotModel& robot, const JointVectord& phi, const Vector6d& Omega,
+                         const JointVectord& phidot) {
   const auto d = reference::compute(robot, {phi, {}, {}});
   const Vector6d base = d.H.topLeftCorner<6, 6>() * Omega;
   const Vector6d joints = d.H.topRightCorner(6, phi.size()) * phidot;
@@ -192,8 +186,8 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
     const Vector6d& Omega = approach.base_velocities[i];
     rate = std::max(rate, Omega.cwiseAbs().maxCoeff());
     if (!held) {
-      momentum = std::max(momentum, momentum_left(problem.robot, approach.joint_positions[i], Omega,
-                                                  approach.joint_velocities[i]));
+      momentum = std::max(momentum, relative_momentum(problem.robot, approach.joint_positions[i],
+                                                      Omega, approach.joint_velocities[i]));
     }
     excursion = std::max(excursion,
                          pose_error(approach.base_poses[i], context.plan.configuration.base).angle);
@@ -218,7 +212,7 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   }
   if (problem.approach.base == BaseMode::ReactionNull) {
     claims.at_most("approach_attitude_kept", excursion, problem.approach.attitude_tolerance, "rad",
-                   "largest turn away from the final attitude in the reaction null space");
+                   "largest change from the final attitude in the reaction null space");
   }
   if (approach.polish != PathPolish::None) {
     claims.at_most("approach_polish", approach.after_polish - approach.before_polish, 0, "s or rad",
@@ -231,14 +225,14 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
                  kSame, "rad",
-                 fmt::format("largest turn away from the final attitude, {:.6g} rad", excursion));
+                 fmt::format("largest change from the final attitude, {:.6g} rad", excursion));
 
   claims.at_most("approach_hand_error",
                  std::max(approach.hand_position_error, approach.hand_angle_error),
                  options.hand_position_tolerance, "m or rad",
-                 "stated distance of the hand at the end of the path from where it should be");
+                 "stated distance of the hand at the end of the path from the contact");
 
-  // Where the hand really ends, by the integrated motion alone.
+  // The end of the hand's path, by the integrated motion alone.
   const auto at_rest = reference::compute(problem.robot, {approach.joint_positions.back(), {}, {}});
   const auto wanted = reference::compute(problem.robot, {context.plan.configuration.phi, {}, {}});
   const Pose& base = context.plan.configuration.base;
@@ -247,7 +241,7 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
       (poses.back() * Vector3d(at_rest.hand_position) - base * Vector3d(wanted.hand_position))
           .norm(),
       options.base_path_tolerance * (1 + wanted.hand_position.norm()), "m",
-      "hand at the end of the integrated motion from its place at the contact");
+      "hand at the end of the integrated motion from its position at the contact");
 }
 
 void check_clearance(const Context& context, const std::vector<Pose>& poses, ClaimList& claims) {
@@ -262,20 +256,19 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
     return;
   }
   claims.at_least("approach_clearance", *found.distance, spec.clearance, kDistanceError, "m",
-                  fmt::format("{} at {:.3f} s is the closest of {} instants, hand and target "
+                  fmt::format("{} at {:.3f} s is the smallest of {} instants, hand and target "
                               "included until the feature is within reach",
                               found.detail, found.time, found.instants));
-  // A plan states the smallest of the distances half a resolution apart. Looked at more finely it
-  // may be smaller, so a stated one is between the two.
+  // A plan states the smallest of the distances half a resolution apart. At finer steps it may be
+  // smaller, so a stated one is between the two.
   const double stated = context.plan.approach.min_clearance;
   const bool agree_on_none = !found.distance_of_path && std::isinf(stated);
   const double fine = found.distance_of_path.value_or(0),
                coarse = found.distance_as_stated.value_or(0);
   const double difference = agree_on_none ? 0 : std::max(fine - stated, stated - coarse);
   claims.at_most("approach_stated_clearance", difference, kStatedDistance, "m",
-                 fmt::format("stated smallest clearance, hand from target aside, {:.6g} m, out of "
-                             "[{:.9g}, {:.9g}], the same "
-                             "at finer steps and at the planner's",
+                 fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
+                             "from [{:.9g}, {:.9g}], the same at finer steps and at the planner's",
                              stated, fine, std::max(fine, coarse)));
 }
 
@@ -284,12 +277,13 @@ void check_clearance(const Context& context, const std::vector<Pose>& poses, Cla
 void check_approach(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
   if (!context.problem.approach.enabled) return;
-  if (approach.status != ApproachStatus::Found) {
-    claims.none_wrong("approach_found", {approach.detail.empty() ? "no path" : approach.detail},
-                      "the problem asks for an approach");
-    return;
-  }
-  claims.none_wrong("approach_found", {}, fmt::format("{} samples", approach.times.size()));
+  Objections missing;
+  missing.demand(approach.status == ApproachStatus::Found,
+                 approach.detail.empty() ? "no path" : approach.detail);
+  claims.none_wrong(
+      "approach_found", missing,
+      fmt::format("the problem demands an approach; {} samples", approach.times.size()));
+  if (!missing.none()) return;
   claims.at_most("approach_late_by", approach.late_by, 0, "s", "a path that is found is not late");
   check_ends(context, claims);
   check_limits(context, claims);

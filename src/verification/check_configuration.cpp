@@ -1,118 +1,118 @@
-// Is the configuration one that the problem allows, with the hand where the contact is?
+// Is the configuration one that the problem allows, with the hand at the contact?
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/margins.hpp"
 
 namespace stillbase::verification {
 namespace {
 
-// What the problem fixes may differ by rounding only.
+/// What the problem fixes may differ by rounding only.
 constexpr double kFixed = 1e-9;
 
-void check_joints(const Context& context, ClaimList& claims) {
-  const CaptureProblem& problem = context.problem;
-  const JointVectord& phi = context.plan.configuration.phi;
-  double beyond = -kInfinity, moved = 0;
-  std::string worst = "no limits";
+void check_joints(const Situation& situation, ClaimList& claims) {
+  const CaptureProblem& problem = situation.problem;
+  const JointVectord& phi = situation.at.phi;
+  Largest beyond{-kInfinity, "no limits"};
+  double moved = 0;
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
     const double margin = problem.constraints.joint_limit_margin;
-    for (const double excess : {joint.lower + margin - phi(k), phi(k) - joint.upper + margin}) {
-      if (excess > beyond) {
-        beyond = excess;
-        worst = joint.name;
-      }
-    }
+    beyond.take(joint.lower + margin - phi(k), joint.name);
+    beyond.take(phi(k) - joint.upper + margin, joint.name);
     if (!problem.variables.joints[k]) moved = std::max(moved, std::abs(phi(k) - problem.start(k)));
   }
-  // Without any limit nothing is beyond: say zero instead of minus infinity.
-  claims.at_most("joint_limits", std::isfinite(beyond) ? beyond : 0.0, kFixed, "rad",
-                 fmt::format("furthest beyond a joint limit with its margin: {}", worst));
+  // Without any limit the value is zero instead of minus infinity.
+  claims.at_most("joint_limits", std::isfinite(beyond.value) ? beyond.value : 0.0, kFixed, "rad",
+                 "furthest beyond a joint limit with its margin: " + beyond.place);
   claims.at_most("fixed_joints", moved, kFixed, "rad",
-                 "joints that the problem does not free stay at the start posture");
+                 "joints that are no variables stay at the start posture");
 }
 
-void check_base(const Context& context, ClaimList& claims) {
-  const VariableSpec& free = context.problem.variables;
-  const Pose& stated = context.problem.base;
-  const Pose& base = context.plan.configuration.base;
+/// A size, and the rule that it is measured against.
+struct Excess {
+  double value = 0;
+  const char* rule = "";
+};
 
-  const ApproachSpec& approach = context.problem.approach;
+constexpr const char* kFollows = "follows from the path: see approach_base_arrival";
+
+Excess attitude_excess(const CaptureProblem& problem, const Pose& base) {
+  const VariableSpec& free = problem.variables;
+  // Rotation vector from the stated attitude, in N.
+  const Eigen::Quaterniond change = base.orientation * problem.base.orientation.conjugate();
+  const Vector3d vector = rotation_log(change);
+  const Vector3d& axis = free.base_attitude_axis;
+  // Squares: the search constrains the square of the rotation angle.
+  const double largest = free.base_attitude_max;
+  const double beyond = std::max(0.0, vector.squaredNorm() - largest * largest);
+  switch (free.base_attitude) {
+    case AttitudeFreedom::Fixed:
+      return {pose_error(base, problem.base).angle, "stays as stated"};
+    case AttitudeFreedom::Axis:
+      return {std::max(beyond, (vector - vector.dot(axis) * axis).norm()),
+              "rotates about the stated axis up to a largest angle"};
+    case AttitudeFreedom::Cone:
+      // By the cosine, as the search constrains it.
+      return {std::max(0.0, std::cos(largest) - axis.dot(change * axis)),
+              "its axis stays within the cone about the stated direction"};
+    case AttitudeFreedom::Free:
+      break;
+  }
+  return {beyond, "free up to a largest rotation angle (squares compared)"};
+}
+
+Excess position_excess(const CaptureProblem& problem, const Pose& base) {
+  const VariableSpec& free = problem.variables;
+  switch (free.base_position) {
+    case PositionFreedom::Fixed:
+      return {(base.position - problem.base.position).norm(), "stays as stated"};
+    case PositionFreedom::Box:
+      return {std::max({0.0, (free.base_position_lower - base.position).maxCoeff(),
+                        (base.position - free.base_position_upper).maxCoeff()}),
+              "stays in its box"};
+    case PositionFreedom::Free:
+      break;
+  }
+  return {0, "free"};
+}
+
+void check_base(const Situation& situation, ClaimList& claims) {
+  const CaptureProblem& problem = situation.problem;
+  const ApproachSpec& approach = problem.approach;
   const bool follows =
       approach.enabled && approach.base == BaseMode::Floating && !approach.station_free;
+  const Pose& base = situation.at.base;
+  const Excess attitude = follows ? Excess{0, kFollows} : attitude_excess(problem, base);
+  claims.at_most("base_attitude", attitude.value, kFixed, "rad", attitude.rule);
+  const Excess position = follows ? Excess{0, kFollows} : position_excess(problem, base);
+  claims.at_most("base_position", position.value, kFixed, "m", position.rule);
 
-  // Turn from the stated attitude, in N; its part off the allowed axis and its size.
-  const Vector3d turn = rotation_log(base.orientation * stated.orientation.conjugate());
-  // Squares: what the search is held to is the square of the turn.
-  const double most = free.base_attitude_max;
-  double excess = std::max(0.0, turn.squaredNorm() - most * most);
-  std::string rule = "free up to a largest turn (squares compared)";
-  if (follows) {
-    excess = 0;
-    rule = "follows from the path: see approach_base_arrival";
-  } else if (free.base_attitude == AttitudeFreedom::Fixed) {
-    excess = pose_error(base, stated).angle;
-    rule = "stays as stated";
-  } else if (free.base_attitude == AttitudeFreedom::Axis) {
-    const Vector3d off = turn - turn.dot(free.base_attitude_axis) * free.base_attitude_axis;
-    excess = std::max(excess, off.norm());
-    rule = "turns about the stated axis up to a largest turn";
-  } else if (free.base_attitude == AttitudeFreedom::Cone) {
-    // By the cosine, as the constraint is kept.
-    const Vector3d axis =
-        base.orientation * (stated.orientation.conjugate() * Vector3d(free.base_attitude_axis));
-    excess = std::max(0.0, std::cos(free.base_attitude_max) - axis.dot(free.base_attitude_axis));
-    rule = "its axis stays within the cone about the stated direction";
-  }
-  claims.at_most("base_attitude", excess, kFixed, "rad", rule);
-
-  double beyond = 0;
-  rule = "free";
-  if (follows) {
-    rule = "follows from the path: see approach_base_arrival";
-  } else if (free.base_position == PositionFreedom::Fixed) {
-    beyond = (base.position - stated.position).norm();
-    rule = "stays as stated";
-  } else if (free.base_position == PositionFreedom::Box) {
-    beyond = std::max(0.0, std::max((free.base_position_lower - base.position).maxCoeff(),
-                                    (base.position - free.base_position_upper).maxCoeff()));
-    rule = "stays in its box";
-  }
-  claims.at_most("base_position", beyond, kFixed, "m", rule);
-
-  const double time = context.plan.configuration.contact_time;
-  claims.at_most(
-      "contact_time",
-      std::max({0.0, free.contact_time_lower - time, time - free.contact_time_upper}), kFixed, "s",
-      fmt::format("within [{}, {}] s", free.contact_time_lower, free.contact_time_upper));
+  const double time = situation.at.contact_time, earliest = problem.variables.contact_time_lower,
+               latest = problem.variables.contact_time_upper;
+  claims.at_most("contact_time", std::max({0.0, earliest - time, time - latest}), kFixed, "s",
+                 fmt::format("within [{}, {}] s", earliest, latest));
 }
 
-void check_hand(const Context& context, const ContactEvent& event, const PostureResponse& response,
-                ClaimList& claims) {
-  const HandSpec& hand = context.problem.hand;
-  const Pose& base = context.plan.configuration.base;
-  const VerifyOptions& options = context.options;
-  const bool in_base = hand.frame == Frame::Base;
-  const double tolerance = options.hand_position_tolerance;
-
-  const Vector3d position = base * Vector3d(response.dynamics.hand_position);
+void check_hand(const Situation& situation, const VerifyOptions& options, ClaimList& claims) {
+  const HandSpec& hand = situation.problem.hand;
+  const Pose& base = situation.at.base;
   const bool is_free = hand.constraint == HandConstraint::None &&
-                       context.problem.variables.base_position == PositionFreedom::Fixed;
+                       situation.problem.variables.base_position == PositionFreedom::Fixed;
   if (hand.position && !is_free) {
-    const Vector3d wanted = in_base ? base * *hand.position : *hand.position;
-    claims.at_most("hand_position", (position - wanted).norm(), tolerance, "m",
-                   "hand from its stated point");
-  } else if (event.feature) {
-    claims.at_most("hand_position", (position - event.feature->point).norm(), tolerance, "m",
+    const Vector3d wanted = hand.frame == Frame::Base ? base * *hand.position : *hand.position;
+    claims.at_most("hand_position", (situation.hand_N - wanted).norm(),
+                   options.hand_position_tolerance, "m", "hand from its stated point");
+  } else if (situation.event.feature) {
+    claims.at_most("hand_position", (situation.hand_N - situation.event.feature->point).norm(),
+                   options.hand_position_tolerance, "m",
                    "hand from the contact feature at the contact time");
   }
 
-  const Eigen::Quaterniond R_NH =
-      base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation));
-  if (const auto wanted = wanted_hand_axes(context.problem, event, context.plan.configuration)) {
-    claims.at_most("hand_orientation", pose_error({{}, R_NH}, {{}, *wanted}).angle,
+  if (const auto wanted = demanded_hand_axes(situation.problem, situation.event, situation.at)) {
+    claims.at_most("hand_orientation", pose_error({{}, situation.R_NH}, {{}, *wanted}).angle,
                    options.hand_angle_tolerance, "rad",
                    "hand axes from their directions, roll about the normal included");
   }
@@ -120,32 +120,43 @@ void check_hand(const Context& context, const ContactEvent& event, const Posture
       hand.constraint == HandConstraint::Axis || hand.constraint == HandConstraint::Pose;
   if (wants_axis && !hand.orientation) {
     claims.at_most("hand_axis",
-                   angle_between(R_NH * hand.approach_axis, base.orientation * Vector3d(-event.n)),
+                   angle_between(situation.R_NH * hand.approach_axis,
+                                 base.orientation * Vector3d(-situation.event.n)),
                    options.hand_angle_tolerance, "rad",
-                   event.feature ? "approach axis from the inward normal of the contact feature"
-                                 : "approach axis from the opposite of the stated direction");
+                   situation.event.feature
+                       ? "approach axis from the inward normal of the contact feature"
+                       : "approach axis from the opposite of the stated direction");
   }
 }
 
 }  // namespace
 
-void check_configuration(const Context& context, const ContactEvent& event,
-                         const PostureResponse& response, ClaimList& claims) {
-  check_joints(context, claims);
-  check_base(context, claims);
-  check_hand(context, event, response, claims);
-
-  const CaptureProblem& problem = context.problem;
-  const double v_n = closing_speed(problem, event, event.n);
-  claims.same("closing_speed",
-              relative_error(context.plan.impact.closing_speed, v_n,
-                             event.velocity ? event.velocity->norm() : 0),
-              context.options.recompute_tolerance,
-              fmt::format("{:.6g} m/s along the direction of the impulse", v_n));
-  if (problem.impulse.source != ImpulseSource::Given) {
-    claims.at_least("closing_speed_min", v_n, problem.constraints.closing_speed_min, kFixed, "m/s",
-                    "how fast target and hand close");
+void check_configuration(const Situation& situation, const VerifyOptions& options,
+                         ClaimList& claims) {
+  check_joints(situation, claims);
+  check_base(situation, claims);
+  check_hand(situation, options, claims);
+  if (situation.problem.impulse.source != ImpulseSource::Given) {
+    claims.at_least("closing_speed_min",
+                    closing_speed(situation.problem, situation.event, situation.event.n),
+                    situation.problem.constraints.closing_speed_min, kFixed, "m/s",
+                    "closing speed of target and hand");
   }
+}
+
+std::vector<std::string> configuration_objections(const Situation& situation,
+                                                  const VerifyOptions& options) {
+  ClaimList claims;
+  check_configuration(situation, options, claims);
+  check_margins(situation, options, claims);
+  std::vector<std::string> out;
+  for (const Claim& claim : claims.claims()) {
+    if (!claim.pass) out.push_back(claim.name);
+  }
+  const Vector6d unit = unit_wrench(situation.problem, situation.event);
+  const double off_case = case_residuals(situation.problem, situation.response, unit).wanted;
+  if (!(off_case <= options.constraint_tolerance)) out.push_back("case");
+  return out;
 }
 
 }  // namespace stillbase::verification

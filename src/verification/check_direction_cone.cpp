@@ -1,12 +1,12 @@
 // The direction cone that follows from the covariance of the target's estimate: by samples, each
-// moved by an integration of its own, where the planner carries a few weighted points.
+// integrated on its own, where the planner propagates a few weighted points.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "verification/checks.hpp"
@@ -15,7 +15,7 @@ namespace stillbase::verification {
 namespace {
 
 constexpr int kInstants = 7;
-constexpr double kTurnPerStep = 0.02;  // rad; an error below 1e-6 rad after 1000 of them
+constexpr double kAnglePerStep = 0.02;  ///< rad; an error below 1e-6 rad after 1000 steps
 
 /// Torque-free rotation by Euler's equations in principal axes, classical Runge-Kutta.
 struct FreeBody {
@@ -24,28 +24,24 @@ struct FreeBody {
   Vector3d w;            // in P, rad/s
 
   struct Rate {
-    Eigen::Vector4d q;  // w, x, y, z
+    Eigen::Vector4d q;
     Vector3d w;
   };
   Rate rate(const Eigen::Vector4d& e, const Vector3d& v) const {
-    return {0.5 * Eigen::Vector4d(-e[1] * v[0] - e[2] * v[1] - e[3] * v[2],
-                                  e[0] * v[0] + e[2] * v[2] - e[3] * v[1],
-                                  e[0] * v[1] + e[3] * v[0] - e[1] * v[2],
-                                  e[0] * v[2] + e[1] * v[1] - e[2] * v[0]),
-            {(moments[1] - moments[2]) / moments[0] * v[1] * v[2],
-             (moments[2] - moments[0]) / moments[1] * v[2] * v[0],
-             (moments[0] - moments[1]) / moments[2] * v[0] * v[1]}};
+    const Eigen::Quaterniond spin(0, v[0], v[1], v[2]);
+    return {0.5 * (Eigen::Quaterniond(e) * spin).coeffs(),
+            moments.cwiseProduct(v).cross(v).cwiseQuotient(moments)};
   }
   int steps(double duration) const {
     // The energy bounds the rate.
     const double fastest =
         std::sqrt(moments.dot(w.cwiseAbs2()) / moments.minCoeff()) * std::abs(duration);
-    return 1 + static_cast<int>(fastest / kTurnPerStep);
+    return 1 + static_cast<int>(fastest / kAnglePerStep);
   }
   void advance(double duration) {
     const int count = steps(duration);
     const double h = duration / count;
-    Eigen::Vector4d e(q.w(), q.x(), q.y(), q.z());
+    Eigen::Vector4d e = q.coeffs();
     for (int i = 0; i < count; ++i) {
       const Rate a = rate(e, w);
       const Rate b = rate(e + h / 2 * a.q, w + h / 2 * a.w);
@@ -55,62 +51,61 @@ struct FreeBody {
       w += h / 6 * (a.w + 2 * b.w + 2 * c.w + d.w);
       e.normalize();
     }
-    q = Eigen::Quaterniond(e[0], e[1], e[2], e[3]);
+    q = Eigen::Quaterniond(e);
   }
 };
 
-/// Where the normal looks at the instants, for an estimate that is off by the given errors.
+/// Normals of the feature at the instants, for an estimate with the given errors.
 class Normals {
  public:
   Normals(const CaptureProblem& problem, const ContactFeature& feature)
-      : problem_(problem), body_(*problem.target), feature_(feature) {
-    axes_.setIdentity();
-    moments_.setOnes();
-    if (!body_.is_point_mass) {
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(body_.inertia);
-      axes_ = principal.eigenvectors();
-      if (axes_.determinant() < 0) axes_.col(2) *= -1;
-      moments_ = principal.eigenvalues();
+      : state_(problem.target_state), is_point_mass_(problem.target->is_point_mass) {
+    Matrix3d axes = Matrix3d::Identity();
+    if (!is_point_mass_) {
+      const SymmetricEigen3 principal = symmetric_eigen3(problem.target->inertia);
+      axes = principal.vectors;
+      if (axes.determinant() < 0) axes.col(2) *= -1;
+      moments_ = principal.values;
     }
+    R_TP_ = Eigen::Quaterniond(axes);
+    normal_P_ = R_TP_.conjugate() * feature.normal;
   }
 
   std::vector<Vector3d> at(const std::vector<double>& times, const Vector3d& orientation_error,
                            const Vector3d& rate_error, const Vector3d& moments_error) const {
-    const TargetState& state = problem_.target_state;
-    const Eigen::Quaterniond R_NT = state.pose.orientation * rotation_exp(orientation_error);
-    const Eigen::Quaterniond R_TP(axes_);
-    FreeBody body{moments_.cwiseProduct(moments_error.array().exp().matrix()), R_NT * R_TP,
-                  Vector3d::Zero()};
-    if (!body_.is_point_mass) {
-      body.w = body.q.conjugate() * (state.angular_velocity + rate_error);
-    }
-    const Vector3d normal = R_TP.conjugate() * feature_.normal;
+    FreeBody body = erroneous(orientation_error, rate_error, moments_error);
     std::vector<Vector3d> normals;
-    double now = state.time;
+    double now = state_.time;
     for (const double time : times) {
       body.advance(time - now);
       now = time;
-      normals.push_back(body.q * normal);
+      normals.push_back(body.q * normal_P_);
     }
     return normals;
   }
 
   /// Integration steps of the estimate itself until the last instant.
   double steps(const std::vector<double>& times) const {
-    const FreeBody body{
-        moments_, problem_.target_state.pose.orientation * Eigen::Quaterniond(axes_),
-        (problem_.target_state.pose.orientation * Eigen::Quaterniond(axes_)).conjugate() *
-            problem_.target_state.angular_velocity};
-    return body.steps(std::abs(times.front() - problem_.target_state.time) + times.back() -
-                      times.front());
+    const Vector3d none = Vector3d::Zero();
+    return erroneous(none, none, none)
+        .steps(std::abs(times.front() - state_.time) + times.back() - times.front());
   }
 
  private:
-  const CaptureProblem& problem_;
-  const TargetBody& body_;
-  const ContactFeature& feature_;
-  Matrix3d axes_;
-  Vector3d moments_;
+  FreeBody erroneous(const Vector3d& orientation_error, const Vector3d& rate_error,
+                     const Vector3d& moments_error) const {
+    FreeBody body{moments_.cwiseProduct(moments_error.array().exp().matrix()),
+                  state_.pose.orientation * rotation_exp(orientation_error) * R_TP_,
+                  Vector3d::Zero()};
+    if (!is_point_mass_) body.w = body.q.conjugate() * (state_.angular_velocity + rate_error);
+    return body;
+  }
+
+  TargetState state_;
+  bool is_point_mass_;
+  Vector3d moments_ = Vector3d::Ones();
+  Eigen::Quaterniond R_TP_;
+  Vector3d normal_P_;
 };
 
 }  // namespace
@@ -153,7 +148,7 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
     const std::vector<Vector3d> sampled = normals.at(times, orientation, rate, moments);
     for (std::size_t k = 0; k < times.size(); ++k) {
       const Vector3d& n = nominal[k];
-      // In a wedge the turn about the plane's normal counts.
+      // In a wedge the angle about the plane's normal counts.
       const double angle =
           plane ? std::abs(std::atan2(plane_N.dot(n.cross(sampled[k])), n.dot(sampled[k])))
                 : angle_between(n, sampled[k]);
@@ -163,18 +158,19 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
   const auto least = std::min_element(inside.begin(), inside.end());
   const double fraction = static_cast<double>(*least) / count;
   if (half_angle == 0) {
-    // Nothing that turns the normal is uncertain.
-    claims.at_most("direction_cone", 1 - fraction, 0, "1", "no sampled normal turns");
+    // No error changes the normal.
+    claims.at_most("direction_cone", 1 - fraction, 0, "1", "no sampled normal changes");
     return;
   }
   // Four standard errors of the fraction, and a hundredth for errors that are not Gaussian.
   const double limit = 4 * std::sqrt(confidence * (1 - confidence) / count) + 0.01;
   claims.at_most(
       "direction_cone", std::abs(fraction - confidence), limit, "1",
-      fmt::format("a half-angle of {:.6g} rad holds {:.4f} of {} sampled directions at {:.6g} s, "
-                  "where it holds the fewest; stated {:.4f}",
-                  half_angle, fraction, count,
-                  times[static_cast<std::size_t>(least - inside.begin())], confidence));
+      fmt::format(
+          "a half-angle of {:.6g} rad contains {:.4f} of {} sampled directions at {:.6g} s, "
+          "the smallest share over the window; stated {:.4f}",
+          half_angle, fraction, count, times[static_cast<std::size_t>(least - inside.begin())],
+          confidence));
 }
 
 }  // namespace stillbase::verification

@@ -1,4 +1,4 @@
-// What becomes of the target: bounced, pushed on, left at the hand, or held.
+// Motion of the target after the contact: it bounces, is pushed on, stays at the hand, or is held.
 #include <algorithm>
 #include <cmath>
 
@@ -13,16 +13,13 @@ namespace {
 Matrix6d hand_response(const PostureResponse& response) {
   Matrix6d W;
   for (int i = 0; i < 6; ++i) {
-    const reference::Impact unit = response.impact(Vector6d::Unit(i));
-    Eigen::VectorXd x(6 + unit.Delta_phidot.size());
-    x << unit.Delta_Omega, unit.Delta_phidot;
-    W.col(i) = response.dynamics.J * x;
+    W.col(i) = response.dynamics.J * velocity_jump(response.impact(Vector6d::Unit(i)));
   }
   return W;
 }
 
 /// Velocity [v; omega] of the target's contact point per impulse [f; t] there: the force moves the
-/// centroid and turns the body about it.
+/// centroid and rotates the body about it.
 Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& event) {
   Matrix6d W;
   for (int i = 0; i < 6; ++i) {
@@ -30,7 +27,7 @@ Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& even
     const Vector3d f = F.head<3>(), t = F.tail<3>();
     Vector3d omega = Vector3d::Zero(), v = f / problem.target->mass;
     if (problem.impulse.source == ImpulseSource::RigidBody) {
-      omega = event.target_inertia.ldlt().solve(event.r.cross(f) + t);
+      omega = reference::solve_definite(event.target_inertia, event.r.cross(f) + t);
       v += omega.cross(event.r);
     }
     W.col(i) << v, omega;
@@ -42,31 +39,32 @@ Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& even
 std::string words(double target_speed, double separation, double closing) {
   const double least = 1e-9 * closing;
   if (separation <= least) {
-    return fmt::format("stays at the hand, which nothing holds: both go on at {:.4g} m/s",
+    return fmt::format("stays at the hand without being held: both move on at {:.4g} m/s",
                        target_speed);
   }
   if (target_speed < 0) {
-    return fmt::format("bounced: it goes back at {:.4g} m/s, {:.4g} m/s from the hand",
+    return fmt::format("bounced: it moves back at {:.4g} m/s, {:.4g} m/s relative to the hand",
                        -target_speed, separation);
   }
-  return fmt::format("pushed on: it follows the hand at {:.4g} m/s and falls behind by {:.4g} m/s",
+  return fmt::format("pushed on: it moves at {:.4g} m/s, {:.4g} m/s slower than the hand",
                      target_speed, separation);
 }
 
-void check_jump(const Context& context, const ContactEvent& event, const PostureResponse& response,
-                const Vector6d& Fbar, ClaimList& claims) {
+void check_jump(const Context& context, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
+  const ContactEvent& event = context.situation.event;
   const Vector3d n = event.n;
+  const Vector6d Fbar = context.situation.impulse();
   const double closing = closing_speed(problem, event, n);
-  const double hand = n.dot((hand_response(response) * Fbar).head<3>());
+  const double hand = n.dot((hand_response(context.situation.response) * Fbar).head<3>());
   const double target = closing - n.dot((target_response(problem, event) * Fbar).head<3>());
   const double separation = hand - target;
   claims.at_least("target_fate", separation, problem.impulse.restitution * closing, 1e-9 * closing,
                   "m/s", words(target, separation, closing));
 }
 
-void check_compliant(const Context& context, const ContactEvent& event, const AfterContact& run,
-                     ClaimList& claims) {
+void check_compliant(const Context& context, const AfterContact& run, ClaimList& claims) {
+  const ContactEvent& event = context.situation.event;
   const EncounterResult& encounter = *run.encounter;
   const ContactHistory& contact = encounter.contact;
   if (contact.contacts == 0 || contact.phase == ContactPhase::Touching) {
@@ -75,7 +73,7 @@ void check_compliant(const Context& context, const ContactEvent& event, const Af
                                                : "hand and target still touch at the horizon");
     return;
   }
-  const Vector3d n_N = context.plan.configuration.base.orientation * event.n;
+  const Vector3d n_N = context.situation.at.base.orientation * event.n;
   const TargetPlantState& end = encounter.target_end;
   const Vector3d omega_N = end.pose.orientation * end.angular_velocity;
   Vector3d point_N = Vector3d::Zero();
@@ -94,18 +92,19 @@ void check_compliant(const Context& context, const ContactEvent& event, const Af
           run.simulation.summary.peak_contact_force, encounter.impulse_N.norm()));
 }
 
-/// Robot and target as the simulation goes on with them, against the latch's own equations and the
-/// momentum that the target brought.
-void check_latch(const Context& context, const ContactEvent& event, const PostureResponse& response,
-                 const AfterContact& run, ClaimList& claims) {
+/// Robot and target at the start of the simulation, against the latch's own equations and the
+/// target's momentum before the contact.
+void check_latch(const Context& context, const AfterContact& run, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
-  const Configuration& at = context.plan.configuration;
-  const TargetState state = context.motion->state(at.contact_time);
+  const ContactEvent& event = context.situation.event;
+  const Configuration& at = context.situation.at;
+  const TargetState state = context.situation.target()->state(at.contact_time);
   const Vector3d omega = at.base.orientation.conjugate() * state.angular_velocity;
   Vector6d V_t;
   V_t << *event.velocity, omega;
   const Matrix6d W_t = target_response(problem, event);
-  const Vector6d Fbar = (hand_response(response) + W_t).ldlt().solve(V_t);
+  const Vector6d Fbar =
+      reference::solve_definite(hand_response(context.situation.response) + W_t, V_t);
   const Vector6d target_after = V_t - W_t * Fbar;
 
   const PlantState& start = run.simulation.trace.front().state;
@@ -121,7 +120,7 @@ void check_latch(const Context& context, const ContactEvent& event, const Postur
                   "the hand from that of the target after it, relative",
                   Fbar.head<3>().norm(), Fbar.tail<3>().norm()));
 
-  // Momentum about the hand: the robot brought none.
+  // Momentum about the hand: the robot had none before.
   const Vector3d v_centroid = *event.velocity - omega.cross(event.r);
   const Vector3d p = problem.target->mass * v_centroid;
   const Vector3d spin = event.target_inertia * omega;
@@ -130,24 +129,22 @@ void check_latch(const Context& context, const ContactEvent& event, const Postur
   const double error = std::max((d.P - p).norm() / p.norm(),
                                 (L - l).norm() / (spin.norm() + event.r.norm() * p.norm()));
   claims.at_most("latch_momentum", error, context.options.momentum_tolerance, "1",
-                 "momentum of robot with target from what the target brought, relative");
+                 "momentum of robot with target from that of the target before, relative");
 }
 
 }  // namespace
 
-void check_target_fate(const Context& context, const ContactEvent& event,
-                       const PostureResponse& response, const Vector6d& Fbar,
-                       const AfterContact* run, ClaimList& claims) {
+void check_target_fate(const Context& context, const AfterContact* run, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
   if (!problem.target || problem.impulse.source == ImpulseSource::Given) return;
   switch (problem.post_impact.contact.model) {
     case ContactModel::Jump:
-      return check_jump(context, event, response, Fbar, claims);
+      return check_jump(context, claims);
     case ContactModel::Compliant:
-      if (run != nullptr && run->encounter) check_compliant(context, event, *run, claims);
+      if (run != nullptr && run->encounter) check_compliant(context, *run, claims);
       return;
     case ContactModel::Latch:
-      if (run != nullptr) check_latch(context, event, response, *run, claims);
+      if (run != nullptr) check_latch(context, *run, claims);
       return;
   }
 }

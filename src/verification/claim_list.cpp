@@ -1,8 +1,23 @@
 #include "verification/claim_list.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
-namespace stillbase::verification {
+namespace stillbase {
+
+std::string to_string(ClaimGroup group) {
+  constexpr const char* kNames[] = {"inputs",   "physics",       "constraints",
+                                    "approach", "after_contact", "audit"};
+  return kNames[static_cast<std::size_t>(group)];
+}
+
+bool all_hold(const std::vector<Claim>& claims) {
+  return std::none_of(claims.begin(), claims.end(), [](const Claim& c) { return c.fails(); }) &&
+         std::any_of(claims.begin(), claims.end(), [](const Claim& c) { return c.pass; });
+}
+
+namespace verification {
 
 double relative_error(const Eigen::VectorXd& stated, const Eigen::VectorXd& recomputed,
                       double scale) {
@@ -25,8 +40,9 @@ double relative_error(double stated, double recomputed, double scale) {
 
 PoseError pose_error(const Pose& a, const Pose& b) {
   // Twice the vector part of the relative rotation: exact where the logarithm loses digits.
-  const Eigen::Quaterniond turn = a.orientation.conjugate() * b.orientation;
-  return {(a.position - b.position).norm(), 2 * std::atan2(turn.vec().norm(), std::abs(turn.w()))};
+  const Eigen::Quaterniond change = a.orientation.conjugate() * b.orientation;
+  return {(a.position - b.position).norm(),
+          2 * std::atan2(change.vec().norm(), std::abs(change.w()))};
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) {
@@ -39,7 +55,7 @@ void ClaimList::add(const std::string& name, double value, double limit, const s
     not_evaluated(name, limit, unit, "not a finite number: " + detail);
     return;
   }
-  claims_.push_back({name, value, limit, unit, pass, detail});
+  claims_.push_back({name, value, limit, unit, pass, detail, group_});
 }
 
 void ClaimList::at_most(const std::string& name, double value, double limit,
@@ -58,24 +74,37 @@ void ClaimList::same(const std::string& name, double error, double tolerance,
       detail + ", relative difference of stated and recomputed value");
 }
 
-void ClaimList::none_wrong(const std::string& name, const std::vector<std::string>& objections,
+void ClaimList::none_wrong(const std::string& name, const Objections& objections,
                            const std::string& detail) {
   std::string text = detail;
-  for (std::size_t i = 0; i < objections.size(); ++i)
-    text += (i == 0 ? ": " : "; ") + objections[i];
-  add(name, static_cast<double>(objections.size()), 0, "1", objections.empty(), text);
+  for (const std::string& objection : objections.list()) {
+    text += (&objection == &objections.list().front() ? ": " : "; ") + objection;
+  }
+  add(name, static_cast<double>(objections.list().size()), 0, "1", objections.none(), text);
 }
 
 void ClaimList::not_evaluated(const std::string& name, double limit, const std::string& unit,
                               const std::string& reason) {
-  claims_.push_back({name, std::nullopt, limit, unit, false, "not evaluated: " + reason});
+  claims_.push_back({name, std::nullopt, limit, unit, false, "not evaluated: " + reason, group_});
 }
 
-bool ClaimList::all_pass() const {
-  for (const Claim& claim : claims_) {
-    if (!claim.pass) return false;
+void ClaimList::run(const std::string& name, const StopCondition& stop,
+                    const std::function<void()>& checks) {
+  if (stop.reached()) return not_evaluated(name, 0, "1", "stopped before it");
+  try {
+    checks();
+  } catch (const std::exception& error) {
+    not_evaluated(name, 0, "1", error.what());
   }
-  return !claims_.empty();
 }
 
-}  // namespace stillbase::verification
+Verification ClaimList::result(const StopCondition& stop) const {
+  Verification out;
+  out.claims = claims_;
+  out.pass = all_pass();
+  out.interrupted = !out.pass && stop.reached();
+  return out;
+}
+
+}  // namespace verification
+}  // namespace stillbase

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
 #include <fmt/format.h>
+
+#include <stillbase/core/linear_algebra.hpp>
 
 #include "verification/base_motion.hpp"
 
 namespace stillbase::verification {
 namespace {
 
-// The scene's view of a posture, filled from the reference kinematics.
+/// The scene's view of a posture, filled from the reference kinematics.
 Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd& phi) {
   Kinematics<double> kinematics;
   kinematics.n = robot.n();
@@ -42,7 +42,7 @@ struct Extent {
   }
 };
 
-// How far any point of the target may move per second, m/s.
+/// Largest speed of any point of the target, m/s.
 double target_speed(const TargetBody& body, const TargetState& state) {
   double reach = 0;
   for (const TargetShape& shape : body.shapes) {
@@ -51,16 +51,15 @@ double target_speed(const TargetBody& body, const TargetState& state) {
   return state.linear_velocity.norm() + reach * state.angular_velocity.norm();
 }
 
-// How fast the target moves and turns, m/s + rad/s, at any time: the rate of turning is at most
-// the angular momentum over the smallest principal moment.
+/// Bound of the target's speed and angular rate at any time, m/s + rad/s: the rate is at most the
+/// angular momentum over the smallest principal moment.
 double target_travel_rate(const TargetMotion& motion, double time) {
   const TargetState state = motion.state(time);
   double rate = state.angular_velocity.norm();
   if (!motion.body().is_point_mass && rate > 0) {
     const Matrix3d& inertia = motion.body().inertia;
     const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> moments(inertia, Eigen::EigenvaluesOnly);
-    rate = (inertia * omega_T).norm() / moments.eigenvalues()[0];
+    rate = (inertia * omega_T).norm() / principal_moments(inertia)[0];
   }
   return state.linear_velocity.norm() + rate;
 }
@@ -71,6 +70,8 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
   const CaptureProblem& problem = context.problem;
   const VerifyOptions& options = context.options;
   const Approach& approach = context.plan.approach;
+  const TargetMotion* motion = context.situation.target();
+  const std::size_t segments = approach.times.size() - 1;
   PathClearance result;
   std::optional<CollisionScene> scene;
   try {
@@ -80,24 +81,24 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     return result;
   }
 
-  const auto keep_smaller = [](std::optional<double>& least, double distance) {
-    if (!least || distance < *least) least = distance;
+  const auto keep_smaller = [](std::optional<double>& least,
+                               const std::optional<Proximity>& nearest) {
+    if (nearest && (!least || nearest->distance < *least)) least = nearest->distance;
+  };
+  const auto target_at = [&](double time) {
+    return motion == nullptr ? std::nullopt : std::optional(motion->state(time).pose);
   };
   auto look_as_stated = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
-    std::optional<Pose> target;
-    if (context.motion != nullptr) target = context.motion->state(time).pose;
-    const auto nearest =
-        scene->nearest(kinematics_at(problem.robot, phi), base, target ? &*target : nullptr, false);
-    if (nearest) keep_smaller(result.distance_as_stated, nearest->distance);
+    const std::optional<Pose> target = target_at(time);
+    keep_smaller(result.distance_as_stated, scene->nearest(kinematics_at(problem.robot, phi), base,
+                                                           target ? &*target : nullptr, false));
   };
   auto look = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
     ++result.instants;
-    std::optional<Pose> target;
-    if (context.motion != nullptr) target = context.motion->state(time).pose;
+    const std::optional<Pose> target = target_at(time);
     const Pose* at = target ? &*target : nullptr;
     const Kinematics<double> kinematics = kinematics_at(problem.robot, phi);
-    const auto of_path = scene->nearest(kinematics, base, at, false);
-    if (of_path) keep_smaller(result.distance_of_path, of_path->distance);
+    keep_smaller(result.distance_of_path, scene->nearest(kinematics, base, at, false));
     const auto nearest = scene->nearest(kinematics, base, at);
     if (!nearest || (result.distance && nearest->distance >= *result.distance)) return;
     result.distance = nearest->distance;
@@ -107,7 +108,7 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
 
   const double travel = problem.approach.resolution * options.path_refinement;
   const bool floats = problem.approach.base != BaseMode::Held;
-  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+  for (std::size_t i = 0; i < segments; ++i) {
     if (options.stop.reached()) {
       result.detail = fmt::format("stopped at {:.3f} s", approach.times[i]);
       return result;
@@ -115,10 +116,9 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
     const HermiteSegment segment(approach, i);
     const double h = segment.duration();
     double steps = std::ceil(h * segment.extremes().rate.maxCoeff() / travel);
-    if (context.motion != nullptr) {
-      const TargetState state = context.motion->state(segment.begin());
-      steps = std::max(steps, std::ceil(h * target_speed(context.motion->body(), state) /
-                                        options.max_target_step));
+    if (motion != nullptr) {
+      const double speed = target_speed(motion->body(), motion->state(segment.begin()));
+      steps = std::max(steps, std::ceil(h * speed / options.max_target_step));
     }
     const int count = std::max(1, static_cast<int>(std::min(steps, 1e6)));
     Pose base = poses[i];
@@ -133,14 +133,14 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
   look(approach.joint_positions.back(), poses.back(), approach.times.back());
 
   const double stated_step = problem.approach.resolution / 2;
-  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+  for (std::size_t i = 0; i < segments; ++i) {
     const HermiteSegment segment(approach, i);
     const double h = segment.duration();
-    const double turn = (segment.extremes().rate * h).norm();
-    const bool waits = turn == 0 && i + 2 == approach.times.size();
-    double ratio = turn / stated_step;
-    if (waits && context.motion != nullptr) {
-      ratio = target_travel_rate(*context.motion, approach.times.back()) * h / stated_step;
+    const double length = (segment.extremes().rate * h).norm();
+    const bool waits = length == 0 && i + 1 == segments;
+    double ratio = length / stated_step;
+    if (waits && motion != nullptr) {
+      ratio = target_travel_rate(*motion, approach.times.back()) * h / stated_step;
     }
     const int count = static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 10000.0));
     for (int j = 0; j < count; ++j) {
@@ -155,8 +155,9 @@ PathClearance path_clearance(const Context& context, const std::vector<Pose>& po
   return result;
 }
 
-std::optional<Proximity> contact_hit(const CaptureProblem& problem, const CollisionScene& scene,
-                                     const Configuration& configuration) {
+std::optional<Proximity> contact_collision(const CaptureProblem& problem,
+                                           const CollisionScene& scene,
+                                           const Configuration& configuration) {
   const Kinematics<double> kinematics = kinematics_at(problem.robot, configuration.phi);
   const auto motion = target_motion(problem, configuration, configuration.base * kinematics.r_bh,
                                     configuration.contact_time);

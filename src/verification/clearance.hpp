@@ -15,23 +15,24 @@ namespace stillbase::verification {
 struct PathClearance {
   bool complete = false;           ///< false: `detail` says why
   std::optional<double> distance;  ///< m; empty: there is no pair that could touch
-  /// The same without the hand's body against the target: what a plan states.
+  /// The same without the hand's body against the target, as a plan states it.
   std::optional<double> distance_of_path;
-  /// That, with steps of half the resolution in joint space (of the target in the wait): the
+  /// The same with steps of half the resolution in joint space (of the target in the wait), the
   /// instants at which a plan is made.
   std::optional<double> distance_as_stated;
   double time = 0;     ///< s
   std::string detail;  ///< the pair
-  long instants = 0;   ///< looked at
+  long instants = 0;   ///< number of postures that were checked
 };
 
 /// Along the approach and the wait, at steps of a part of the problem's resolution.
 /// @param poses integrated base poses at the samples
 PathClearance path_clearance(const Context& context, const std::vector<Pose>& poses);
 
-/// What touches what at the contact, the hand's body and the target near the feature excepted.
-/// @throws std::invalid_argument for a scene that cannot be built
-std::optional<Proximity> contact_hit(const CaptureProblem& problem, const CollisionScene& scene,
-                                     const Configuration& configuration);
+/// A pair of bodies in contact at a configuration, except the hand's body with the target near the
+/// feature; empty: there is none.
+std::optional<Proximity> contact_collision(const CaptureProblem& problem,
+                                           const CollisionScene& scene,
+                                           const Configuration& configuration);
 
 }  // namespace stillbase::verification

@@ -1,5 +1,8 @@
 #include "verification/contact_case.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace stillbase::verification {
 
 ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* motion,
@@ -34,6 +37,15 @@ ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* moti
       state.pose.orientation.conjugate() * Vector3d(speed_factor * state.angular_velocity);
   subject.target = target;
   return subject;
+}
+
+double largest_fraction(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
+  double fraction = 0;
+  for (int k = 0; k < robot.n(); ++k) {
+    const double most = robot.joints[static_cast<std::size_t>(k)].*limit;
+    if (std::isfinite(most) && peaks(k) > 0) fraction = std::max(fraction, peaks(k) / most);
+  }
+  return fraction;
 }
 
 }  // namespace stillbase::verification

@@ -1,4 +1,4 @@
-// A contact as the simulation takes it, by `reference`.
+// From a contact to its simulation, and from the simulation to limits.
 #pragma once
 
 #include <stillbase/simulation/after_contact.hpp>
@@ -7,6 +7,7 @@
 
 namespace stillbase::verification {
 
+/// A contact as the simulation takes it, by `reference`.
 /// @param motion null without a target
 /// @param d direction of the impulse on the hand, unit, in B
 /// @param speed_factor on the target's predicted velocities
@@ -14,5 +15,8 @@ ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* moti
                          const ContactEvent& event, const PostureResponse& response,
                          const Configuration& configuration, const Vector3d& d,
                          const Vector6d& Fbar, double speed_factor = 1);
+
+/// Largest fraction of a joint's limit that peaks (n) use; 0 without limits.
+double largest_fraction(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit);
 
 }  // namespace stillbase::verification

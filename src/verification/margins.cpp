@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <fmt/format.h>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::verification {
 namespace {
@@ -12,37 +12,19 @@ namespace {
 constexpr int kTarget = -2;
 
 double smallest_of_rank(const Eigen::MatrixXd& A) {
-  const Eigen::VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(A).singularValues();
-  double smallest = values[0];
-  for (const double value : values) {
-    if (value > 1e-9 * values[0]) smallest = value;
-  }
-  return smallest;
+  const Eigen::VectorXd values = singular_values(A);
+  return values[std::max(numerical_rank(values, 1e-9), 1) - 1];
 }
 
-/// Minimum of a convex function over [-1, 1]: golden section.
+/// Minimum of a convex function over [-1, 1]: thirds.
 template <class Function>
 double convex_minimum(const Function& f) {
-  const double golden = (std::sqrt(5.0) - 1) / 2;
-  double low = -1, high = 1;
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double fa = f(a), fb = f(b);
-  double best = std::min({f(low), f(high), fa, fb});
+  double low = -1, high = 1, best = std::min(f(low), f(high));
   for (int i = 0; i < 90; ++i) {
-    if (fa <= fb) {
-      high = b;
-      b = a;
-      fb = fa;
-      a = high - golden * (high - low);
-      fa = f(a);
-    } else {
-      low = a;
-      a = b;
-      fa = fb;
-      b = low + golden * (high - low);
-      fb = f(b);
-    }
+    const double third = (high - low) / 3, a = low + third, b = high - third;
+    const double fa = f(a), fb = f(b);
     best = std::min({best, fa, fb});
+    (fa <= fb ? high : low) = fa <= fb ? b : a;
   }
   return best;
 }
@@ -67,15 +49,6 @@ double to_axis(const Vector3d& point, double half) {
   return std::hypot(point.x(), point.y(), std::max(std::abs(point.z()) - half, 0.0));
 }
 
-std::vector<Vector3d> corners(const Pose& pose, const Vector3d& size) {
-  std::vector<Vector3d> out;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3d signs(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-    out.push_back(pose * Vector3d(signs.cwiseProduct(size) / 2));
-  }
-  return out;
-}
-
 double widest_gap(const Pose& a, const Vector3d& a_size, const Pose& b, const Vector3d& b_size) {
   const Matrix3d A = a.orientation.toRotationMatrix(), B = b.orientation.toRotationMatrix();
   std::vector<Vector3d> axes;
@@ -87,19 +60,13 @@ double widest_gap(const Pose& a, const Vector3d& a_size, const Pose& b, const Ve
       if (axis.norm() > 1e-6) axes.push_back(axis.normalized());
     }
   }
-  const std::vector<Vector3d> on_a = corners(a, a_size), on_b = corners(b, b_size);
+  const auto half_extent = [](const Matrix3d& R, const Vector3d& size, const Vector3d& axis) {
+    return (R.transpose() * axis).cwiseAbs().dot(size) / 2;
+  };
   double widest = -kInfinity;
   for (const Vector3d& axis : axes) {
-    double a_low = kInfinity, a_high = -kInfinity, b_low = kInfinity, b_high = -kInfinity;
-    for (const Vector3d& p : on_a) {
-      a_low = std::min(a_low, axis.dot(p));
-      a_high = std::max(a_high, axis.dot(p));
-    }
-    for (const Vector3d& p : on_b) {
-      b_low = std::min(b_low, axis.dot(p));
-      b_high = std::max(b_high, axis.dot(p));
-    }
-    widest = std::max({widest, a_low - b_high, b_low - a_high});
+    widest = std::max(widest, std::abs(axis.dot(b.position - a.position)) -
+                                  half_extent(A, a_size, axis) - half_extent(B, b_size, axis));
   }
   return widest;
 }
@@ -122,8 +89,9 @@ double jacobian_singular_value(const PostureResponse& response, double length) {
   const Eigen::MatrixXd& H = response.dynamics.H;
   const Eigen::MatrixXd& J = response.dynamics.J;
   const Eigen::Index n = H.cols() - 6;
-  Eigen::MatrixXd Jhat = J.rightCols(n) - J.leftCols(6) * H.topLeftCorner(6, 6).fullPivLu().solve(
-                                                              H.topRightCorner(6, n));
+  Eigen::MatrixXd Jhat =
+      J.rightCols(n) -
+      J.leftCols(6) * reference::solve_definite(H.topLeftCorner(6, 6), H.topRightCorner(6, n));
   Jhat.bottomRows(3) *= length;
   return smallest_of_rank(Jhat);
 }
@@ -150,8 +118,7 @@ ContactShapes::ContactShapes(const CaptureProblem& problem, const Configuration&
 
 std::optional<double> ContactShapes::distance(int i, int j) const {
   if (i < 1 || j < 1 || i > count() || j > count()) return std::nullopt;
-  const Shape& a = shapes_[static_cast<std::size_t>(i - 1)];
-  const Shape& b = shapes_[static_cast<std::size_t>(j - 1)];
+  const Shape &a = shape(i), &b = shape(j);
   if (a.geometry == nullptr || b.geometry == nullptr) return std::nullopt;
   const auto round_a = round_of(*a.geometry), round_b = round_of(*b.geometry);
   const auto* box_a = std::get_if<Box>(a.geometry);
@@ -180,8 +147,7 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
 }
 
 bool ContactShapes::must_be_apart(int i, int j) const {
-  const Shape& a = shapes_[static_cast<std::size_t>(i - 1)];
-  const Shape& b = shapes_[static_cast<std::size_t>(j - 1)];
+  const Shape &a = shape(i), &b = shape(j);
   if (a.body == b.body) return false;
   for (const auto& [one, other] : problem_.allowed_contacts) {
     if ((one == a.name && other == b.name) || (one == b.name && other == a.name)) return false;
@@ -196,8 +162,7 @@ bool ContactShapes::are_neighbours(int i, int j) const {
     return child.body >= 0 && !parent.is_obstacle &&
            problem_.robot.joints[static_cast<std::size_t>(child.body)].parent == parent.body;
   };
-  const Shape& a = shapes_[static_cast<std::size_t>(i - 1)];
-  const Shape& b = shapes_[static_cast<std::size_t>(j - 1)];
+  const Shape &a = shape(i), &b = shape(j);
   return is_parent(a, b) || is_parent(b, a);
 }
 
@@ -207,14 +172,12 @@ std::optional<std::pair<int, int>> clearance_numbers(const std::string& name) {
   return std::pair{i, j};
 }
 
-MarginNumbers margin_numbers(const CaptureProblem& problem, const Configuration& at,
-                             const TargetMotion* motion, const ContactEvent& event,
-                             const PostureResponse& response) {
+MarginNumbers margin_numbers(const Situation& situation) {
+  const CaptureProblem& problem = situation.problem;
   const ConstraintSpec& wanted = problem.constraints;
   MarginNumbers out;
   if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
-    const auto rates =
-        response.impact(impulse_along(problem, event, response, event.n)).Delta_phidot;
+    const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
     for (int k = 0; k < problem.robot.n(); ++k) {
       const double excess = std::abs(rates[k]) - joint_rate_limit(problem, k);
       if (excess <= out.rate_excess) continue;
@@ -222,23 +185,22 @@ MarginNumbers margin_numbers(const CaptureProblem& problem, const Configuration&
       out.fastest = problem.robot.joints[static_cast<std::size_t>(k)].name;
     }
   }
-  if (wanted.coupling_singular_value_min > 0) out.coupling = coupling_singular_value(response);
+  if (wanted.coupling_singular_value_min > 0) {
+    out.coupling = coupling_singular_value(situation.response);
+  }
   if (wanted.jacobian_singular_value_min > 0) {
-    out.jacobian = jacobian_singular_value(response, wanted.jacobian_length);
+    out.jacobian = jacobian_singular_value(situation.response, wanted.jacobian_length);
   }
   if (!wanted.clearance) return out;
-  std::optional<Pose> target;
-  if (motion != nullptr) target = motion->state(at.contact_time).pose;
-  const ContactShapes shapes(problem, at, target ? &*target : nullptr);
-  const auto take = [&](int i, int j) {
-    const auto distance = shapes.distance(i, j);
-    if (!distance || (out.distance && *distance >= *out.distance)) return;
-    out.distance = distance;
-    out.nearest = shapes.name(i) + " with " + shapes.name(j);
-  };
+  const auto target = situation.target_pose();
+  const ContactShapes shapes(problem, situation.at, target ? &*target : nullptr);
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
-      if (shapes.must_be_apart(i, j)) take(i, j);
+      if (!shapes.must_be_apart(i, j)) continue;
+      const auto distance = shapes.distance(i, j);
+      if (!distance || (out.distance && *distance >= *out.distance)) continue;
+      out.distance = distance;
+      out.nearest = shapes.name(i) + " with " + shapes.name(j);
     }
   }
   return out;
@@ -258,12 +220,10 @@ double neighbours_distance(const CaptureProblem& problem, const Configuration& a
   return least;
 }
 
-void check_margins(const Context& context, const ContactEvent& event,
-                   const PostureResponse& response, ClaimList& claims) {
-  const ConstraintSpec& wanted = context.problem.constraints;
-  const double tolerance = context.options.constraint_tolerance;
-  const MarginNumbers found =
-      margin_numbers(context.problem, context.plan.configuration, context.motion, event, response);
+void check_margins(const Situation& situation, const VerifyOptions& options, ClaimList& claims) {
+  const ConstraintSpec& wanted = situation.problem.constraints;
+  const double tolerance = options.constraint_tolerance;
+  const MarginNumbers found = margin_numbers(situation);
   if (!found.fastest.empty() && std::isfinite(found.rate_excess)) {
     claims.at_most("joint_rate_limits", found.rate_excess, tolerance, "rad/s",
                    "furthest beyond its rate limit right after the impact: " + found.fastest);
@@ -278,7 +238,7 @@ void check_margins(const Context& context, const ContactEvent& event,
   }
   if (wanted.clearance && found.distance) {
     claims.at_least("shape_clearance", *found.distance, *wanted.clearance, tolerance, "m",
-                    "nearest shapes at the contact: " + found.nearest);
+                    "closest shapes at the contact: " + found.nearest);
   }
 }
 

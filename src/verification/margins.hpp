@@ -1,4 +1,4 @@
-// Margins that a problem may ask for at the contact, by `reference`: joint rates, singular values,
+// Margins that a problem may demand at the contact, by `reference`: joint rates, singular values,
 // distances of shapes. Written apart from the planner's own.
 #pragma once
 
@@ -13,10 +13,10 @@ namespace stillbase::verification {
 /// Limit of a joint's rate right after the impact; infinite without one.
 double joint_rate_limit(const CaptureProblem& problem, int joint);
 
-/// Smallest singular value of the coupling matrix, without those that are zero by rank. kg m^2
+/// Smallest singular value of the coupling matrix that is not zero by rank, kg m^2.
 double coupling_singular_value(const PostureResponse& response);
 
-/// The same of Jhat_phi, its angular rows times a length. m
+/// The same of Jhat_phi, its angular rows times a length, m.
 double jacobian_singular_value(const PostureResponse& response, double length);
 
 /// The shapes of robot, obstacles and target at the contact, numbered from 1 in this order.
@@ -29,13 +29,13 @@ class ContactShapes {
   /// cylinder counts as the capsule about it), between boxes the widest gap along a separating
   /// axis. Empty for numbers that do not exist and for shapes that no constraint looks at.
   std::optional<double> distance(int i, int j) const;
-  /// Whether a problem that asks for clearances asks for that of these two, neighbours in the tree
-  /// left out: some of them overlap by construction.
+  /// Whether a clearance applies to these two. Neighbours in the tree are left out: some of them
+  /// overlap by construction.
   bool must_be_apart(int i, int j) const;
   /// Whether they are of a body and its parent in the tree.
   bool are_neighbours(int i, int j) const;
   int count() const { return static_cast<int>(shapes_.size()); }
-  std::string name(int i) const { return shapes_[static_cast<std::size_t>(i - 1)].name; }
+  const std::string& name(int i) const { return shape(i).name; }
 
  private:
   struct Shape {
@@ -45,6 +45,8 @@ class ContactShapes {
     Pose pose;  ///< in B
     const Geometry* geometry;
   };
+  const Shape& shape(int i) const { return shapes_[static_cast<std::size_t>(i - 1)]; }
+
   const CaptureProblem& problem_;
   std::vector<Shape> shapes_;
 };
@@ -52,7 +54,7 @@ class ContactShapes {
 /// The two numbers in clearance_<i>_<j>_<names>; empty for another name.
 std::optional<std::pair<int, int>> clearance_numbers(const std::string& name);
 
-/// What the margins of the problem are worth at one configuration.
+/// The margins of the problem at one configuration.
 struct MarginNumbers {
   double rate_excess = -kInfinity;  ///< largest |rate| less its limit, rad/s (m/s)
   std::string fastest;              ///< that joint
@@ -60,17 +62,13 @@ struct MarginNumbers {
   std::optional<double> distance;  ///< smallest of pairs that must be apart, m
   std::string nearest;             ///< that pair
 };
-/// @param motion of the target; null: there is none
-MarginNumbers margin_numbers(const CaptureProblem& problem, const Configuration& at,
-                             const TargetMotion* motion, const ContactEvent& event,
-                             const PostureResponse& response);
+MarginNumbers margin_numbers(const Situation& situation);
 
-/// The smallest distance of neighbours in the tree that are apart in the start posture: of those a
-/// planner may ask clearance as well. Infinite without any. m
+/// The smallest distance of neighbours in the tree that are apart in the start posture, m: a
+/// planner may demand clearance of those as well. Infinite without any.
 double neighbours_distance(const CaptureProblem& problem, const Configuration& at);
 
-/// One claim for each margin that the problem asks for.
-void check_margins(const Context& context, const ContactEvent& event,
-                   const PostureResponse& response, ClaimList& claims);
+/// One check for each margin that the problem demands.
+void check_margins(const Situation& situation, const VerifyOptions& options, ClaimList& claims);
 
 }  // namespace stillbase::verification

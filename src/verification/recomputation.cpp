@@ -2,34 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::verification {
+namespace {
 
-// Servo: stiffness K and damping D over a contact of duration h under a constant force add
-// h D/2 + h^2 K/6 to the joint inertia, to leading order.
+/// What the joint resistance adds to the joint inertia during the impact (n). Servo: stiffness K
+/// and damping D over a contact of duration h under a constant force add h D/2 + h^2 K/6, to
+/// leading order.
 Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n) {
-  Eigen::VectorXd added = Eigen::VectorXd::Zero(n);
   const double h = resistance.contact_duration;
   switch (resistance.model) {
     case ResistanceModel::RotorInertia:
-      added = resistance.rotor_inertia;
-      break;
+      return resistance.rotor_inertia;
     case ResistanceModel::Servo:
-      added = h / 2 * resistance.damping + h * h / 6 * resistance.stiffness;
-      break;
+      return h / 2 * resistance.damping + h * h / 6 * resistance.stiffness;
     case ResistanceModel::Free:
     case ResistanceModel::Locked:
       break;
   }
-  return added;
+  return Eigen::VectorXd::Zero(n);
 }
 
-CaptureProblem problem_at(const CaptureProblem& problem, const Configuration& at) {
-  CaptureProblem met = problem;
-  if (!at.feature.empty()) met.variables.feature = at.feature;
-  return met;
+Matrix3d base_axes_of_inertial(const Configuration& at) {
+  return at.base.orientation.conjugate().toRotationMatrix();
 }
+
+/// 1/kg: what the force impulse along d adds to the closing velocity by turning the target.
+double turning_inverse_mass(const Matrix3d& inertia, const Vector3d& r, const Vector3d& d) {
+  const Vector3d arm = r.cross(d);
+  return arm.dot(inertia.ldlt().solve(arm));
+}
+
+}  // namespace
 
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem) {
   if (!problem.target || problem.variables.feature.empty()) return std::nullopt;
@@ -74,7 +80,7 @@ std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
 ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
                            const Configuration& configuration) {
   ContactEvent event;
-  const Matrix3d R_BN = configuration.base.orientation.conjugate().toRotationMatrix();
+  const Matrix3d R_BN = base_axes_of_inertial(configuration);
   const ImpulseSpec& impulse = problem.impulse;
   const bool in_base = impulse.direction_frame == Frame::Base;
   if (impulse.source == ImpulseSource::Given) {
@@ -85,13 +91,13 @@ ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* mo
   if (impulse.direction) {
     event.n = in_base ? *impulse.direction : Vector3d(R_BN * *impulse.direction);
     if (impulse.source == ImpulseSource::RigidBody) {
-      event.missing = "a rigid body hits along the normal of its feature, not a stated direction";
+      event.missing = "a rigid body's impulse is along the normal of its feature, not a stated one";
     }
     return event;
   }
   const auto feature = feature_of(problem);
   if (!feature || motion == nullptr) {
-    event.missing = "neither a direction nor a contact feature says where the impulse comes from";
+    event.missing = "neither a direction nor a contact feature fixes the impulse's direction";
     return event;
   }
   const double t = configuration.contact_time;
@@ -109,16 +115,16 @@ double closing_speed(const CaptureProblem& problem, const ContactEvent& event, c
   return event.velocity ? d.dot(*event.velocity) : problem.impulse.closing_speed;
 }
 
-std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem,
-                                                   const ContactEvent& event,
-                                                   const Configuration& configuration) {
+std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& problem,
+                                                     const ContactEvent& event,
+                                                     const Configuration& configuration) {
   const HandSpec& hand = problem.hand;
   if (hand.constraint != HandConstraint::Pose) return std::nullopt;
   if (hand.orientation) {
     return hand.frame == Frame::Base ? configuration.base.orientation * *hand.orientation
                                      : *hand.orientation;
   }
-  // Zero roll is the shortest turn in the frame that the normal is given in.
+  // Zero roll is the shortest rotation in the frame E that the normal is given in.
   const auto against = [&hand](const Eigen::Quaterniond& R_NE, const Vector3d& n_E) {
     return R_NE * rotation_exp(hand.roll * n_E) *
            Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E);
@@ -133,7 +139,24 @@ std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem
                  *impulse.direction);
 }
 
-PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
+Eigen::VectorXd velocity_jump(const reference::Impact& impact) {
+  Eigen::VectorXd x(6 + impact.Delta_phidot.size());
+  x << impact.Delta_Omega, impact.Delta_phidot;
+  return x;
+}
+
+double PostureResponse::momentum_scale(const Vector6d& Fbar) const {
+  const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
+  if (r_gh.norm() <= 1e-6 * arms) return rounding_scale(Fbar);
+  return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
+}
+
+double PostureResponse::rounding_scale(const Vector6d& Fbar) const {
+  const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
+  return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm();
+}
+
+PostureResponse posture_dynamics(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
   PostureResponse response;
   response.phi = phi;
   response.dynamics = reference::compute(problem.robot, {phi, {}, {}});
@@ -142,13 +165,15 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
     response.locked = problem.resistance.locked;
   }
   response.r_gh = response.dynamics.hand_position - response.dynamics.centroid;
+  return response;
+}
+
+PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
+  PostureResponse response = posture_dynamics(problem, phi);
   for (int i = 0; i < 6; ++i) {
     const reference::Impact unit = response.impact(Vector6d::Unit(i));
     response.B.col(i) = unit.Delta_Omega.tail<3>();
-    if (i >= 3) continue;
-    Eigen::VectorXd x(6 + phi.size());
-    x << unit.Delta_Omega, unit.Delta_phidot;
-    response.W.col(i) = response.dynamics.J.topRows(3) * x;
+    if (i < 3) response.W.col(i) = response.dynamics.J.topRows(3) * velocity_jump(unit);
   }
   return response;
 }
@@ -165,21 +190,124 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   const double v_n = closing_speed(problem, event, d);
   double inverse_mass = d.dot(response.W * d) + 1 / problem.target->mass;
   if (impulse.source == ImpulseSource::RigidBody) {
-    const Vector3d arm = event.r.cross(d);
-    inverse_mass += arm.dot(event.target_inertia.ldlt().solve(arm));
+    inverse_mass += turning_inverse_mass(event.target_inertia, event.r, d);
   }
   if (v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
   return Fbar;
 }
 
-NullSpace null_space(const Eigen::MatrixXd& A, double relative_tolerance) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
-  NullSpace space;
-  const auto& sigma = svd.singularValues();
-  for (Eigen::Index i = 0; i < sigma.size(); ++i) {
-    if (sigma(i) > relative_tolerance * sigma(0)) ++space.rank;
+Vector6d unit_wrench(const CaptureProblem& problem, const ContactEvent& event) {
+  Vector6d unit;
+  unit << event.n, event.moment;
+  if (problem.impulse.source == ImpulseSource::Given) unit.tail<3>() /= problem.impulse.magnitude;
+  return unit;
+}
+
+Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* motion,
+                          const Configuration& configuration, const PostureResponse& response,
+                          const Scenario& scenario) {
+  const ImpulseSpec& impulse = problem.impulse;
+  const Matrix3d R_BN = base_axes_of_inertial(configuration);
+  // Of the frame E in which the scenario's vectors are given.
+  Matrix3d R_BE = Matrix3d::Identity();
+  if (impulse.direction && impulse.direction_frame == Frame::Inertial) R_BE = R_BN;
+
+  double closing_speed = impulse.closing_speed;
+  Vector3d r = Vector3d::Zero();  // from the target's centroid to the contact, in E
+  if (!impulse.direction) {
+    const TargetState state = motion->state(configuration.contact_time + scenario.time_offset);
+    R_BE = R_BN * state.pose.orientation.toRotationMatrix();
+    r = feature_of(problem)->point + scenario.contact_offset;
+    const Vector3d velocity_N =
+        state.linear_velocity + state.angular_velocity.cross(state.pose.orientation * r);
+    closing_speed = velocity_N.dot(state.pose.orientation * scenario.direction);
   }
-  const Eigen::MatrixXd V = svd.matrixV().leftCols(space.rank);
+  closing_speed += scenario.closing_speed_offset;
+
+  const Vector3d d = R_BE * scenario.direction;
+  Vector6d unit;
+  unit << d, (R_BE * scenario.contact_offset).cross(d);
+  if (impulse.source == ImpulseSource::Given) {
+    Vector6d Fbar = impulse.magnitude * unit;
+    Fbar.tail<3>() += R_BE * impulse.moment;
+    return Fbar;
+  }
+  if (!(closing_speed > 0)) return Vector6d::Zero();
+  double inverse_mass =
+      unit.dot(Vector6d(response.dynamics.J * velocity_jump(response.impact(unit)))) +
+      1 / (problem.target->mass * scenario.target_mass_factor);
+  if (impulse.source == ImpulseSource::RigidBody) {
+    inverse_mass += turning_inverse_mass(problem.target->inertia, r, scenario.direction) /
+                    scenario.target_inertia_factor;
+  }
+  return (1 + scenario.restitution) * closing_speed / inverse_mass * unit;
+}
+
+namespace {
+
+/// Nothing when a configuration uses the contact feature that the problem names itself.
+std::optional<CaptureProblem> with_feature(const CaptureProblem& problem, const Configuration& at) {
+  if (at.feature.empty() || at.feature == problem.variables.feature) return std::nullopt;
+  CaptureProblem other = problem;
+  other.variables.feature = at.feature;
+  return other;
+}
+
+}  // namespace
+
+Situation::Situation(const CaptureProblem& stated, const Configuration& configuration,
+                     std::optional<double> first_time)
+    : other_feature_(with_feature(stated, configuration)),
+      problem(other_feature_ ? *other_feature_ : stated),
+      at(configuration),
+      response(posture_response(problem, at.phi)),
+      hand_N(at.base * Vector3d(response.dynamics.hand_position)),
+      R_NH(at.base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation))),
+      motion(target_motion(problem, at, hand_N, first_time.value_or(at.contact_time))),
+      event(contact_event(problem, target(), at)) {}
+
+std::optional<Pose> Situation::target_pose() const {
+  if (!motion) return std::nullopt;
+  return motion->state(at.contact_time).pose;
+}
+
+VanishingMomenta vanishing_momenta(CaseConstraint wanted) {
+  using reference::Impact;
+  switch (wanted) {
+    case CaseConstraint::None:
+      break;
+    case CaseConstraint::C:
+    case CaseConstraint::C1:
+      return {{&Impact::total}, "total momentum"};
+    case CaseConstraint::C2:
+      return {{&Impact::total, &Impact::base, &Impact::coupling},
+              "total momentum, base part and coupling part"};
+    case CaseConstraint::G2:
+      return {{&Impact::base}, "base part"};
+    case CaseConstraint::G3:
+      return {{&Impact::coupling}, "coupling part"};
+  }
+  return {};
+}
+
+CaseResiduals case_residuals(const CaptureProblem& problem, const PostureResponse& response,
+                             const Vector6d& Fbar) {
+  const reference::Impact impact = response.impact(Fbar);
+  const double scale = response.momentum_scale(Fbar);
+  const double divisor = scale > 0 ? scale : 1;
+  CaseResiduals out{impact.total.norm() / divisor, impact.base.norm() / divisor,
+                    impact.coupling.norm() / divisor, 0};
+  for (const auto momentum : vanishing_momenta(problem.constraints.impact_case).momenta) {
+    out.wanted = std::max(out.wanted, (impact.*momentum).norm() / divisor);
+  }
+  return out;
+}
+
+NullSpace null_space(const Eigen::MatrixXd& A, double relative_tolerance) {
+  const Svd svd = right_svd(A);
+  NullSpace space;
+  space.rank = numerical_rank(svd.sigma, relative_tolerance);
+  const Eigen::MatrixXd V = svd.V.leftCols(space.rank);
   space.projector = Eigen::MatrixXd::Identity(A.cols(), A.cols()) - V * V.transpose();
   return space;
 }

@@ -1,8 +1,9 @@
-// What the plan should say about the impact, from the problem and a configuration, by `reference`.
+// The contact and the impact at one configuration, by `reference`: what a plan should state.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/plan/scenario.hpp>
@@ -10,15 +11,12 @@
 
 namespace stillbase::verification {
 
-/// The problem with the contact feature that a configuration meets.
-CaptureProblem problem_at(const CaptureProblem& problem, const Configuration& at);
-
 /// The chosen contact feature of the problem, if it has one.
 std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
 
-/// Motion of the target from `first_time` (s) on, which may be far before the contact: the
-/// predicted one, or, when the impulse direction is stated, that of a target that comes along it
-/// and meets the hand (the encounter of plan/encounter.hpp, written apart). Empty without a target.
+/// Motion of the target from `first_time` (s) on, which may be far before the contact. With a
+/// stated impulse direction the target comes along it and touches the hand at the contact time;
+/// otherwise it moves as predicted. Empty without a target.
 /// @throws std::invalid_argument when it cannot be predicted over that time
 std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
                                           const Configuration& configuration,
@@ -27,7 +25,7 @@ std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
 /// The contact as the problem and the motion of the target fix it, at one configuration.
 struct ContactEvent {
   std::string missing;                  ///< why it is not known; empty: it is
-  std::optional<ContactState> feature;  ///< where the predicted target is hit, in N
+  std::optional<ContactState> feature;  ///< contact point on the predicted target, in N
   Eigen::Quaterniond R_NT = Eigen::Quaterniond::Identity();  ///< with `feature`
   Vector3d n = Vector3d::Zero();               ///< direction of the impulse on the hand, unit, in B
   Vector3d moment = Vector3d::Zero();          ///< given moment impulse in B, N m s
@@ -40,19 +38,20 @@ struct ContactEvent {
 ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* motion,
                            const Configuration& configuration);
 
-/// How fast target and hand close along d (robot at rest), m/s.
-///
-/// With a predicted target the velocity of its contact point decides; along a stated direction (and
-/// along those about it) it comes with the stated closing speed.
+/// Closing speed of target and hand along d (robot at rest), m/s: by the velocity of a predicted
+/// target's contact point, else as stated, also for directions about the stated one.
 double closing_speed(const CaptureProblem& problem, const ContactEvent& event, const Vector3d& d);
 
 /// The hand axes in N that the problem wants at a configuration; empty when it leaves some open.
 ///
-/// At a contact feature with roll zero: the shortest turn of the target's axes that brings the
+/// At a contact feature with roll zero: the shortest rotation of the target's axes that brings the
 /// approach axis to the inward normal; the roll is about the outward normal.
-std::optional<Eigen::Quaterniond> wanted_hand_axes(const CaptureProblem& problem,
-                                                   const ContactEvent& event,
-                                                   const Configuration& configuration);
+std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& problem,
+                                                     const ContactEvent& event,
+                                                     const Configuration& configuration);
+
+/// [Delta Omega; Delta phidot], 6 + n.
+Eigen::VectorXd velocity_jump(const reference::Impact& impact);
 
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
@@ -67,22 +66,15 @@ struct PostureResponse {
   reference::Impact impact(const Vector6d& Fbar) const {
     return reference::impact(dynamics, added_inertia, locked, Fbar);
   }
-  /// |f| |r_gh| + |t|: what angular momenta are measured against. Where hand and centroid meet to
-  /// 1e-6 of the two arms, it is rounding_scale().
-  double momentum_scale(const Vector6d& Fbar) const {
-    const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
-    if (r_gh.norm() <= 1e-6 * arms) return rounding_scale(Fbar);
-    return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
-  }
+  /// |f| |r_gh| + |t|: what angular momenta are measured against. Where hand and centroid coincide
+  /// to 1e-6 of the two arms, it is rounding_scale().
+  double momentum_scale(const Vector6d& Fbar) const;
   /// |f| (|r_bh| + |r_bg|) + |t|: sizes of what angular momenta about the centroid are differences
   /// of. Two evaluations agree to a part of this one only.
-  double rounding_scale(const Vector6d& Fbar) const {
-    const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
-    return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm();
-  }
+  double rounding_scale(const Vector6d& Fbar) const;
 };
-/// What the joint resistance adds to the joint inertia during the impact (n).
-Eigen::VectorXd added_inertia_of(const JointResistance& resistance, int n);
+/// W and B stay empty: for callers that need one impact only.
+PostureResponse posture_dynamics(const CaptureProblem& problem, const Eigen::VectorXd& phi);
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi);
 
 /// The impulse [f; t] at the hand along d, by the problem's contact law, in B. Zero when hand and
@@ -91,6 +83,9 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d);
 
+/// The nominal wrench [n; t] per newton second of impulse, in B.
+Vector6d unit_wrench(const CaptureProblem& problem, const ContactEvent& event);
+
 /// The impulse of one scenario of the uncertainty set, in B.
 /// @param motion of the target, reaching beyond the contact by the scenario's time offset; null
 /// without a target
@@ -98,32 +93,50 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
                           const Configuration& configuration, const PostureResponse& response,
                           const Scenario& scenario);
 
-/// How far the base has turned `after` seconds after an impulse under the problem's first
-/// controller, rad: simulated with adaptive steps from the jump of `reference`. At most pi; pi when
-/// the simulation breaks off.
-/// @param planned the robot that the controller was made for; null: the problem's
-double attitude_turned(const CaptureProblem& problem, const PostureResponse& response,
-                       const Vector6d& Fbar, double after, const RobotModel* planned = nullptr);
+/// One configuration under judgement and what follows from it.
+class Situation {
+ public:
+  /// @param stated must outlive this object
+  /// @param first_time from which the target's motion is known, s; empty: the contact time
+  /// @throws std::invalid_argument when the target's motion cannot be predicted
+  Situation(const CaptureProblem& stated, const Configuration& at,
+            std::optional<double> first_time = std::nullopt);
+  Situation(const Situation&) = delete;
+  Situation& operator=(const Situation&) = delete;
 
-/// The most by which objectives of the problem as predicted may be misstated, relative: two
-/// integrations of one motion agree less well than two evaluations of one formula.
-double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance);
+ private:
+  std::optional<CaptureProblem> other_feature_;  ///< the problem with the feature of `at`
 
-/// One term of an objective for an impulse, in its own unit.
-double term_value(const CaptureProblem& problem, const ObjectiveTerm& term,
-                  const PostureResponse& response, const Vector6d& Fbar,
-                  const RobotModel* planned = nullptr);
+ public:
+  const CaptureProblem& problem;  ///< with the contact feature of `at`
+  const Configuration at;
+  const PostureResponse response;
+  const Vector3d hand_N;          ///< position of the hand, m
+  const Eigen::Quaterniond R_NH;  ///< hand axes
+  const std::optional<TargetMotion> motion;
+  const ContactEvent event;
 
-/// The problem's objective for an impulse, and the size of what its terms are sums and differences
-/// of: positive for every impulse but none, and at a hand in the centroid as well.
-double objective_value(const CaptureProblem& problem, const PostureResponse& response,
-                       const Vector6d& Fbar, const RobotModel* planned = nullptr);
-double objective_scale(const std::vector<ObjectiveTerm>& terms, const PostureResponse& response,
-                       const Vector6d& Fbar);
+  const TargetMotion* target() const { return motion ? &*motion : nullptr; }
+  /// Pose of the target at the contact; empty without one.
+  std::optional<Pose> target_pose() const;
+  Vector6d impulse(const Vector3d& d) const { return impulse_along(problem, event, response, d); }
+  Vector6d impulse() const { return impulse(event.n); }
+};
 
-/// The problem's measure over its samples (expectation, CVaR), as a root.
-double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,
-                       const Configuration& configuration, const PostureResponse& response);
+/// Angular momenta right after an impact, relative to momentum_scale().
+struct CaseResiduals {
+  double total = 0, base = 0, coupling = 0;
+  double wanted = 0;  ///< largest of those that the problem's case wants to vanish
+};
+CaseResiduals case_residuals(const CaptureProblem& problem, const PostureResponse& response,
+                             const Vector6d& Fbar);
+
+/// Momenta that vanish in a case, and their names.
+struct VanishingMomenta {
+  std::vector<Vector3d reference::Impact::*> momenta;
+  const char* names = "";
+};
+VanishingMomenta vanishing_momenta(CaseConstraint wanted);
 
 /// Orthonormal projector onto the null space of A (3 x n) and its rank.
 struct NullSpace {

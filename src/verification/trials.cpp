@@ -12,56 +12,31 @@
 #include <stillbase/simulation/settings.hpp>
 
 #include "verification/contact_case.hpp"
-#include "verification/recomputation.hpp"
+#include "verification/objective.hpp"
 
 namespace stillbase {
+namespace verification {
 namespace {
-
-using namespace verification;
-
-constexpr double kTwoPi = 6.28318530717958647692;
-
-/// What all trials share.
-struct Nominal {
-  const Plan& plan;
-  PostureResponse response;
-  std::optional<TargetMotion> motion;
-  ContactEvent event;
-};
 
 /// A direction of the cone about n: uniform on the cap, or in the wedge.
 Vector3d drawn_direction(const CaptureProblem& problem, const Vector3d& n, double half_angle,
                          Random& random, double& angle) {
-  const double along = random.uniform(), around = kTwoPi * random.uniform();
+  const double along = random.uniform(), around = 2 * kPi * random.uniform();
   angle = 0;
   if (!(half_angle > 0)) return n;
-  if (const auto& plane = problem.uncertainty.cone_plane_normal) {
-    angle = half_angle * (2 * along - 1);
-    return rotation_exp(angle * *plane) * n;
-  }
-  const double cosine = 1 - along * (1 - std::cos(half_angle));
-  angle = std::acos(cosine);
-  const Vector3d e1 = n.unitOrthogonal(), e2 = n.cross(e1);
-  return cosine * n + std::sin(angle) * (std::cos(around) * e1 + std::sin(around) * e2);
+  const auto& plane = problem.uncertainty.cone_plane_normal;
+  angle = plane ? half_angle * (2 * along - 1) : std::acos(1 - along * (1 - std::cos(half_angle)));
+  return cone_direction(n, plane, angle, around);
 }
 
-double largest_part(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
-  double part = 0;
-  for (int k = 0; k < robot.n(); ++k) {
-    const double most = robot.joints[static_cast<std::size_t>(k)].*limit;
-    if (std::isfinite(most) && most > 0) part = std::max(part, peaks(k) / most);
-  }
-  return part;
-}
-
-void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturbations& sizes,
-              ContactCase subject, std::uint64_t seed, int trial, const StopCondition& stop,
-              TrialOutcome& outcome) {
+void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
+                    const Perturbations& sizes, ContactCase subject, std::uint64_t seed, int trial,
+                    const StopCondition& stop, TrialOutcome& outcome) {
   const PostImpactSpec& spec = truth.post_impact;
   const auto kind = controller_from_name(spec.controllers.front());
   if (!kind) throw std::invalid_argument("no controller " + spec.controllers.front());
   // The controller knows the robot of the plan, as far as the problem lets it.
-  const RobotModel& planned = nominal.plan.problem.robot;
+  const RobotModel& planned = nominal.problem.robot;
   SimulationOptions options = plant_options_of(spec, planned);
   options.step = std::min(0.01, spec.control_period);
   options.output_period = 0;
@@ -87,8 +62,9 @@ void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturb
   outcome.residual_base_rate = summary.residual_base_rate;
   outcome.attitude_turned = summary.attitude_turned;
   outcome.peak_rate_part =
-      largest_part(truth.robot, summary.peak_joint_rates, &Joint::max_velocity);
-  outcome.peak_torque_part = largest_part(truth.robot, summary.peak_torques, &Joint::max_effort);
+      largest_fraction(truth.robot, summary.peak_joint_rates, &Joint::max_velocity);
+  outcome.peak_torque_part =
+      largest_fraction(truth.robot, summary.peak_torques, &Joint::max_effort);
   outcome.stop_hits = summary.stop_hits;
   outcome.success = outcome.hit && outcome.finished && outcome.stop_hits == 0 &&
                     outcome.residual_base_rate <= spec.residual_base_rate_max &&
@@ -96,11 +72,11 @@ void simulate(const CaptureProblem& truth, const Nominal& nominal, const Perturb
                     outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6;
 }
 
-TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::uint64_t seed,
+TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
                        int trial, const StopCondition& stop) {
   Random random(seed, static_cast<std::uint64_t>(trial));
-  CaptureProblem truth = nominal.plan.problem;
-  Configuration at = nominal.plan.configuration;
+  CaptureProblem truth = nominal.problem;
+  Configuration at = nominal.at;
   TrialOutcome outcome;
   const auto draw = [&](double size) {
     const double x = size * random.uniform(-1, 1);
@@ -122,7 +98,7 @@ TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::
     truth.target->inertia *= 1 + stiffer;
   }
   const double radius = sizes.contact_point * std::sqrt(random.uniform());
-  const double azimuth = kTwoPi * random.uniform();
+  const double azimuth = 2 * kPi * random.uniform();
   outcome.inputs.push_back(radius);
   const double later = draw(sizes.contact_time);
   double robot_mass = 0;
@@ -136,11 +112,11 @@ TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::
   for (Body& body : truth.robot.bodies) scale_body(body);
   outcome.inputs.push_back(robot_mass / nominal.response.dynamics.mass);
 
-  // What the target shows at that time, turned as far as the direction was turned.
+  // The contact at that time, its direction rotated as the nominal one was.
   if (nominal.motion && !truth.impulse.direction) at.contact_time += later;
-  ContactEvent event = contact_event(truth, nominal.motion ? &*nominal.motion : nullptr, at);
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(base_n, direction);
-  const Vector3d d = (turn * event.n).normalized();
+  ContactEvent event = contact_event(truth, nominal.target(), at);
+  const Eigen::Quaterniond deviation = Eigen::Quaterniond::FromTwoVectors(base_n, direction);
+  const Vector3d d = (deviation * event.n).normalized();
   truth.impulse.closing_speed *= 1 + faster;
   truth.impulse.magnitude *= 1 + faster;
   if (event.velocity) *event.velocity *= 1 + faster;
@@ -156,21 +132,22 @@ TrialOutcome run_trial(const Nominal& nominal, const Perturbations& sizes, std::
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
   outcome.hit = truth.impulse.source == ImpulseSource::Given || closing_speed(truth, event, d) > 0;
-  outcome.objective = objective_value(truth, response, Fbar, &nominal.plan.problem.robot);
+  outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
   if (truth.post_impact.controllers.empty()) {
     outcome.finished = true;
     outcome.success = outcome.hit;
   } else {
-    const ContactCase subject = contact_case(truth, nominal.motion ? &*nominal.motion : nullptr,
-                                             event, response, at, d, Fbar, 1 + faster);
-    simulate(truth, nominal, sizes, subject, seed, trial, stop, outcome);
+    const ContactCase subject =
+        contact_case(truth, nominal.target(), event, response, at, d, Fbar, 1 + faster);
+    simulate_trial(truth, nominal, sizes, subject, seed, trial, stop, outcome);
   }
   return outcome;
 }
 
 }  // namespace
+}  // namespace verification
 
 Perturbations perturbations_for(const CaptureProblem& problem) {
   Perturbations sizes;
@@ -178,7 +155,7 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   sizes.closing_speed = 0.05;
   const bool is_predicted = problem.target && !problem.impulse.direction;
   sizes.contact_time = is_predicted ? 0.1 : 0;
-  // What the problem states itself.
+  // The problem's own statements come first.
   const UncertaintySpec& stated = problem.uncertainty;
   const auto take = [](double from, double& size) {
     if (from > 0) size = from;
@@ -204,13 +181,8 @@ std::vector<std::string> trial_input_names() {
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
                                      std::uint64_t seed, int first, int count, int workers,
                                      const StopCondition& stop) {
-  Nominal nominal{plan, posture_response(plan.problem, plan.configuration.phi), {}, {}};
   const double earliest = plan.configuration.contact_time - 2 * sizes.contact_time - 1;
-  nominal.motion = target_motion(
-      plan.problem, plan.configuration,
-      plan.configuration.base * Vector3d(nominal.response.dynamics.hand_position), earliest);
-  nominal.event =
-      contact_event(plan.problem, nominal.motion ? &*nominal.motion : nullptr, plan.configuration);
+  const verification::Situation nominal(plan.problem, plan.configuration, earliest);
   if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
 
   std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(count));
@@ -221,7 +193,8 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   const auto work = [&] {
     for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
       try {
-        outcomes[static_cast<std::size_t>(i)] = run_trial(nominal, sizes, seed, first + i, stop);
+        outcomes[static_cast<std::size_t>(i)] =
+            verification::run_trial(nominal, sizes, seed, first + i, stop);
       } catch (...) {
         const std::lock_guard lock(failure_mutex);
         if (!failure) failure = std::current_exception();
@@ -235,7 +208,7 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
   if (stop.reached()) {
-    // Trials that were cut off or never begun tell nothing.
+    // Only trials that finished have results.
     const auto is_open = [](const TrialOutcome& outcome) { return !outcome.finished; };
     outcomes.erase(std::remove_if(outcomes.begin(), outcomes.end(), is_open), outcomes.end());
   }

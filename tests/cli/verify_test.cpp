@@ -21,7 +21,7 @@ const ordered_json& claim_of(const ordered_json& verification, const std::string
 }  // namespace
 
 TEST_CASE(
-    "a plan as it was written passes, a changed one fails by its fingerprint and its claims") {
+    "a plan as it was written passes, a changed one fails by its fingerprint and its checks") {
   const Workshop shop;
   const std::string problem = source_path("problems/planar_two_link_c2_a.yaml");
   REQUIRE(shop.run("plan '" + problem + "' -o plan.json").code == 0);
@@ -64,6 +64,37 @@ TEST_CASE(
     if (!claim.at("pass").get<bool>()) ++others;
   }
   CHECK(others > 1);
+}
+
+TEST_CASE("audit checks the search record alone, verify the plan and its search record") {
+  const Workshop shop;
+  const std::string problem = source_path("problems/planar_two_link_c2_a.yaml");
+  REQUIRE(shop.run("plan '" + problem + "' -o plan.json").code == 0);
+  const auto groups = [](const ordered_json& verification) {
+    std::set<std::string> out;
+    for (const ordered_json& claim : verification.at("claims"))
+      out.insert(claim.at("group").get<std::string>());
+    return out;
+  };
+  const Outcome good = shop.run("audit plan.json -o audit.json");
+  INFO(good.err);
+  CHECK(good.code == 0);
+  CHECK(good.says("audit checks hold"));
+  const ordered_json audit = ordered_json::parse(shop.text("audit.json"));
+  CHECK(groups(audit) == std::set<std::string>{"inputs", "audit"});
+  const ordered_json verification = ordered_json::parse(shop.run("verify plan.json").out);
+  CHECK(groups(verification) == std::set<std::string>{"inputs", "physics", "constraints",
+                                                      "approach", "after_contact", "audit"});
+  for (const ordered_json& claim : audit.at("claims")) {
+    CHECK(claim_of(verification, claim.at("name").get<std::string>()) == claim);
+  }
+
+  ordered_json plan = ordered_json::parse(shop.text("plan.json"));
+  plan.at("certificate").at("distinct_solutions") = 9;
+  shop.write("changed.json", plan.dump());
+  const Outcome bad = shop.run("audit changed.json");
+  CHECK(bad.code == 5);
+  CHECK(claim_of(ordered_json::parse(bad.out), "candidates_list").at("pass") == false);
 }
 
 TEST_CASE("verify refuses what is no plan") {

@@ -6,10 +6,13 @@
 
 using namespace stillbase;
 
-TEST_CASE("a verdict states every claim, and null for what could not be evaluated") {
+TEST_CASE("a verdict states every check, and null for what could not be evaluated or checked") {
   Verification verification;
-  verification.claims = {{"impact", 1e-13, 1e-10, "1", true, "against the second dynamics"},
-                         {"approach", std::nullopt, 0, "m", false, "no path"}};
+  verification.claims = {
+      {"impact", 1e-13, 1e-10, "1", true, "against the second dynamics"},
+      {"approach", std::nullopt, 0, "m", false, "no path"},
+      {"inputs_unchanged", std::nullopt, 0, "1", false, "no file", ClaimGroup::Inputs, false}};
+  verification.claims[1].group = ClaimGroup::AfterContact;
   ControllerReport report;
   report.controller = "rns_damped";
   report.peak_base_rate = std::nan("");
@@ -24,14 +27,18 @@ TEST_CASE("a verdict states every claim, and null for what could not be evaluate
   CHECK(json["claims"][0]["value"] == 1e-13);
   CHECK(json["claims"][0]["pass"] == true);
   CHECK(json["claims"][1]["value"].is_null());
+  CHECK(json["claims"][1]["pass"] == false);
   CHECK(json["claims"][1]["detail"] == "no path");
+  CHECK(json["claims"][1]["group"] == "after_contact");
+  CHECK(json["claims"][2]["group"] == "inputs");
+  CHECK(json["claims"][2]["pass"].is_null());
   CHECK(json["post_impact"][0]["peak_base_rate"].is_null());
   CHECK(json["post_impact"][0]["limits_met"].size() == 1);
   verification.pass = true;
   CHECK(nlohmann::json::parse(verification_to_json(verification, "abc"))["verdict"] == "pass");
 }
 
-TEST_CASE("a claim whose value is not finite is not written") {
+TEST_CASE("a check whose value is not finite is not written") {
   Verification verification;
   verification.claims = {{"impact", std::nan(""), 0, "1", false, ""}};
   CHECK_THROWS_AS(verification_to_json(verification, "abc"), std::invalid_argument);

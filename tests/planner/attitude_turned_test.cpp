@@ -6,10 +6,10 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
-#include "verification/recomputation.hpp"
+#include "verification/objective.hpp"
 
 namespace stillbase {
 namespace {
@@ -47,7 +47,7 @@ void check_claims(const Verification& verdict) {
 }
 
 bool passes(const Plan& plan, const std::string& name) {
-  for (const Claim& claim : verify_plan(plan).claims) {
+  for (const Claim& claim : judge_plan(plan).claims) {
     if (claim.name == name) return claim.pass;
   }
   throw std::logic_error("no claim " + name);
@@ -66,7 +66,7 @@ TEST_CASE("a plan that makes the turn after the impact small is verified, missta
   CHECK(plan.nominal_optimum->worst_case == plan.nominal_optimum->nominal);
   CHECK_FALSE(plan.certificate.reduced_hessian_min_eigenvalue);
   CHECK(reference_value(problem, plan.configuration) < 1e-9);  // elsewhere it is 1e-3 to 1e-1
-  check_claims(verify_plan(plan));
+  check_claims(judge_plan(plan));
 
   Plan misstated = plan;
   misstated.objective.nominal += 1e-6;
@@ -86,7 +86,7 @@ TEST_CASE("a plan that makes the turn after the impact small is verified, missta
   // Two seconds are not three.
   misstated = plan;
   misstated.problem.objective[0].after = 3;
-  CHECK_FALSE(verify_plan(misstated).pass);
+  CHECK_FALSE(judge_plan(misstated).pass);
 }
 
 TEST_CASE("no posture has less of turn and joint rates than the best candidate of a plan") {
@@ -98,7 +98,7 @@ TEST_CASE("no posture has less of turn and joint rates than the best candidate o
   REQUIRE(plan.status == PlanStatus::Optimal);
   CHECK(plan.objective.terms.size() == 2);
   CHECK(reference_value(problem, plan.configuration) == Approx(plan.objective.value).epsilon(1e-6));
-  check_claims(verify_plan(plan));
+  check_claims(judge_plan(plan));
   // The plan keeps clear of collisions, the best candidate need not.
   const Candidate& best = plan.candidates.front();
   const double planned = reference_value(problem, best.configuration);
@@ -132,7 +132,7 @@ TEST_CASE("the mean turn over uncertain encounters is made small and verified") 
   REQUIRE(plan.nominal_optimum);
   CHECK(plan.objective.value <= plan.nominal_optimum->value * (1 + 1e-9));
   CHECK(plan.objective.value > plan.objective.nominal);
-  check_claims(verify_plan(plan));
+  check_claims(judge_plan(plan));
 }
 
 TEST_CASE("a plan that a limit cut short says what was not judged, and no more") {
@@ -154,7 +154,7 @@ TEST_CASE("a plan that a limit cut short says what was not judged, and no more")
   CHECK_FALSE(std::isfinite(plan.certificate.kkt_residual));
   CHECK(plan.objective.worst_case >= plan.objective.nominal);
   // Nobody had the time to look for a candidate that touches nothing.
-  for (const Claim& claim : verify_plan(plan).claims) {
+  for (const Claim& claim : judge_plan(plan).claims) {
     INFO(claim.name << ": " << claim.detail);
     if (claim.name != "contact_collision") CHECK(claim.pass);
   }
@@ -185,7 +185,7 @@ TEST_CASE("a plan with a simulated objective is written and read back with its t
   const PlanFile again = read_plan(text, "plan.json");
   CHECK(again.plan.problem.objective[0].after == 2);
   CHECK(plan_to_json(again.plan, {}) == text);
-  CHECK(verify_plan(again.plan).pass);
+  CHECK(judge_plan(again.plan).pass);
 }
 
 }  // namespace stillbase

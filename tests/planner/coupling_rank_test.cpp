@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 
@@ -25,7 +25,7 @@ TEST_CASE("candidates near postures with parallel columns meet the case, not its
     CHECK(impact.rank == 2);
     CHECK(impact.judgement.coupling <= 1e-9);
   }
-  for (const Claim& claim : verify_plan(plan).claims) {
+  for (const Claim& claim : judge_plan(plan).claims) {
     INFO(claim.name << ": " << claim.detail);
     CHECK(claim.pass);
   }

@@ -5,7 +5,7 @@
 
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 
@@ -134,7 +134,7 @@ TEST_CASE("a base that starts where it stands turns under the arm and the hand s
   CHECK(plan.certificate.max_violation < 1e-9);
   VerifyOptions options;
   options.post_impact = false;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
+  for (const Claim& claim : judge_plan(plan, options).claims) {
     INFO(claim.name << ": " << claim.detail);
     CHECK(claim.pass);
   }

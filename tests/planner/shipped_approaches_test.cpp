@@ -10,7 +10,7 @@
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 
@@ -55,7 +55,7 @@ TEST_CASE("every shipped approach is flown again by other dynamics and holds", "
     REQUIRE(plan.approach.status == ApproachStatus::Found);
     VerifyOptions options;
     options.post_impact = false;
-    const Verification verification = verify_plan(plan, options);
+    const Verification verification = judge_plan(plan, options);
     for (const Claim& claim : verification.claims) {
       INFO(claim.name << ": " << claim.value.value_or(-1) << " limit " << claim.limit << ", "
                       << claim.detail);
@@ -79,7 +79,7 @@ TEST_CASE("the polish is worth while on a captured client", "[.slow]") {
   // About 8 % of the time; 20 to 34 % of the turn over seeds 1 to 6, which differ in the roll of
   // the hand about the normal.
   CHECK(plan.approach.after_polish < (is_time ? 0.96 : 0.85) * plan.approach.before_polish);
-  for (const Claim& claim : verify_plan(plan).claims) {
+  for (const Claim& claim : judge_plan(plan).claims) {
     INFO(claim.name << ": " << claim.detail);
     CHECK(claim.pass);
   }
@@ -106,7 +106,7 @@ TEST_CASE("a motion without turning the base is found from several starts", "[.s
   CHECK(seconds < 30);
   VerifyOptions options;
   options.post_impact = false;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
+  for (const Claim& claim : judge_plan(plan, options).claims) {
     INFO(claim.name << ": " << claim.detail);
     CHECK(claim.pass);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
 
 #include "verification/checks.hpp"
@@ -17,7 +18,8 @@ namespace {
 std::vector<Claim> cone_claims(const Plan& plan) {
   const VerifyOptions options;
   ClaimList claims;
-  check_direction_cone({plan, plan.problem, options}, claims);
+  const Situation situation(plan.problem, plan.configuration);
+  check_direction_cone({plan, options, situation, situation.problem}, claims);
   return claims.claims();
 }
 
@@ -43,11 +45,11 @@ Plan uncertain_plan(double confidence) {
 
 }  // namespace
 
-TEST_CASE("a stated cone makes no claim about a covariance") {
+TEST_CASE("a stated cone has no check against a covariance") {
   CHECK(cone_claims(arm_plan()).empty());
 }
 
-TEST_CASE("a cone by weighted points holds the stated part of independent samples") {
+TEST_CASE("a cone by weighted points contains the stated part of independent samples") {
   for (const double confidence : {0.5, 0.95, 0.99}) {
     const auto claims = cone_claims(uncertain_plan(confidence));
     REQUIRE(claims.size() == 1);
@@ -57,7 +59,7 @@ TEST_CASE("a cone by weighted points holds the stated part of independent sample
   }
 }
 
-TEST_CASE("the wedge of a plane holds the stated part of independent samples") {
+TEST_CASE("the wedge of a plane contains the stated part of independent samples") {
   Plan plan = uncertain_plan(0.9);
   CaptureProblem& problem = plan.problem;
   problem.uncertainty.cone_plane_normal = Vector3d(1, 2, 2) / 3;
@@ -81,7 +83,7 @@ TEST_CASE("a cone that does not follow from the covariance is refused") {
   plan.problem.target_deviations->angular_velocity *= 2;
   CHECK_FALSE(cone_claims(plan).front().pass);
   plan.problem.target_deviations.reset();
-  const Verification verification = verify_plan(plan);
+  const Verification verification = judge_plan(plan);
   const auto claim = std::find_if(verification.claims.begin(), verification.claims.end(),
                                   [](const Claim& c) { return c.name == "direction_cone"; });
   REQUIRE(claim != verification.claims.end());

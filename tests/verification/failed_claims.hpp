@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 namespace stillbase {
 
@@ -13,7 +13,7 @@ inline std::string failures(const Plan& plan) {
   options.post_impact = false;
   options.cone_samples = 200;
   std::string names;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
+  for (const Claim& claim : judge_plan(plan, options).claims) {
     if (!claim.pass) names += claim.name + " ";
   }
   return names;

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <string>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
 
 namespace stillbase {
 namespace {
@@ -43,17 +43,17 @@ TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused"
     // The file itself is in order, and the planner believes in it.
     CHECK(file.stated_sha256 == file.computed_sha256);
     CHECK(file.plan.certificate.max_violation <= 1e-9);
-    const Verification verification = verify_plan(file.plan);
+    const Verification verification = judge_plan(file.plan);
     INFO(name);
     CHECK_FALSE(verification.pass);
     std::filesystem::remove(path);
   }
 }
 
-TEST_CASE("plans of the planner itself pass every claim") {
+TEST_CASE("plans of the planner itself pass every check") {
   for (const char* name : {"planar_two_link_c2_a", "iiwa_client_50"}) {
     const Plan plan = make_plan(read_problem(problem_path(name)));
-    const Verification verification = verify_plan(plan);
+    const Verification verification = judge_plan(plan);
     INFO(name << "\n" << failures(verification));
     CHECK(verification.pass);
   }
@@ -63,7 +63,7 @@ TEST_CASE("plans of other seeds keep the problem's limits after the impact too")
   for (const unsigned seed : {2u, 3u, 8u}) {
     CaptureProblem problem = read_problem(problem_path("iiwa_client_50"));
     problem.search.seed = seed;
-    const Verification verification = verify_plan(make_plan(problem));
+    const Verification verification = judge_plan(make_plan(problem));
     INFO("seed " << seed << "\n" << failures(verification));
     CHECK(verification.pass);
   }

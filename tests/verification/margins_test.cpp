@@ -1,7 +1,7 @@
 // Margins at the contact are recomputed, not believed.
 #include <catch2/catch.hpp>
 
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "verification/example_plans.hpp"
 #include "verification/margins.hpp"
@@ -21,7 +21,7 @@ VerifyOptions quick() {
 }
 
 bool holds(const Plan& plan, const std::string& name) {
-  for (const Claim& claim : verify_plan(plan, quick()).claims) {
+  for (const Claim& claim : judge_plan(plan, quick()).claims) {
     if (claim.name == name) return claim.pass;
   }
   FAIL("no claim " << name);
@@ -58,7 +58,7 @@ Plan margin_plan() {
 
 }  // namespace
 
-TEST_CASE("a plan that keeps its margins passes, and every margin has its claim") {
+TEST_CASE("a plan that keeps its margins passes, and every margin has its check") {
   const Plan plan = margin_plan();
   for (const char* name :
        {"joint_rate_limits", "coupling_singular_value", "jacobian_singular_value",

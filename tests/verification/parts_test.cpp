@@ -27,7 +27,7 @@ TEST_CASE("the relative error of a vector sees small components beside large one
   CHECK(relative_error(1e-14, 0.0, 1.0) <= 1e-11);
 }
 
-TEST_CASE("pose errors are exact for tiny and for large turns") {
+TEST_CASE("pose errors are exact for tiny and for large rotations") {
   const Pose a{{1, 2, 3}, rotation_exp({0.3, -0.4, 1.2})};
   for (const double angle : {1e-12, 1e-6, 0.5, 3.0}) {
     const Pose b{{1, 2, 3 + angle}, a.orientation * rotation_exp(angle * Vector3d(0.6, 0, 0.8))};
@@ -38,7 +38,7 @@ TEST_CASE("pose errors are exact for tiny and for large turns") {
   CHECK(angle_between(Vector3d::UnitX(), Vector3d(1, 1e-11, 0)) == Approx(1e-11));
 }
 
-TEST_CASE("a claim that is not a finite number has failed") {
+TEST_CASE("a check whose value is not finite fails") {
   ClaimList claims;
   CHECK_FALSE(claims.all_pass());
   claims.at_most("fine", 1, 1, "1", "");

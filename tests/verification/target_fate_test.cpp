@@ -1,7 +1,7 @@
 // What becomes of the target is a claim, by the second dynamics.
 #include <catch2/catch.hpp>
 
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "verification/example_plans.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 std::optional<Claim> claim_of(const Plan& plan, const std::string& name) {
   VerifyOptions options;
   options.cone_samples = 100;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
+  for (const Claim& claim : judge_plan(plan, options).claims) {
     if (claim.name == name) return claim;
   }
   return std::nullopt;
@@ -28,7 +28,7 @@ Plan waiting_plan() {
 
 }  // namespace
 
-TEST_CASE("an elastic target bounces off with the speed that it came with") {
+TEST_CASE("an elastic target bounces off with its closing speed") {
   const auto claim = claim_of(straight_plan(), "target_fate");
   REQUIRE(claim);
   CHECK(claim->pass);
@@ -48,13 +48,13 @@ TEST_CASE("a target that leaves without restitution stays at the hand") {
   CHECK(claim->detail.find("stays at the hand") != std::string::npos);
 }
 
-TEST_CASE("a given impulse says nothing of a target") {
+TEST_CASE("a given impulse has no check of a target") {
   Plan plan = straight_plan();
   plan.problem.impulse.source = ImpulseSource::Given;
   CHECK_FALSE(claim_of(plan, "target_fate"));
 }
 
-TEST_CASE("a compliant contact leaves about the restitution, and both momenta stay") {
+TEST_CASE("a compliant contact keeps both momenta and about the restitution") {
   Plan plan = waiting_plan();
   plan.problem.post_impact.contact.model = ContactModel::Compliant;
   plan.problem.post_impact.contact.stiffness = 1e6;
@@ -71,7 +71,7 @@ TEST_CASE("a compliant contact leaves about the restitution, and both momenta st
   }
 }
 
-TEST_CASE("a latched target is held, with the momentum that it brought") {
+TEST_CASE("a latched target is held, and its momentum is kept") {
   Plan plan = waiting_plan();
   plan.problem.post_impact.contact.model = ContactModel::Latch;
   plan.problem.impulse.restitution = 0;

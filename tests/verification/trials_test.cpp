@@ -68,7 +68,7 @@ TEST_CASE("without perturbation a trial is the plan itself") {
   }
 }
 
-TEST_CASE("impulses grow with the closing speed, and the sensitivities see it") {
+TEST_CASE("impulses grow with the closing speed, as the sensitivities state") {
   const Plan plan = planar_plan();
   Perturbations sizes = nothing();
   sizes.closing_speed = 0.2;
@@ -89,7 +89,7 @@ TEST_CASE("impulses grow with the closing speed, and the sensitivities see it") 
   CHECK(std::abs(impulse.mean - nominal) < 0.1 * nominal);
 }
 
-TEST_CASE("percentiles, mean and worst case are those of the numbers") {
+TEST_CASE("percentiles, mean and worst case are those of the outcomes") {
   std::vector<TrialOutcome> outcomes(101);
   for (int i = 0; i <= 100; ++i) {
     TrialOutcome& o = outcomes[static_cast<std::size_t>((i * 37) % 101)];

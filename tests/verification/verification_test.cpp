@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/impact/summary.hpp>
-#include <stillbase/verification/verification.hpp>
 
 #include "verification/example_plans.hpp"
 
@@ -43,7 +43,7 @@ VerifyOptions quick() {
 
 // The smallest clearance is the one number that the small planner does not know.
 Plan with_clearance(Plan plan) {
-  const Verification verification = verify_plan(plan, quick());
+  const Verification verification = judge_plan(plan, quick());
   plan.approach.min_clearance = find_claim(verification, "approach_clearance")->value.value();
   return plan;
 }
@@ -60,8 +60,8 @@ const Plan& held_plan() {
 
 }  // namespace
 
-TEST_CASE("a right plan with a floating base passes, claim by claim") {
-  const Verification verification = verify_plan(floating_plan());
+TEST_CASE("a correct plan with a floating base passes every check") {
+  const Verification verification = judge_plan(floating_plan());
   INFO(failures(verification));
   CHECK(verification.pass);
   CHECK(verification.claims.size() > 50);
@@ -84,14 +84,14 @@ TEST_CASE("a right plan with a floating base passes, claim by claim") {
   CHECK(verification.reports[1].residual_base_rate > 1e-3);
 }
 
-TEST_CASE("a right plan with a held base passes") {
-  const Verification verification = verify_plan(held_plan(), quick());
+TEST_CASE("a correct plan with a held base passes") {
+  const Verification verification = judge_plan(held_plan(), quick());
   INFO(failures(verification));
   CHECK(verification.pass);
 }
 
-TEST_CASE("a right plan without an approach passes, and its case is the demanded one") {
-  const Verification verification = verify_plan(straight_plan());
+TEST_CASE("a correct plan without an approach passes, and its case is the demanded one") {
+  const Verification verification = judge_plan(straight_plan());
   INFO(failures(verification));
   CHECK(verification.pass);
   REQUIRE(find_claim(verification, "case_constraint") != nullptr);
@@ -99,12 +99,12 @@ TEST_CASE("a right plan without an approach passes, and its case is the demanded
   CHECK(verification.reports.empty());
 }
 
-TEST_CASE("what the impact room states about a plan passes") {
+TEST_CASE("a plan with numbers of the impact room passes") {
   Plan plan = floating_plan();
   plan.impact =
       summarize_impact(plan.problem.robot, plan.configuration.phi, plan.problem.resistance,
                        plan.impact.Fbar, plan.impact.closing_speed);
-  const Verification verification = verify_plan(plan, quick());
+  const Verification verification = judge_plan(plan, quick());
   INFO(failures(verification));
   CHECK(verification.pass);
 }
@@ -120,15 +120,15 @@ TEST_CASE("a planner with one sign wrong is refused") {
       {Flip::BaseDrift, "approach_momentum"},
       {Flip::ClosingSpeed, "closing_speed"}};
   for (const auto& [flip, claim] : flips) {
-    const Verification verification = verify_plan(arm_plan(flip), quick());
+    const Verification verification = judge_plan(arm_plan(flip), quick());
     INFO(claim << ": " << failures(verification));
     CHECK(fails(verification, claim));
   }
-  CHECK(fails(verify_plan(arm_plan(Flip::LinearCoupling), quick()), "approach_momentum"));
-  CHECK(fails(verify_plan(arm_plan(Flip::BaseDrift), quick()), "approach_base_poses"));
+  CHECK(fails(judge_plan(arm_plan(Flip::LinearCoupling), quick()), "approach_momentum"));
+  CHECK(fails(judge_plan(arm_plan(Flip::BaseDrift), quick()), "approach_base_poses"));
 }
 
-TEST_CASE("what the problem fixes must stay as it is") {
+TEST_CASE("a plan that changes what the problem fixes is refused") {
   struct Wrong {
     const char* claim;
     void (*spoil)(Plan&);
@@ -187,7 +187,7 @@ TEST_CASE("what the problem fixes must stay as it is") {
   for (const Wrong& wrong : wrongs) {
     Plan plan = floating_plan();
     wrong.spoil(plan);
-    const Verification verification = verify_plan(plan, quick());
+    const Verification verification = judge_plan(plan, quick());
     INFO(wrong.claim << ": " << failures(verification));
     CHECK(fails(verification, wrong.claim));
   }
@@ -234,22 +234,22 @@ TEST_CASE("an approach that cannot be flown is refused") {
   for (const Wrong& wrong : wrongs) {
     Plan plan = floating_plan();
     wrong.spoil(plan);
-    const Verification verification = verify_plan(plan, quick());
+    const Verification verification = judge_plan(plan, quick());
     INFO(wrong.claim << ": " << failures(verification));
     CHECK(fails(verification, wrong.claim));
   }
   // A base that floats is not held, and the other way round.
   Plan plan = floating_plan();
   plan.problem.approach.base = BaseMode::Held;
-  CHECK(fails(verify_plan(plan, quick()), "approach_base_poses"));
-  CHECK(fails(verify_plan(plan, quick()), "approach_base_rates"));
+  CHECK(fails(judge_plan(plan, quick()), "approach_base_poses"));
+  CHECK(fails(judge_plan(plan, quick()), "approach_base_rates"));
   plan = held_plan();
   plan.problem.approach.base = BaseMode::Floating;
-  CHECK(fails(verify_plan(plan, quick()), "approach_base_poses"));
-  CHECK(fails(verify_plan(plan, quick()), "approach_momentum"));
+  CHECK(fails(judge_plan(plan, quick()), "approach_base_poses"));
+  CHECK(fails(judge_plan(plan, quick()), "approach_momentum"));
 }
 
-TEST_CASE("a body on the way and a target that comes too early are found") {
+TEST_CASE("a body on the approach path and a target that arrives too early are found") {
   // Where the hand is in the middle of the motion, seen from N.
   Plan plan = floating_plan();
   const std::size_t middle = plan.approach.times.size() / 2;
@@ -260,7 +260,7 @@ TEST_CASE("a body on the way and a target that comes too early are found") {
   obstacle.pose.position = plan.approach.base_poses[middle] * Vector3d(d.hand_position);
   obstacle.geometry = Sphere{0.02};
   plan.problem.obstacles = {obstacle};
-  const Verification blocked = verify_plan(plan, quick());
+  const Verification blocked = judge_plan(plan, quick());
   INFO(failures(blocked));
   CHECK(fails(blocked, "approach_clearance"));
   CHECK(find_claim(blocked, "approach_clearance")->detail.find("antenna") != std::string::npos);
@@ -268,30 +268,30 @@ TEST_CASE("a body on the way and a target that comes too early are found") {
   // A larger client: its body sweeps through the waiting arm.
   plan = floating_plan();
   plan.problem.target->shapes[0].geometry = Box{Vector3d::Constant(1.6)};
-  const Verification swept = verify_plan(plan, quick());
+  const Verification swept = judge_plan(plan, quick());
   INFO(failures(swept));
   CHECK(fails(swept, "approach_clearance"));
   CHECK(fails(swept, "contact_collision"));
   CHECK(fails(swept, "candidates_collision_free"));
 }
 
-TEST_CASE("the time after the impact is judged by the first controller alone") {
+TEST_CASE("the motion after the impact is judged under the first controller alone") {
   Plan plan = floating_plan();
   plan.problem.post_impact.residual_base_rate_max = 1e-3;
-  CHECK(verify_plan(plan).pass);
+  CHECK(judge_plan(plan).pass);
   // Joint damping hands the momentum to the base, which keeps turning.
   std::swap(plan.problem.post_impact.controllers[0], plan.problem.post_impact.controllers[1]);
-  const Verification damped = verify_plan(plan);
+  const Verification damped = judge_plan(plan);
   CHECK(fails(damped, "post_impact_base_rate"));
   plan.problem.post_impact.residual_base_rate_max = 0.1;
   plan.problem.post_impact.attitude_change_max = 0.01;
-  CHECK(fails(verify_plan(plan), "post_impact_attitude"));
+  CHECK(fails(judge_plan(plan), "post_impact_attitude"));
   plan = floating_plan();
   for (Joint& joint : plan.problem.robot.joints) joint.max_velocity = 0.01;
-  CHECK(fails(verify_plan(plan), "post_impact_joint_rates"));
+  CHECK(fails(judge_plan(plan), "post_impact_joint_rates"));
   plan = floating_plan();
   plan.problem.post_impact.controllers = {"telepathy"};
-  const Verification unknown = verify_plan(plan);
+  const Verification unknown = judge_plan(plan);
   CHECK(fails(unknown, "post_impact_base_rate"));
   CHECK_FALSE(find_claim(unknown, "post_impact_base_rate")->value.has_value());
 }
@@ -300,10 +300,10 @@ TEST_CASE("a plan that is not complete is refused with the reason, never with a 
   auto spoilt = [](void (*spoil)(Plan&)) {
     Plan plan = floating_plan();
     spoil(plan);
-    return verify_plan(plan, quick());
+    return judge_plan(plan, quick());
   };
   const Verification results[] = {
-      verify_plan(Plan{}),
+      judge_plan(Plan{}),
       spoilt([](Plan& p) { p.configuration.phi.resize(3); }),
       spoilt([](Plan& p) { p.configuration.phi(2) = std::nan(""); }),
       spoilt([](Plan& p) { p.configuration.base.orientation.w() *= 1.1; }),
@@ -320,10 +320,10 @@ TEST_CASE("a plan that is not complete is refused with the reason, never with a 
               "objective_worst_case"));
 }
 
-TEST_CASE("a verification that is stopped has not passed") {
+TEST_CASE("a verification that is stopped does not pass") {
   VerifyOptions options;
   options.stop.deadline = StopCondition::Clock::now();
-  const Verification verification = verify_plan(floating_plan(), options);
+  const Verification verification = judge_plan(floating_plan(), options);
   CHECK_FALSE(verification.pass);
   CHECK(verification.interrupted);
   CHECK(verification.claims.back().detail.find("stopped") != std::string::npos);

@@ -1,4 +1,4 @@
-// Verdicts as JSON: what `verify` writes, and what stands under `verification` in a plan.
+// Verdicts as JSON: output of `verify` and `audit`, and the member `verification` of a plan.
 #pragma once
 
 #include <string>
@@ -9,10 +9,11 @@
 
 namespace stillbase {
 
-/// Text of a verdict (`format: stillbase.verification`): claims as they were judged, and per
-/// controller what happened after the impact. A number that could not be evaluated is null.
+/// Text of a verdict (`format: stillbase.verification`): the checks under `claims`, and the motion
+/// after the impact per controller. A number that could not be evaluated is null, and so is `pass`
+/// of a check that could not be made.
 /// @param content_sha256 fingerprint of the plan that was judged
-/// @param trials what stands under `trials`; null: none were asked for
+/// @param trials written under `trials`; null: none were run
 std::string verification_to_json(const Verification& verification,
                                  const std::string& content_sha256,
                                  const std::pair<TrialSetting, TrialReport>* trials = nullptr);

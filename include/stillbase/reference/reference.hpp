@@ -40,6 +40,9 @@ struct Dynamics {
 /// (exact products, no differences).
 Dynamics compute(const RobotModel& robot, const State& state);
 
+/// X of A X = B, A symmetric and positive definite, by LDL'.
+Eigen::MatrixXd solve_definite(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
 /// What an impulse does, solved densely from (6).
 struct Impact {
   Eigen::Matrix<double, 6, 1> Delta_Omega;

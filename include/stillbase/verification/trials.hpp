@@ -1,13 +1,13 @@
-// Would you fly this plan? The impact and the time after it, again and again with everything a
-// little different from what the plan assumes.
+// Trials of a plan: impact and motion after it, with random errors in direction, speed, masses,
+// contact point, contact time and sensors.
 //
-// Assumptions. The robot waits in the plan's posture; the hit is not missed. Each trial draws
+// Assumptions. The robot waits in the plan's posture, and the contact takes place. Each trial draws
 // direction (uniform in the cone), closing speed, restitution, mass and inertia of the target,
 // contact point and time, mass properties of the robot's bodies (each evenly within its half range)
-// and sensor errors (normal). A contact at another time meets the target's feature as it is then.
-// The impulse comes from the contact law with what was drawn, by `reference`; the plant after it is
-// the robot as drawn, while the controller knows the robot of the plan. Everything drawn comes from
-// the stream (seed, trial), so that results depend on neither order nor workers.
+// and sensor errors (normal). A contact at another time has the target's feature at that time. The
+// impulse follows from the contact law with the drawn values, by `reference`. The plant after it is
+// the robot as drawn, while the controller is made for the robot of the plan. All numbers are drawn
+// from the stream (seed, trial), so that results depend on neither order nor workers.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace stillbase {
 /// Half ranges of what is drawn.
 struct Perturbations {
   double cone_half_angle = 0;      ///< rad
-  double closing_speed = 0;        ///< fraction of the predicted one
+  double closing_speed = 0;        ///< fraction of the nominal one
   double restitution = 0.05;       ///< on e; cut at 0 and 1
   double target_mass = 0.05;       ///< fraction
   double target_inertia = 0.05;    ///< fraction
@@ -34,17 +34,17 @@ struct Perturbations {
 };
 
 /// Sizes for a problem: those that its `uncertainty` states; where it states none, 5 % of the
-/// closing speed, 0.1 s for a target that turns, else the defaults.
+/// closing speed, 0.1 s for a predicted target, else the defaults.
 Perturbations perturbations_for(const CaptureProblem& problem);
 
-/// What one trial drew (deviations from nominal) and what came of it.
+/// Deviations from nominal that one trial drew, and its result.
 struct TrialOutcome {
-  std::vector<double> inputs;     ///< as trial_input_names() says
-  bool hit = false;               ///< target and hand close in
-  bool finished = false;          ///< the simulation reached the horizon
-  bool success = false;           ///< hit, and the problem's limits hold after it, no stop was met
-  double impulse = 0;             ///< N s
-  double objective = 0;           ///< of the problem, with what was drawn
+  std::vector<double> inputs;  ///< in the order of trial_input_names()
+  bool hit = false;            ///< target and hand close in
+  bool finished = false;       ///< the simulation reached the horizon
+  bool success = false;  ///< contact, the problem's limits hold after it, no joint stop reached
+  double impulse = 0;    ///< N s
+  double objective = 0;  ///< of the problem, with what was drawn
   double base_rate_jump = 0;      ///< |Delta omega|, rad/s
   double residual_base_rate = 0;  ///< at the horizon, first controller, rad/s
   double attitude_turned = 0;     ///< rad
@@ -73,7 +73,7 @@ struct Spread {
   int worst_trial = 0;  ///< where
 };
 
-/// How strongly an input shows in an output: Spearman's rank correlation over the trials.
+/// Dependence of an output on an input: Spearman's rank correlation over the trials.
 struct Sensitivity {
   std::string output, input;
   double rank_correlation = 0;

@@ -1,12 +1,12 @@
-// The verdict on a plan, claim by claim, by other code than the planner's.
+// Does a plan work? Verification recomputes it by other code than the planner's.
 //
 // Everything is recomputed from the plan alone: kinematics, inertia, impact and floating base by
-// `reference`, the target by `target`, bodies in the way by `collision`, the time after the impact
-// by `simulation`. Nothing of the planner (`capture`, `approach`) and nothing that it computes with
-// (`dynamics`, `impact`) decides a claim about the plan, so a planner with a wrong sign is refused.
+// `reference`, the target by `target`, distances of bodies by `collision`, the motion after the
+// impact by `simulation`. No function of the planner, and none that the planner computes with,
+// judges a plan. So a plan of a planner with a wrong sign fails.
 //
 // Recomputed numbers are compared component by component, relative to the component plus a
-// hundredth of the quantity's own size: with the default tolerance of 1e-10 a relative change of
+// hundredth of the quantity's own size. With the default tolerance of 1e-10 a relative change of
 // 1e-6 in any number is found, while components that are zero but for rounding may differ.
 #pragma once
 
@@ -19,25 +19,41 @@
 
 namespace stillbase {
 
-/// One thing that the plan says or that the problem asks, judged.
+/// What a check is about.
+enum class ClaimGroup {
+  Inputs,        ///< files, shape of the plan, what the other checks need
+  Physics,       ///< impulse, jump, momenta, objective
+  Constraints,   ///< what the problem allows at the contact
+  Approach,      ///< path, base motion, torques, clearance
+  AfterContact,  ///< motion under the first controller, fate of the target
+  Audit          ///< the search record: see audit/audit.hpp
+};
+std::string to_string(ClaimGroup group);
+
+/// One statement of the plan or demand of the problem, checked.
 struct Claim {
   std::string name;
-  std::optional<double> value;  ///< finite; empty: could not be evaluated (then it failed)
+  std::optional<double> value;  ///< finite; empty: could not be evaluated
   double limit = 0;             ///< what the value is held against; the detail says how
   std::string unit;             ///< "1" for ratios and counts
   bool pass = false;
   std::string detail;  ///< what was compared, or why it could not be evaluated
+  ClaimGroup group = ClaimGroup::Inputs;
+  /// False: it could not be checked, for the reason in `detail`. @pre then `pass` is false.
+  bool is_checked = true;
+
+  bool fails() const { return is_checked && !pass; }
 };
 
-/// What the base and the joints do after the impact under one controller. Facts, not verdicts: the
-/// first controller of the problem has claims of its own.
+/// What the base and the joints do after the impact under one controller. Only the first controller
+/// of the problem has checks of its own.
 struct ControllerReport {
   std::string controller;
   bool finished = false;              ///< the simulation reached the horizon
   double horizon = 0;                 ///< s after the impact
   double residual_base_rate = 0;      ///< |omega| at the horizon, rad/s
   double peak_base_rate = 0;          ///< rad/s
-  double attitude_turned = 0;         ///< largest turn away from the attitude at the impact, rad
+  double attitude_turned = 0;         ///< largest change of attitude since the impact, rad
   double peak_joint_rate = 0;         ///< max over time of the largest |phidot_k|, rad/s (m/s)
   double residual_joint_rate = 0;     ///< |phidot| at the horizon
   double peak_joint_torque = 0;       ///< N m (N)
@@ -48,11 +64,14 @@ struct ControllerReport {
 };
 
 struct Verification {
-  bool pass = false;         ///< every claim passed and there is at least one
-  bool interrupted = false;  ///< stopped before the end, with no verdict (`pass` is false)
+  bool pass = false;         ///< no check failed and at least one passed
+  bool interrupted = false;  ///< stopped before the end, without a verdict (`pass` is false)
   std::vector<Claim> claims;
   std::vector<ControllerReport> reports;  ///< in the problem's order
 };
+
+/// No check fails and at least one passes.
+bool all_hold(const std::vector<Claim>& claims);
 
 struct VerifyOptions {
   double recompute_tolerance = 1e-10;     ///< relative; two implementations agree to about 1e-13
@@ -64,18 +83,20 @@ struct VerifyOptions {
   double momentum_tolerance = 1e-9;       ///< relative, approach and post-impact
   double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
   double cone_tolerance = 1e-6;           ///< relative, excess of a sampled worst case
-  /// Relative, worst cases of which no direction is stated against maxima that were found anew.
+  /// Relative, worst cases stated without a direction against maxima that were searched for.
   double worst_case_tolerance = 1e-8;
   int cone_samples = 4000;  ///< directions before the local refinement
+  /// Directions before the local refinement where each of them is simulated.
+  int simulated_cone_samples = 60;
   /// Part of the problem's resolution between two postures that are checked for collisions.
   double path_refinement = 0.25;
   double max_target_step = 0.005;  ///< m, how far the target may move between two checks
-  bool post_impact = true;         ///< false: leave out the simulation (its claims are absent)
-  StopCondition stop;              ///< when reached, what is left counts as not evaluated
+  bool post_impact = true;         ///< false: no simulation, and none of its checks
+  StopCondition stop;              ///< when reached, the remaining checks count as not evaluated
 };
 
-/// Judges a plan. Never throws for what a plan says: a claim that cannot be evaluated has failed,
-/// with the reason in its detail.
+/// Verifies a plan. Never throws for what a plan says: a check that cannot be evaluated fails, with
+/// the reason in its detail.
 [[nodiscard]] Verification verify_plan(const Plan& plan, const VerifyOptions& options = {});
 
 }  // namespace stillbase

@@ -21,7 +21,7 @@ const Plan& two_link_plan() {
 
 }  // namespace
 
-TEST_CASE("a solution that is taken out of every list is found by a search of its own") {
+TEST_CASE("a solution that is removed from every list is found by an own search") {
   Plan plan = two_link_plan();
   REQUIRE(failures(plan).empty());
   Proof& proof = plan.certificate.proof;
@@ -40,7 +40,7 @@ TEST_CASE("a solution that is taken out of every list is found by a search of it
   CHECK(failures(plan).find("proof_recount") != std::string::npos);
 }
 
-TEST_CASE("what a proof says of itself has to fit its lists") {
+TEST_CASE("the statement of a proof has to fit its lists") {
   const std::vector<std::pair<const char*, std::function<void(Proof&)>>> lies = {
       {"boxes", [](Proof& p) { p.boxes = 1; }},
       {"statement", [](Proof& p) { p.statement = "trust me"; }},
@@ -57,7 +57,7 @@ TEST_CASE("what a proof says of itself has to fit its lists") {
   }
 }
 
-TEST_CASE("a millionth off in any number of the other candidates is found") {
+TEST_CASE("a relative error of 1e-6 in any number of the other candidates is found") {
   const std::size_t count = two_link_plan().candidates.size();
   REQUIRE(count > 2);
   for (std::size_t i = 0; i < count; ++i) {
@@ -68,7 +68,7 @@ TEST_CASE("a millionth off in any number of the other candidates is found") {
   }
 }
 
-TEST_CASE("a millionth off in what the prediction alone would have chosen is found") {
+TEST_CASE("a relative error of 1e-6 in the nominal optimum is found") {
   REQUIRE(two_link_plan().nominal_optimum);
   const std::vector<std::pair<const char*, std::function<void(NominalOptimum&)>>> changes = {
       {"worst case", [](NominalOptimum& o) { o.worst_case *= kFactor; }},
@@ -83,7 +83,7 @@ TEST_CASE("a millionth off in what the prediction alone would have chosen is fou
   }
 }
 
-TEST_CASE("tolerances and words of a plan that are others than the format's are found") {
+TEST_CASE("tolerances and words of a plan that differ from the format's are found") {
   const std::vector<std::pair<const char*, std::function<void(Plan&)>>> changes = {
       {"rank_tolerance", [](Plan& p) { p.impact.rank_tolerance *= kFactor; }},
       {"case_tolerance", [](Plan& p) { p.impact.judgement.tolerance *= kFactor; }},

@@ -1,16 +1,16 @@
-#include "verification/free_variables.hpp"
+#include "audit/free_variables.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/constants.hpp>
 
-namespace stillbase::verification {
+namespace stillbase::audit {
 namespace {
 
-// Candidates meet their constraints to 1e-9; another solution is never this near.
-constexpr double kNear = 1e-6;      // rad, m
-constexpr double kNearTime = 1e-5;  // s: targets are slow
+/// Candidates satisfy their constraints to 1e-9; distinct solutions are further apart than this.
+constexpr double kNear = 1e-6;      ///< rad, m
+constexpr double kNearTime = 1e-5;  ///< s: targets are slow
 
 double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
@@ -27,30 +27,30 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
     if (!variables.joints[static_cast<std::size_t>(k)]) continue;
-    const bool turns = joint.type == JointType::Continuous;
+    const bool wraps = joint.type == JointType::Continuous;
     joints_.push_back(k);
-    turns_.push_back(turns);
-    low.push_back(turns ? -kPi : joint.lower + margin);
-    high.push_back(turns ? kPi : joint.upper - margin);
+    wraps_.push_back(wraps);
+    low.push_back(wraps ? -kPi : joint.lower + margin);
+    high.push_back(wraps ? kPi : joint.upper - margin);
   }
   has_angle_ = variables.base_attitude == AttitudeFreedom::Axis;
   if (has_angle_) {
     const double most = std::min(variables.base_attitude_max, kPi);
-    turns_.push_back(most == kPi);
+    wraps_.push_back(most == kPi);
     low.push_back(-most);
     high.push_back(most);
   }
   if (variables.base_attitude == AttitudeFreedom::Cone ||
       variables.base_attitude == AttitudeFreedom::Free) {
-    turn_ = static_cast<int>(low.size());
-    turns_.insert(turns_.end(), 3, false);
+    vector_ = static_cast<int>(low.size());
+    wraps_.insert(wraps_.end(), 3, false);
     low.insert(low.end(), 3, -kPi);
     high.insert(high.end(), 3, kPi);
   }
   has_time_ = variables.contact_time_upper > variables.contact_time_lower;
   if (has_time_) {
     time_unit_ = (variables.contact_time_upper - variables.contact_time_lower) / (2 * kPi);
-    turns_.push_back(false);
+    wraps_.push_back(false);
     low.push_back(variables.contact_time_lower / time_unit_);
     high.push_back(variables.contact_time_upper / time_unit_);
   }
@@ -60,28 +60,28 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
 
 Eigen::VectorXd FreeVariables::sample(const Eigen::VectorXd& u) const {
   Eigen::VectorXd x = lower + u.cwiseProduct(upper - lower);
-  if (turn_ < 0) return x;
-  // Which way an axis points, evenly over a cap of the sphere, and the roll about it.
+  if (vector_ < 0) return x;
+  // Direction of an axis, evenly over a cap of the sphere, and the roll about it.
   const VariableSpec& variables = problem_.variables;
   const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
   const double least = is_cone ? std::cos(variables.base_attitude_max) : -1;
   const Vector3d& axis = variables.base_attitude_axis;
-  const double tilt = std::acos(1 - u[turn_] * (1 - least)), side = 2 * kPi * u[turn_ + 1];
+  const double tilt = std::acos(1 - u[vector_] * (1 - least)), side = 2 * kPi * u[vector_ + 1];
   const Vector3d across = axis.unitOrthogonal();
   const Vector3d about = std::cos(side) * across + std::sin(side) * axis.cross(across);
-  const Eigen::AngleAxisd turn(Eigen::AngleAxisd(tilt, about) *
-                               Eigen::AngleAxisd(2 * kPi * u[turn_ + 2] - kPi, axis));
-  x.segment<3>(turn_) = turn.angle() * turn.axis();
+  const Eigen::AngleAxisd rotation(Eigen::AngleAxisd(tilt, about) *
+                                   Eigen::AngleAxisd(2 * kPi * u[vector_ + 2] - kPi, axis));
+  x.segment<3>(vector_) = rotation.angle() * rotation.axis();
   return x;
 }
 
-bool FreeVariables::is_attitude_allowed(const Vector3d& turn) const {
+bool FreeVariables::is_attitude_allowed(const Vector3d& rotation) const {
   const VariableSpec& variables = problem_.variables;
   if (variables.base_attitude != AttitudeFreedom::Cone) {
-    return turn.norm() <= variables.base_attitude_max;
+    return rotation.norm() <= variables.base_attitude_max;
   }
   const Vector3d& axis = variables.base_attitude_axis;
-  const Eigen::AngleAxisd about(turn.norm(), turn.stableNormalized());
+  const Eigen::AngleAxisd about(rotation.norm(), rotation.stableNormalized());
   return axis.dot(about * axis) >= std::cos(variables.base_attitude_max);
 }
 
@@ -93,17 +93,17 @@ Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
   Eigen::Index i = 0;
   for (const int k : joints_) out.phi[k] = x[i++];
   if (has_angle_) {
-    const Eigen::AngleAxisd turn(x[i++], problem_.variables.base_attitude_axis);
-    out.base.orientation = turn * problem_.base.orientation;
+    const Eigen::AngleAxisd rotation(x[i++], problem_.variables.base_attitude_axis);
+    out.base.orientation = rotation * problem_.base.orientation;
   }
-  if (turn_ >= 0) {
-    const Vector3d turn = x.segment<3>(turn_);
+  if (vector_ >= 0) {
+    const Vector3d rotation = x.segment<3>(vector_);
     out.base.orientation =
-        Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()) * problem_.base.orientation;
+        Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()) * problem_.base.orientation;
     i += 3;
   }
   if (has_time_) {
-    // A step of Newton's may go anywhere, the target's motion is known a little beyond the bounds.
+    // A Newton step may leave the bounds; the target's motion is known up to this far beyond them.
     constexpr double kBeyond = 0.5;  // s
     const VariableSpec& variables = problem_.variables;
     out.contact_time = std::clamp(x[i] * time_unit_, variables.contact_time_lower - kBeyond,
@@ -117,8 +117,9 @@ Eigen::VectorXd FreeVariables::of(const Configuration& at) const {
   Eigen::Index i = 0;
   for (const int k : joints_) x[i++] = at.phi[k];
   if (has_angle_) x[i++] = base_angle(at);
-  if (turn_ >= 0) {
-    x.segment<3>(turn_) = rotation_log(at.base.orientation * problem_.base.orientation.conjugate());
+  if (vector_ >= 0) {
+    x.segment<3>(vector_) =
+        rotation_log(at.base.orientation * problem_.base.orientation.conjugate());
     i += 3;
   }
   if (has_time_) x[i] = at.contact_time / time_unit_;
@@ -126,8 +127,8 @@ Eigen::VectorXd FreeVariables::of(const Configuration& at) const {
 }
 
 double FreeVariables::base_angle(const Configuration& at) const {
-  const Eigen::AngleAxisd turn(at.base.orientation * problem_.base.orientation.conjugate());
-  return turn.angle() * turn.axis().dot(problem_.variables.base_attitude_axis);
+  const Eigen::AngleAxisd rotation(at.base.orientation * problem_.base.orientation.conjugate());
+  return rotation.angle() * rotation.axis().dot(problem_.variables.base_attitude_axis);
 }
 
 Eigen::VectorXd FreeVariables::middle_of(const JointBox& box) const {
@@ -170,7 +171,7 @@ double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& 
   double largest = 0;
   for (int i = 0; i < size(); ++i) {
     const double d = a[i] - b[i];
-    largest = std::max(largest, std::abs(turns_[static_cast<std::size_t>(i)] ? wrapped(d) : d));
+    largest = std::max(largest, std::abs(wraps_[static_cast<std::size_t>(i)] ? wrapped(d) : d));
   }
   return largest;
 }
@@ -178,15 +179,15 @@ double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& 
 bool FreeVariables::bring_inside(Eigen::VectorXd& x) const {
   bool is_inside = true;
   for (int i = 0; i < size(); ++i) {
-    if (turns_[static_cast<std::size_t>(i)]) x[i] = wrapped(x[i]);
-    if (turn_ >= 0 && i >= turn_ && i < turn_ + 3) continue;
+    if (wraps_[static_cast<std::size_t>(i)]) x[i] = wrapped(x[i]);
+    if (vector_ >= 0 && i >= vector_ && i < vector_ + 3) continue;
     is_inside = is_inside && x[i] >= lower[i] && x[i] <= upper[i];
   }
-  if (turn_ < 0) return is_inside;
-  const Vector3d turn = x.segment<3>(turn_);
-  const double angle = turn.norm();
-  if (angle > kPi) x.segment<3>(turn_) = turn * (wrapped(angle) / angle);
-  return is_inside && is_attitude_allowed(x.segment<3>(turn_));
+  if (vector_ < 0) return is_inside;
+  const Vector3d rotation = x.segment<3>(vector_);
+  const double angle = rotation.norm();
+  if (angle > kPi) x.segment<3>(vector_) = rotation * (wrapped(angle) / angle);
+  return is_inside && is_attitude_allowed(x.segment<3>(vector_));
 }
 
-}  // namespace stillbase::verification
+}  // namespace stillbase::audit

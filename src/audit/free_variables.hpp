@@ -1,4 +1,4 @@
-// The variables of a small problem: free joints, turn of the base (angle about its axis, or a
+// The variables of a small problem: free joints, rotation of the base (angle about its axis, or a
 // rotation vector), contact time.
 #pragma once
 
@@ -6,7 +6,9 @@
 
 #include "verification/recomputation.hpp"
 
-namespace stillbase::verification {
+namespace stillbase::audit {
+
+using namespace verification;
 
 class FreeVariables {
  public:
@@ -21,26 +23,26 @@ class FreeVariables {
   Eigen::VectorXd of(const Configuration& at) const;
   /// Of boxes, @pre the base attitude is fixed or free about one axis.
   Eigen::VectorXd middle_of(const JointBox& box) const;
-  /// Whether a configuration lies in a box or right beside it; likewise.
+  /// Whether a configuration lies in a box, to the tolerance of the constraints; likewise.
   bool holds(const JointBox& box, const Configuration& at) const;
-  /// Largest difference of two points, whole turns apart.
+  /// Largest difference of two points, modulo full rotations.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// Angles of a full turn and rotation vectors brought within pi. @return whether x is within the
-  /// bounds then, an axis of the base within its cone
+  /// Wraps angles of a full rotation and rotation vectors to at most pi. @return whether x is
+  /// within the bounds then, an axis of the base within its cone
   bool bring_inside(Eigen::VectorXd& x) const;
 
-  Eigen::VectorXd lower, upper;  ///< of x; of a full turn -pi and pi
+  Eigen::VectorXd lower, upper;  ///< of x; of a full rotation -pi and pi
 
  private:
   double base_angle(const Configuration& at) const;
-  bool is_attitude_allowed(const Vector3d& turn) const;
+  bool is_attitude_allowed(const Vector3d& rotation) const;
 
   const CaptureProblem& problem_;
   std::vector<int> joints_;
-  std::vector<bool> turns_;  ///< angles of a full turn
+  std::vector<bool> wraps_;  ///< angles of a full rotation
   bool has_angle_ = false, has_time_ = false;
-  int turn_ = -1;         ///< first of three: rotation vector in N from the stated attitude, rad
+  int vector_ = -1;       ///< first of three: rotation vector in N from the stated attitude, rad
   double time_unit_ = 1;  ///< s per unit of x
 };
 
-}  // namespace stillbase::verification
+}  // namespace stillbase::audit

@@ -1,7 +1,7 @@
 // What a plan says of all its solutions is held against the candidates and the second dynamics.
 #include <catch2/catch.hpp>
 
-#include <stillbase/verification/verification.hpp>
+#include <stillbase/audit/audit.hpp>
 
 #include "verification/example_plans.hpp"
 
@@ -25,7 +25,7 @@ bool passes(const Plan& plan, const std::string& name) {
   VerifyOptions options;
   options.post_impact = false;
   options.cone_samples = 100;
-  for (const Claim& claim : verify_plan(plan, options).claims) {
+  for (const Claim& claim : judge_plan(plan, options).claims) {
     if (claim.name == name) return claim.pass;
   }
   return false;
@@ -43,7 +43,7 @@ TEST_CASE("enclosed solutions that are the candidates pass") {
   }
 }
 
-TEST_CASE("an enclosed posture that is no solution is found out") {
+TEST_CASE("an enclosed posture that is no solution is found") {
   Plan plan = proven_plan();
   plan.certificate.proof.solutions.push_back(
       {JointVectord::Constant(2, 0.5), JointVectord::Constant(2, 0.5)});
@@ -52,13 +52,13 @@ TEST_CASE("an enclosed posture that is no solution is found out") {
   CHECK_FALSE(passes(plan, "proof_solutions_listed"));
 }
 
-TEST_CASE("a solution that claims the wrong candidate is found out") {
+TEST_CASE("a solution assigned to the wrong candidate is found") {
   Plan plan = proven_plan();
   plan.certificate.proof.candidates = {7};
   CHECK_FALSE(passes(plan, "proof_solutions_listed"));
 }
 
-TEST_CASE("a candidate that the proof knows nothing of is found out") {
+TEST_CASE("a candidate outside all enclosures is found") {
   Plan plan = proven_plan();
   REQUIRE_FALSE(plan.candidates.empty());
   Candidate other = plan.candidates.front();
@@ -69,7 +69,7 @@ TEST_CASE("a candidate that the proof knows nothing of is found out") {
   CHECK(passes(plan, "proof_candidates_enclosed"));
 }
 
-TEST_CASE("a full turn of a joint without limits is the same candidate") {
+TEST_CASE("a full rotation of a joint without limits is the same candidate") {
   Plan plan = proven_plan();
   for (JointBox& box : plan.certificate.proof.solutions) {
     box.lower[1] += 2 * M_PI;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/verification/verification.hpp>
 
 #include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
@@ -47,7 +47,7 @@ CaptureProblem problem_at_centroid() {
 }
 
 bool holds(const Plan& plan, const std::string& name) {
-  for (const Claim& claim : verify_plan(plan).claims) {
+  for (const Claim& claim : judge_plan(plan).claims) {
     if (claim.name == name) return claim.pass;
   }
   return false;
@@ -55,7 +55,7 @@ bool holds(const Plan& plan, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a plan with curves of solutions is verified, and what it misstates of them is found") {
+TEST_CASE("a plan with continua of solutions passes, and misstated ones are found") {
   const Plan& plan = plan_with_families();
   REQUIRE(plan.families.size() >= 2);
   CHECK(holds(plan, "families_vanish"));
@@ -144,7 +144,7 @@ TEST_CASE("points, length and ends of a curve are held against the problem") {
   CHECK_FALSE(holds(other, "families_members"));
 }
 
-TEST_CASE("starts of a curve are those of the search, and no curve stands there twice") {
+TEST_CASE("starts of a curve are those of the search, and no curve is listed twice") {
   const Plan& plan = plan_with_families();
   for (const Plan* whole : {&plan, &robust_plan()}) {
     REQUIRE(whole->families.size() >= 2);
@@ -179,7 +179,7 @@ TEST_CASE("starts of a curve are those of the search, and no curve stands there 
   CHECK_FALSE(holds(other, "families_starts"));
 }
 
-TEST_CASE("a curve that is left out of the list is missed") {
+TEST_CASE("a curve that is missing in the list is found") {
   const auto without = [](Plan plan, int number) {
     plan.families.erase(plan.families.begin() + number);
     for (Candidate& candidate : plan.candidates) {
@@ -257,7 +257,7 @@ TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of
   CHECK_FALSE(holds(other, "families_points_vanish"));
 }
 
-TEST_CASE("what is at a limit all along a curve does not end it") {
+TEST_CASE("a limit that holds all along a curve does not end it") {
   CaptureProblem problem = test::without_path("planar_three_link_null");
   problem.measure.kind = RiskMeasure::Nominal;
   problem.variables.joints = {false, true, false};
@@ -284,7 +284,7 @@ TEST_CASE("what is at a limit all along a curve does not end it") {
   CHECK(holds(plan, "families_ends"));
 }
 
-TEST_CASE("curves of a base that turns freely are followed up to half a turn") {
+TEST_CASE("curves of a base with free attitude are followed up to half a rotation") {
   CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.variables.base_attitude_max = 3.14159265358979323846;
   problem.approach.enabled = false;

@@ -10,7 +10,7 @@
 
 namespace stillbase {
 
-TEST_CASE("enclosed solutions beyond a short list of candidates are no fault of the plan") {
+TEST_CASE("enclosed solutions beyond a short list of candidates pass") {
   CaptureProblem problem = test::without_path("planar_three_link_null");
   problem.search.max_candidates = 2;
   const Plan plan = make_plan(problem);

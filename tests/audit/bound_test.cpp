@@ -77,7 +77,7 @@ CaptureProblem any_attitude(AttitudeFreedom freedom) {
 
 }  // namespace
 
-TEST_CASE("a bound over all attitudes passes, and one that is 2 % too high is met by the search") {
+TEST_CASE("a bound over all attitudes passes, and the search refutes one that is 2 % too high") {
   const AttitudeFreedom freedom = GENERATE(AttitudeFreedom::Free, AttitudeFreedom::Cone);
   const RiskMeasure kind = GENERATE(RiskMeasure::Nominal, RiskMeasure::WorstCase);
   CaptureProblem problem = any_attitude(freedom);
@@ -101,7 +101,7 @@ TEST_CASE("a proven bound passes") {
   CHECK(failures(plan_of_null()).empty());
 }
 
-TEST_CASE("a bound that says too much is found out") {
+TEST_CASE("a misstated bound is found") {
   const std::vector<std::pair<const char*, std::function<void(Plan&)>>> lies = {
       {"proof_bound ", [](Plan& p) { *p.certificate.proof.lower_bound *= 1.001; }},
       {"proof_bound_statement", [](Plan& p) { *p.certificate.proof.gap *= 1 + 1e-6; }},
@@ -116,7 +116,7 @@ TEST_CASE("a bound that says too much is found out") {
   }
 }
 
-TEST_CASE("better postures that were kept quiet are found by a search of its own") {
+TEST_CASE("better postures that a plan does not list are found by an own search") {
   Plan plan = plan_of_null();
   Proof& proof = plan.certificate.proof;
   // As if the worst of the candidates were the best there is.

@@ -30,7 +30,7 @@ const Plan& plan_of_turning_client() {
 
 }  // namespace
 
-TEST_CASE("a proof over joints, base angle and contact time is one that a recount agrees with") {
+TEST_CASE("a proof over joints, base angle and contact time agrees with a recount") {
   const Plan& plan = plan_of_turning_client();
   const Proof& proof = plan.certificate.proof;
   CAPTURE(proof.statement);
@@ -42,7 +42,7 @@ TEST_CASE("a proof over joints, base angle and contact time is one that a recoun
   CHECK(failures(plan).empty());
 }
 
-TEST_CASE("base angles and times of a proof that are no solution's are found out") {
+TEST_CASE("wrong base angles and times of enclosures are found") {
   const std::pair<const char*, std::function<void(JointBox&)>> lies[] = {
       {"angle",
        [](JointBox& box) {

@@ -97,7 +97,7 @@ double dividing(const std::vector<double>& values) {
 
 }  // namespace
 
-TEST_CASE("of the enclosed solutions those within the limits are listed, the others counted") {
+TEST_CASE("enclosed solutions within the limits are listed, the others counted") {
   REQUIRE(plan_without_limits().certificate.proof.solutions.size() == 8);
   for (const Limit& limit : limits()) {
     INFO(limit.name);
@@ -126,7 +126,7 @@ TEST_CASE("of the enclosed solutions those within the limits are listed, the oth
   }
 }
 
-TEST_CASE("a solution that just meets its limit is undecided") {
+TEST_CASE("a solution at its limit is undecided") {
   const Limit limit = limits()[1];
   const std::vector<double> values = values_of(limit);
   for (const double apart : {-5e-8, 5e-8}) {
@@ -140,7 +140,7 @@ TEST_CASE("a solution that just meets its limit is undecided") {
   }
 }
 
-TEST_CASE("no solution within the limits is said, and how many are beyond") {
+TEST_CASE("a proof states that no solution is within the limits, and how many are beyond") {
   const Limit limit = limits()[1];
   CaptureProblem problem = two_link_arm();
   limit.set(problem, 2 * values_of(limit).back());

@@ -1,0 +1,184 @@
+// Checks of a plan's inputs, and how the checks of a plan are printed.
+#include "app/judgement.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <stillbase/io/problem_file.hpp>
+
+#include "app/output.hpp"
+#include "io/json.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+/// SHA-256 that the file states against that of what was read.
+Claim fingerprint_check(const std::string& name, const std::string& stated,
+                        const std::string& computed) {
+  const bool is_same = stated == computed;
+  Claim claim;
+  claim.name = name;
+  claim.value = is_same ? 0 : 1;
+  claim.limit = 0;
+  claim.unit = "1";
+  claim.pass = is_same;
+  claim.detail = is_same ? "SHA-256 of what was read, as stated: " + stated
+                         : "stated " + stated + ", of what was read " + computed;
+  return claim;
+}
+
+/// Path of the problem file: as the user states it, as the plan states it, or beside the plan.
+std::optional<std::string> problem_file_of(const PlanFile& file, const std::string& plan_path,
+                                           const std::string& problem_path) {
+  if (!problem_path.empty()) return problem_path;
+  for (const InputFile& input : file.inputs) {
+    if (input.role != "problem") continue;
+    const std::filesystem::path stated(input.path);
+    const auto beside = std::filesystem::path(plan_path).parent_path() / stated;
+    for (const std::filesystem::path& path : {stated, beside}) {
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+    }
+  }
+  return std::nullopt;
+}
+
+/// Differences of a plan's problem from its file. The command line may choose optimizer, seed and
+/// starts, and a file may have been renamed.
+std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
+                                            const std::string& path) {
+  std::vector<std::string> changes;
+  CaptureProblem problem = read_problem(path);
+  if (problem.urdf != planned.urdf) changes.push_back("the robot is another one");
+  problem.name = planned.name;
+  problem.search.optimizer = planned.search.optimizer;
+  problem.search.seed = planned.search.seed;
+  problem.search.starts = planned.search.starts;
+  const io::Json of_file = io::Json::parse(problem_to_json(problem));
+  const io::Json of_plan = io::Json::parse(problem_to_json(planned));
+  for (const auto& entry : of_file.items()) {
+    if (!of_plan.contains(entry.key()) || of_plan.at(entry.key()) != entry.value()) {
+      changes.push_back("'" + entry.key() + "' is not that of the file");
+    }
+  }
+  for (const auto& entry : of_plan.items()) {
+    if (!of_file.contains(entry.key()))
+      changes.push_back("'" + entry.key() + "' is not in the file");
+  }
+  return changes;
+}
+
+/// The files that the plan was made from are the ones that it names, and its problem is theirs.
+Claim inputs_check(const PlanFile& file, const std::string& plan_path,
+                   const std::string& problem_path) {
+  Claim claim;
+  claim.name = "inputs_unchanged";
+  claim.value = 0;
+  claim.unit = "1";
+  claim.pass = true;
+  const auto path = problem_file_of(file, plan_path, problem_path);
+  if (!path) {
+    claim.detail = file.inputs.empty()
+                       ? "not compared: the plan names no files"
+                       : "not compared: " + file.inputs.front().path + " is not here (--problem)";
+    return claim;
+  }
+  std::vector<std::string> changes;
+  try {
+    const std::vector<InputFile> found = input_files(*path);
+    for (const InputFile& stated : file.inputs) {
+      const auto same = [&stated](const InputFile& input) {
+        return input.role == stated.role && input.sha256 == stated.sha256;
+      };
+      if (std::none_of(found.begin(), found.end(), same)) {
+        changes.push_back("the " + stated.role + " file has another SHA-256");
+      }
+    }
+    const auto more = changes_of_problem(file.plan.problem, *path);
+    changes.insert(changes.end(), more.begin(), more.end());
+  } catch (const std::exception& error) {
+    changes.push_back(error.what());
+  }
+  claim.value = static_cast<double>(changes.size());
+  claim.pass = changes.empty();
+  claim.detail = claim.pass ? "the problem is that of " + *path + ", files as named"
+                            : fmt::format("{}: {}", *path, fmt::join(changes, "; "));
+  return claim;
+}
+
+std::string check_line(const Claim& claim) {
+  const std::string unit = claim.unit == "1" ? "" : " " + claim.unit;
+  const std::string value = claim.value ? fmt::format("{:.4g}{}", *claim.value, unit) : "none";
+  const char* mark = claim.pass ? "ok" : claim.fails() ? "FAILED" : "open";
+  return fmt::format("  {:<6} {:<34} {:>14}  limit {:.4g}{}  {}", mark, claim.name, value,
+                     claim.limit, unit, claim.detail);
+}
+
+/// What the checks of a group answer.
+const char* heading(ClaimGroup group) {
+  switch (group) {
+    case ClaimGroup::Inputs:
+      return "inputs: files and shape of the plan";
+    case ClaimGroup::Physics:
+      return "physics: impulse, motion right after the impact, objective";
+    case ClaimGroup::Constraints:
+      return "constraints: configuration at the contact";
+    case ClaimGroup::Approach:
+      return "approach: path to the contact";
+    case ClaimGroup::AfterContact:
+      return "after the contact: first controller, target";
+    case ClaimGroup::Audit:
+      return "audit: search record";
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_input_checks(const PlanFile& file, const std::string& plan_path,
+                      const std::string& problem_path, Verification& verification) {
+  const Claim checks[] = {
+      fingerprint_check("content_fingerprint", file.stated_sha256, file.computed_sha256),
+      fingerprint_check("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256),
+      inputs_check(file, plan_path, problem_path)};
+  verification.claims.insert(verification.claims.begin(), std::begin(checks), std::end(checks));
+  verification.pass = verification.pass && all_hold(verification.claims);
+}
+
+void print_checks(const Plan& plan, const Verification& verification) {
+  say(fmt::format("{:<13} {}: {}", "problem", plan.problem.name, plan.problem.purpose));
+  for (const ClaimGroup group :
+       {ClaimGroup::Inputs, ClaimGroup::Physics, ClaimGroup::Constraints, ClaimGroup::Approach,
+        ClaimGroup::AfterContact, ClaimGroup::Audit}) {
+    bool is_first = true;
+    for (const Claim& claim : verification.claims) {
+      if (claim.group != group) continue;
+      if (is_first) say(heading(group));
+      is_first = false;
+      say(check_line(claim));
+    }
+  }
+}
+
+void print_verdict(const Verification& verification, const std::string& what) {
+  const auto& checks = verification.claims;
+  if (verification.interrupted) {
+    return say("verdict: none, it was interrupted; the remaining checks were not made");
+  }
+  const auto failed =
+      std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return c.fails(); });
+  const auto open =
+      std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return !c.is_checked; });
+  const std::string not_checked = open == 0 ? "" : fmt::format(", {} could not be checked", open);
+  say(verification.pass ? fmt::format("verdict: pass, all {} {} checks hold{}",
+                                      static_cast<long>(checks.size()) - open, what, not_checked)
+                        : fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}", failed,
+                                      checks.size(), what, not_checked));
+}
+
+}  // namespace stillbase::app

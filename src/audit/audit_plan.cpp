@@ -1,0 +1,39 @@
+#include <stillbase/audit/audit.hpp>
+
+#include "audit/checks.hpp"
+
+namespace stillbase {
+
+Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
+  using verification::ClaimList;
+  using verification::Context;
+  const auto checks = [&](const Context& context, ClaimList& list) {
+    list.begin(ClaimGroup::Audit);
+    const auto run = [&](const char* name, auto check) {
+      list.run(name, options.stop, [&] { check(context, list); });
+    };
+    run("candidates", [](const Context& c, ClaimList& l) {
+      audit::check_candidates(c, l);
+      audit::check_nominal_optimum(c, l);
+    });
+    run("families", audit::check_continua);
+    run("proof", [](const Context& c, ClaimList& l) {
+      audit::check_bound(c, l);
+      audit::check_proof(c, l);
+    });
+    run("consistency", audit::check_search_record);
+  };
+  return verification::check_plan(plan, options, checks).result(options.stop);
+}
+
+Verification judge_plan(const Plan& plan, const VerifyOptions& options) {
+  Verification all = verify_plan(plan, options);
+  for (const Claim& claim : audit_plan(plan, options).claims) {
+    if (claim.group == ClaimGroup::Audit) all.claims.push_back(claim);
+  }
+  all.pass = all_hold(all.claims);
+  all.interrupted = !all.pass && options.stop.reached();
+  return all;
+}
+
+}  // namespace stillbase

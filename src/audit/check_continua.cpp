@@ -1,0 +1,332 @@
+// Continua of solutions: points, length, ends and starts of each curve; none of them twice.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "audit/checks.hpp"
+#include "audit/recount.hpp"
+#include "verification/margins.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+/// Largest objective of a zero, relative to the terms that it is a sum and difference of.
+constexpr double kZeroOfCurve = 1e-8;
+constexpr double kSpacing = 0.1;     ///< largest distance of neighbouring points
+constexpr double kClosed = 1e-9;     ///< distance of the ends of a closed curve
+constexpr double kSameCurve = 0.01;  ///< distance from the chords between points
+constexpr double kAtLimit = 1e-6;    ///< rad, m, s, ...: an end that is stopped by a limit
+
+/// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
+/// base from its stated attitude, time.
+class Place {
+ public:
+  /// @param problem must outlive this object
+  Place(const CaptureProblem& problem, const Configuration& at)
+      : problem_(&problem),
+        phi_(at.phi),
+        rotation_(rotation_log(at.base.orientation * problem.base.orientation.conjugate())),
+        time_(at.contact_time) {}
+
+  /// Euclidean distance, angles and rotations modulo full rotations.
+  double distance(const Place& other) const {
+    double sum = (other.rotation_near(rotation_) - rotation_).squaredNorm() +
+                 std::pow(other.time_ - time_, 2);
+    for (int k = 0; k < phi_.size(); ++k) {
+      const Joint& joint = problem_->robot.joints[static_cast<std::size_t>(k)];
+      const double d = other.phi_[k] - phi_[k];
+      sum += std::pow(joint.type == JointType::Continuous ? std::remainder(d, 2 * kPi) : d, 2);
+    }
+    return std::sqrt(sum);
+  }
+
+ private:
+  /// The one of the two rotation vectors of this attitude that is nearer to the given one.
+  Vector3d rotation_near(const Vector3d& reference) const {
+    const double angle = rotation_.norm();
+    if (!(angle > 0)) return rotation_;
+    const Vector3d other = rotation_ * (1 - 2 * kPi / angle);
+    return (other - reference).norm() < (rotation_ - reference).norm() ? other : rotation_;
+  }
+
+  const CaptureProblem* problem_;
+  Eigen::VectorXd phi_;
+  Vector3d rotation_;
+  double time_;
+};
+
+/// Distances to the limits of variables and inequalities, each in its unit; the same list
+/// everywhere.
+std::vector<double> distances_to_limits(const Situation& situation) {
+  const CaptureProblem& problem = situation.problem;
+  const Configuration& at = situation.at;
+  const VariableSpec& free = problem.variables;
+  const ConstraintSpec& wanted = problem.constraints;
+  std::vector<double> out;
+  const auto between = [&out](double x, double lower, double upper) {
+    out.push_back(std::min(std::abs(x - lower), std::abs(x - upper)));
+  };
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    if (!free.joints[static_cast<std::size_t>(k)] || joint.type == JointType::Continuous) continue;
+    between(at.phi[k], joint.lower + wanted.joint_limit_margin,
+            joint.upper - wanted.joint_limit_margin);
+  }
+  const Eigen::Quaterniond rotation = at.base.orientation * problem.base.orientation.conjugate();
+  if (free.base_attitude == AttitudeFreedom::Cone) {
+    const Vector3d& axis = free.base_attitude_axis;
+    between(axis.dot(rotation * axis), std::cos(free.base_attitude_max), kInfinity);
+  } else if (free.base_attitude != AttitudeFreedom::Fixed && free.base_attitude_max < 3.14159) {
+    // Half a rotation is no limit: the same attitude is reached from the other side.
+    between(rotation_log(rotation).norm(), -kInfinity, free.base_attitude_max);
+  }
+  if (free.contact_time_upper > free.contact_time_lower) {
+    between(at.contact_time, free.contact_time_lower, free.contact_time_upper);
+  }
+  if (free.base_position == PositionFreedom::Box) {
+    for (int i = 0; i < 3; ++i) {
+      between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i]);
+    }
+  }
+  const ContactEvent& event = situation.event;
+  between(closing_speed(problem, event, event.n), wanted.closing_speed_min, kInfinity);
+  if (problem.hand.constraint == HandConstraint::Axis) {
+    between(event.n.dot(situation.response.dynamics.hand_rotation * problem.hand.approach_axis),
+            -kInfinity, 0);
+  }
+  const MarginNumbers margins = margin_numbers(situation);
+  between(margins.rate_excess, -kInfinity, 0);
+  if (margins.coupling) between(*margins.coupling, wanted.coupling_singular_value_min, kInfinity);
+  if (margins.jacobian) between(*margins.jacobian, wanted.jacobian_singular_value_min, kInfinity);
+  if (margins.distance) between(*margins.distance, *wanted.clearance, kInfinity);
+  return out;
+}
+
+/// Distance of a configuration on a curve from the nearest limit at which the curve may end. A
+/// limit that holds in the middle of the curve as well holds all along it (a box of no height, a
+/// stated closing speed), and does not count.
+/// @param along distances in the middle of the curve
+double distance_to_end(const Situation& at, const std::vector<double>& along) {
+  const std::vector<double> here = distances_to_limits(at);
+  double nearest = kInfinity;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    if (along[i] > kAtLimit) nearest = std::min(nearest, here[i]);
+  }
+  return nearest;
+}
+
+/// Sum of the distances between every `stride`-th point and the last one.
+double length_of(const std::vector<Place>& places, std::size_t stride) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < places.size(); i += stride) {
+    sum += places[i].distance(places[std::min(i + stride, places.size() - 1)]);
+  }
+  return sum;
+}
+
+/// A curve as its points give it.
+struct Curve {
+  std::string feature;
+  std::vector<Place> places;
+
+  Curve(const CaptureProblem& problem, const SolutionFamily& family)
+      : feature(family.points.empty() ? "" : family.points.front().feature) {
+    for (const Configuration& point : family.points) places.emplace_back(problem, point);
+  }
+
+  /// Whether a place is nearer than kSameCurve to one of the chords.
+  /// @param step largest distance of neighbouring points; 0: not known
+  bool passes(const Place& place, double step) const {
+    std::size_t i = 0;
+    while (i < places.size()) {
+      const double here = place.distance(places[i]);
+      if (here <= kSameCurve) return true;
+      if (i + 1 < places.size()) {
+        const double chord = places[i].distance(places[i + 1]);
+        const double there = place.distance(places[i + 1]);
+        // Foot of the place on the chord, by the sides of the triangle.
+        const double along = (here * here - there * there + chord * chord) / (2 * chord);
+        if (along > 0 && along < chord && here * here - along * along <= kSameCurve * kSameCurve) {
+          return true;
+        }
+      }
+      // Points at most a step apart: those that cannot be near enough are skipped.
+      const double spare = step > 0 ? std::floor((here - kSameCurve) / step) - 1 : 0;
+      i += spare > 1 ? static_cast<std::size_t>(std::min(spare, 1e6)) : 1;
+    }
+    return false;
+  }
+};
+
+class Curves {
+ public:
+  explicit Curves(const Context& context) : context_(context) {}
+
+  void judge(std::size_t number) {
+    const SolutionFamily& family = context_.plan.families[number];
+    const std::string name = fmt::format("curve {}: ", number);
+    const Curve& curve = curves_.emplace_back(context_.problem, family);
+    objections_.demand(family.points.size() >= 2 || !(family.length > 0), name + "no points");
+    if (family.points.size() < 2 && family.length > 0) return;
+    for (std::size_t i = 0; i < family.points.size(); ++i) {
+      const Situation at(context_.problem, family.points[i]);
+      const Vector3d& n = at.event.n;
+      const double zero = objective_along(at, n) / std::max(scale_along(at, n), 1e-300);
+      off_zero_ = std::max(off_zero_, zero);
+      for (const std::string& objection : configuration_objections(at, context_.options)) {
+        objections_.add(name + objection);
+      }
+      if (i > 0) step_ = std::max(step_, curve.places[i].distance(curve.places[i - 1]));
+    }
+    judge_length(family, curve.places);
+    judge_ends(family, curve.places, name);
+    judge_members(curve.places, static_cast<int>(number));
+  }
+
+  void claim(ClaimList& claims) const {
+    claims.at_most("families_points_vanish", off_zero_, kZeroOfCurve, "1",
+                   "largest nominal objective of a point of a continuum of zeros");
+    claims.none_wrong("families_points_allowed", objections_,
+                      "points of curves that the problem does not allow");
+    claims.at_most("families_points_apart", step_, kSpacing, "1",
+                   "largest distance of neighbouring points");
+    claims.at_most("families_length", length_, 1, "1",
+                   "stated length from the sum of the distances, over the error that the spacing "
+                   "of the points allows");
+    claims.none_wrong("families_ends", ends_,
+                      "closed curves with a gap, open ones without, complete ones that do not end "
+                      "at limits, and others that do");
+    claims.at_most("families_members", astray_, kSpacing, "1",
+                   "largest distance of a candidate from the nearest point of its curve");
+    claims.none_wrong("families_starts", wrong_starts(),
+                      "curves that no start reached, and more ends than starts");
+    claims.none_wrong("families_distinct", repeated(), "curves of which most lies on another");
+  }
+
+ private:
+  /// Each start ends once. Minima of a robust measure are solved from more points than the starts;
+  /// the curves are those of the nominal objective, which only the starts search.
+  Objections wrong_starts() const {
+    const Plan& plan = context_.plan;
+    Objections out;
+    long long ended = 0;
+    for (std::size_t i = 0; i < plan.families.size(); ++i) {
+      ended += plan.families[i].starts;
+      out.demand(plan.families[i].starts >= 1, fmt::format("curve {}: no start", i));
+    }
+    for (const Candidate& candidate : plan.candidates) {
+      if (context_.problem.measure.kind == RiskMeasure::Nominal && candidate.family < 0) {
+        ended += candidate.starts_reached;
+      }
+    }
+    out.demand(ended <= plan.certificate.starts,
+               fmt::format("{} of {} starts ended", ended, plan.certificate.starts));
+    return out;
+  }
+
+  /// Curves may cross or touch, but not coincide.
+  Objections repeated() const {
+    Objections out;
+    for (std::size_t i = 0; i < curves_.size(); ++i) {
+      for (std::size_t j = 0; j < curves_.size(); ++j) {
+        if (i == j || curves_[i].feature != curves_[j].feature) continue;
+        const std::vector<Place>& places = curves_[i].places;
+        const auto common = std::count_if(places.begin(), places.end(), [&](const Place& place) {
+          return curves_[j].passes(place, step_);
+        });
+        out.demand(2 * static_cast<std::size_t>(common) <= places.size(),
+                   fmt::format("curve {} lies on curve {}", i, j));
+      }
+    }
+    return out;
+  }
+
+  void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
+    const double fine = length_of(places, 1), coarse = length_of(places, 2);
+    // Chords are shorter than arcs by a part that grows with the square of the spacing: half as
+    // many points leave three times the error of all.
+    const double open = std::max(1e-3 * fine, std::abs(fine - coarse)) + kClosed;
+    length_ = std::max(length_, std::abs(family.length - fine) / open);
+  }
+
+  void judge_ends(const SolutionFamily& family, const std::vector<Place>& places,
+                  const std::string& name) {
+    const bool is_closed = places.size() > 2 && places.front().distance(places.back()) <= kClosed;
+    ends_.demand(family.is_closed == is_closed,
+                 name + (is_closed ? "its ends coincide" : "its ends are apart"));
+    ends_.demand(!family.is_closed || family.is_complete, name + "closed, but not complete");
+    if (family.is_closed || family.points.empty()) return;
+    const Configuration& middle = family.points[family.points.size() / 2];
+    const std::vector<double> along = distances_to_limits({context_.problem, middle});
+    bool all_at_limits = true;
+    for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
+      const double gap = distance_to_end({context_.problem, *end}, along);
+      if (gap <= kAtLimit) continue;
+      all_at_limits = false;
+      ends_.demand(!family.is_complete,
+                   fmt::format("{}an end is {:.3g} from the nearest limit", name, gap));
+    }
+    ends_.demand(family.is_complete || !all_at_limits,
+                 name + "not complete, but both ends are at limits");
+  }
+
+  void judge_members(const std::vector<Place>& places, int number) {
+    for (const Candidate& candidate : context_.plan.candidates) {
+      if (candidate.family != number) continue;
+      const Place member(context_.problem, candidate.configuration);
+      double nearest = kInfinity;
+      for (const Place& place : places) nearest = std::min(nearest, member.distance(place));
+      astray_ = std::max(astray_, nearest);
+    }
+  }
+
+  const Context& context_;
+  double off_zero_ = 0, step_ = 0, length_ = 0, astray_ = 0;
+  Objections objections_, ends_;
+  std::vector<Curve> curves_;
+};
+
+}  // namespace
+
+std::vector<std::string> unlisted_curves(const Context& context) {
+  const Plan& plan = context.plan;
+  std::vector<std::string> out;
+  // Without a limit every zero with one free direction is followed; simulated objectives never are.
+  if (plan.status == PlanStatus::Limit || simulates_turn(context.problem)) return out;
+  const auto look_at = [&](const std::string& name, const Configuration& at) {
+    if (!is_on_curve_of_zeros(Situation(context.problem, at).problem, at)) return;
+    const Place place(context.problem, at);
+    for (const SolutionFamily& family : plan.families) {
+      const Curve curve(context.problem, family);
+      if (curve.feature == at.feature && curve.passes(place, 0)) return;
+    }
+    out.push_back(name + " is on a curve of zeros that is not listed");
+  };
+  if (context.problem.measure.kind != RiskMeasure::Nominal) {
+    if (plan.nominal_optimum) look_at("the nominal optimum", plan.nominal_optimum->configuration);
+    return out;
+  }
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    const Candidate& candidate = plan.candidates[i];
+    if (context.options.stop.reached()) break;
+    if (candidate.family >= 0 || candidate.starts_reached < 1) continue;
+    look_at(fmt::format("candidate {}", i), candidate.configuration);
+  }
+  return out;
+}
+
+void check_continua(const Context& context, ClaimList& claims) {
+  if (context.plan.families.empty()) return;
+  Curves curves(context);
+  for (std::size_t i = 0; i < context.plan.families.size(); ++i) {
+    if (context.options.stop.reached()) {
+      claims.not_evaluated("families_points_allowed", 0, "1", "stopped before the last curve");
+      return;
+    }
+    curves.judge(i);
+  }
+  curves.claim(claims);
+}
+
+}  // namespace stillbase::audit

@@ -1,0 +1,142 @@
+// What the plan states of all solutions at once: the enclosed ones solve the problem, and they and
+// the candidates are the same. `reference` cannot repeat the proof that nothing else exists; an
+// independent search from many starts looks for solutions outside the boxes.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "audit/checks.hpp"
+#include "audit/equations.hpp"
+#include "audit/recount.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+/// Whether the solutions are the postures at which the nominal objective vanishes; otherwise the
+/// equations alone leave single postures.
+bool are_zeros(const Proof& proof) {
+  return proof.statement.find("at which the objective is zero") != std::string::npos;
+}
+
+bool has_index(const std::vector<Candidate>& candidates, int c) {
+  return c >= 0 && c < static_cast<int>(candidates.size());
+}
+
+/// Residual of the equations in the middle of a box, relative to the size of the momenta and to 1
+/// m.
+double residual_at(const Context& context, const Configuration& at) {
+  const Situation situation(context.problem, at);
+  double residual =
+      std::max(hand_residual(situation),
+               case_residuals(context.problem, situation.response, situation.impulse()).wanted);
+  if (are_zeros(context.plan.certificate.proof)) {
+    const Vector3d& n = situation.event.n;
+    residual = std::max(residual, objective_along(situation, n) / scale_along(situation, n));
+  }
+  return residual;
+}
+
+/// The statement of the proof against its own lists and the candidates.
+void check_statement(const Plan& plan, ClaimList& claims) {
+  const Proof& proof = plan.certificate.proof;
+  Objections objections;
+  const bool complete = proof.status == ProofStatus::Complete;
+  const std::string begin = complete ? "proven" : "not decided";
+  objections.demand(proof.statement.compare(0, begin.size(), begin) == 0,
+                    "the statement does not begin with '" + begin + "'");
+  const std::string count = fmt::format(": {} solution", proof.solutions.size());
+  objections.demand(proof.solutions.empty() || proof.statement.find(count) != std::string::npos,
+                    "the statement does not count the enclosed solutions");
+  objections.demand(complete == proof.undecided.empty(), "undecided boxes do not fit the status");
+  objections.demand(
+      proof.boxes >= static_cast<long>(proof.solutions.size() + proof.undecided.size()),
+      "fewer boxes were examined than are listed");
+  const bool is_bound = proof.lower_bound && *proof.lower_bound > 0;  // see check_bound()
+  if (!is_bound) {
+    objections.demand(!proof.lower_bound ||
+                          (*proof.lower_bound == 0 && are_zeros(proof) && !proof.solutions.empty()),
+                      "the lower bound of a zero is zero");
+    std::optional<double> least;
+    for (const int c : proof.candidates) {
+      if (!has_index(plan.candidates, c) || !proof.lower_bound) continue;
+      const double gap =
+          plan.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
+      least = least ? std::min(*least, gap) : gap;
+    }
+    objections.demand(
+        least.has_value() == proof.gap.has_value() && (!least || *least == *proof.gap),
+        "the gap is not that of the best candidate");
+  }
+  claims.none_wrong("proof_statement", objections, "words, counts, lower bound and gap fit");
+}
+
+/// Solutions that an own search finds are in the boxes.
+void check_completeness(const Context& context, const FreeVariables& variables,
+                        const Recount& recount, ClaimList& claims) {
+  const Proof& proof = context.plan.certificate.proof;
+  if (!recount.not_done.empty()) return;
+  Objections outside;
+  for (const Configuration& at : recount.solutions) {
+    const auto holds = [&](const JointBox& box) { return variables.holds(box, at); };
+    if (std::any_of(proof.solutions.begin(), proof.solutions.end(), holds) ||
+        std::any_of(proof.undecided.begin(), proof.undecided.end(), holds)) {
+      continue;
+    }
+    std::string posture;
+    for (const double x : at.phi) {
+      posture += fmt::format("{}{:.6f}", posture.empty() ? "" : ", ", x);
+    }
+    if (!proof.solutions.empty() && proof.solutions.front().contact_time) {
+      posture += fmt::format(" at {:.6f} s", at.contact_time);
+    }
+    outside.add("(" + posture + ")");
+  }
+  claims.none_wrong("proof_recount", outside,
+                    fmt::format("postures that solve the problem and are in no box of the proof: a "
+                                "search from {} starts found {} (a search, no proof)",
+                                recount.starts, recount.solutions.size()));
+}
+
+}  // namespace
+
+void check_proof(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  const Proof& proof = plan.certificate.proof;
+  if (proof.status == ProofStatus::NotApplicable) return;
+  const FreeVariables variables(context.problem);
+  const Recount recount = search_solutions(context);
+  double worst = 0;
+  Objections unlisted, unproven;
+  std::vector<int> boxes_of(plan.candidates.size(), 0);
+  const bool was_cut =
+      plan.certificate.distinct_solutions > static_cast<int>(plan.candidates.size());
+  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
+    const JointBox& box = proof.solutions[s];
+    worst = std::max(worst, residual_at(context, variables.at(variables.middle_of(box))));
+    const int c = s < proof.candidates.size() ? proof.candidates[s] : -1;
+    const std::size_t index = static_cast<std::size_t>(c);
+    if (has_index(plan.candidates, c) &&
+        variables.holds(box, plan.candidates[index].configuration)) {
+      ++boxes_of[index];
+    } else if (c >= 0 || !was_cut) {
+      unlisted.add(fmt::format("solution {}", s));
+    }
+  }
+  claims.at_most("proof_residual", worst, context.options.constraint_tolerance, "1",
+                 "largest relative residual in the middle of an enclosed solution");
+  claims.none_wrong("proof_solutions_listed", unlisted,
+                    "enclosed solutions without their candidate");
+  // With remaining freedom, candidates may be local minima at which the objective is not zero.
+  const bool is_whole_list =
+      proof.status == ProofStatus::Complete && !recount.asks_for_zero && recount.not_done.empty();
+  for (std::size_t c = 0; is_whole_list && c < boxes_of.size(); ++c) {
+    unproven.demand(boxes_of[c] == 1, fmt::format("candidate {} in {} of them", c, boxes_of[c]));
+  }
+  claims.none_wrong("proof_candidates_enclosed", unproven,
+                    "candidates that are not in exactly one enclosed solution");
+  check_statement(plan, claims);
+  check_completeness(context, variables, recount, claims);
+}
+
+}  // namespace stillbase::audit

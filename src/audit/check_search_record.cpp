@@ -1,0 +1,137 @@
+// The record of the search: list of candidates, counts, status, certificate. All of it is held
+// against the problem, not against itself.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "audit/checks.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+constexpr double kStationary = 1e-6;         ///< largest KKT residual of an optimal plan
+constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
+
+bool is_same(const Configuration& a, const Configuration& b) {
+  return a.feature == b.feature && (a.phi - b.phi).norm() <= kSameConfiguration &&
+         std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
+         pose_error(a.base, b.base).largest() <= kSameConfiguration;
+}
+
+void check_list(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  const std::vector<Candidate>& candidates = plan.candidates;
+  Objections objections;
+  // The last one may be a sample of the self-motion, added for the approach and reached by no
+  // start.
+  const bool has_sample = candidates.size() > 1 && candidates.back().starts_reached == 0 &&
+                          candidates.back().family < 0 &&
+                          is_same(candidates.back().configuration, plan.configuration);
+  const std::size_t count = candidates.size() - (has_sample ? 1 : 0);
+  const std::size_t most = static_cast<std::size_t>(context.problem.search.max_candidates);
+  const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
+  objections.demand(count >= 1, "there is none");
+  objections.demand(count <= most, "more than the problem keeps");
+  objections.demand(count == std::min(distinct, most),
+                    fmt::format("{} listed of {} distinct solutions", count, distinct));
+  // Number of starts that ended at each solution, or on each curve of solutions.
+  std::vector<int> on_curve(plan.families.size(), 0), ended;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (candidates[i].family < 0) {
+      ended.push_back(candidates[i].starts_reached);
+      objections.demand(ended.back() >= 1, fmt::format("{} was reached by no start", i));
+    } else {
+      on_curve[static_cast<std::size_t>(candidates[i].family)] += candidates[i].starts_reached;
+    }
+  }
+  ended.insert(ended.end(), on_curve.begin(), on_curve.end());
+  const int reached = std::accumulate(ended.begin(), ended.end(), 0);
+  const auto once = std::count(ended.begin(), ended.end(), 1);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      objections.demand(!is_same(candidates[i].configuration, candidates[j].configuration),
+                        fmt::format("{} repeats {}", i, j));
+    }
+  }
+  const bool is_nominal = context.problem.measure.kind == RiskMeasure::Nominal;
+  // The minima of a robust measure are solved from more points than the starts.
+  objections.demand(!is_nominal || reached <= plan.certificate.starts,
+                    "more starts ended here than were made");
+  // Good and Turing's estimate follows from a complete list.
+  const bool is_whole =
+      count == distinct && plan.certificate.proof.found_by_search ==
+                               static_cast<int>(plan.certificate.proof.solutions.size());
+  const double unseen = static_cast<double>(once) / std::max(reached, 1);
+  objections.demand(
+      !is_nominal || !is_whole || std::abs(plan.certificate.unseen - unseen) <= 1e-12,
+      fmt::format("unseen is {}, the list gives {}", plan.certificate.unseen, unseen));
+  // Minima of a robust measure that are on a curve count beside the starts that ended there, and a
+  // shortened list may lack some of them.
+  for (std::size_t i = 0; i < on_curve.size(); ++i) {
+    const int starts = plan.families[i].starts;
+    const bool fits = !is_nominal ? !is_whole || starts <= on_curve[i]
+                      : is_whole  ? starts == on_curve[i]
+                                  : starts >= on_curve[i];
+    objections.demand(fits, fmt::format("{} starts ended on curve {}, the list gives {}", starts, i,
+                                        on_curve[i]));
+  }
+  for (const std::string& what : unlisted_curves(context)) objections.add(what);
+  claims.none_wrong("candidates_list", objections,
+                    "every distinct solution once, as many as the problem keeps, and the sample of "
+                    "self-motion of the approach");
+}
+
+void check_status(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  const Certificate& certificate = plan.certificate;
+  const Proof& proof = certificate.proof;
+  Objections objections;
+  objections.demand(plan.optimizer == context.problem.search.optimizer,
+                    "the optimizer is " + plan.optimizer + ", the problem's is " +
+                        context.problem.search.optimizer);
+  const bool was_cut = plan.status == PlanStatus::Limit;
+  objections.demand(was_cut || plan.solver_calls.count(plan.optimizer) == 1,
+                    "no calls of the optimizer");
+  for (const auto& [name, calls] : plan.solver_calls) {
+    objections.demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
+  }
+  objections.demand(certificate.starts >= 1, "no starts");
+  objections.demand(
+      (std::isfinite(certificate.kkt_residual) || was_cut) && certificate.kkt_residual >= 0,
+      "the KKT residual is no number");
+  const bool all_judged =
+      plan.objective.is_judged &&
+      std::all_of(plan.candidates.begin(), plan.candidates.end(),
+                  [](const Candidate& candidate) { return candidate.is_judged; });
+  objections.demand(all_judged || (was_cut && simulates_turn(context.problem)),
+                    "worst cases that are not evaluated without a limit that was reached");
+  const bool is_stationary = certificate.kkt_residual <= kStationary;
+  objections.demand(plan.status != PlanStatus::Optimal || is_stationary,
+                    "stated to be optimal with a large KKT residual");
+  objections.demand(plan.status != PlanStatus::Feasible || !is_stationary,
+                    "stated to be only feasible with a small KKT residual");
+  objections.demand(!proof.gap || *proof.gap >= 0, "the gap of the proof is negative");
+  objections.demand(proof.found_by_search <= static_cast<int>(proof.solutions.size()),
+                    "the search found more solutions than there are");
+  objections.demand(certificate.max_violation <= context.options.constraint_tolerance,
+                    "the status is not infeasible, but the violation is large");
+  claims.none_wrong("search_record", objections, "optimizer, calls, starts and status fit");
+}
+
+}  // namespace
+
+void check_search_record(const Context& context, ClaimList& claims) {
+  check_list(context, claims);
+  check_status(context, claims);
+  double violation = 0;
+  for (const ConstraintValue& c : context.plan.constraints) {
+    violation = std::max({violation, c.lower - c.value, c.value - c.upper});
+  }
+  claims.at_most("certificate_violation",
+                 std::abs(context.plan.certificate.max_violation - violation), 1e-12, "1",
+                 "largest violation of the certificate from that of the list");
+}
+
+}  // namespace stillbase::audit

@@ -1,0 +1,197 @@
+#include "verification/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <stillbase/simulation/settings.hpp>
+
+namespace stillbase::verification {
+namespace {
+
+/// Relative difference of two integrations: fixed steps of the planner, adaptive ones here.
+constexpr double kIntegratorsAgree = 1e-5;
+
+double rate_scale(const TermCase& at) {
+  return 3 * at.response.rounding_scale(at.Fbar) / at.response.dynamics.Htilde_omega.trace();
+}
+
+double momentum_scale(const TermCase& at) { return at.response.rounding_scale(at.Fbar); }
+
+double impulse_size(const TermCase& at) { return at.Fbar.head<3>().norm(); }
+
+double base_momentum(const TermCase& at) {
+  Vector6d momentum =
+      at.response.dynamics.H.topLeftCorner<6, 6>() * at.response.impact(at.Fbar).Delta_Omega;
+  momentum.tail<3>() /= at.term.length;
+  return momentum.norm();
+}
+
+/// Joint rates after an impulse of this size along the base axes: the impulse's own direction may
+/// leave the joints at rest.
+double joint_rate_scale(const TermCase& at) {
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector6d along = impulse_size(at) * Vector6d::Unit(axis);
+    largest = std::max(largest, at.response.impact(along).Delta_phidot.norm());
+  }
+  return largest;
+}
+
+const QuantityRecord kRecords[] = {
+    {ObjectiveQuantity::BaseAngularMomentum,
+     [](const TermCase& at) {
+       return (at.response.dynamics.Htilde_omega * (at.response.B * at.Fbar)).norm();
+     },
+     1, momentum_scale, &reference::Impact::base},
+    {ObjectiveQuantity::BaseAngularVelocity,
+     [](const TermCase& at) { return (at.response.B * at.Fbar).norm(); }, 1, rate_scale,
+     &reference::Impact::base},
+    {ObjectiveQuantity::TotalAngularMomentum,
+     [](const TermCase& at) {
+       return (at.response.r_gh.cross(Vector3d(at.Fbar.head<3>())) + at.Fbar.tail<3>()).norm();
+     },
+     1, momentum_scale, &reference::Impact::total},
+    {ObjectiveQuantity::BaseMomentum, base_momentum, 1, impulse_size, nullptr},
+    {ObjectiveQuantity::ImpulseMagnitude, impulse_size, 1, impulse_size, nullptr},
+    {ObjectiveQuantity::JointRateNorm,
+     [](const TermCase& at) { return at.response.impact(at.Fbar).Delta_phidot.norm(); }, 1,
+     joint_rate_scale, nullptr},
+    {ObjectiveQuantity::AttitudeTurned, attitude_turned, 1,
+     // At the rate that the base would have alone.
+     [](const TermCase& at) { return std::min(kPi, rate_scale(at) * at.term.after); }, nullptr},
+};
+
+double raised(double size, int power) { return power == 1 ? size : std::pow(size, power); }
+
+double root_of_squares(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, const RobotModel* planned,
+                       double (*number)(const TermCase&)) {
+  double sum = 0;
+  for (const ObjectiveTerm& term : problem.objective) {
+    sum += std::pow(number({problem, term, response, Fbar, planned}) / term.size, 2);
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+const QuantityRecord& record_of(ObjectiveQuantity quantity) {
+  for (const QuantityRecord& record : kRecords) {
+    if (record.quantity == quantity) return record;
+  }
+  throw std::logic_error("verification has no formula for " + to_string(quantity));
+}
+
+double attitude_turned(const TermCase& at) {
+  const PostImpactSpec& spec = at.problem.post_impact;
+  const auto kind =
+      spec.controllers.empty() ? std::nullopt : controller_from_name(spec.controllers.front());
+  if (!kind) throw std::invalid_argument("attitude_turned needs a controller");
+  const reference::Impact jump = at.response.impact(at.Fbar);
+  PlantState state;
+  state.phi = at.response.phi;
+  state.Omega = jump.Delta_Omega;
+  state.phidot = jump.Delta_phidot;
+  const RobotModel& robot = at.problem.robot;
+  SimulationOptions options = plant_options_of(spec, at.planned ? *at.planned : robot);
+  if (at.planned && !options.controller_robot) options.controller_robot = *at.planned;
+  options.integrator = IntegratorKind::Dopri5;
+  options.relative_tolerance = 1e-10;
+  options.absolute_tolerance = 1e-12;
+  options.horizon = at.term.after;
+  options.output_period = 0;
+  const SimulationResult result = simulate_post_impact(robot, at.problem.resistance, state,
+                                                       controller_of(*kind, spec), options);
+  if (result.status != SimulationStatus::Finished) return kPi;
+  return state.base.orientation.angularDistance(result.trace.back().state.base.orientation);
+}
+
+double term_value(const TermCase& at) {
+  const QuantityRecord& record = record_of(at.term.quantity);
+  return raised(record.size(at), record.power);
+}
+
+double term_scale(const TermCase& at) {
+  const QuantityRecord& record = record_of(at.term.quantity);
+  return raised(record.rounding_scale(at), record.power);
+}
+
+double objective_value(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar, const RobotModel* planned) {
+  return root_of_squares(problem, response, Fbar, planned, term_value);
+}
+
+double objective_scale(const CaptureProblem& problem, const PostureResponse& response,
+                       const Vector6d& Fbar) {
+  return root_of_squares(problem, response, Fbar, nullptr, term_scale);
+}
+
+double objective_along(const Situation& situation, const Vector3d& d) {
+  return objective_value(situation.problem, situation.response, situation.impulse(d));
+}
+
+double scale_along(const Situation& situation, const Vector3d& d) {
+  return objective_scale(situation.problem, situation.response, situation.impulse(d));
+}
+
+double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance) {
+  return simulates_turn(problem) ? std::max(kIntegratorsAgree, recompute_tolerance)
+                                 : recompute_tolerance;
+}
+
+WorstDirection worst_direction(const Situation& situation, int samples) {
+  const UncertaintySpec& uncertainty = situation.problem.uncertainty;
+  return worst_over_cone([&](const Vector3d& d) { return objective_along(situation, d); },
+                         situation.event.n, uncertainty.cone_half_angle,
+                         uncertainty.cone_plane_normal, samples);
+}
+
+double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,
+                       const Configuration& configuration, const PostureResponse& response) {
+  std::vector<std::pair<double, double>> squares;  // |y|^2 and weight
+  for (const Scenario& scenario : draw_scenarios(problem)) {
+    std::optional<PostureResponse> displaced;
+    if (scenario.joint_offset.size() > 0) {
+      displaced = posture_response(problem, configuration.phi + scenario.joint_offset);
+    }
+    const PostureResponse& at = displaced ? *displaced : response;
+    const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
+    squares.emplace_back(std::pow(objective_value(problem, at, Fbar), 2), scenario.weight);
+  }
+  // Mean over the largest values that have this share of the weight; 1 for the expectation.
+  const double share =
+      problem.measure.kind == RiskMeasure::Cvar ? 1 - problem.measure.cvar_level : 1.0;
+  std::sort(squares.begin(), squares.end(), std::greater<>());
+  double left = share, sum = 0;
+  for (const auto& [square, weight] : squares) {
+    const double taken = std::min(weight, left);
+    sum += taken * square;
+    left -= taken;
+  }
+  return std::sqrt(sum / share);
+}
+
+bool is_sampled(RiskMeasure measure) {
+  return measure == RiskMeasure::Expectation || measure == RiskMeasure::Cvar;
+}
+
+double measure_value(const Situation& situation, int cone_samples) {
+  const RiskMeasure kind = situation.problem.measure.kind;
+  if (is_sampled(kind)) return sampled_measure(situation);
+  if (kind == RiskMeasure::WorstCase) return worst_direction(situation, cone_samples).value;
+  return objective_along(situation, situation.event.n);
+}
+
+ObjectiveNumbers objective_numbers(const Situation& situation, int cone_samples) {
+  ObjectiveNumbers out;
+  out.scale = scale_along(situation, situation.event.n);
+  out.nominal = objective_along(situation, situation.event.n);
+  out.worst_case = worst_direction(situation, cone_samples).value;
+  out.measure = situation.problem.measure.kind == RiskMeasure::WorstCase
+                    ? out.worst_case
+                    : measure_value(situation, cone_samples);
+  return out;
+}
+
+}  // namespace stillbase::verification
