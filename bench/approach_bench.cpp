@@ -56,7 +56,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
   options.max_candidates = problem.search.max_candidates;
   SearchResult found = search(problem, formulation, options);
   for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
-  const Proof proof = prove_solutions(problem, formulation, {});
+  const Proof proof = prove_solutions(registered_prover(), problem, formulation, {});
 
   std::vector<double> seconds;
   double hand = 0, angle = 0, turn = 0;

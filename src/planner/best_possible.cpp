@@ -148,11 +148,13 @@ bool is_zero_reached(const Formulation& formulation, const SearchResult& found) 
   return best && *best <= kZeroObjective * formulation.objective_unit();
 }
 
-std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
+std::optional<MinimumBound> bound_measure(const Prover* prover, const CaptureProblem& problem,
                                           const Formulation& formulation, const SearchResult& found,
                                           const Proof& enclosed, MinimumOptions options) {
   // A path that decides where the robot is hit leads to other encounters.
-  if (!minimum_objection(problem).empty() || path_decides(problem)) return std::nullopt;
+  if (!prover || !prover->minimum_objection(problem).empty() || path_decides(problem)) {
+    return std::nullopt;
+  }
   const std::optional<double> best = best_value(found);
   if (!best || is_zero_reached(formulation, found)) return std::nullopt;
   const Measure measure(problem, formulation);
@@ -163,8 +165,8 @@ std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
     }
     return measure.reported(x);
   };
-  return prove_minimum(problem, scenarios_of(problem, formulation, found, *best), enclosed, *best,
-                       options);
+  return prover->prove_minimum(problem, scenarios_of(problem, formulation, found, *best), enclosed,
+                               *best, options);
 }
 
 void state_bound(const MinimumBound& bound, Proof& proof) {

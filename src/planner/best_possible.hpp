@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include <stillbase/proof/minimum.hpp>
+#include <stillbase/plan/prover.hpp>
 #include <stillbase/search/search.hpp>
 
 namespace stillbase {
@@ -15,9 +15,10 @@ std::optional<double> best_value(const SearchResult& found);
 bool is_zero_reached(const Formulation& formulation, const SearchResult& found);
 
 /// A lower bound of the problem's measure over all configurations.
+/// @param prover null: there is none
 /// @param enclosed the proof so far
-/// @return empty where minimum_objection() is about the problem, or where is_zero_reached()
-std::optional<MinimumBound> bound_measure(const CaptureProblem& problem,
+/// @return empty where the prover has an objection to the problem, or where is_zero_reached()
+std::optional<MinimumBound> bound_measure(const Prover* prover, const CaptureProblem& problem,
                                           const Formulation& formulation, const SearchResult& found,
                                           const Proof& enclosed, MinimumOptions options);
 

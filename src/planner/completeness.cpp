@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <stillbase/core/rotation.hpp>
-#include <stillbase/proof/proof.hpp>
 
 namespace stillbase {
 
@@ -84,12 +83,17 @@ WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation
 
 }  // namespace
 
-Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
-                      const StopCondition& stop) {
+Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
+                      const Formulation& formulation, const StopCondition& stop) {
+  if (!prover) {
+    Proof out;
+    out.statement = "no proof: built without stillbase::proof";
+    return out;
+  }
   ProofOptions options;
   options.stop = stop;
   options.judge = [&](const JointBox& box) { return judge(problem, formulation, box); };
-  return prove(problem, options);
+  return prover->prove(problem, options);
 }
 
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {

@@ -3,13 +3,15 @@
 
 #include <vector>
 
+#include <stillbase/plan/prover.hpp>
 #include <stillbase/search/search.hpp>
 
 namespace stillbase {
 
 /// The proof of a problem, or why there is none.
-Proof prove_solutions(const CaptureProblem& problem, const Formulation& formulation,
-                      const StopCondition& stop);
+/// @param prover null: there is none
+Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
+                      const Formulation& formulation, const StopCondition& stop);
 
 /// Fills in which candidate lies in which enclosed solution, and the gap.
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof);

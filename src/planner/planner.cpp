@@ -52,7 +52,7 @@ void bound_and_look_again(
       if (!options.on_progress) return;
       options.on_progress("proof", static_cast<int>(boxes), static_cast<int>(effort.max_boxes));
     };
-    return bound_measure(problem, formulation, found, proof, effort);
+    return bound_measure(options.prover, problem, formulation, found, proof, effort);
   };
   bool was_missed = false;
   std::optional<MinimumBound> bound = bounded();
@@ -111,7 +111,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   };
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
-  proof = prove_solutions(problem, formulation, half_the_rest(options.stop));
+  proof = prove_solutions(options.prover, problem, formulation, half_the_rest(options.stop));
   match_candidates(problem, found, proof);
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());

@@ -1,12 +1,20 @@
 // Articulated bodies over a whole box of postures, for number types that are sets.
 //
-// The recursion of <stillbase/dynamics/articulated_body.hpp>, but every body's inertia in the
-// frame of the body itself, where it depends on the joints beyond it alone: the same number in many
-// places is what makes sets wide, and the angles of the joints before it would be in all of them.
+// The recursion of <stillbase/dynamics/articulated_body.hpp>, with every body's inertia in the
+// frame of the body itself. There it depends on the joints beyond it alone. In base axes the angles
+// of the joints before it would be in all entries, and sets become wide where one number occurs
+// often.
+//
+// Why there are two solutions for one arm. Bounds of a minimum come from wide boxes, for which
+// these forms are narrow, and ask for quotients (magnitude of the impulse, velocities). The
+// equations of a case problem (case_rows.hpp) end in boxes of 1e-8 rad, where both are equally
+// narrow; written with the planner's matrices and one elimination (elimination.hpp) they need no
+// quotient of impulse quantities and are momenta, as the planner's rows are.
+//
 // With [f; m] about the joint's origin, s the unit twist of joint k and I the articulated inertia
 //   U = I s,  D = s' U + added inertia,  I <- I - U U' / D  (a locked joint: I),
-// then to the parent's frame: turned about the axis by phi, turned by a constant, shifted. The same
-// way goes the composite inertia, of which the joints are held.
+// then to the parent's frame: rotated about the axis by phi, rotated by a constant, shifted. The
+// composite inertia, of which the joints are held, follows the same steps.
 //
 // Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7.
 #pragma once
@@ -95,7 +103,7 @@ struct BodyInertia {
     mirror();
   }
 
-  /// Turned about z by the angle whose cosine and sine, and those of twice it, are given.
+  /// Rotates it about z by the angle whose cosine and sine, and those of twice it, are given.
   void turn_about_z(const S& c, const S& s, const S& c2, const S& s2) {
     const auto turn = [](S& x, S& y, const S& cosine, const S& sine) {
       if (x.is_zero() && y.is_zero()) return;
@@ -115,7 +123,7 @@ struct BodyInertia {
     }
     turn(H(0, 2), H(1, 2), c, s);
     turn(H(2, 0), H(2, 1), c, s);
-    // Of the plane's four entries trace and skew part stay, the rest turns by twice the angle.
+    // Of the plane's four entries trace and skew part stay, the others rotate by twice the angle.
     const S mean = (H(0, 0) + H(1, 1)) * half, twist = (H(0, 1) - H(1, 0)) * half;
     S along = (H(0, 0) - H(1, 1)) * half, across = (H(0, 1) + H(1, 0)) * half;
     turn(along, across, c2, s2);
@@ -195,7 +203,7 @@ struct ArticulatedForms {
   PerBody<Vector6<S>, S> U;    ///< momentum of the articulated body k moved along joint k
   PerBody<S, S> D, inverse_D;  ///< undefined for locked joints
   BodyInertia<S> articulated;  ///< of the whole about the base centroid, joints free, in B
-  BodyInertia<S> composite;    ///< the same, joints held; where it was asked for
+  BodyInertia<S> composite;    ///< the same, joints held; where it is wanted
   std::vector<bool> moves;     ///< n, joint k is not locked
 
   /// @param model outlives this
@@ -259,8 +267,8 @@ struct ArticulatedForms {
   }
   /// A vector in B as one in the axes of the body that carries the hand.
   Vector3<S> in_hand_body(Vector3<S> x) const {
-    const std::vector<int> way = joints_of_hand();
-    for (auto k = way.rbegin(); k != way.rend(); ++k) x = inwards(*k, x);
+    const std::vector<int> chain = joints_of_hand();
+    for (auto k = chain.rbegin(); k != chain.rend(); ++k) x = inwards(*k, x);
     return x;
   }
 

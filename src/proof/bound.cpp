@@ -12,23 +12,18 @@
 namespace stillbase::proof {
 namespace {
 
-/// A box that has lost this much of its volume is looked at again before it is divided.
-constexpr double kWorthwhile = 0.5;
-constexpr int kMaxRounds = 6;
-constexpr int kMaxMixtures = 4;
-constexpr std::size_t kMaxMixed = 5;  ///< forms that are mixed
-
 /// A convex combination whose least value over the part is as large as it gets by mixing one more
 /// form at a time, of the few that are largest.
 template <int N>
-Quadratic<N> best_mixture(std::vector<Quadratic<N>> forms, const Part<N>& part) {
+Quadratic<N> best_mixture(const std::vector<Quadratic<N>>& forms, const Part<N>& part,
+                          const BoundOptions& options) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < forms.size(); ++k) order.emplace_back(-least(forms[k], part), k);
   std::sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), kMaxMixed));
+  order.resize(std::min(order.size(), options.max_mixed));
   Quadratic<N> best = forms[order.front().second];
   double value = -order.front().first;
-  for (int round = 0; round < kMaxMixtures && best.is_bounded(); ++round) {
+  for (int round = 0; round < options.max_mixtures && best.is_bounded(); ++round) {
     Quadratic<N> better = best;
     bool is_better = false;
     for (std::size_t k = 0; k < order.size(); ++k) {
@@ -39,7 +34,7 @@ Quadratic<N> best_mixture(std::vector<Quadratic<N>> forms, const Part<N>& part) 
         if (!(best.a(i) * form.a(i) < 0)) continue;
         const double t = best.a(i) / (best.a(i) - form.a(i));
         if (!(t > 0 && t < 1)) continue;
-        const Quadratic<N> mixed = mixture(best, form, t);
+        const Quadratic<N> mixed = best.mixed(form, t);
         const double reached = least(mixed, part);
         if (!(reached > value)) continue;
         better = mixed;
@@ -78,7 +73,7 @@ class Search {
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
     for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box, {}});
-    look_at(boxes);
+    examine_all(boxes);
     while (!open_.empty() && !(open_.top().lower >= goal_) && out_.suspects.empty()) {
       if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
         out_.limit_reached = true;
@@ -87,17 +82,17 @@ class Search {
       if (options_.on_progress) options_.on_progress(out_.boxes);
       // So many at a time whatever the number of threads: the same answer anywhere.
       boxes.clear();
-      while (boxes.size() < kAtATime && !open_.empty() && !(open_.top().lower >= goal_)) {
+      while (boxes.size() < options_.at_a_time && !open_.empty() && !(open_.top().lower >= goal_)) {
         divide(open_.top(), boxes);
         open_.pop();
       }
-      look_at(boxes);
+      examine_all(boxes);
     }
-    double lower = set_aside_;
+    double lower = undivided_;
     if (!open_.empty()) lower = std::min(lower, open_.top().lower);
     out_.nothing_below_cut = lower >= options_.cut;
     out_.lower = std::min(lower, options_.cut);
-    while (out_.limit_reached && !open_.empty() && out_.suspects.size() < kSuspects) {
+    while (out_.limit_reached && !open_.empty() && out_.suspects.size() < options_.max_suspects) {
       out_.suspects.push_back(middle_of(open_.top().box));
       open_.pop();
     }
@@ -105,10 +100,6 @@ class Search {
   }
 
  private:
-  static constexpr std::size_t kAtATime = 64;  ///< boxes
-  static constexpr std::size_t kSuspects = 8;
-  static constexpr double kWorthAProof = 1e-3;  ///< of the goal
-
   struct Node {
     double lower;
     long serial;  ///< of equal bounds the first
@@ -119,20 +110,20 @@ class Search {
     }
   };
 
-  /// What became of a box.
-  struct Look {
+  /// A box after its examination.
+  struct Examined {
     Node node;
     bool is_left = true;  ///< not wholly above the cut
     long evaluations = 0;
-    std::optional<double> middle;  ///< max_k f_k at the box's middle, or a little more
+    std::optional<double> middle;  ///< upper bound of max_k f_k at the box's middle
   };
 
-  /// Cuts boxes, bounds what is left and puts it on the list.
-  void look_at(const std::vector<Node>& boxes) {
-    std::vector<Look> looks(boxes.size());
-    in_threads(boxes.size(), [&](std::size_t i) { looks[i] = look(boxes[i]); });
-    for (std::size_t i = 0; i < looks.size(); ++i) {
-      Look& seen = looks[i];
+  /// Cuts boxes, bounds what remains and puts it on the list.
+  void examine_all(const std::vector<Node>& boxes) {
+    std::vector<Examined> results(boxes.size());
+    in_threads(boxes.size(), [&](std::size_t i) { results[i] = examine(boxes[i]); });
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      Examined& seen = results[i];
       out_.boxes += seen.evaluations;
       if (seen.middle && *seen.middle < options_.goal) {
         try_point(middle_of(boxes[i].box));
@@ -140,7 +131,7 @@ class Search {
       }
       if (!seen.is_left) continue;
       if (width_of(seen.node.box) <= options_.min_width) {
-        set_aside_ = std::min(set_aside_, seen.node.lower);
+        undivided_ = std::min(undivided_, seen.node.lower);
         continue;
       }
       seen.node.serial = serial_++;
@@ -158,14 +149,15 @@ class Search {
   void expect_at_most(double value) {
     if (!(options_.goal > 0 && options_.goal < kInfinite)) return;
     const double reachable = value * (options_.goal / options_.cut);
-    goal_ = std::fmin(goal_, reachable > kWorthAProof * options_.goal ? reachable : -kInfinite);
+    goal_ = std::fmin(goal_,
+                      reachable > options_.worth_a_proof * options_.goal ? reachable : -kInfinite);
   }
 
-  Look look(const Node& node) const {
-    Look out;
+  Examined examine(const Node& node) const {
+    Examined out;
     out.node = node;
     Box<N>& X = out.node.box;
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < options_.max_rounds; ++round) {
       ++out.evaluations;
       Part<N> part;
       part.side.fill(Interval(-1, 1));
@@ -178,14 +170,13 @@ class Search {
       }
       const double before = volume(X);
       X = part_of(X, part);
-      if (out.node.lower >= options_.goal || !(volume(X) <= kWorthwhile * before)) break;
+      if (out.node.lower >= options_.goal || !(volume(X) <= options_.worthwhile * before)) break;
     }
     return out;
   }
 
-  /// One evaluation; false: nothing of the box is left.
-  /// @param at_middle max_k f_k at the middle of the box, about; only where nothing else is asked
-  /// for
+  /// One evaluation; false: nothing of the box remains.
+  /// @param at_middle upper bound of max_k f_k at the middle of the box; only without equations
   bool reduce(const Box<N>& X, Part<N>& part, Node& node, std::optional<double>& at_middle) const {
     std::array<Form<N>, N> x;
     for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Form<N>(X[i], i);
@@ -194,15 +185,14 @@ class Search {
     program_.evaluate(x, all_equations, values);
     if (all_equations.empty()) at_middle = largest_at_middle(values);
     std::vector<Quadratic<N>> equations, excesses;
-    for (const Form<N>& equation : all_equations)
-      equations.push_back(equation.template folded<2>());
+    for (const Form<N>& equation : all_equations) equations.push_back(equation.folded());
     double weight = 0;  // largest q0 / denominator
     for (const Fraction<N>& value : values) {
       const Interval denominators = value.denominator.range();
       const double least = std::fmax(value.least_denominator, denominators.lower());
       const double q0 = std::fmax(value.denominator.c(), least);
       const Form<N> excess = value.numerator - value.denominator * Form<N>(options_.cut);
-      excesses.push_back((excess * Form<N>(1 / q0)).template folded<2>());
+      excesses.push_back((excess * Form<N>(1 / q0)).folded());
       if (&value == &values.front()) node.bends = bends_of(excess);
       weight = std::fmax(weight, q0 / least);
     }
@@ -212,7 +202,7 @@ class Search {
     }
     const Multipliers<N> multipliers(equations, part);
     for (Quadratic<N>& excess : excesses) excess = multipliers.relieved(excess);
-    const Quadratic<N> mixed = best_mixture(excesses, part);
+    const Quadratic<N> mixed = best_mixture(excesses, part, options_);
     if (!cut_above_zero(mixed, part)) return false;
     for (const Quadratic<N>& excess : excesses) {
       if (!cut_above_zero(excess, part)) return false;
@@ -281,15 +271,14 @@ class Search {
   }
 
   /// Along the variable that bends f most, of the wider sides.
-  static void divide(const Node& node, std::vector<Node>& out) {
-    constexpr double kWide = 0.25;  // of the widest
+  void divide(const Node& node, std::vector<Node>& out) const {
     int along = 0;
     for (int i = 1; i < N; ++i) {
       if (width_of(node.box[i]) > width_of(node.box[along])) along = i;
     }
     const double widest = width_of(node.box[along]);
     for (int i = 0; i < N; ++i) {
-      const bool is_wide = width_of(node.box[i]) > kWide * widest;
+      const bool is_wide = width_of(node.box[i]) > options_.wide_side * widest;
       if (is_wide && node.bends[i] > node.bends[along]) along = i;
     }
     const Interval side = node.box[along];
@@ -301,9 +290,9 @@ class Search {
 
   const Program<N>& program_;
   const BoundOptions& options_;
-  double goal_;  ///< what is still worth looking for
+  double goal_;  ///< the bound that is still sought
   std::priority_queue<Node> open_;
-  double set_aside_ = kInfinite;  ///< least bound of boxes too small to divide
+  double undivided_ = kInfinite;  ///< least bound of boxes too small to divide
   long serial_ = 0;
   Bound out_;
 };

@@ -2,11 +2,11 @@
 //
 //   min over x of max_k f_k(x), subject to g_j(x) = 0 and x in a box
 //
-// Over a box every f_k and g_j is linear but for a rest of second order. Multiples of the g_j take
-// the slopes out of f_k that the equations forbid to follow, and of several f_k convex
-// combinations are taken, at most as large as their maximum: near a constrained minimum, or a
-// minimum of a maximum, what is left is of second order too, so that the boxes about it need not
-// be small. Any multiples and any combination give a bound; good ones give a good bound.
+// Over a box every f_k and g_j is linear but for a remainder of second order. Multiples of the g_j
+// take the slopes out of f_k that the equations forbid to follow. Of several f_k convex
+// combinations are taken, at most as large as their maximum. Near a constrained minimum, or a
+// minimum of a maximum, the remaining change is of second order too, so that the boxes about it
+// need not be small. Any multiples and any combination give a bound; good ones give a good bound.
 //
 // Horst and Tuy, Global Optimization, 1990; Neumaier, Complete search in continuous global
 // optimization, Acta Numerica 13 (2004).
@@ -49,8 +49,7 @@ struct BoundOptions {
   double cut = 0;
   /// A bound that is good enough.
   double goal = std::numeric_limits<double>::infinity();
-  /// Boxes that are looked at. A count, not a time: the same request gives the same answer
-  /// anywhere.
+  /// Boxes examined. A count, not a time: the same request gives the same answer anywhere.
   long max_boxes = 20000;
   double min_width = 1e-9;  ///< boxes below it are not divided any more
   StopCondition stop = {};  ///< counts as the limit
@@ -58,6 +57,19 @@ struct BoundOptions {
   /// Of a problem without equations max_k f_k at a point, or more, in the default rounding mode:
   /// the search ends at the first point that is below the goal.
   std::function<double(const Eigen::VectorXd& x)> value_at = {};
+
+  // Effort. Every choice is right; these need the fewest boxes on the shipped problems.
+  /// A box that has lost this part of its volume is examined once more before it is divided.
+  double worthwhile = 0.5;
+  int max_rounds = 6;           ///< examinations of one box
+  std::size_t max_mixed = 5;    ///< of several f_k, the largest ones that are combined
+  int max_mixtures = 4;         ///< rounds of combining
+  double wide_side = 0.25;      ///< sides below this part of the widest one are not divided
+  double worth_a_proof = 1e-3;  ///< of the goal: where a point's value is below it, none is sought
+  /// Boxes that are divided before the list is sorted. Not the number of threads: the answer
+  /// does not depend on them.
+  std::size_t at_a_time = 64;
+  std::size_t max_suspects = 8;  ///< where the limit was reached
 };
 
 struct Bound {
@@ -65,8 +77,8 @@ struct Bound {
   double lower = -std::numeric_limits<double>::infinity();
   bool nothing_below_cut = false;  ///< `lower` is the cut: no point reaches it
   bool limit_reached = false;      ///< before the goal
-  long boxes = 0;                  ///< looked at
-  /// Where the search should look again: a point below the goal, or, where the limit was reached,
+  long boxes = 0;                  ///< examined
+  /// Where a search should start: a point below the goal, or, where the limit was reached,
   /// middles of the boxes of which least is known.
   std::vector<Eigen::VectorXd> suspects;
 };

@@ -50,7 +50,7 @@ Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   }
   Proof out = proof::enclose_solutions(zeros, options);
   if (out.status != ProofStatus::NotApplicable) return out;
-  // The equations leave freedom: ask where the predicted objective vanishes.
+  // The equations leave freedom: enclose where the nominal objective vanishes.
   if (!is_angular(problem.objective)) return out;
   zeros.zero = problem.objective.front().quantity;
   Proof vanishing = proof::enclose_solutions(zeros, options);

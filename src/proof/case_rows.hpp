@@ -9,23 +9,17 @@
 //   base part zero   L_i - h_i A^-1 s = 0
 //   coupling zero    h_i A^-1 (s - h' w) = 0, w = Htilde_omega^-1 L; times det(Htilde_omega):
 //                    h_i A^-1 r = 0, r = det(Htilde_omega) s - h' adj(Htilde_omega) L;
-//                    r = s where L = 0 is asked for
-// A^-1 by elimination (elimination.hpp): over a box that is too wide for it nothing is known.
+//                    r = s where L = 0 is an equation
+// A^-1 by elimination (elimination.hpp): over a box that is too wide for it the rows are unbounded.
 //
 // Of the hand's axes, the approach axis a has to lie along -n: its two components normal to n
 // vanish, and it does not point along n (an inequality, side_conditions.hpp). All axes R have to be
-// the wanted ones D: e = 1/2 sum r_i x d_i = sin(angle) axis vanishes, and the turn between them is
-// none of 180 deg (inequalities as well). These equations are the planner's rows.
+// the wanted ones D: e = 1/2 sum r_i x d_i = sin(angle) axis vanishes, and the rotation between
+// them is none of 180 deg (inequalities as well). These equations are the planner's rows.
 #pragma once
 
-#include <algorithm>
-#include <optional>
+#include <span>
 
-#include "dynamics/inertia_kernel.hpp"
-#include "dynamics/kinematics_kernel.hpp"
-#include "impact/jump_kernel.hpp"
-#include "proof/elimination.hpp"
-#include "proof/hand_rows.hpp"
 #include "proof/zero_problem.hpp"
 
 namespace stillbase::proof {
@@ -43,117 +37,9 @@ struct Row {
   double scale = 1;  ///< typical size, a power of two by which the row is divided
 };
 
-/// Rows that ask for the joints' part of the jump.
-inline bool needs_joint_part(const Row& row) {
-  return row.kind == RowKind::Base || row.kind == RowKind::CouplingAtZeroTotal ||
-         row.kind == RowKind::Coupling;
-}
-
-/// h_i A^-1 r over the joints that move.
-template <class S>
-class JointPart {
- public:
-  JointPart(const ZeroProblem& problem, const TildeInertia<S>& tilde) : tilde_(tilde) {
-    for (int k = 0; k < problem.robot.n(); ++k) {
-      const auto index = static_cast<std::size_t>(k);
-      if (index >= problem.locked.size() || !problem.locked[index]) moving_.push_back(k);
-    }
-    elimination_ = Solver(static_cast<int>(moving_.size()), [&](int i, int j) {
-      S value = tilde_.Htilde_phi(moving_[i], moving_[j]);
-      if (i == j) value += S(problem.added_inertia[moving_[i]]);
-      return value;
-    });
-  }
-
-  /// @param r n entries, of which those of the joints that move count
-  S row_times(int i, const JointVector<S>& r) const {
-    Column h{}, right{};
-    for (std::size_t a = 0; a < moving_.size(); ++a) {
-      h[a] = tilde_.Htilde_omegaphi(i, moving_[a]);
-      right[a] = r[moving_[a]];
-    }
-    return elimination_.product(elimination_.forward(h), elimination_.forward(right));
-  }
-
- private:
-  using Solver = Elimination<S, kMaxJointsOf<S>>;
-  using Column = typename Solver::Column;
-
-  const TildeInertia<S>& tilde_;
-  std::vector<int> moving_;
-  Solver elimination_;
-};
-
-/// Values of the rows where the variables are x.
+/// Values of the rows where the variables are x: Dual or Quadratic.
 template <class S>
 std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>& rows,
-                             std::span<const S> x) {
-  const RobotModel& robot = problem.robot;
-  const VariableEncounter& encounter = problem.encounter;
-  const EncounterRange<S> at = encounter_over<S>(encounter, x);
-  const Kinematics<S> kin = compute_kinematics<S>(robot, at.phi);
-  const InertiaMatrices<S> inertia = compute_inertia<S>(robot, kin);
-  const HandJacobian<S> jacobian = compute_hand_jacobian<S>(robot, kin);
-  const TildeInertia<S> tilde = compute_tilde_inertia<S>(inertia);
-  const Vector6<S>& F = at.F;
-  const Vector3<S> f = F.template head<3>();
-  const Vector3<S> L = momentum_change<S>(inertia, jacobian, F);
-
-  std::optional<JointPart<S>> joint_part;
-  JointVector<S> torque(robot.n());  // s
-  if (std::any_of(rows.begin(), rows.end(), needs_joint_part)) {
-    joint_part.emplace(problem, tilde);
-    for (int k = 0; k < robot.n(); ++k) {
-      const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
-      torque[k] = jacobian.J_phi.col(k).dot(F) - p.dot(f) / inertia.mass;
-    }
-  }
-  /// det(Htilde_omega) (s - h' w).
-  const auto torque_beside_total = [&] {
-    const Matrix3<S>& Ho = tilde.Htilde_omega;
-    const Vector3<S> a = Ho.col(0), b = Ho.col(1), c = Ho.col(2);
-    const Vector3<S> bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
-    const S det = a.dot(bc);
-    const Vector3<S> w(bc.dot(L), ca.dot(L), ab.dot(L));  // adj(Ho) L
-    JointVector<S> r(robot.n());
-    for (int k = 0; k < robot.n(); ++k) {
-      const Vector3<S> h = tilde.Htilde_omegaphi.col(k);
-      r[k] = det * torque[k] - h.dot(w);
-    }
-    return r;
-  };
-
-  std::vector<S> out;
-  for (const Row& row : rows) {
-    S value(0.0);
-    switch (row.kind) {
-      case RowKind::HandPosition:
-        value = kin.r_bh[row.index] - at.hand_point[row.index];
-        break;
-      case RowKind::HandAxis:
-        value = axis_along<S>(encounter, at, kin.R_hand, row.direction);
-        break;
-      case RowKind::HandPose:
-        value = axes_error<S>(encounter, at, kin.R_hand, row.index);
-        break;
-      case RowKind::Total: {
-        const Vector3<S> direction = row.direction.cast<S>();
-        value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE() * direction).dot(L);
-        break;
-      }
-      case RowKind::Base:
-        value = L[row.index] - joint_part->row_times(row.index, torque);
-        break;
-      case RowKind::CouplingAtZeroTotal:
-        value = joint_part->row_times(row.index, torque);
-        break;
-      case RowKind::Coupling:
-        value = joint_part->row_times(row.index, torque_beside_total());
-        break;
-    }
-    out.push_back(value * S(1 / row.scale));
-  }
-  return out;
-}
+                             std::span<const S> x);
 
 }  // namespace stillbase::proof

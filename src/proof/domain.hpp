@@ -6,7 +6,7 @@
 
 namespace stillbase::proof {
 
-/// @param periodic which of them are angles of a full turn
+/// @param periodic which of them are angles with a range of 360 deg
 /// @pre N >= encounter.num_variables(); sides beyond are zero
 template <int N>
 Box<N> domain_of(const RobotModel& robot, const VariableEncounter& encounter,

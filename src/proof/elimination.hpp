@@ -8,10 +8,10 @@
 // box, results are unbounded.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <array>
 
 #include "dynamics/kinematics_kernel.hpp"
+#include "proof/dense.hpp"
 #include "proof/interval.hpp"
 
 namespace stillbase::proof {
@@ -22,7 +22,7 @@ class Elimination {
   using Column = std::array<S, kMaxSize>;
 
   Elimination() = default;
-  /// @param entry (i, j) -> S, asked for j <= i < size
+  /// @param entry (i, j) -> S, called with j <= i < size
   template <class Entry>
   Elimination(int size, const Entry& entry) : size_(size) {
     std::array<Column, kMaxSize> K;  // lower triangle
@@ -91,15 +91,8 @@ class Elimination {
  private:
   /// G, lower triangular with G middle G' near the identity.
   void precondition(const Eigen::MatrixXd& centre) {
-    const Eigen::MatrixXd E = Eigen::MatrixXd::Identity(size_, size_);
-    G_ = E;
-    if (!centre.allFinite()) return;
-    const Eigen::LLT<Eigen::MatrixXd> llt(centre);
-    if (llt.info() != Eigen::Success) return;
-    const Eigen::MatrixXd inverse = llt.matrixL().solve(E);
-    if (inverse.allFinite() && (inverse.diagonal().array() != 0).all()) {
-      G_ = inverse.triangularView<Eigen::Lower>();
-    }
+    G_ = inverse_cholesky_factor(centre);
+    if (G_.size() == 0 || (G_.diagonal().array() == 0).any()) G_.setIdentity(size_, size_);
   }
 
   int size_ = 0;

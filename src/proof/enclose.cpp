@@ -8,14 +8,7 @@
 namespace stillbase::proof {
 namespace {
 
-/// Boxes wider than this are not worth an attempt with a larger box.
-constexpr double kInflatedWidth = 0.5;
-/// Contraction goes on while a round leaves at most this part of the widest side.
-constexpr double kWorthwhile = 0.7;
-constexpr int kMaxRounds = 8;
 constexpr double kSteep = 1e200;  ///< unbounded slopes count as this
-/// Undecided boxes are joined to clusters up to this number; more say nothing anyway.
-constexpr std::size_t kMaxJoined = 2000;
 
 template <int N>
 Box<N> hull_of(const Box<N>& A, const Box<N>& B) {
@@ -32,7 +25,7 @@ Box<N> inflated(const Box<N>& X) {
   return out;
 }
 
-/// What second-order forms of f leave of a box.
+/// A box cut by second-order forms of f.
 template <int N>
 struct FormCut {
   bool may_have_zero = true;
@@ -42,10 +35,7 @@ struct FormCut {
 };
 
 template <int N>
-FormCut<N> cut_by_forms(const System<N>& system, Box<N>& X) {
-  /// Krawczyk's test takes slopes that change by less than themselves.
-  constexpr double kNearlyLinear = 0.5;
-  constexpr int kSweeps = 3;
+FormCut<N> cut_by_forms(const System<N>& system, const EncloseOptions& options, Box<N>& X) {
   FormCut<N> out;
   std::array<Quadratic<N>, N> x, f;
   for (int j = 0; j < N; ++j) x[j] = Quadratic<N>(X[j], j);
@@ -64,7 +54,7 @@ FormCut<N> cut_by_forms(const System<N>& system, Box<N>& X) {
       out.change[j] = std::fmax(out.change[j], change);
     }
   }
-  // Rests know no variables: those behind them would never be divided.
+  // Remainders know no variables: those behind them would never be divided.
   if (!is_known) out.change.fill(0);
   std::vector<Quadratic<N>> forms(f.begin(), f.end());
   bool is_invertible = false;
@@ -73,19 +63,20 @@ FormCut<N> cut_by_forms(const System<N>& system, Box<N>& X) {
     for (int i = 0; i < N; ++i) {
       Quadratic<N> g;
       for (int j = 0; j < N; ++j) g += f[j] * Quadratic<N>(Y(i, j));
-      out.may_be_unique = out.may_be_unique && (!is_known || g.size_of(2) + g.r < kNearlyLinear);
+      const bool bends = is_known && !(g.size_of(2) + g.r < options.nearly_linear);
+      out.may_be_unique = out.may_be_unique && !bends;
       forms.push_back(g);
     }
   }
   Part<N> part;
   part.side.fill(Interval(-1, 1));
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     const double before = width_of(part);
     for (const Quadratic<N>& form : forms) {
       out.may_have_zero = out.may_have_zero && cut_by_equation(form, part);
     }
     if (!out.may_have_zero) return out;
-    if (width_of(part) > kWorthwhile * before) break;
+    if (width_of(part) > options.worthwhile * before) break;
   }
   for (int j = 0; j < N; ++j) {
     const Interval side = Interval(x[j].c()) + Interval(x[j].a(j)) * part[j];
@@ -95,7 +86,7 @@ FormCut<N> cut_by_forms(const System<N>& system, Box<N>& X) {
   return out;
 }
 
-/// f over a box as far as the tests need it.
+/// Value at the middle and derivatives over a box.
 template <int N>
 struct Linearised {
   std::array<double, N> c;
@@ -108,18 +99,18 @@ struct Linearised {
 template <int N>
 Linearised<N> linearise(const System<N>& system, const Box<N>& X) {
   Linearised<N> out;
-  std::array<Dual<N>, N> x, f;
-  for (int j = 0; j < N; ++j) x[j] = Dual<N>(X[j], j);
+  std::array<Dual, N> x, f;
+  for (int j = 0; j < N; ++j) x[j] = Dual(X[j], j, N);
   system.evaluate(x, f);
   for (int i = 0; i < N; ++i) {
     out.may_have_zero = out.may_have_zero && contains_zero(f[i].v);
-    out.J[i] = f[i].d;
+    std::copy_n(f[i].d.begin(), N, out.J[i].begin());
   }
   if (!out.may_have_zero) return out;
-  std::array<Dual<0>, N> at, f_c;
+  std::array<Dual, N> at, f_c;
   for (int j = 0; j < N; ++j) {
     out.c[j] = middle(X[j]);
-    at[j] = Dual<0>(out.c[j]);
+    at[j] = Dual(out.c[j]);
     out.step[j] = X[j] - out.c[j];
   }
   system.evaluate(at, f_c);
@@ -138,11 +129,11 @@ bool contract_componentwise(const Linearised<N>& at, Box<N>& X) {
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) {
       if (contains_zero(at.J[i][j])) continue;
-      Interval rest = at.f_c[i];
+      Interval others = at.f_c[i];
       for (int k = 0; k < N; ++k) {
-        if (k != j) rest += at.J[i][k] * (X[k] - at.c[k]);
+        if (k != j) others += at.J[i][k] * (X[k] - at.c[k]);
       }
-      const Interval cut = Interval(at.c[j]) - rest / at.J[i][j];
+      const Interval cut = Interval(at.c[j]) - others / at.J[i][j];
       if (is_disjoint(cut, X[j])) return false;
       X[j] = boost::numeric::intersect(X[j], cut);
     }
@@ -221,7 +212,7 @@ class Search {
       }
       Box<N> X = open.back();
       open.pop_back();
-      if (is_settled(X)) continue;
+      if (is_known_zero(X)) continue;
       ++out_.boxes;
       if (system_.excludes(X) || !reduce(X)) continue;
       if (width_of(X) <= options_.min_width) {
@@ -235,20 +226,20 @@ class Search {
 
  private:
   /// Inside a box whose only zero is known.
-  bool is_settled(const Box<N>& X) const {
+  bool is_known_zero(const Box<N>& X) const {
     return std::any_of(out_.zeros.begin(), out_.zeros.end(),
                        [&](const Zero<N>& zero) { return is_inside(X, zero.unique); });
   }
 
-  /// Cuts X; false: nothing is left to look at.
+  /// Cuts X; false: nothing of it remains.
   bool reduce(Box<N>& X) {
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < options_.max_rounds; ++round) {
       const double before = width_of(X);
-      const FormCut<N> forms = cut_by_forms(system_, X);
+      const FormCut<N> forms = cut_by_forms(system_, options_, X);
       if (!forms.may_have_zero) return false;
       change_ = forms.change;
       if (!forms.may_be_unique) {
-        if (width_of(X) > kWorthwhile * before) break;
+        if (width_of(X) > options_.worthwhile * before) break;
         continue;
       }
       const Box<N> whole = X;
@@ -263,8 +254,8 @@ class Search {
         return false;
       }
       if (!contract_componentwise(at, X)) return false;
-      if (is_regular && width_of(X) < kInflatedWidth && try_inflated(X)) return false;
-      if (width_of(X) > kWorthwhile * before) break;
+      if (is_regular && width_of(X) < options_.inflated_width && try_inflated(X)) return false;
+      if (width_of(X) > options_.worthwhile * before) break;
     }
     return true;
   }
@@ -288,7 +279,8 @@ class Search {
         if (width_of(unique) > width_of(known.unique)) known.unique = unique;
         return;
       }
-      if (!is_disjoint(tight, known.tight)) {  // cannot be told: never seen, but not excluded
+      if (!is_disjoint(tight,
+                       known.tight)) {  // may be the same zero: never observed, but not excluded
         out_.undecided.push_back(tight);
         return;
       }
@@ -299,7 +291,7 @@ class Search {
   void measure_slopes(const Linearised<N>& at, const Box<N>& X) {
     for (int j = 0; j < N; ++j) {
       double slope = 0;
-      // Where nothing is known the widest side is divided.
+      // Unbounded slopes: the widest side is divided.
       for (int i = 0; i < N; ++i) {
         slope = std::fmax(slope, std::fmin(boost::numeric::norm(at.J[i][j]), kSteep));
       }
@@ -320,8 +312,8 @@ class Search {
       widest = j;
       largest = smear;
     }
-    // Off the middle: zeros like to sit at round numbers.
-    const double split = X[widest].lower() + 0.4857 * (X[widest].upper() - X[widest].lower());
+    const double split =
+        X[widest].lower() + options_.split * (X[widest].upper() - X[widest].lower());
     Box<N> left = X, right = X;
     left[widest] = Interval(X[widest].lower(), split);
     right[widest] = Interval(split, X[widest].upper());
@@ -331,14 +323,14 @@ class Search {
 
   const System<N>& system_;
   const EncloseOptions& options_;
-  std::array<double, N> change_{};  ///< of the rows along the sides of the box looked at
+  std::array<double, N> change_{};  ///< of the rows along the sides of the box examined
   Enclosure<N> out_;
 };
 
 /// Boxes that touch become one.
 template <int N>
-std::vector<Box<N>> joined(std::vector<Box<N>> boxes) {
-  if (boxes.size() > kMaxJoined) return boxes;
+std::vector<Box<N>> joined(std::vector<Box<N>> boxes, std::size_t max_joined) {
+  if (boxes.size() > max_joined) return boxes;
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -353,7 +345,7 @@ std::vector<Box<N>> joined(std::vector<Box<N>> boxes) {
   return boxes;
 }
 
-/// The box moved by one turn where it is nearer to the other that way.
+/// The box moved by 360 deg where that brings it nearer to the other.
 template <int N>
 Box<N> moved_towards(Box<N> X, const Box<N>& other, const std::array<bool, N>& periodic) {
   for (int i = 0; i < N; ++i) {
@@ -369,12 +361,9 @@ Box<N> moved_towards(Box<N> X, const Box<N>& other, const std::array<bool, N>& p
 template <int N>
 Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
                            const std::array<bool, N>& periodic, const EncloseOptions& options) {
-  // A solver meets its equations to a tolerance: just inside a limit it takes a zero just outside
-  // for one inside. Such a zero is listed as undecided.
-  constexpr double kEdge = 1e-7;
   Box<N> searched = domain;
   for (int i = 0; i < N; ++i) {
-    if (!periodic[i]) searched[i] += Interval(-kEdge, kEdge);
+    if (!periodic[i]) searched[i] += Interval(-options.edge, options.edge);
   }
   Enclosure<N> found = Search<N>(system, options).run(searched);
   Enclosure<N> out;
@@ -398,7 +387,7 @@ Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
     });
     if (!known) out.zeros.push_back(zero);
   }
-  out.undecided = joined(std::move(found.undecided));
+  out.undecided = joined(std::move(found.undecided), options.max_joined);
   return out;
 }
 

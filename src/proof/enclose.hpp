@@ -9,7 +9,7 @@
 
 #include <stillbase/core/interrupt.hpp>
 
-#include "proof/interval.hpp"
+#include "proof/dual.hpp"
 #include "proof/taylor.hpp"
 
 namespace stillbase::proof {
@@ -51,10 +51,8 @@ template <int N>
 class System {
  public:
   virtual ~System() = default;
-  /// Values and derivatives over a box.
-  virtual void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const = 0;
-  /// Values alone.
-  virtual void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const = 0;
+  /// Values and derivatives over a box; values alone of variables without derivatives.
+  virtual void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const = 0;
   /// Quadratic forms of the values over the box of the variables x; no: there are none.
   virtual bool evaluate(const std::array<Quadratic<N>, N>&, std::array<Quadratic<N>, N>&) const {
     return false;
@@ -64,13 +62,29 @@ class System {
 };
 
 struct EncloseOptions {
-  /// Boxes that are looked at before the rest is called undecided. A count, not a time: the same
+  /// Boxes examined before the remaining ones are called undecided. A count, not a time: the same
   /// request gives the same answer anywhere.
   long max_boxes = 100000;
   /// Boxes below this width are not divided any more. Zeros closer to each other than about ten
   /// times this are not told apart, and neither is a double zero.
   double min_width = 1e-8;
   StopCondition stop = {};  ///< counts as the limit
+
+  // Effort. Every choice is right; these need the fewest boxes on the shipped problems.
+  /// A box is cut further while a round leaves at most this part of its widest side.
+  double worthwhile = 0.7;
+  int max_rounds = 8;
+  int sweeps = 3;  ///< cuts of one box by the second-order forms, at most
+  /// Rows whose slopes change by more than this part of themselves are not tested by Krawczyk's
+  /// operator, which takes slopes that change by less than themselves.
+  double nearly_linear = 0.5;
+  double inflated_width = 0.5;  ///< boxes wider than this are not tried enlarged
+  double split = 0.4857;  ///< where sides are divided: off the middle, zeros sit at round numbers
+  /// Zeros this far outside of the domain are undecided: a solver meets its equations to a
+  /// tolerance, and just inside a limit takes a zero just outside for one inside.
+  double edge = 1e-7;
+  /// More undecided boxes than this are not joined to clusters: they say nothing anyway.
+  std::size_t max_joined = 2000;
 };
 
 template <int N>
@@ -94,14 +108,13 @@ struct Enclosure {
 /// or in an undecided box. (Excluded ones may be among them.)
 ///
 /// Where there are second-order forms of f a box is first cut to where they, and their combinations
-/// that are about c_i + eps_i, may be zero; what is left open then is of third order in its width.
-/// A box without a zero of some f_i (natural or mean-value extension) is dropped; the rest is cut
-/// by the componentwise Newton operator and by Krawczyk's
+/// that are about c_i + eps_i, may be zero; the remainder is then of third order in its width.
+/// A box without a zero of some f_i (natural or mean-value extension) is dropped; others are cut by
+/// the componentwise Newton operator and by Krawczyk's
 ///   K(X) = c - Y f(c) + (E - Y J(X)) (X - c),  Y near J(c)^-1,
-/// dropped when K and X do not meet, proven to hold exactly one zero when K lies inside X, and
-/// divided otherwise. So that zeros on an edge are found as well, X is tried a little larger.
-/// Zeros less than 1e-7 outside of the domain are undecided ones.
-/// @param periodic variables that are angles of a full turn [-pi, pi]: what lies a turn apart is
+/// dropped when K and X are disjoint, proven to hold exactly one zero when K lies inside X, and
+/// divided otherwise. So that zeros on an edge are found as well, X is tried enlarged by a quarter.
+/// @param periodic variables that are angles within [-pi, pi]: points 2 pi apart are
 /// one
 /// @pre a RoundUpward stands on the stack
 template <int N>

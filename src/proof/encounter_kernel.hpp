@@ -1,5 +1,5 @@
 // The encounter over a box of the variables: posture, wrench per unit of impulse, where the hand
-// must be, which axes it must have, closing speed. For dual intervals of any size.
+// must be, which axes it must have, closing speed. For dual intervals and Taylor models.
 //
 // Directions, speeds and hand axes are those of encounter/encounter_kernel.hpp, instantiated on
 // enclosing numbers. Three things are written here:
@@ -22,12 +22,7 @@
 #include <stillbase/encounter/encounter.hpp>
 
 #include "encounter/encounter_kernel.hpp"
-#include "proof/interval.hpp"
 #include "proof/spin.hpp"
-
-/// Dual numbers are wide: their matrices take the joints of the determinants and some locked ones.
-template <int N>
-inline constexpr int stillbase::kMaxJointsOf<stillbase::proof::Dual<N>> = 8;
 
 namespace stillbase::proof {
 
@@ -81,48 +76,6 @@ struct EncounterRange {
   auto R_BE() const { return contact.R_EB.transpose(); }
 };
 
-/// Attitude and rate of the target over a span of time.
-template <class S>
-struct TargetTurn {
-  Matrix3<S> R_NT;
-  Vector3<S> omega;  ///< in T, rad/s
-};
-
-/// A function of time over the box of `time`, from enclosures of it and of its rate.
-template <int N>
-Dual<N> in_time(const Number& value, const Number& rate, const Dual<N>& time) {
-  Dual<N> out(value.v);
-  for (std::size_t i = 0; i < out.d.size(); ++i) out.d[i] = rate.v * time.d[i];
-  return out;
-}
-
-template <int N, int Rows, int Cols>
-Eigen::Matrix<Dual<N>, Rows, Cols> in_time(const Eigen::Matrix<Number, Rows, Cols>& value,
-                                           const Eigen::Matrix<Number, Rows, Cols>& rate,
-                                           const Dual<N>& time) {
-  Eigen::Matrix<Dual<N>, Rows, Cols> out;
-  for (Eigen::Index i = 0; i < out.size(); ++i) {
-    out.data()[i] = in_time(value.data()[i], rate.data()[i], time);
-  }
-  return out;
-}
-
-/// Attitude and rate of the target with their derivatives in time.
-template <int N>
-TargetTurn<Dual<N>> turn_over(const SpinEnclosure& spin, const Dual<N>& time) {
-  const SpinRange range = spin.over(time.v);
-  return {in_time(range.R, range.R_rate, time), in_time(range.omega, range.omega_rate, time)};
-}
-
-/// Rotation by `angle` about a constant unit axis: E + sin K + (1 - cos) K^2.
-template <class S>
-Matrix3<S> rotation_about(const Vector3d& axis, const S& angle) {
-  const Matrix3<S> K = skew<double>(axis).template cast<S>();
-  Matrix3<S> R = K * sin(angle) + Matrix3<S>(K * K) * (S(1.0) - cos(angle));
-  for (int i = 0; i < 3; ++i) R(i, i) += S(1.0);
-  return R;
-}
-
 /// Rotation by the angle theta about the unit axis a, sigma = a tan(theta / 4), |sigma| <= 1 for
 /// all angles up to pi (Schaub and Junkins, J. Astronaut. Sci. 44, 1996, with the sign that maps B
 /// to N):
@@ -144,60 +97,10 @@ Matrix3<S> rotation_by(const Vector3<S>& sigma, const S& size_squared) {
   return R;
 }
 
+/// For Dual, Quadratic and Form.
 /// @param x num_variables() entries
 template <class S>
-EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const S> x) {
-  EncounterRange<S> out;
-  out.phi = model.start.template cast<S>();
-  for (std::size_t i = 0; i < model.free.size(); ++i) out.phi[model.free[i]] = x[i];
-  out.R_NB = model.R_NB.template cast<S>();
-  if (model.attitude_is_free) {
-    const S& angle = x[static_cast<std::size_t>(model.attitude_index())];
-    out.R_NB = rotation_about<S>(model.attitude_axis, angle) * out.R_NB;
-  }
-  if (!model.turn_basis.empty()) {
-    Vector3<S> sigma = Vector3<S>::Zero();
-    for (std::size_t i = 0; i < model.turn_basis.size(); ++i) {
-      const S& entry = x[static_cast<std::size_t>(model.attitude_index()) + i];
-      sigma += Vector3<S>(model.turn_basis[i].template cast<S>()) * entry;
-      out.turn_size_squared += square(entry);
-    }
-    out.R_NB = rotation_by<S>(sigma, out.turn_size_squared) * out.R_NB;
-  }
-
-  out.closing_speed = S(model.stated.closing_speed);
-  if (!model.follows_target()) {
-    out.contact = contact_kinematics<S>(model, out.R_NB);
-  } else if (model.time_is_free) {
-    const S time = x[static_cast<std::size_t>(model.time_index())] * S(model.time_unit);
-    const TargetTurn<S> turn = turn_over(*model.spin, time);
-    const Vector3<S> velocity = model.estimate.linear_velocity.template cast<S>();
-    const Vector3<S> position = Vector3<S>(model.estimate.pose.position.template cast<S>()) +
-                                velocity * (time - S(model.estimate.time));
-    const TargetKinematics<S> target{turn.R_NT, position, velocity, turn.omega};
-    out.contact = contact_kinematics<S>(model, out.R_NB, target);
-    out.closing_speed = speed_along<S>(out.contact, model.n, model.r);
-  } else {
-    out.contact.R_EB = Matrix3<S>(model.R_NT.transpose().template cast<S>()) * out.R_NB;
-    out.contact.point = model.stated.contact.point.template cast<S>();
-  }
-  out.contact_point =
-      model.hand_point ? Vector3<S>(model.hand_point->template cast<S>()) : out.contact.point;
-  if (model.is_fixed()) {
-    out.F = model.stated.F.template cast<S>();
-    out.hand_point = model.stated_hand_point.template cast<S>();
-    return out;
-  }
-  out.F = unit_wrench<S>(out.contact.R_EB, model.n, model.moment);
-  if (model.hand_point && model.hand_frame == Frame::Base) {
-    out.hand_point = out.contact_point;
-  } else {
-    out.hand_point =
-        out.R_NB.transpose() *
-        Vector3<S>(out.contact_point - Vector3<S>(model.base_position.template cast<S>()));
-  }
-  return out;
-}
+EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const S> x);
 
 /// Cosine of the angle between the axis of the base that points along attitude_axis in the stated
 /// attitude, and attitude_axis.

@@ -1,4 +1,4 @@
-// What a quadratic form says about a part of its box: its least value, and where it is zero or at
+// Bounds from a quadratic form over a part of its box: its least value, and where it is zero or at
 // most a given value.
 #pragma once
 
@@ -51,7 +51,7 @@ bool cut_above_zero(const Quadratic<N>& form, Part<N>& part) {
   if (without(form, part, N).lower() > 0) return false;
   for (int i = 0; i < N; ++i) {
     if (form.a(i) == 0) continue;
-    // a eps <= what is left to it.
+    // a eps <= minus the least of the other terms.
     const double left = -without(form, part, i).lower();
     const Interval end = Interval(left) / Interval(form.a(i));
     const Interval allowed =
@@ -123,9 +123,9 @@ struct Parabola {
     return true;
   }
 
-  /// A lower bound: what is not convex of it, s |eta|^2 with s <= 0, at its least, and the rest by
-  /// its tangent plane near its minimum (alpha-BB: Androulakis, Maranas and Floudas, J. Glob.
-  /// Optim. 7, 1995).
+  /// A lower bound: what is not convex of it, s |eta|^2 with s <= 0, at its least, and the convex
+  /// part by its tangent plane near its minimum (alpha-BB: Androulakis, Maranas and Floudas, J.
+  /// Glob. Optim. 7, 1995).
   double least() const {
     double size = 0;
     for (int i = 0; i < N; ++i) size = std::fmax(size, boost::numeric::norm(Q[i][i]));

@@ -1,4 +1,4 @@
-// What is asked of the hand's axes, for any number type.
+// The equations of the hand's axes, for any number type.
 #pragma once
 
 #include "proof/encounter_kernel.hpp"

@@ -1,4 +1,4 @@
-// Intervals whose ends are rounded outwards, and first derivatives over them.
+// Intervals whose ends are rounded outwards.
 //
 // Everything here is exact in one sense: the true value lies between the ends, for the numbers of
 // the robot's data as doubles. That needs two things of whoever uses it: the source is compiled
@@ -12,11 +12,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <boost/numeric/interval.hpp>
 #include <cfenv>
 #include <cmath>
-#include <limits>
 
 namespace stillbase::proof {
 
@@ -69,120 +67,10 @@ inline double width_of(const Interval& x) { return x.upper() - x.lower(); }  // 
 
 inline const Interval kPi(3.141592653589793, 3.1415926535897936);  // neighbours of pi
 
-namespace detail {
-
-/// Does x contain an integer? Never no when it does.
-inline bool has_integer(const Interval& x) { return std::floor(x.upper()) >= std::ceil(x.lower()); }
-
-/// Smallest and largest of two function values that the library computed, moved outwards.
-inline Interval outwards(double a, double b, bool has_maximum, bool has_minimum) {
-  const auto beyond = [](double x, double towards) {
-    return std::nextafter(std::nextafter(x, towards), towards);
-  };
-  const double low = has_minimum ? -1 : std::fmax(-1, beyond(std::fmin(a, b), -2));
-  const double high = has_maximum ? 1 : std::fmin(1, beyond(std::fmax(a, b), 2));
-  return Interval(low, high);
-}
-
-template <class F>
-std::array<double, 2> in_default_mode(const Interval& x, const F& f) {
-  std::fesetround(FE_TONEAREST);
-  const volatile double a = f(x.lower()), b = f(x.upper());
-  std::fesetround(FE_UPWARD);
-  return {a, b};
-}
-
-}  // namespace detail
-
-/// Ends beyond 1e5 would cost digits in the library's argument reduction and are no joint angles.
-inline bool is_angle(const Interval& x) { return x.lower() >= -1e5 && x.upper() <= 1e5; }
-
-inline Interval sine(const Interval& x) {
-  if (!is_angle(x)) return Interval(-1, 1);
-  const Interval turns = x / (kPi * 2.0);
-  const auto ends = detail::in_default_mode(x, [](double a) { return std::sin(a); });
-  return detail::outwards(ends[0], ends[1], detail::has_integer(turns - 0.25),
-                          detail::has_integer(turns + 0.25));
-}
-
-inline Interval cosine(const Interval& x) {
-  if (!is_angle(x)) return Interval(-1, 1);
-  const Interval turns = x / (kPi * 2.0);
-  const auto ends = detail::in_default_mode(x, [](double a) { return std::cos(a); });
-  return detail::outwards(ends[0], ends[1], detail::has_integer(turns),
-                          detail::has_integer(turns + 0.5));
-}
-
-/// A value and its N partial derivatives over a box (forward mode). Dual<0> is a bare value.
-template <int N>
-struct Dual {
-  Interval v;
-  std::array<Interval, N> d;
-
-  Dual() : v(0.0) { d.fill(Interval(0.0)); }
-  Dual(double x) : v(x) { d.fill(Interval(0.0)); }  // NOLINT: numbers of the model convert
-  explicit Dual(const Interval& x) : v(x) { d.fill(Interval(0.0)); }
-  /// The variable number i.
-  Dual(const Interval& x, int i) : Dual(x) { d[static_cast<std::size_t>(i)] = Interval(1.0); }
-
-  Dual& operator+=(const Dual& o) {
-    v += o.v;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] += o.d[i];
-    return *this;
-  }
-  Dual& operator-=(const Dual& o) {
-    v -= o.v;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] -= o.d[i];
-    return *this;
-  }
-  Dual& operator*=(const Dual& o) {
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = d[i] * o.v + v * o.d[i];
-    v *= o.v;
-    return *this;
-  }
-  Dual& operator/=(const Dual& o) {
-    v /= o.v;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = (d[i] - v * o.d[i]) / o.v;
-    return *this;
-  }
-  friend Dual operator+(Dual a, const Dual& b) { return a += b; }
-  friend Dual operator-(Dual a, const Dual& b) { return a -= b; }
-  friend Dual operator*(Dual a, const Dual& b) { return a *= b; }
-  friend Dual operator/(Dual a, const Dual& b) { return a /= b; }
-  friend Dual operator-(const Dual& a) {
-    Dual out;
-    out.v = -a.v;
-    for (std::size_t i = 0; i < a.d.size(); ++i) out.d[i] = -a.d[i];
-    return out;
-  }
-  /// Nothing is known.
-  static Dual unbounded() {
-    const double end = std::numeric_limits<double>::infinity();
-    Dual out(Interval(-end, end));
-    out.d.fill(out.v);
-    return out;
-  }
-  friend double middle(const Dual& x) { return middle(x.v); }
-  friend Dual square(const Dual& x) {
-    Dual out(boost::numeric::square(x.v));
-    for (std::size_t i = 0; i < x.d.size(); ++i) out.d[i] = x.v * x.d[i] * 2.0;
-    return out;
-  }
-  friend Dual inverse_of(const Dual& x) { return contains_zero(x.v) ? unbounded() : Dual(1.0) / x; }
-  /// The quotient itself; by the inverse it would be wider.
-  friend Dual quotient(const Dual& x, const Dual& y, const Dual&) {
-    return contains_zero(y.v) ? unbounded() : x / y;
-  }
-  friend Dual sin(const Dual& x) { return chain(x, sine(x.v), cosine(x.v)); }
-  friend Dual cos(const Dual& x) { return chain(x, cosine(x.v), -sine(x.v)); }
-
- private:
-  static Dual chain(const Dual& x, const Interval& value, const Interval& slope) {
-    Dual out(value);
-    for (std::size_t i = 0; i < x.d.size(); ++i) out.d[i] = slope * x.d[i];
-    return out;
-  }
-};
+/// Enclosures of the sine and the cosine of every angle of x, rad. [-1, 1] where an end is beyond
+/// 1e5: there the argument reduction would cost digits.
+Interval sine(const Interval& x);
+Interval cosine(const Interval& x);
 
 /// What Eigen's fixed products ask of a number type, with the costs of reading, adding and
 /// multiplying. Nothing here compares or takes square roots.
@@ -204,7 +92,3 @@ struct ProductTraits : Eigen::GenericNumTraits<T> {
 };
 
 }  // namespace stillbase::proof
-
-template <int N>
-struct Eigen::NumTraits<stillbase::proof::Dual<N>>
-    : stillbase::proof::ProductTraits<stillbase::proof::Dual<N>, 8, 20, 60> {};

@@ -9,7 +9,7 @@
 
 namespace stillbase::proof {
 
-/// What |y_k|^2 = (scale |Y| / D)^2 of the impulses is nowhere below, in three ways.
+/// Lower bounds of |y_k|^2 = (scale |Y| / D)^2 of the impulses, in three ways.
 ///
 /// As fractions of one denominator D_0^2: the divisor D of every impulse is nearly in proportion to
 /// that of the first basis wrench, D_0. With D / D_0 = (1 + e) / q the numerators are multiplied by
@@ -89,7 +89,7 @@ class MeanSquares {
     const double least = std::fmax(D_0_.range().lower(), least_);
     const Form<N> inverse = inverse_of(D_0_);
     is_sharp_ = inverse.is_bounded() && D_0_.size_of(1) < kNearlyConstant * D_0_.c();
-    const T low_D_0 = D_0_.template folded<2>(), low_inverse = inverse.template folded<2>();
+    const T low_D_0 = D_0_.folded(), low_inverse = inverse.folded();
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
       const T D = low_.divisor_of(impulses_[k], weights_[k]);
       divisors_.push_back(D);

@@ -16,21 +16,11 @@ namespace stillbase::proof {
 
 namespace {
 
-/// The planner's integration of a tumbling target is within 1e-9 of its motion; of the distance of
-/// its contact point with some to spare, m.
-constexpr double kIntegrated = 4e-9;
-/// The best known value is right to this.
-constexpr double kBestIsKnownTo = 1e-6;
-/// Directions are unit vectors but for rounding, and weights sum up to one.
-constexpr double kUnitVector = 1e-12;
-/// Impulses of a mean that take about as long as the forms of the posture.
-constexpr double kImpulsesPerPosture = 128;
-
 /// All values of the variables; those that are not needed stay at zero.
 template <int N>
 std::vector<Box<N>> domain_of(const MinimumProblem& problem) {
   const VariableEncounter& model = problem.where.encounter;
-  const Interval slack(-kFeasible, kFeasible);
+  const Interval slack(-problem.tolerances.feasible, problem.tolerances.feasible);
   const Interval time_slack = slack / Interval(model.time_unit);
   std::vector<Box<N>> out;
   for (const JointBox& place : problem.places) {
@@ -110,8 +100,8 @@ class ImpactProgram final : public Program<N> {
  private:
   bool is_excluded(const std::array<Form<N>, N>& x) const {
     if (problem_.where.side_conditions.empty()) return false;
-    std::array<Number, N> box;
-    for (std::size_t i = 0; i < N; ++i) box[i] = Number(x[i].range());
+    std::array<Dual, N> box;
+    for (std::size_t i = 0; i < N; ++i) box[i] = Dual(x[i].range());
     return keeps_side_conditions(problem_.where, box) == Kept::No;
   }
 
@@ -120,7 +110,8 @@ class ImpactProgram final : public Program<N> {
     const ZeroProblem& where = problem_.where;
     const VariableEncounter& encounter = where.encounter;
     const auto add = [&](Form<N> off) {
-      off.r += encounter.time_is_free ? kFeasible + kIntegrated : kFeasible;
+      off.r += problem_.tolerances.feasible;
+      if (encounter.time_is_free) off.r += problem_.tolerances.integrated;
       equations.push_back(off);
     };
     for (int i = 0; i < 3; ++i) {
@@ -132,7 +123,7 @@ class ImpactProgram final : public Program<N> {
     add(axis_along(encounter, at, forms.hand_axes(), encounter.v));
   }
 
-  /// A value that has to be between bounds which cut the box, as an equation for what is left open.
+  /// A value that has to be between bounds which cut the box, as an equation with a remainder.
   void add_inequalities(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
                         std::vector<Form<N>>& equations) const {
     const auto add = [&](const SideCondition& side, const Form<N>& value) {
@@ -155,7 +146,7 @@ class ImpactProgram final : public Program<N> {
     }
   }
 
-  /// What the measure's square is nowhere below.
+  /// Lower bounds of the measure's square.
   void measure(const ImpactForms<N>& forms, std::vector<Fraction<N>>& values) const {
     const std::vector<ImpulseCase>& impulses = problem_.impulses;
     const bool is_tail = problem_.measure == RiskMeasure::Cvar;
@@ -201,15 +192,16 @@ class ImpactProgram final : public Program<N> {
 template <int N>
 BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
                      const std::function<double(const Eigen::VectorXd& x)>& value_at) {
-  const double cut = best * (1 + kBestIsKnownTo), goal = best * (1 - options.relative_gap);
+  const MinimumTolerances& tolerances = problem.tolerances;
+  const double cut = best * (1 + tolerances.best_value), goal = best * (1 - options.relative_gap);
   const ImpactProgram<N> program(problem, best);
   const bool is_mean =
       problem.measure == RiskMeasure::Expectation || problem.measure == RiskMeasure::Cvar;
   const double samples = is_mean ? static_cast<double>(problem.impulses.size()) : 0;
-  const double work = 1 + samples / kImpulsesPerPosture;
+  const double work = 1 + samples / tolerances.impulses_per_posture;
   const long boxes = options.max_boxes * 3 / std::max(3, problem.where.robot.n());
   BoundOptions search{.cut = cut * cut,
-                      .goal = goal * goal * (1 + 4 * kUnitVector),
+                      .goal = goal * goal * (1 + 4 * tolerances.unit_vector),
                       .max_boxes = static_cast<long>(static_cast<double>(boxes) / work),
                       .stop = options.stop,
                       .on_progress = options.on_progress};
@@ -227,8 +219,8 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
   out.nothing_as_good = found.nothing_below_cut;
   for (const Eigen::VectorXd& x : found.suspects) out.suspects.push_back(x.head(used));
   if (found.lower > 0) {  // the root is rounded up
-    out.lower_bound =
-        std::nextafter(std::nextafter(std::sqrt(found.lower), 0.0) * (1 - kUnitVector), 0.0);
+    out.lower_bound = std::nextafter(
+        std::nextafter(std::sqrt(found.lower), 0.0) * (1 - tolerances.unit_vector), 0.0);
   }
   return out;
 }

@@ -13,8 +13,8 @@ bool depends_on_attitude(const ZeroProblem& where) {
   return encounter.frame != ContactFrame::Base || (where.has_hand_point && !is_point_in_base);
 }
 
-/// Whether of a free attitude only the direction of the impulse in B counts, which is known but for
-/// a turn about it: it is the same for all impulses that turn with it.
+/// Whether of a free attitude only the direction of the impulse in B counts, so that rotations
+/// about that direction change nothing.
 bool counts_by_direction(const CaptureProblem& problem, const ZeroProblem& where) {
   const VariableEncounter& encounter = where.encounter;
   const auto is_position = [](const SideCondition& side) {
@@ -27,7 +27,7 @@ bool counts_by_direction(const CaptureProblem& problem, const ZeroProblem& where
     return false;
   }
   if (problem.measure.kind == RiskMeasure::Nominal) return true;
-  // A cone is the same all around, and so has to be what an impulse along it is.
+  // A cone is symmetric about its axis; the law of the impulse has to be, too.
   return problem.measure.kind == RiskMeasure::WorstCase && !problem.uncertainty.cone_plane_normal &&
          encounter.frame == ContactFrame::Inertial &&
          problem.impulse.source != ImpulseSource::RigidBody;
@@ -80,15 +80,15 @@ MinimumProblem minimum_problem(const CaptureProblem& problem,
   }
   if (!encounter.spin) encounter.time_is_free = false;
   if (!encounter.turn_basis.empty() && counts_by_direction(problem, out.where)) {
-    // Turns about axes across it bring it into every direction.
+    // Rotations about axes across it bring it into every direction.
     encounter.turn_basis = {encounter.u, encounter.v};
     for (Vector3d& axis : encounter.turn_basis) {
       if (encounter.frame == ContactFrame::Target) axis = encounter.R_NT * axis;
     }
   }
   for (SideCondition& side : out.where.side_conditions) {
-    side.lower -= kFeasible;
-    side.upper += kFeasible;
+    side.lower -= out.tolerances.feasible;
+    side.upper += out.tolerances.feasible;
   }
   out.objective = problem.objective;
   out.measure = problem.measure.kind;

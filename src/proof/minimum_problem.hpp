@@ -10,8 +10,8 @@
 
 namespace stillbase::proof {
 
-/// An impulse that the robot may be hit by. Everything is stated in the frame E in which the
-/// direction never changes (encounter_kernel.hpp).
+/// An impulse on the hand. Everything is stated in the frame E in which the direction is constant
+/// (encounter_kernel.hpp).
 struct ImpulseCase {
   Vector6d F = Vector6d::Zero();  ///< wrench on the hand per unit of impulse, in E
   double weight = 1;              ///< in a mean
@@ -27,37 +27,48 @@ struct ImpulseCase {
   std::optional<Closing> closing;
 };
 
+/// How exactly the planner's configurations and values are known, and what an impulse costs.
+struct MinimumTolerances {
+  /// By which configurations may violate their constraints: twice what the planner allows, m, rad,
+  /// s, m/s.
+  double feasible = 2e-9;
+  /// By which the contact point of the planner's integrated target may be off, m: four times what
+  /// tests/proof/spin_test.cpp finds.
+  double integrated = 4e-9;
+  double best_value = 1e-6;           ///< relative error of the best known value
+  double unit_vector = 1e-12;         ///< of the lengths of directions, and of the sum of weights
+  double impulses_per_posture = 128;  ///< impulses of a mean that cost as much as a box itself
+};
+
 struct MinimumProblem {
-  /// Variables, the hand's point and the inequalities; its other equations are not asked for.
+  /// Variables, the hand's point and the inequalities; other equations are left out.
   ZeroProblem where;
   std::vector<ObjectiveTerm> objective;
   std::vector<ImpulseCase> impulses;
-  /// Predicted value and worst case alike: the largest |y| over the impulses.
+  /// Nominal value and worst case alike: the largest |y| over the impulses.
   RiskMeasure measure = RiskMeasure::Nominal;
   double cvar_level = 0;
-  /// Boxes that hold every configuration to be looked at; empty: all within the limits.
+  /// Boxes that hold every configuration of interest; empty: all within the limits.
   std::vector<JointBox> places;
+  MinimumTolerances tolerances;
 };
 
-/// By which the planner's own configurations may miss their constraints, with some to spare: m,
-/// rad, s, m/s.
-inline constexpr double kFeasible = 2e-9;
-
-/// Of variables that nothing depends on the stated values are taken; of a free attitude of which
-/// only the impulse's direction in B counts, the turns across it: two variables in place of three.
+/// Variables that nothing depends on take their stated values. Of a free attitude of which only the
+/// impulse's direction in B counts, rotations across it remain: two variables in place of three.
 /// @pre no joint offsets; no time offsets while the time is free
 MinimumProblem minimum_problem(const CaptureProblem& problem,
                                const std::vector<Scenario>& scenarios);
 
 struct BoundedMinimum {
-  double lower_bound = 0;        ///< of the measure, rounded down
-  bool nothing_as_good = false;  ///< no configuration reaches the best known value: it is wrong
-  bool limit_reached = false;    ///< of boxes or by the stop condition
+  double lower_bound = 0;  ///< of the measure, rounded down
+  bool nothing_as_good =
+      false;  ///< no configuration reaches the best known value, which is wrong then
+  bool limit_reached = false;  ///< of boxes or by the stop condition
   long boxes = 0;
   std::vector<Eigen::VectorXd> suspects;  ///< values of the encounter's variables
 };
 
-/// @param best value of the best configuration known, > 0: nothing above it is looked at
+/// @param best value of the best configuration known, > 0: nothing above it is examined
 /// @pre at most max_minimum_joints() joints, one to three variables, an enclosure of the target's
 /// motion that is valid
 /// @param value_at the measure where the encounter's variables are x; may be empty

@@ -1,10 +1,10 @@
 // What equations say about a function that is bounded on their solutions.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <vector>
 
+#include "proof/dense.hpp"
 #include "proof/form_bounds.hpp"
 
 namespace stillbase::proof {
@@ -43,25 +43,24 @@ class Multipliers {
     const auto m = static_cast<Eigen::Index>(rows_.size());
     J_.resize(m, N);
     for (Eigen::Index j = 0; j < m; ++j) J_.row(j) = slopes(rows_[static_cast<std::size_t>(j)]);
-    Eigen::MatrixXd normal = J_ * J_.transpose();
-    normal.diagonal().array() += 1e-13 * normal.trace() + 1e-300;  // dependent rows are harmless
-    ldlt_.compute(normal);
+    normal_ = J_ * J_.transpose();
+    // dependent rows are harmless
+    normal_.diagonal().array() += 1e-13 * normal_.trace() + 1e-300;
     // J's rows as if they were orthonormal: the squares then bend all forbidden directions alike.
-    const Eigen::MatrixXd E = Eigen::MatrixXd::Identity(m, m);
-    const Eigen::MatrixXd whitening = normal.llt().matrixL().solve(E);
-    if (!whitening.allFinite()) return;
+    const Eigen::MatrixXd whitening = inverse_cholesky_factor(normal_);
+    if (whitening.size() == 0) return;
     for (Eigen::Index i = 0; i < m; ++i) {
       Quadratic<N> row;
       for (Eigen::Index j = 0; j <= i; ++j) {
         row += rows_[static_cast<std::size_t>(j)] * Quadratic<N>(whitening(i, j));
       }
-      penalty_ += square(row);
+      penalty_ += row.squared();
     }
   }
 
   Quadratic<N> relieved(const Quadratic<N>& f) const {
     if (rows_.empty() || !f.is_bounded()) return f;
-    const Eigen::VectorXd lambda = ldlt_.solve(-(J_ * slopes(f).transpose()));
+    const Eigen::VectorXd lambda = solve_symmetric(normal_, -(J_ * slopes(f).transpose()));
     if (!lambda.allFinite()) return f;
     Quadratic<N> out = f;
     for (std::size_t j = 0; j < rows_.size(); ++j) {
@@ -91,7 +90,7 @@ class Multipliers {
   std::vector<Quadratic<N>> rows_;
   Quadratic<N> penalty_;
   Eigen::Matrix<double, Eigen::Dynamic, N> J_;
-  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
+  Eigen::MatrixXd normal_;  ///< J J'
 };
 
 }  // namespace stillbase::proof

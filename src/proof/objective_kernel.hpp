@@ -14,7 +14,6 @@
 #include "dynamics/rigid_inertia.hpp"
 #include "proof/articulated_forms.hpp"
 #include "proof/elimination.hpp"
-#include "proof/encounter_forms.hpp"
 #include "proof/minimum_problem.hpp"
 #include "proof/response_gram.hpp"
 

@@ -1,19 +1,18 @@
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
 
 #include "proof/case_rows.hpp"
+#include "proof/dense.hpp"
 #include "proof/domain.hpp"
 #include "proof/enclose.hpp"
-#include "proof/encounter_forms.hpp"
 #include "proof/side_conditions.hpp"
 
 namespace stillbase::proof {
 namespace {
 
-constexpr int kMaxJointsInProof = kMaxJointsOf<Dual<0>>;
+constexpr int kMaxJointsInProof = kMaxJointsOf<Dual>;
 
 std::string counted(int count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
@@ -80,12 +79,7 @@ class RowSystem final : public System<N> {
   RowSystem(const ZeroProblem& problem, const std::vector<Row>& rows)
       : problem_(problem), rows_(rows) {}
 
-  void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const override {
-    fill(x, f);
-  }
-  void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const override {
-    fill(x, f);
-  }
+  void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const override { fill(x, f); }
   bool evaluate(const std::array<Quadratic<N>, N>& x,
                 std::array<Quadratic<N>, N>& f) const override {
     fill(x, f);
@@ -96,8 +90,8 @@ class RowSystem final : public System<N> {
   /// Whether the side conditions hold over a box.
   Kept kept_over(const Box<N>& box) const {
     if (problem_.side_conditions.empty()) return Kept::Yes;
-    std::array<Number, N> x;
-    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Number(box[i]);
+    std::array<Dual, N> x;
+    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Dual(box[i]);
     return keeps_side_conditions(problem_, x);
   }
 
@@ -112,6 +106,18 @@ class RowSystem final : public System<N> {
   const std::vector<Row>& rows_;
 };
 
+/// How it is decided whether to enclose at all, in plain doubles: no proof depends on it.
+struct SurveyOptions {
+  int samples = 16;     ///< points at which the sizes of the rows are taken
+  double zero = 1e-10;  ///< rows below this part of the largest one of their kind say nothing
+  int starts = 48;      ///< of Newton's steps
+  int max_steps = 30;
+  double longest_step = 0.5;  ///< rad
+  double solved = 1e-11;      ///< residual of the scaled rows
+  double rank = 1e-7;         ///< singular values below this part of the largest count as zero
+  int enough = 4;             ///< solutions of deficient rank that decide
+};
+
 /// The rows that say something, with their sizes, and the variables that they depend on.
 template <int N>
 struct Survey {
@@ -122,20 +128,19 @@ struct Survey {
 /// Sizes of the rows over evenly spread points; rows that vanish everywhere are dropped.
 template <int N>
 Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
-  constexpr int kSamples = 16;
-  constexpr double kZero = 1e-10;  // of the largest row of its kind
+  const SurveyOptions options;
   std::array<bool, N> periodic;
   const Box<N> domain = domain_of<N>(problem.robot, problem.encounter, periodic);
   std::vector<double> size(rows.size(), 0);
   std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
-  for (int sample = 0; sample < kSamples; ++sample) {
+  for (int sample = 0; sample < options.samples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, N, 0);
-    std::array<Dual<N>, N> x;
+    std::array<Dual, N> x;
     for (int i = 0; i < N; ++i) {
       const double at = domain[i].lower() + u[i] * (domain[i].upper() - domain[i].lower());
-      x[static_cast<std::size_t>(i)] = Dual<N>(Interval(at), i);
+      x[static_cast<std::size_t>(i)] = Dual(Interval(at), i, N);
     }
-    const auto values = evaluate_rows<Dual<N>>(problem, rows, x);
+    const auto values = evaluate_rows<Dual>(problem, rows, x);
     for (std::size_t r = 0; r < rows.size(); ++r) {
       size[r] = std::max(size[r], boost::numeric::norm(values[r].v));
       for (std::size_t i = 0; i < N; ++i) {
@@ -151,11 +156,11 @@ Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
     for (std::size_t q = 0; q < rows.size(); ++q) {
       if (rows[q].kind == rows[r].kind) largest = std::max(largest, size[q]);
     }
-    if (!(size[r] > kZero * largest)) continue;
+    if (!(size[r] > options.zero * largest)) continue;
     rows[r].scale = std::exp2(std::round(std::log2(size[r])));  // divides without rounding
     out.rows.push_back(rows[r]);
     for (std::size_t i = 0; i < N; ++i) {
-      out.matters[i] = out.matters[i] || slopes[r][i] > kZero * size[r];
+      out.matters[i] = out.matters[i] || slopes[r][i] > options.zero * size[r];
     }
   }
   return out;
@@ -166,41 +171,37 @@ Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
 /// enclosing is worth a try.
 template <int N>
 int rank_at_solutions(const RowSystem<N>& system, const Box<N>& domain) {
-  using Matrix = Eigen::Matrix<double, N, N>;
-  constexpr int kStarts = 48, kSteps = 30, kEnough = 4;
-  constexpr double kSolved = 1e-11, kRank = 1e-7;
+  const SurveyOptions options;
   int rank = -1;
-  for (int start = 0, found = 0; start < kStarts && found < kEnough; ++start) {
+  for (int start = 0, found = 0; start < options.starts && found < options.enough; ++start) {
     const Eigen::VectorXd u = low_discrepancy_point(start, N, 1);
     Eigen::Matrix<double, N, 1> x, f;
     for (int i = 0; i < N; ++i) x[i] = domain[i].lower() + u[i] * width_of(domain[i]);
-    for (int step = 0; step < kSteps; ++step) {
+    for (int step = 0; step < options.max_steps; ++step) {
       Box<N> here;
-      std::array<Dual<N>, N> at, values;
+      std::array<Dual, N> at, values;
       for (int i = 0; i < N; ++i) {
         here[i] = Interval(x[i]);
-        at[i] = Dual<N>(here[i], i);
+        at[i] = Dual(here[i], i, N);
       }
       system.evaluate(at, values);
-      Matrix J;
+      Eigen::Matrix<double, N, N> J;
       for (int i = 0; i < N; ++i) {
         f[i] = middle(values[i]);
         for (int j = 0; j < N; ++j) J(i, j) = middle(values[i].d[j]);
       }
       if (!f.allFinite() || !J.allFinite()) break;
-      const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      if (f.norm() < kSolved) {
+      const NewtonStep newton = newton_step(J, f);
+      if (f.norm() < options.solved) {
         if (system.excludes(here)) break;
-        const auto& sigma = svd.singularValues();
-        rank = std::max(rank, static_cast<int>((sigma.array() > kRank * sigma[0]).count()));
+        const Eigen::VectorXd& sigma = newton.singular_values;
+        rank = std::max(rank, static_cast<int>((sigma.array() > options.rank * sigma[0]).count()));
         if (rank == N) return rank;
         ++found;
         break;
       }
-      Eigen::Matrix<double, N, 1> move = svd.solve(f);
-      const double most = move.cwiseAbs().maxCoeff();
-      if (most > 0.5) move *= 0.5 / most;
-      x -= move;
+      const double most = newton.step.cwiseAbs().maxCoeff();
+      x -= newton.step * (most > options.longest_step ? options.longest_step / most : 1);
     }
   }
   return rank;
@@ -237,11 +238,10 @@ JointBox joint_box(const VariableEncounter& encounter, const Box<N>& box) {
 
 /// In the mode that everything else is computed in.
 WithinLimits judged(const JointBox& box, const ProofOptions& options) {
-  constexpr double kNarrow = 1e-8;
-  const auto is_wide = [](const std::optional<Ends>& ends) {
-    return ends && !(ends->upper - ends->lower <= kNarrow);
+  const auto is_wide = [&](const std::optional<Ends>& ends) {
+    return ends && !(ends->upper - ends->lower <= options.judged_width);
   };
-  if (!((box.upper - box.lower).maxCoeff() <= kNarrow) || is_wide(box.base_angle) ||
+  if (!((box.upper - box.lower).maxCoeff() <= options.judged_width) || is_wide(box.base_angle) ||
       is_wide(box.contact_time)) {
     return WithinLimits::Undecided;
   }

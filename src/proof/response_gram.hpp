@@ -40,7 +40,7 @@ struct ResponseGram {
     const Vector3<T> r = impulse.closing->point.cast<T>();
     const Vector3<T> velocity = target_velocity + target_omega.cross(r);
     const T speed = Vector3<T>(impulse.F.head<3>().cast<T>()).dot(velocity);
-    return out * positive_part(speed + T(impulse.closing->offset));
+    return out * (speed + T(impulse.closing->offset)).positive_part();
   }
 
   /// What the root of square_of() is nowhere below: it is |Y| of some vector Y, and by Cauchy and
@@ -83,7 +83,7 @@ struct ResponseGram {
 template <int N>
 ResponseGram<Quadratic<N>> folded(const ResponseGram<Form<N>>& gram) {
   using T = Quadratic<N>;
-  const auto fold = [](const Form<N>& form) { return form.template folded<2>(); };
+  const auto fold = [](const Form<N>& form) { return form.folded(); };
   const auto fold_all = [&](const std::vector<Form<N>>& forms) {
     std::vector<T> out;
     std::transform(forms.begin(), forms.end(), std::back_inserter(out), fold);

@@ -36,7 +36,7 @@ Interval length(const Vector& v) {
 }
 
 /// Bounds the spectral norm: the largest sum of magnitudes over rows and columns.
-double norm_bound(const Matrix3<Number>& M) {
+double norm_bound(const Matrix3<Dual>& M) {
   double largest = 0;
   for (int i = 0; i < 3; ++i) {
     double row = 0, column = 0;
@@ -49,11 +49,11 @@ double norm_bound(const Matrix3<Number>& M) {
   return largest;
 }
 
-Matrix3<Number> inverse_of(const Matrix3<Number>& M) {
-  const Vector3<Number> a = M.col(0), b = M.col(1), c = M.col(2);
-  const Vector3<Number> bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
-  const Number det = a.dot(bc);
-  Matrix3<Number> out;
+Matrix3<Dual> inverse_of(const Matrix3<Dual>& M) {
+  const Vector3<Dual> a = M.col(0), b = M.col(1), c = M.col(2);
+  const Vector3<Dual> bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
+  const Dual det = a.dot(bc);
+  Matrix3<Dual> out;
   for (int j = 0; j < 3; ++j) {
     out(0, j) = bc[j] / det;
     out(1, j) = ca[j] / det;
@@ -91,7 +91,7 @@ void cut(Matrix& M, double bound) {
 
 template <class Matrix>
 void fill(Matrix& M, double bound) {
-  for (Eigen::Index i = 0; i < M.size(); ++i) M.data()[i] = Number(Interval(-bound, bound));
+  for (Eigen::Index i = 0; i < M.size(); ++i) M.data()[i] = Dual(Interval(-bound, bound));
 }
 
 /// Moves every entry to a double in its middle. @return sum of what they were apart from it
@@ -111,7 +111,7 @@ double to_middle(Matrix& M) {
 template <class Matrix>
 Matrix sum_at(const std::vector<Matrix>& c, const Interval& s) {
   Matrix out = c.back();
-  for (std::size_t k = c.size() - 1; k-- > 0;) out = out * Number(s) + c[k];
+  for (std::size_t k = c.size() - 1; k-- > 0;) out = out * Dual(s) + c[k];
   return out;
 }
 
@@ -122,28 +122,28 @@ void sum_over(const std::vector<Matrix>& c, double r, Matrix& value, Matrix& rat
   rate.setZero();
   for (std::size_t k = 1; k < c.size(); ++k) {
     const int order = static_cast<int>(k);
-    value += c[k] * Number(power_of_span(r, order));
-    rate += c[k] * Number(power_of_span(r, order - 1) * static_cast<double>(k));
+    value += c[k] * Dual(power_of_span(r, order));
+    rate += c[k] * Dual(power_of_span(r, order - 1) * static_cast<double>(k));
   }
 }
 
-/// A turn about a constant axis at a constant rate.
+/// A rotation about a constant axis at a constant rate.
 struct Turning {
-  Matrix3<Number> R, rate;
+  Matrix3<Dual> R, rate;
 };
 
 /// exp([omega x] dt) and its derivative. @param omega not zero
-Turning turning(const Vector3<Number>& omega, const Interval& dt) {
+Turning turning(const Vector3<Dual>& omega, const Interval& dt) {
   const Interval speed = length(omega);
-  Matrix3<Number> K = skew<Number>(omega);
-  for (int i = 0; i < 9; ++i) K.data()[i] /= Number(speed);
-  const Matrix3<Number> K2 = K * K;
-  const Number angle(speed * dt);
-  const Number s = sin(angle), c = cos(angle);
+  Matrix3<Dual> K = skew<Dual>(omega);
+  for (int i = 0; i < 9; ++i) K.data()[i] /= Dual(speed);
+  const Matrix3<Dual> K2 = K * K;
+  const Dual angle(speed * dt);
+  const Dual s = sin(angle), c = cos(angle);
   Turning out;
-  out.R = K * s + K2 * (Number(1.0) - c);
-  for (int i = 0; i < 3; ++i) out.R(i, i) += Number(1.0);
-  out.rate = Matrix3<Number>(K * c + K2 * s) * Number(speed);
+  out.R = K * s + K2 * (Dual(1.0) - c);
+  for (int i = 0; i < 3; ++i) out.R(i, i) += Dual(1.0);
+  out.rate = Matrix3<Dual>(K * c + K2 * s) * Dual(speed);
   return out;
 }
 
@@ -179,17 +179,17 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   const RoundUpward upward;
   omega_0_.setZero();
   if (!turns) return;
-  const Matrix3<Number> R_0 = R_0_.cast<Number>();
-  omega_0_ = R_0.transpose() * Vector3<Number>(estimate.angular_velocity.cast<Number>());
+  const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
+  omega_0_ = R_0.transpose() * Vector3<Dual>(estimate.angular_velocity.cast<Dual>());
   rate_ = length(omega_0_).upper();
   if (constant_rate_) return;
-  I_ = body.inertia.cast<Number>();
+  I_ = body.inertia.cast<Dual>();
   symmetry_ = axis_of_symmetry(body.inertia);
   if (symmetry_ >= 0) {
     const double across = body.inertia((symmetry_ + 1) % 3, (symmetry_ + 1) % 3);
     const double along = body.inertia(symmetry_, symmetry_);
     nutation_.setZero();
-    nutation_[symmetry_] = omega_0_[symmetry_] * (Number(along) - Number(across)) / Number(across);
+    nutation_[symmetry_] = omega_0_[symmetry_] * (Dual(along) - Dual(across)) / Dual(across);
     precession_ = omega_0_ + nutation_;
     if (length(nutation_).lower() > 0) return;
     symmetry_ = -1;
@@ -198,29 +198,28 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   const State start{I_ * omega_0_, R_0};
   momentum_ = kSlack * length(start.L).upper();
   rate_ = norm_bound(J_) * momentum_;
-  Matrix3<Number> spread = J_;
-  for (int i = 0; i < 3; ++i) spread(i, i) -= Number(between);
+  Matrix3<Dual> spread = J_;
+  for (int i = 0; i < 3; ++i) spread(i, i) -= Dual(between);
   parting_ = norm_bound(spread) * momentum_;
   step_ = kTurnPerStep / rate_;
   if (upper > start_) is_valid_ = march(start, upper, ahead_);
   if (lower < start_) is_valid_ = is_valid_ && march(start, lower, behind_);
 }
 
-void SpinEnclosure::expand(const State& at, int terms, std::vector<Vector3<Number>>& L,
-                           std::vector<Matrix3<Number>>& R,
-                           std::vector<Vector3<Number>>& omega) const {
+void SpinEnclosure::expand(const State& at, int terms, std::vector<Vector3<Dual>>& L,
+                           std::vector<Matrix3<Dual>>& R, std::vector<Vector3<Dual>>& omega) const {
   L.assign(1, at.L);
   R.assign(1, at.R);
-  omega.assign(1, Vector3<Number>(J_ * at.L));
+  omega.assign(1, Vector3<Dual>(J_ * at.L));
   for (int k = 0; k + 1 < terms; ++k) {
-    Vector3<Number> L_next = Vector3<Number>::Zero();
-    Matrix3<Number> R_next = Matrix3<Number>::Zero();
+    Vector3<Dual> L_next = Vector3<Dual>::Zero();
+    Matrix3<Dual> R_next = Matrix3<Dual>::Zero();
     for (int j = 0; j <= k; ++j) {
       const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k - j);
       L_next += L[a].cross(omega[b]);
-      R_next += R[a] * skew<Number>(omega[b]);
+      R_next += R[a] * skew<Dual>(omega[b]);
     }
-    const Number divisor(static_cast<double>(k + 1));
+    const Dual divisor(static_cast<double>(k + 1));
     for (int i = 0; i < 3; ++i) L_next[i] /= divisor;
     for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
     L.push_back(L_next);
@@ -234,7 +233,7 @@ bool SpinEnclosure::march(const State& start, double end, std::vector<Node>& nod
   State point = start;
   double apart_L = to_middle(point.L), apart_R = to_middle(point.R);
   double time = start_;
-  std::vector<Vector3<Number>> omega;
+  std::vector<Vector3<Dual>> omega;
   for (int steps = 0; direction * (end - time) > 0; ++steps) {
     if (steps > kMaxSteps) return false;
     const double next = time + direction * step_;
@@ -254,7 +253,7 @@ bool SpinEnclosure::march(const State& start, double end, std::vector<Node>& nod
     apart_R = node.apart_R + to_middle(point.R);
     bool keeps_length = length(point.L).upper() <= momentum_;
     for (int i = 0; i < 3; ++i) {
-      keeps_length = keeps_length && length(Vector3<Number>(point.R.row(i))).upper() <= kSlack;
+      keeps_length = keeps_length && length(Vector3<Dual>(point.R.row(i))).upper() <= kSlack;
     }
     if (!keeps_length || !(apart_R <= kMaxApart)) return false;
     // The steps before the span are needed no more.
@@ -286,7 +285,7 @@ SpinEnclosure::State SpinEnclosure::at_instant(double time) const {
 
 SpinRange SpinEnclosure::over_constant_rate(const Interval& time) const {
   SpinRange out;
-  out.R = R_0_.cast<Number>();
+  out.R = R_0_.cast<Dual>();
   out.R_rate.setZero();
   out.omega = omega_0_;
   out.omega_rate.setZero();
@@ -299,13 +298,13 @@ SpinRange SpinEnclosure::over_constant_rate(const Interval& time) const {
 
 SpinRange SpinEnclosure::over_symmetric_body(const Interval& time) const {
   const Interval dt = time - start_;
-  const Matrix3<Number> R_0 = R_0_.cast<Number>();
+  const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
   const Turning outer = turning(precession_, dt);
   const Turning inner = turning(nutation_, dt);
-  const Matrix3<Number> back = inner.R.transpose(), back_rate = inner.rate.transpose();
+  const Matrix3<Dual> back = inner.R.transpose(), back_rate = inner.rate.transpose();
   SpinRange out;
-  out.R = R_0 * Matrix3<Number>(outer.R * back);
-  out.R_rate = R_0 * (Matrix3<Number>(outer.rate * back) + Matrix3<Number>(outer.R * back_rate));
+  out.R = R_0 * Matrix3<Dual>(outer.R * back);
+  out.R_rate = R_0 * (Matrix3<Dual>(outer.rate * back) + Matrix3<Dual>(outer.R * back_rate));
   out.omega = inner.R * omega_0_;
   out.omega_rate = nutation_.cross(out.omega);
   return out;
@@ -329,8 +328,8 @@ SpinRange SpinEnclosure::over(const Interval& time) const {
   const double x = rate_ * r;
   const bool is_inside = time.lower() >= lower_ && time.upper() <= upper_;
   if (!is_inside || !(x <= kWorthExpanding)) return out;
-  std::vector<Vector3<Number>> L, omega;
-  std::vector<Matrix3<Number>> R;
+  std::vector<Vector3<Dual>> L, omega;
+  std::vector<Matrix3<Dual>> R;
   expand(at_instant(c), kTermsOverSpan, L, R, omega);
   sum_over(R, r, out.R, out.R_rate);
   sum_over(omega, r, out.omega, out.omega_rate);
@@ -349,23 +348,22 @@ SpinRange SpinEnclosure::over(const Interval& time) const {
 }
 
 /// Coefficients of the motion that passes through `at`, for every motion that does.
-void SpinEnclosure::expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Number>>& R,
-                                  std::vector<Vector3<Number>>& omega) const {
+void SpinEnclosure::expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Dual>>& R,
+                                  std::vector<Vector3<Dual>>& omega) const {
   if (!constant_rate_ && symmetry_ < 0) {
-    std::vector<Vector3<Number>> L;
+    std::vector<Vector3<Dual>> L;
     expand({I_ * at.omega, at.R}, terms, L, R, omega);
     return;
   }
   R.assign(1, at.R);
   omega.assign(1, at.omega);
   for (int k = 0; k + 1 < terms; ++k) {
-    const Number divisor(static_cast<double>(k + 1));
-    Vector3<Number> omega_next = Vector3<Number>::Zero();
+    const Dual divisor(static_cast<double>(k + 1));
+    Vector3<Dual> omega_next = Vector3<Dual>::Zero();
     if (!constant_rate_) omega_next = nutation_.cross(omega[static_cast<std::size_t>(k)]);
-    Matrix3<Number> R_next = Matrix3<Number>::Zero();
+    Matrix3<Dual> R_next = Matrix3<Dual>::Zero();
     for (int j = 0; j <= k; ++j) {
-      R_next +=
-          R[static_cast<std::size_t>(j)] * skew<Number>(omega[static_cast<std::size_t>(k - j)]);
+      R_next += R[static_cast<std::size_t>(j)] * skew<Dual>(omega[static_cast<std::size_t>(k - j)]);
     }
     for (int i = 0; i < 3; ++i) omega_next[i] /= divisor;
     for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
@@ -378,8 +376,8 @@ SpinSeries SpinEnclosure::series(double about, const Interval& time) const {
   constexpr std::size_t kTermsOfSeries = SpinSeries::kTerms;
   SpinSeries out;
   out.whole = over(time);
-  std::vector<Matrix3<Number>> R_there, R_anywhere;
-  std::vector<Vector3<Number>> omega_there, omega_anywhere;
+  std::vector<Matrix3<Dual>> R_there, R_anywhere;
+  std::vector<Vector3<Dual>> omega_there, omega_anywhere;
   expand_motion(over(Interval(about)), kTermsOfSeries, R_there, omega_there);
   expand_motion(out.whole, kTermsOfSeries, R_anywhere, omega_anywhere);
   for (std::size_t k = 0; k < kTermsOfSeries; ++k) {

@@ -1,10 +1,10 @@
-// Where the target's axes point over a span of time: the exact motion, enclosed.
+// The attitude of the target over a span of time: the exact motion, enclosed.
 //
 // Without torque the angular momentum L in T and the attitude R = R_NT obey
 //   L' = L x omega,  R' = R [omega x],  omega = I^-1 L.
-// About a principal axis omega is constant and the turn is written down. So it is for a body with
-// an axis of symmetry e and the moments A along and B across it (both principal axes of T): with
-// nutation = (A - B)/B (omega_0 . e) e and precession = L_0/B = omega_0 + nutation
+// About a principal axis omega is constant and the rotation is written down. So it is for a body
+// with an axis of symmetry e and the moments A along and B across it (both principal axes of T):
+// with nutation = (A - B)/B (omega_0 . e) e and precession = L_0/B = omega_0 + nutation
 //   R(t) = R_0 exp([precession x] t) exp(-[nutation x] t),  omega(t) = exp([nutation x] t) omega_0.
 // Otherwise the motion is enclosed step by step:
 //  - From a point (a pair of doubles) one step of length h is a Taylor sum in interval arithmetic.
@@ -27,33 +27,31 @@
 
 #include <stillbase/target/target.hpp>
 
-#include "proof/interval.hpp"
+#include "proof/dual.hpp"
 
 namespace stillbase::proof {
 
-using Number = Dual<0>;
-
 /// Enclosures over one span of time.
 struct SpinRange {
-  Matrix3<Number> R;           ///< R_NT
-  Matrix3<Number> R_rate;      ///< 1/s
-  Vector3<Number> omega;       ///< in T, rad/s
-  Vector3<Number> omega_rate;  ///< in T, rad/s^2
+  Matrix3<Dual> R;           ///< R_NT
+  Matrix3<Dual> R_rate;      ///< 1/s
+  Vector3<Dual> omega;       ///< in T, rad/s
+  Vector3<Dual> omega_rate;  ///< in T, rad/s^2
 };
 
 /// Taylor's series about an instant: coefficients of orders 0 to 4 there, and the one of order 5
 /// over a span of time, which makes the sum exact for every time of the span.
 struct SpinSeries {
   static constexpr std::size_t kTerms = 6;
-  std::array<Matrix3<Number>, kTerms> R;      ///< R_NT, 1/s^k
-  std::array<Vector3<Number>, kTerms> omega;  ///< in T, rad/s^(k+1)
-  SpinRange whole;                            ///< over the span
+  std::array<Matrix3<Dual>, kTerms> R;      ///< R_NT, 1/s^k
+  std::array<Vector3<Dual>, kTerms> omega;  ///< in T, rad/s^(k+1)
+  SpinRange whole;                          ///< over the span
 };
 
 class SpinEnclosure {
  public:
   /// @param estimate its attitude at its time as the rotation matrix of doubles; its rate
-  /// @param lower, upper span of times that may be asked for, s
+  /// @param lower, upper of the times to be enclosed, s
   SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower, double upper);
 
   /// No: the target tumbles too often for an enclosure that is worth anything.
@@ -70,34 +68,34 @@ class SpinEnclosure {
   /// Taylor coefficients from a point, and how far the true motion may be from it there.
   struct Node {
     double time = 0;
-    std::vector<Vector3<Number>> L;
-    std::vector<Matrix3<Number>> R;
+    std::vector<Vector3<Dual>> L;
+    std::vector<Matrix3<Dual>> R;
     double apart_L = 0, apart_R = 0;  ///< during the step that begins here
   };
   struct State {
-    Vector3<Number> L;
-    Matrix3<Number> R;
+    Vector3<Dual> L;
+    Matrix3<Dual> R;
   };
-  void expand(const State& at, int terms, std::vector<Vector3<Number>>& L,
-              std::vector<Matrix3<Number>>& R, std::vector<Vector3<Number>>& omega) const;
+  void expand(const State& at, int terms, std::vector<Vector3<Dual>>& L,
+              std::vector<Matrix3<Dual>>& R, std::vector<Vector3<Dual>>& omega) const;
   /// Steps away from the estimate until `end`; false: the enclosure has become too wide.
   bool march(const State& start, double end, std::vector<Node>& nodes) const;
   State at_instant(double time) const;
   SpinRange over_constant_rate(const Interval& time) const;
   SpinRange over_symmetric_body(const Interval& time) const;
   SpinRange over_any_time() const;
-  void expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Number>>& R,
-                     std::vector<Vector3<Number>>& omega) const;
+  void expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Dual>>& R,
+                     std::vector<Vector3<Dual>>& omega) const;
 
   bool is_valid_ = true;
   double start_ = 0;  ///< time of the estimate
   double lower_ = 0, upper_ = 0;
   bool constant_rate_ = true;
-  int symmetry_ = -1;                      ///< axis of T; -1: none
-  Vector3<Number> precession_, nutation_;  ///< in T, rad/s
-  Vector3<Number> omega_0_;                ///< in T
+  int symmetry_ = -1;                    ///< axis of T; -1: none
+  Vector3<Dual> precession_, nutation_;  ///< in T, rad/s
+  Vector3<Dual> omega_0_;                ///< in T
   Matrix3d R_0_;
-  Matrix3<Number> I_, J_;             ///< inertia and its inverse, in T
+  Matrix3<Dual> I_, J_;               ///< inertia and its inverse, in T
   double momentum_ = 0;               ///< bound on |L|
   double rate_ = 0;                   ///< bound on |omega|: |I^-1| momentum_
   double parting_ = 0;                ///< mu, 1/s

@@ -1,7 +1,7 @@
-// Wrenches of which all impulses are combinations: everything is linear in them.
+// Wrenches of which all impulses are combinations: what an impulse does is linear in them.
 //
 // The first one is near all impulses and the others are multiplied by what an impulse differs from
-// it: coefficients are then as small as the uncertainty, and rests do not grow.
+// it: coefficients are then as small as the uncertainty, and remainders do not grow.
 #pragma once
 
 #include <algorithm>

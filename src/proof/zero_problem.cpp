@@ -27,7 +27,7 @@ void set_variables(const CaptureProblem& problem, VariableEncounter& out) {
   const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
   if (is_cone || variables.base_attitude == AttitudeFreedom::Free) {
     for (int i = 0; i < 3; ++i) out.turn_basis.push_back(Vector3d::Unit(i));
-    // A cone leaves the turn as a whole open.
+    // A cone does not limit the rotation as a whole.
     if (!is_cone) out.turn_size_max = std::tan(std::min(out.attitude_max, M_PI) / 4);
   }
   out.time_lower = variables.contact_time_lower;
@@ -45,7 +45,7 @@ void set_target(const CaptureProblem& problem, VariableEncounter& out) {
       std::max({out.estimate.angular_velocity.norm(), out.estimate.linear_velocity.norm(),
                 1 / (out.time_upper - out.time_lower)});
   out.time_unit = std::exp2(-std::round(std::log2(rate)));
-  // Boxes are tried a little larger than they are.
+  // Boxes are tried enlarged.
   out.spin.emplace(*problem.target, out.estimate, out.time_lower - out.time_unit,
                    out.time_upper + out.time_unit);
 }
@@ -91,13 +91,14 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
   out.has_hand_axis = hand == HandConstraint::Axis;
   out.has_hand_axes = hand == HandConstraint::Pose;
   std::vector<SideCondition>& sides = out.side_conditions;
-  // Where the equations hold these are cosines of 0 or 180 deg (of a turn by 180 deg at least one
-  // is below -1/3): bounds in between exclude more boxes than the planner's zero and no solution.
+  // Where the equations hold these are cosines of 0 or 180 deg (of a rotation by 180 deg at least
+  // one is below -1/3): bounds in between exclude more boxes than the planner's zero and no
+  // solution.
   if (out.has_hand_axis) sides.push_back({SideKind::HandFacing, 0, -kInfinity, -0.5});
   for (int i = 0; i < 3 && out.has_hand_axes; ++i) {
     sides.push_back({SideKind::PoseFacing, i, 0.5, kInfinity});
   }
-  // At a fixed time it is the same everywhere, and of a stated impulse nothing is asked.
+  // At a fixed time it is the same everywhere, and a given impulse has no closing speed.
   const double slowest = problem.constraints.closing_speed_min;
   const bool is_slow = out.encounter.stated.closing_speed < slowest &&
                        problem.impulse.source != ImpulseSource::Given;

@@ -1,4 +1,4 @@
-// What a proof is about: the equations of one problem, and what else its solutions have to keep.
+// The equations of one problem, and the inequalities that its solutions keep.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ enum class SideKind {
   PoseFacing,    ///< axis `index` of the hand along the wanted one
   ClosingSpeed,  ///< m/s
   BasePosition,  ///< component of the position that puts the hand on its point, m
-  TurnSize,      ///< |sigma|^2 of the base's turn
+  TurnSize,      ///< |sigma|^2 of the base's rotation
   BaseTilt       ///< cosine of the angle by which an axis of the base is tilted
 };
 
@@ -49,8 +49,8 @@ ZeroProblem zero_problem(const CaptureProblem& problem);
 /// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of
 /// which holds exactly one; Undecided: every solution is in one of them or in one of `undecided`;
 /// NotApplicable: the equations are not as many as the variables
-/// @pre the base attitude is fixed or free about one axis: other turns have two names on the ball's
-/// surface
+/// @pre the base attitude is fixed or free about one axis: other rotations have two parameter
+/// vectors on the surface of the ball
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options = {});
 
 }  // namespace stillbase::proof

@@ -9,7 +9,7 @@
 
 #include "dynamics/kinematics_kernel.hpp"
 #include "proof/articulated_forms.hpp"
-#include "proof/encounter_forms.hpp"
+#include "proof/taylor.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase::proof {

@@ -7,8 +7,9 @@
 
 #include <stillbase/core/random.hpp>
 
+#include "proof/dual.hpp"
 #include "proof/elimination.hpp"
-#include "proof/encounter_forms.hpp"
+#include "proof/taylor.hpp"
 
 namespace stillbase::proof {
 namespace {
@@ -69,7 +70,7 @@ TEST_CASE("an elimination encloses the product and its slopes at every point of 
     }
     const RoundUpward upward;
     const Interval X(x, x + width), Y(y, y + width);
-    const Dual<2> dual = product_over<Dual<2>>({Dual<2>(X, 0), Dual<2>(Y, 1)});
+    const Dual dual = product_over<Dual>({Dual(X, 0, 2), Dual(Y, 1, 2)});
     const Quadratic<2> form = product_over<Quadratic<2>>({Quadratic<2>(X, 0), Quadratic<2>(Y, 1)});
     for (int k = 0; k < 5; ++k) {
       CAPTURE(width, x, y);
@@ -96,9 +97,9 @@ TEST_CASE("where a pivot may vanish an elimination knows nothing, and says so") 
     return elimination.product(z, z);
   };
   const Interval wide(0.4, 1.6), narrow(0.9, 1.1);
-  CHECK_FALSE(width_of(over(Dual<2>(wide, 0)).v) < 1e300);
+  CHECK_FALSE(width_of(over(Dual(wide, 0, 2)).v) < 1e300);
   CHECK_FALSE(over(Quadratic<2>(wide, 0)).is_bounded());
-  CHECK(width_of(over(Dual<2>(narrow, 0)).v) < 10);
+  CHECK(width_of(over(Dual(narrow, 0, 2)).v) < 10);
   CHECK(over(Quadratic<2>(narrow, 0)).is_bounded());
 }
 

@@ -7,17 +7,12 @@
 namespace stillbase::proof {
 namespace {
 
-/// A system written once for both number types.
+/// A system as a function.
 template <int N, class F>
 class Written final : public System<N> {
  public:
   explicit Written(F f) : f_(f) {}
-  void evaluate(const std::array<Dual<N>, N>& x, std::array<Dual<N>, N>& f) const override {
-    f_(x, f);
-  }
-  void evaluate(const std::array<Dual<0>, N>& x, std::array<Dual<0>, N>& f) const override {
-    f_(x, f);
-  }
+  void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const override { f_(x, f); }
 
  private:
   F f_;

@@ -65,12 +65,12 @@ TEST_CASE("wrench, closing speed and their slopes are those of the planner's for
 
     const RoundUpward upward;
     const double unit = zeros.encounter.time_unit;
-    std::array<Dual<3>, 3> variables;
+    std::array<Dual, 3> variables;
     for (int k = 0; k < 3; ++k) {
       const auto index = static_cast<std::size_t>(k);
-      variables[index] = Dual<3>(Interval(k == 2 ? x[k] / unit : x[k]), k);
+      variables[index] = Dual(Interval(k == 2 ? x[k] / unit : x[k]), k, 3);
     }
-    const auto range = encounter_over<Dual<3>>(zeros.encounter, variables);
+    const auto range = encounter_over<Dual>(zeros.encounter, variables);
     for (int k = 0; k < 6; ++k) {
       CHECK(beyond(range.F[k].v, exact.F[k]) < 1e-9);
       CHECK(width_of(range.F[k].v) < 1e-8);

@@ -4,7 +4,7 @@
 
 #include <stillbase/core/random.hpp>
 
-#include "proof/interval.hpp"
+#include "proof/dual.hpp"
 
 namespace stillbase::proof {
 namespace {
@@ -65,8 +65,8 @@ TEST_CASE("an interval over an extremum has it as its end, one beside it has not
 
 TEST_CASE("a dual number carries the derivative of products, quotients and angles") {
   const RoundUpward upward;
-  const Dual<2> x(Interval(0.7), 0), y(Interval(1.3), 1);
-  const Dual<2> f = sin(x) * cos(y) / (x + Dual<2>(2.0) * y) - y;
+  const Dual x(Interval(0.7), 0, 2), y(Interval(1.3), 1, 2);
+  const Dual f = sin(x) * cos(y) / (x + Dual(2.0) * y) - y;
   const double g = std::sin(0.7) * std::cos(1.3), q = 0.7 + 2.6;
   CHECK(middle(f.v) == Approx(g / q - 1.3).epsilon(1e-14));
   CHECK(middle(f.d[0]) == Approx(std::cos(0.7) * std::cos(1.3) / q - g / (q * q)).epsilon(1e-14));

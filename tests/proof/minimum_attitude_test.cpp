@@ -120,8 +120,8 @@ TEST_CASE("the parameters of a turn give the turn") {
     const Vector3d axis = random.unit_vector();
     const Vector3d sigma = axis * std::tan(angle / 4);
     const proof::RoundUpward upward;
-    const Vector3<proof::Number> s = sigma.cast<proof::Number>();
-    const auto R = proof::rotation_by<proof::Number>(s, s.squaredNorm());
+    const Vector3<proof::Dual> s = sigma.cast<proof::Dual>();
+    const auto R = proof::rotation_by<proof::Dual>(s, s.squaredNorm());
     const Matrix3d expected = rotation_exp(angle * axis).toRotationMatrix();
     for (Eigen::Index k = 0; k < 9; ++k) {
       CHECK(std::abs(proof::middle(R.data()[k].v) - expected.data()[k]) < 1e-14);
@@ -148,10 +148,10 @@ TEST_CASE("a box is left out only where no attitude of it is allowed, and most s
       any = any || (sigma.norm() <= 1 && is_allowed(problem, at));
     }
     const proof::RoundUpward upward;
-    std::array<proof::Number, 3> box;
+    std::array<proof::Dual, 3> box;
     for (int k = 0; k < 3; ++k) {
       box[static_cast<std::size_t>(k)] =
-          proof::Number(proof::Interval(middle[k] - width, middle[k] + width));
+          proof::Dual(proof::Interval(middle[k] - width, middle[k] + width));
     }
     const bool is_out = proof::keeps_side_conditions(where, box) == proof::Kept::No;
     CHECK_FALSE((is_out && any));

@@ -140,9 +140,9 @@ TEST_CASE(
       const Instant exact = instant_of(example, motion, at);
       const RoundUpward upward;
       const SpinSeries series = spin.series(t, Interval(t - half, t + half));
-      const Number d(Interval(at) - Interval(t));
-      SpinRange sum{series.R[0], Matrix3<Number>(), series.omega[0], Vector3<Number>()};
-      Number power = d;
+      const Dual d(Interval(at) - Interval(t));
+      SpinRange sum{series.R[0], Matrix3<Dual>(), series.omega[0], Vector3<Dual>()};
+      Dual power = d;
       for (std::size_t k = 1; k < SpinSeries::kTerms; ++k, power *= d) {
         sum.R += series.R[k] * power;
         sum.omega += series.omega[k] * power;

@@ -38,7 +38,7 @@ std::vector<Written<F>> functions() {
            }},
           {[](const F& x, const F& y) { return inverse_of(x * x + y * y + 0.1); },
            [](Wide x, Wide y) { return 1 / (x * x + y * y + Wide(0.1)); }},
-          {[](const F& x, const F& y) { return positive_part(x - y * 0.5); },
+          {[](const F& x, const F& y) { return (x - y * 0.5).positive_part(); },
            [](Wide x, Wide y) { return std::max(x - y / 2, Wide(0)); }},
           {[](const F& x, const F& y) {
              const F z = x + y;
@@ -83,7 +83,7 @@ void holds_its_functions(int first, int second) {
       const F form = f.form(x[0], x[1]);
       if (!form.is_bounded()) continue;
       const Interval all = form.range();
-      const auto quadratic = form.template folded<2>();
+      const auto quadratic = form.folded();
       for (int k = 0; k < 5; ++k) {
         std::array<Wide, 2> point;
         std::array<Wide, N> eps{};
@@ -179,7 +179,7 @@ TEST_CASE("a mixture is never above the larger of both") {
   const Flat x(Interval(0.2, 0.5), 0), y(Interval(-1, -0.6), 1);
   const Flat f = sin(x) + y, g = x * y + 0.1;
   for (int k = 0; k < 100; ++k) {
-    const Flat mixed = mixture(f, g, random.uniform());
+    const Flat mixed = f.mixed(g, random.uniform());
     const std::array<Wide, 2> eps{Wide(random.uniform(-1, 1)), Wide(random.uniform(-1, 1))};
     const Wide larger = std::max(polynomial(f, eps) + f.r, polynomial(g, eps) + g.r);
     CHECK(polynomial(mixed, eps) - mixed.r <= larger);

@@ -6,7 +6,7 @@
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/formulation/formulation.hpp>
-#include <stillbase/plan/plan.hpp>
+#include <stillbase/plan/prover.hpp>
 
 namespace stillbase {
 
@@ -19,6 +19,8 @@ struct PlannerOptions {
   /// Candidates are good when their objective is at most this factor times the best one's, >= 1:
   /// the approach goes for all of them at once.
   double goal_factor = 1.1;
+  /// Proves what the search found; null: plans say that there is no proof.
+  const Prover* prover = registered_prover();
   int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
 };
 
