@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
-#include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/base_acceleration.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 
 namespace stillbase {
@@ -27,11 +25,12 @@ JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& mot
     Omega = free_floating_base_velocity<double>(inertia, motion.phidot);
   }
   const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, motion.phidot);
+  const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
+  const BaseEquation equation{inertia, bias, jacobian};
   if (problem.approach.base != BaseMode::Held) {
-    dot_Omega = -inertia.H_b.ldlt().solve(Vector6d(inertia.H_bphi * motion.phiddot + bias.c_b));
+    dot_Omega = base_acceleration(equation, {}, motion.phiddot);
   }
-  JointVectord torques =
-      inertia.H_phi * motion.phiddot + inertia.H_bphi.transpose() * dot_Omega + bias.c_phi;
+  JointVectord torques = joint_torque(equation, {}, dot_Omega, motion.phiddot);
   if (problem.resistance.model == ResistanceModel::RotorInertia) {
     torques += problem.resistance.rotor_inertia.cwiseProduct(motion.phiddot);
   }
