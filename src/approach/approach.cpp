@@ -19,15 +19,15 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
               std::map<std::string, long>& solver_calls) {
   if (task.starts_where_it_stands()) {
     // Where the base ends up is not known before there is a path; the straight line tells roughly.
-    const ClosedPath straight =
-        close_path(task.problem, straight_path(task), task.goal.base, task.contact);
+    const ClosedPath straight = close_path(task.problem, straight_path(task), task.goal.base,
+                                           task.contact, task.options.closure);
     if (straight.closed) task.goal = straight.end;
   }
   if (auto refused = refuse(task)) return *refused;
   Random seeds(seed);
   AttemptOptions options = first_options(task);
   AttemptResult news;
-  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+  for (int attempt = 1; attempt <= task.options.attempts; ++attempt) {
     if (stop.reached()) return failed(ApproachStatus::TimeOut, "stopped before a path was found");
     options.seed = seeds.next();
     std::size_t only = 0;
@@ -44,8 +44,8 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
     if (task.starts_where_it_stands() && result.has_end) task.goal = result.end;
     learn(task, result, attempt, options);
   }
-  Approach none =
-      failed(news.status, fmt::format("{} (after {} attempts)", news.detail, kAttempts));
+  Approach none = failed(news.status,
+                         fmt::format("{} (after {} attempts)", news.detail, task.options.attempts));
   none.late_by = news.shortfall;
   return none;
 }
@@ -54,11 +54,12 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
 
 Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
                        const TargetMotion* target, std::uint64_t seed, const StopCondition& stop,
-                       std::map<std::string, long>& solver_calls, const ContactSolver& contact) {
+                       std::map<std::string, long>& solver_calls, const ContactSolver& contact,
+                       const ApproachOptions& options) {
   if (!problem.approach.enabled) {
     return failed(ApproachStatus::NotRequested, "no approach asked for");
   }
-  ApproachTask task = make_task(problem, goal, target, contact);
+  ApproachTask task = make_task(problem, goal, target, contact, options);
   try {
     return plan(task, seed, stop, solver_calls);
   } catch (const std::out_of_range&) {  // from TargetMotion

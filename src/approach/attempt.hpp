@@ -39,17 +39,17 @@ struct AttemptResult {
 /// limits, check in time. Sets everything of `result` but way_points and the polish.
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result);
 
-/// A goal of an attempt, and how it is gone for.
-struct Way {
+/// One of the goals of an attempt.
+struct AttemptGoal {
   const ApproachTask* task = nullptr;
   AttemptOptions options;
   double weight = 1;  ///< how often it is tried, relative to the others
 };
 
 /// Path, time law, base motion, check in time, polish: to the goal that the planner reaches first.
-/// @param ways at least one, of the same problem; random numbers follow from the first one's seed
-/// @param reached index in `ways` of the goal that the result is about
-AttemptResult try_approach(const std::vector<Way>& ways, const StopCondition& stop,
+/// @param goals at least one, of the same problem; random numbers follow from the first one's seed
+/// @param reached index in `goals` of the goal that the result is about
+AttemptResult try_approach(const std::vector<AttemptGoal>& goals, const StopCondition& stop,
                            std::size_t& reached);
 
 }  // namespace stillbase

@@ -24,6 +24,6 @@ struct ClosedPath {
 /// @param path from rest to rest, at times from 0 on; its last posture solves the contact with the
 ///   base at `assumed`, from where the pose is led to the one that the path leaves
 ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
-                      const ContactSolver& solve);
+                      const ContactSolver& solve, const ClosureOptions& options = {});
 
 }  // namespace stillbase

@@ -52,6 +52,9 @@ struct TimedMotion {
   double contact_time = 0;
 };
 
+/// Nothing but the wait at a configuration.
+TimedMotion waiting_motion(const Configuration& at, double wait);
+
 /// First hit along the motion and the wait: every interval is proven clear or split until nothing
 /// in it moves further than an eighth of the resolution (rad, or m per metre).
 /// @param target null: not there. @throws std::out_of_range beyond the horizon of the prediction

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/core/types.hpp>
 
@@ -27,6 +28,7 @@ struct PathQuery {
   std::uint64_t seed = 1;
   int max_iterations = 20000;
   StopCondition stop;
+  PathPlannerOptions options;
   /// In the world of a goal (index in `ends`).
   std::function<bool(std::size_t, const JointVectord&)> is_valid;
   std::function<bool(std::size_t, const JointVectord&, const JointVectord&)>

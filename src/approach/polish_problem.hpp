@@ -56,6 +56,10 @@ class PolishProblem final : public nlp::Problem {
   int num_points() const { return static_cast<int>(task_.free.size()) * spline_.points(); }
   bool is_for_time() const { return task_.problem.approach.polish == PathPolish::Time; }
   bool has_torque_rows() const { return torque_rows_ > 0; }
+  const PolishOptions& options() const { return task_.options.polish; }
+  std::size_t knot_stride() const {
+    return static_cast<std::size_t>(options().places_per_interval);
+  }
   Eigen::MatrixXd points(const Eigen::VectorXd& x) const;
   JointMotion motion_at(const Place& place, const Eigen::MatrixXd& points, double v) const;
   State state(const Eigen::VectorXd& x) const;

@@ -39,6 +39,7 @@ struct NullPathQuery {
   std::uint64_t seed = 1;
   int max_iterations = 0;  ///< of OMPL's planner
   StopCondition stop;
+  NullSpaceOptions options;
 };
 
 struct NullPathAnswer {

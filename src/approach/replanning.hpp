@@ -5,8 +5,6 @@
 
 namespace stillbase {
 
-inline constexpr int kAttempts = 8;  ///< for one goal
-
 /// The first attempt: as the problem says, the target a still obstacle where it is at the arrival.
 AttemptOptions first_options(const ApproachTask& task);
 

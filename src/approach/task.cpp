@@ -5,14 +5,13 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <stillbase/core/constants.hpp>
 
 #include "approach/time_law.hpp"
 
 namespace stillbase {
 
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
 
 bool is_finite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
@@ -49,7 +48,7 @@ JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& g
   JointVectord start = problem.start;
   for (int k = 0; k < problem.robot.n(); ++k) {
     if (problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
-      start[k] += kTurn * std::round((goal.phi[k] - start[k]) / kTurn);
+      start[k] += 2 * kPi * std::round((goal.phi[k] - start[k]) / (2 * kPi));
     }
   }
   return start;
@@ -58,7 +57,8 @@ JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& g
 }  // namespace
 
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
-                       const TargetMotion* target, const ContactSolver& contact) {
+                       const TargetMotion* target, const ContactSolver& contact,
+                       const ApproachOptions& options) {
   check_input(problem, goal);
   const int n = problem.robot.n();
   ApproachTask task{problem,
@@ -70,7 +70,8 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
                     JointVectord(n),
                     {},
                     -kInfinity,
-                    contact};
+                    contact,
+                    options};
   if (task.starts_where_it_stands() && !contact.at_base) {
     throw std::invalid_argument(
         "approach: a floating base with a stated start needs someone to solve the contact anew");
@@ -89,10 +90,18 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
   return task;
 }
 
+const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack) {
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    if (phi[k] < joint.lower - slack || phi[k] > joint.upper + slack) return &joint;
+  }
+  return nullptr;
+}
+
 JointPath straight_path(const ApproachTask& task) {
-  return time_path({task.start, task.goal.phi}, task.max_rate,
-                   task.problem.approach.acceleration_limit,
-                   [](const JointVectord&, const JointVectord&) { return true; });
+  return time_path(
+      {task.start, task.goal.phi}, task.max_rate, task.problem.approach.acceleration_limit,
+      [](const JointVectord&, const JointVectord&) { return true; }, task.options.time_law);
 }
 
 std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,

@@ -25,6 +25,7 @@ struct ApproachTask {
   std::vector<Eigen::Index> free;  ///< joints that may move
   double earliest_start;           ///< s; -infinity when nothing is predicted
   const ContactSolver& contact;    ///< for a base that starts where it stands
+  ApproachOptions options;
 
   bool starts_where_it_stands() const {
     return problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
@@ -33,7 +34,11 @@ struct ApproachTask {
 
 /// @throws std::invalid_argument see plan_approach
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
-                       const TargetMotion* target, const ContactSolver& contact);
+                       const TargetMotion* target, const ContactSolver& contact,
+                       const ApproachOptions& options = {});
+
+/// The first joint that a posture (n) puts further outside its limits than `slack`; null: none.
+const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack);
 
 /// The straight line to the goal with its time law, from time 0.
 JointPath straight_path(const ApproachTask& task);

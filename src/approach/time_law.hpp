@@ -18,10 +18,11 @@ namespace stillbase {
 /// @param max_rate n, > 0, may be infinite; @param max_acceleration n, > 0, finite
 /// @param is_clear whether the straight line between two postures is free
 JointPath time_path(const std::vector<JointVectord>& points, const JointVectord& max_rate,
-                    const JointVectord& max_acceleration, const IsClear& is_clear);
+                    const JointVectord& max_acceleration, const IsClear& is_clear,
+                    const TimeLawOptions& options = {});
 
 /// The same along a smooth curve: `times` are values of any parameter, `phidot` the slopes there.
 JointPath time_curve(const JointPath& curve, const JointVectord& max_rate,
-                     const JointVectord& max_acceleration);
+                     const JointVectord& max_acceleration, const TimeLawOptions& options = {});
 
 }  // namespace stillbase

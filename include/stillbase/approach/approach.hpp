@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/target/target.hpp>
@@ -75,7 +76,8 @@ struct ContactSolver {
                                      const TargetMotion* target, std::uint64_t seed,
                                      const StopCondition& stop,
                                      std::map<std::string, long>& solver_calls,
-                                     const ContactSolver& contact = {});
+                                     const ContactSolver& contact = {},
+                                     const ApproachOptions& options = {});
 
 /// A configuration that an approach may lead to, one of several.
 struct ApproachGoal {
@@ -102,7 +104,8 @@ struct ApproachToAny {
 [[nodiscard]] ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
                                                  const std::vector<ApproachGoal>& goals,
                                                  std::uint64_t seed, const StopCondition& stop,
-                                                 std::map<std::string, long>& solver_calls);
+                                                 std::map<std::string, long>& solver_calls,
+                                                 const ApproachOptions& options = {});
 
 /// Names accepted in ApproachSpec::planner.
 std::vector<std::string> approach_planner_names();
