@@ -7,24 +7,22 @@
 
 namespace stillbase {
 
-namespace {
-
 /// Linear and angular part of a twist or a momentum, about the base centroid.
 template <class S>
-struct Spatial {
+struct SpatialVector {
   Vector3<S> v;
   Vector3<S> w;
 };
 
 template <class S>
-inline Spatial<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+inline SpatialVector<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
   const Vector3<S> z = kin.z(k);
   if (robot.joints[k].is_prismatic()) return {z, Vector3<S>::Zero()};
   return {kin.o[k].cross(z), z};
 }
 
 template <class S>
-using JointAxes = PerBody<Spatial<S>, S>;
+using JointAxes = PerBody<SpatialVector<S>, S>;
 
 template <class S>
 inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
@@ -35,17 +33,17 @@ inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin
 
 /// Twists of all bodies and momenta of the subtrees that they carry.
 template <class S>
-struct Sweep {
-  PerBody<Spatial<S>, S> V;
-  PerBody<Spatial<S>, S> P;
+struct SubtreeMomenta {
+  PerBody<SpatialVector<S>, S> V;
+  PerBody<SpatialVector<S>, S> P;
 
-  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
+  SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
         const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
-    const Spatial<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
+    const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {
       const int parent = robot.joints[k].parent;
-      const Spatial<S>& inherited = parent == kBase ? base : V[parent];
+      const SpatialVector<S>& inherited = parent == kBase ? base : V[parent];
       V[k].v = inherited.v + axes[k].v * x.phidot[k];
       V[k].w = inherited.w + axes[k].w * x.phidot[k];
       P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
@@ -68,8 +66,8 @@ inline void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>
                                  const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
                                  const GeneralizedMotion<S>& x, const S& sign,
                                  JointVector<S>& gradient) {
-  const Sweep<S> a(robot, posture, axes, lambda);
-  const Sweep<S> b(robot, posture, axes, x);
+  const SubtreeMomenta<S> a(robot, posture, axes, lambda);
+  const SubtreeMomenta<S> b(robot, posture, axes, x);
   for (int k = 0; k < posture.kinematics.n; ++k) {
     // (S_k x V_a) . P_b + (S_k x V_b) . P_a, x the cross product of twists, with S_k taken out.
     const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
@@ -120,7 +118,7 @@ inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& p
     if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
   }
   for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
-    const Spatial<S>& axis = axes[k];
+    const SpatialVector<S>& axis = axes[k];
     const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
     const Vector3<S> dw = axis.w.cross(w);
     const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
@@ -146,8 +144,6 @@ inline GeneralizedMotion<S> locked_rotation(const PostureImpact<S>& posture, con
   x.phidot.setZero(posture.kinematics.n);
   return x;
 }
-
-}  // namespace
 
 template <class S>
 PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
