@@ -17,7 +17,7 @@ namespace {
 
 Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
               std::map<std::string, long>& solver_calls) {
-  if (task.starts_where_it_stands()) {
+  if (task.has_stated_start()) {
     // Where the base ends up is not known before there is a path; the straight line tells roughly.
     const ClosedPath straight = close_path(task.problem, straight_path(task), task.goal.base,
                                            task.contact, task.options.closure);
@@ -26,7 +26,7 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
   if (auto refused = refuse(task)) return *refused;
   Random seeds(seed);
   AttemptOptions options = first_options(task);
-  AttemptResult news;
+  AttemptResult failure;
   for (int attempt = 1; attempt <= task.options.attempts; ++attempt) {
     if (stop.reached()) return failed(ApproachStatus::TimeOut, "stopped before a path was found");
     options.seed = seeds.next();
@@ -40,13 +40,13 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
         (attempt == 1 && result.way_points == 0)) {
       return failed(result.status, result.detail);
     }
-    if (is_better_news(result, news)) news = result;
-    if (task.starts_where_it_stands() && result.has_end) task.goal = result.end;
-    learn(task, result, attempt, options);
+    if (explains_more(result, failure)) failure = result;
+    if (task.has_stated_start() && result.has_end) task.goal = result.end;
+    adjust_options(task, result, attempt, options);
   }
-  Approach none = failed(news.status,
-                         fmt::format("{} (after {} attempts)", news.detail, task.options.attempts));
-  none.late_by = news.shortfall;
+  Approach none = failed(
+      failure.status, fmt::format("{} (after {} attempts)", failure.detail, task.options.attempts));
+  none.late_by = failure.shortfall;
   return none;
 }
 

@@ -63,7 +63,7 @@ std::vector<Pose> avoidable(const ApproachTask& task, const std::vector<Pose>& t
   return kept;
 }
 
-/// The target on its way to where the hand is at `end`.
+/// The target's motion to the hand at `end`.
 std::optional<TargetMotion> target_for(const ApproachTask& task, const Configuration& end) {
   if (task.target == nullptr) return std::nullopt;
   const bool moves = end.base.position != task.goal.base.position || end.phi != task.goal.phi;
@@ -73,7 +73,7 @@ std::optional<TargetMotion> target_for(const ApproachTask& task, const Configura
                           end.contact_time);
 }
 
-/// Whether a thing of the scene is the base or fixed to it.
+/// Whether a link or obstacle is the base or fixed to it.
 bool is_on_base(const CaptureProblem& problem, const std::string& name) {
   const LinkFrame* link = find_link(problem.robot, name);
   if (link != nullptr) return link->body == kBase;
@@ -83,7 +83,7 @@ bool is_on_base(const CaptureProblem& problem, const std::string& name) {
                      });
 }
 
-/// The scenes of the goals, each as its options say.
+/// The scene of each goal.
 std::vector<StillScene> scenes_of(const std::vector<AttemptGoal>& goals) {
   std::vector<StillScene> scenes;
   scenes.reserve(goals.size());
@@ -221,17 +221,17 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   const ApproachSpec& spec = task.problem.approach;
   result.status = ApproachStatus::GoalUnreachable;
   Configuration end = result.has_end ? result.end : task.goal;
-  if (task.starts_where_it_stands()) {
+  if (task.has_stated_start()) {
     ClosedPath closed =
         close_path(task.problem, path, task.goal.base, task.contact, task.options.closure);
     if (!closed.closed) {
       result.status = ApproachStatus::BaseDriftOpen;
       result.detail = std::isfinite(closed.open)
                           ? fmt::format(
-                                "no posture on the path's way meets the target where the "
+                                "no posture near the end of the path reaches the target where the "
                                 "path leaves the base: {:.3g} m or rad stay open",
                                 closed.open)
-                          : "where the path leaves the base no posture meets the target";
+                          : "where the path leaves the base no posture reaches the target";
       return;
     }
     path = std::move(closed.path);

@@ -21,8 +21,7 @@ Pose moved(const Pose& pose, const Vector6d& by) {
   return {pose.position + by.head<3>(), pose.orientation * rotation_exp(by.tail<3>())};
 }
 
-/// One way round: a pose of the base at the end, the posture there, the path to it, the pose that
-/// the path really leaves.
+/// From an assumed final base pose to the pose in which the path to its posture leaves the base.
 class Loop {
  public:
   Loop(const CaptureProblem& problem, const JointPath& path, const ContactSolver& solve,
@@ -83,7 +82,7 @@ ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, cons
   Pose base = assumed;
   ClosedPath best, now;
   best.open = kInfinity;
-  // The best posture changes with the pose, and so does the path to it: follow them round.
+  // Fixed-point iteration: the best posture changes with the pose, and so does the path to it.
   for (int round = 0; round < options.follow_rounds; ++round) {
     if (!loop.go(base, ContactSolve::Best, now)) break;
     if (now.open < best.open) best = now;
@@ -92,7 +91,7 @@ ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, cons
     base = moved(base, std::min(1.0, options.stride / change.norm()) * change);
   }
   if (!std::isfinite(best.open)) return best;
-  // Then the nearest posture that meets the target exactly.
+  // Then Newton's method with the nearest posture that solves the contact.
   base = best.open < options.stride ? best.base_poses.back() : base;
   if (!loop.go(base, ContactSolve::Nearest, now)) return best;
   const auto J = slope(loop, base, pose_error(base, now.base_poses.back()), options.difference);

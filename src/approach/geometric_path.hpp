@@ -31,7 +31,7 @@ struct Section {
   JointVectord begin, end;
 };
 
-/// Straight lines between the way points, corners replaced by parabolas as large as `is_clear`
+/// Straight lines between the waypoints, corners replaced by parabolas as large as `is_clear`
 /// allows; a new section begins at a corner that cannot be rounded. |gamma'| is 1 on lines and at
 /// the ends of parabolas.
 std::vector<Section> round_corners(const std::vector<JointVectord>& points, const IsClear& is_clear,

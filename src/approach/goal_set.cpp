@@ -1,5 +1,4 @@
-// Several goals at once: the planner goes for all of them, and what it reaches first and can be
-// flown is the approach.
+// The approach to any of several goals: the first one that a feasible motion reaches.
 #include <iterator>
 #include <list>
 #include <stdexcept>
@@ -23,7 +22,7 @@ struct OpenGoal {
   int failures = 0;
 };
 
-/// The goals that nothing speaks against before planning; `why` is what speaks against the first.
+/// The goals that are not refused before planning; `why` is the reason of the first refusal.
 std::list<OpenGoal> open_goals(const CaptureProblem& problem,
                                const std::vector<ApproachGoal>& goals,
                                const ApproachOptions& options, Approach& why) {
@@ -62,17 +61,17 @@ ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
   }
   ApproachToAny out;
   std::list<OpenGoal> open = open_goals(problem, goals, options, out.approach);
-  if (!open.empty() && open.front().task.starts_where_it_stands()) {
+  if (!open.empty() && open.front().task.has_stated_start()) {
     throw std::invalid_argument(
         "approach: where a floating base starts as stated, every goal needs a path of its own");
   }
   if (open.empty()) return out;
   Random seeds(seed);
-  AttemptResult news;
+  AttemptResult failure;
   for (int attempt = 1; !open.empty(); ++attempt) {
     if (stop.reached()) {
-      news.status = ApproachStatus::TimeOut;
-      news.detail = "stopped before a path was found";
+      failure.status = ApproachStatus::TimeOut;
+      failure.detail = "stopped before a path was found";
       break;
     }
     std::vector<AttemptGoal> tried;
@@ -103,16 +102,16 @@ ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
       }
       return out;
     }
-    if (is_better_news(result, news)) news = result;
+    if (explains_more(result, failure)) failure = result;
     if (result.status == ApproachStatus::TimeOut || result.way_points == 0) break;
-    learn(goal.task, result, ++goal.failures, goal.attempt.options);
+    adjust_options(goal.task, result, ++goal.failures, goal.attempt.options);
     if (goal.failures >= options.attempts_of_set || result.hopeless) {
       open.erase(at);
     }
   }
-  out.approach = failed(news.status,
-                        fmt::format("{} (going for {} goals at once)", news.detail, goals.size()));
-  out.approach.late_by = news.shortfall;
+  out.approach = failed(
+      failure.status, fmt::format("{} (going for {} goals at once)", failure.detail, goals.size()));
+  out.approach.late_by = failure.shortfall;
   return out;
 }
 

@@ -1,4 +1,4 @@
-// A rough way around obstacles within the reaction null space, for curves to follow.
+// A rough path around obstacles within the reaction null space, for curves to follow.
 #pragma once
 
 #include <cstdint>

@@ -34,8 +34,8 @@ class NullTracker {
 
   /// How goals near neighbouring postures belong together.
   enum class GoalKind {
-    Smooth,    ///< one family: the nearest of it, which moves along as the posture does
-    Scattered  ///< each on its own
+    Smooth,    ///< of one continuum: the nearest moves smoothly with the posture
+    Scattered  ///< isolated
   };
 
   /// Shifts the knots until the curve ends at a goal, to 1e-9 rad; its last posture is then made
@@ -43,8 +43,8 @@ class NullTracker {
   std::optional<Configuration> reach(const GoalNear& goal, GoalKind kind, Knots& knots,
                                      JointPath& curve) const;
 
-  /// Knots shifted so that the end of the curve moves by about `stride` (rad) in the direction that
-  /// a push on its end (m) gives: not against the null space, but as it allows.
+  /// Knots shifted so that the end of the curve moves by about `stride` (rad), as the null space
+  /// allows, in the direction `push` (m).
   Knots bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
              double stride) const;
 

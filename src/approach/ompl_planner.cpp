@@ -175,7 +175,7 @@ struct NamedPlanner {
                          double tree_range);
   bool improves;      ///< goes on after its first solution
   bool hides_random;  ///< generators that cannot be seeded one by one
-  bool takes_sets;    ///< finds its way among several starts and goals
+  bool takes_sets;    ///< takes several starts and goals
 };
 
 ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed,
@@ -288,7 +288,7 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
   worlds.add_ends(si, *definition);
   definition->setOptimizationObjective(std::make_shared<ob::PathLengthOptimizationObjective>(si));
-  bool solved = false;  // planners tell it in one of three ways before they end
+  bool solved = false;  // planners report it by one of three means before they end
   definition->setIntermediateSolutionCallback([&](const ob::Planner*,
                                                   const std::vector<const ob::State*>&,
                                                   const ob::Cost) { solved = true; });

@@ -1,8 +1,8 @@
 // Geometric planning from a start to any of several goals, by name. Knows neither robots nor
 // scenes.
 //
-// Every goal has a world of its own: what is in the way depends on where one is going. A path leads
-// through the world of the goal that it ends at.
+// Every goal has its own obstacles, called its world here. A path leads through the world of the
+// goal at which it ends.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ enum class PathOutcome { Found, NotFound, Stopped };
 struct PathAnswer {
   PathOutcome outcome = PathOutcome::NotFound;
   std::size_t reached = 0;           ///< index in `ends`
-  std::vector<JointVectord> points;  ///< way points with start and goal, joined by straight lines
+  std::vector<JointVectord> points;  ///< waypoints with start and goal, joined by straight lines
 };
 
 using PathPlanner = std::function<PathAnswer(const PathQuery&)>;

@@ -53,7 +53,7 @@ bool is_clear(const StillScene& scene, const JointPath& curve) {
   return true;
 }
 
-/// Knots along a rough way to near the goal, and on to it.
+/// Knots along a rough path to near the goal, and on to it.
 Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& goal,
             const NullSpaceOptions& options) {
   std::vector<Eigen::VectorXd> points = guide;
@@ -82,7 +82,7 @@ class Search {
   Search(const NullPathQuery& query, const CaptureProblem& problem, const NullTracker& tracker)
       : query_(query), problem_(problem), tracker_(tracker) {}
 
-  void look(std::size_t number, Knots knots) {
+  void try_reference(std::size_t number, Knots knots) {
     const NullGoal& goal = query_.goals[number];
     ++tried_;
     JointPath curve;
@@ -180,7 +180,7 @@ class Search {
   int tried_ = 0, arrived_ = 0, within_limits_ = 0, clear_ = 0;
 };
 
-/// A rough way around what is in the way to a goal.
+/// A rough path around the obstacles to a goal.
 std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTracker& tracker,
                                       const NullGoal& goal, std::uint64_t seed) {
   const auto full = [&](const Eigen::VectorXd& part) {
@@ -215,14 +215,15 @@ NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& 
                                                         : query.options.references);
   for (std::size_t i = 0; i < tries && !search.is_done() && !query.stop.reached(); ++i) {
     const JointVectord& goal = query.goals[i % count].posture;
-    search.look(i % count, reference(tracker, query.start, goal, static_cast<int>(i / count),
-                                     query.options.knots, random));
+    search.try_reference(i % count,
+                         reference(tracker, query.start, goal, static_cast<int>(i / count),
+                                   query.options.knots, random));
   }
   const auto guides = static_cast<std::size_t>(query.options.guides);
   for (std::size_t i = 0; i < guides && search.clear() == 0 && !query.stop.reached(); ++i) {
     const Eigen::VectorXd goal = tracker.free_part(query.goals[i % count].posture);
     const auto guide = guide_to(query, tracker, query.goals[i % count], random.next());
-    if (guide.size() >= 2) search.look(i % count, along(guide, goal, query.options));
+    if (guide.size() >= 2) search.try_reference(i % count, along(guide, goal, query.options));
   }
   NullPathAnswer answer = search.answer();
   answer.stopped = answer.curve.times.empty() && query.stop.reached();

@@ -34,7 +34,7 @@ AttemptOptions first_options(const ApproachTask& task) {
   return options;
 }
 
-bool is_better_news(const AttemptResult& result, const AttemptResult& known) {
+bool explains_more(const AttemptResult& result, const AttemptResult& known) {
   if (known.detail.empty()) return true;
   if (result.status == ApproachStatus::TooSlow) {
     return known.status == ApproachStatus::TooSlow && result.shortfall < known.shortfall;
@@ -42,8 +42,8 @@ bool is_better_news(const AttemptResult& result, const AttemptResult& known) {
   return result.way_points > 0;
 }
 
-void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
-           AttemptOptions& options) {
+void adjust_options(const ApproachTask& task, const AttemptResult& result, int attempt,
+                    AttemptOptions& options) {
   options.max_iterations = task.problem.approach.max_iterations;
   if (attempt + 1 ==
       task.options.attempts) {  // last resort: nothing still to avoid, judged in time alone

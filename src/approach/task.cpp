@@ -72,9 +72,9 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
                     -kInfinity,
                     contact,
                     options};
-  if (task.starts_where_it_stands() && !contact.at_base) {
+  if (task.has_stated_start() && !contact.at_base) {
     throw std::invalid_argument(
-        "approach: a floating base with a stated start needs someone to solve the contact anew");
+        "approach: a floating base with a stated start needs ContactSolver::at_base");
   }
   for (int k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -82,8 +82,7 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
     const bool may_move = problem.variables.joints.empty() || problem.variables.joints[i];
     if (may_move || task.start[k] != goal.phi[k]) task.free.push_back(k);
   }
-  // A predicted target is known from its estimate on; one that is only said to come from some
-  // direction has come along forever.
+  // A predicted target is known from its estimate on; one with a stated direction at all times.
   if (target != nullptr && !problem.impulse.direction) {
     task.earliest_start = problem.target_state.time;
   }

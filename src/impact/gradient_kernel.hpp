@@ -38,7 +38,7 @@ struct SubtreeMomenta {
   PerBody<SpatialVector<S>, S> P;
 
   SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
-        const GeneralizedMotion<S>& x) {
+                 const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
     const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {

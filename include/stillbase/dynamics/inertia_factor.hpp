@@ -15,7 +15,7 @@ struct GeneralizedMotion {
   JointVector<S> phidot;  ///< n
 };
 
-/// Factor of H + diag(0, D), D an added inertia of the joints, by way of
+/// Factor of H + diag(0, D), D an added inertia of the joints, from
 ///   A = [Htilde_omega, Htilde_omegaphi; Htilde_omegaphi', Htilde_phi + D].
 /// Rows and columns of locked joints are those of the identity. One factor serves every right-hand
 /// side at a posture.
