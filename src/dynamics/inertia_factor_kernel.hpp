@@ -44,7 +44,7 @@ GeneralizedMotion<S> solve_inertia(const InertiaFactor<S>& factor, const Vector6
   const Vector3<S> f = F_b.template head<3>();
   const S inverse_mass = S(1) / factor.mass;
   const Vector3<S> v_g = f * inverse_mass;  // of the system centroid
-  Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, InertiaFactor<S>::kMax, 1> x(3 + n);
+  Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJointsOf<S> + 3, 1> x(3 + n);
   x.template head<3>() = F_b.template tail<3>() - factor.r_bg.cross(f);
   for (Eigen::Index k = 0; k < n; ++k) {
     x[3 + k] = factor.locked[static_cast<std::size_t>(k)]

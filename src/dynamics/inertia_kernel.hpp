@@ -16,6 +16,10 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   InertiaMatrices<S> out;
   // Twist of unit rate of joint k about the base centroid: linear and angular part.
   PerBody<Vector3<S>, S> axis_v, axis_w;
+  axis_v.resize(n);
+  axis_w.resize(n);
+  out.I.resize(n);
+  out.subtree.resize(n);
   RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),
                         robot.base.inertia.template cast<S>()};
   for (int k = 0; k < n; ++k) {

@@ -27,6 +27,7 @@ using JointAxes = PerBody<SpatialVector<S>, S>;
 template <class S>
 inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
   JointAxes<S> axes;
+  axes.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
   return axes;
 }
@@ -40,6 +41,8 @@ struct SubtreeMomenta {
   SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
                  const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
+    V.resize(kin.n);
+    P.resize(kin.n);
     const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {
       const int parent = robot.joints[k].parent;

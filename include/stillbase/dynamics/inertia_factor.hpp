@@ -21,9 +21,8 @@ struct GeneralizedMotion {
 /// side at a posture.
 template <class S>
 struct InertiaFactor {
-  static constexpr int kMax = kMaxJointsOf<S> + 3;
   /// Unit lower triangle L of A = L D L'; the diagonal holds 1/D.
-  Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMax, kMax> L;
+  InPlaceMatrix<S, kJointsInPlace<S> + 3> L;
   S mass;
   Vector3<S> r_bg;                 ///< system centroid in B, m
   Matrix3X<S> H_vphi;              ///< linear part of the coupling matrix
