@@ -41,7 +41,9 @@ PolishProblem::PolishProblem(const ApproachTask& task, const AttemptResult& foun
       x_start_[c * m + i] = fitted(task_.free[static_cast<std::size_t>(i)], c);
     }
   }
+  set_bounds();
   x_start_[num_points()] = is_for_time() ? options().first_speed : options().slowest;
+  x_start_ = x_start_.cwiseMax(lower_).cwiseMin(upper_);
   const int n = task_.problem.robot.n();
   effort_ = JointVectord::Constant(n, kInfinity);
   if (effort_used(task_.problem, planned_.path, task_.options.effort) > options().small_torque) {
@@ -52,10 +54,6 @@ PolishProblem::PolishProblem(const ApproachTask& task, const AttemptResult& foun
   }
 }
 
-Eigen::VectorXd PolishProblem::start() const {
-  return x_start_.cwiseMax(lower()).cwiseMin(upper());
-}
-
 // Rows: rates at all places but the ends, accelerations at knots, torques at knots, clearances at
 // all places but the ends.
 int PolishProblem::num_constraints() const {
@@ -64,36 +62,25 @@ int PolishProblem::num_constraints() const {
   return m * inner + m * (options().intervals + 1) + torque_rows_ + inner;
 }
 
-Eigen::VectorXd PolishProblem::lower() const {
-  Eigen::VectorXd bound(num_variables());
+void PolishProblem::set_bounds() {
+  lower_.resize(num_variables());
+  upper_.resize(num_variables());
   const auto m = static_cast<Eigen::Index>(task_.free.size());
   for (Eigen::Index i = 0; i < m; ++i) {
     const Eigen::Index k = task_.free[static_cast<std::size_t>(i)];
-    double least = kInfinity;
-    for (const JointVectord& phi : planned_.path.phi) least = std::min(least, phi[k]);
-    const double limit = task_.problem.robot.joints[static_cast<std::size_t>(k)].lower;
+    const Joint& joint = task_.problem.robot.joints[static_cast<std::size_t>(k)];
+    double least = kInfinity, most = -kInfinity;
+    for (const JointVectord& phi : planned_.path.phi) {
+      least = std::min(least, phi[k]);
+      most = std::max(most, phi[k]);
+    }
     for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-      bound[c * m + i] = std::max(least - options().room, std::min(limit, least));
+      lower_[c * m + i] = std::max(least - options().room, std::min(joint.lower, least));
+      upper_[c * m + i] = std::min(most + options().room, std::max(joint.upper, most));
     }
   }
-  bound[num_points()] = is_for_time() ? options().first_speed / 2 : options().slowest;
-  return bound;
-}
-
-Eigen::VectorXd PolishProblem::upper() const {
-  Eigen::VectorXd bound(num_variables());
-  const auto m = static_cast<Eigen::Index>(task_.free.size());
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Index k = task_.free[static_cast<std::size_t>(i)];
-    double most = -kInfinity;
-    for (const JointVectord& phi : planned_.path.phi) most = std::max(most, phi[k]);
-    const double limit = task_.problem.robot.joints[static_cast<std::size_t>(k)].upper;
-    for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-      bound[c * m + i] = std::min(most + options().room, std::max(limit, most));
-    }
-  }
-  bound[num_points()] = is_for_time() ? options().fastest : options().slowest;
-  return bound;
+  lower_[num_points()] = is_for_time() ? options().first_speed / 2 : options().slowest;
+  upper_[num_points()] = is_for_time() ? options().fastest : options().slowest;
 }
 
 Eigen::VectorXd PolishProblem::constraint_lower() const {

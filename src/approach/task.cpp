@@ -13,10 +13,6 @@ namespace stillbase {
 
 namespace {
 
-bool is_finite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-}
-
 /// Numbers that the reader should have refused never get further than here.
 void check_input(const CaptureProblem& problem, const Configuration& goal) {
   const ApproachSpec& spec = problem.approach;
@@ -26,7 +22,7 @@ void check_input(const CaptureProblem& problem, const Configuration& goal) {
   };
   demand(problem.start.size() == n && goal.phi.size() == n && spec.acceleration_limit.size() == n,
          "start, goal and acceleration limit need one number per joint");
-  demand(problem.start.allFinite() && goal.phi.allFinite() && is_finite(goal.base) &&
+  demand(problem.start.allFinite() && goal.phi.allFinite() && goal.base.is_finite() &&
              std::isfinite(goal.contact_time),
          "start and goal must be finite");
   demand(spec.acceleration_limit.allFinite() && (spec.acceleration_limit.array() > 0).all(),
