@@ -57,7 +57,7 @@ Json inspection_json(const RobotModel& robot, const RobotState& state) {
   const auto bias = compute_bias<double>(robot, kinematics, inertia, state.Omega, state.phidot);
   const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
   const ReactionNullSpace space = angular_reaction_null_space(tilde);
-  const auto factor = factorize_impact<double>(inertia, JointVectord::Zero(robot.n()), {});
+  const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
   Json json = {{"joint_names", joint_names_json(robot)},
                {"total_mass", io::number_json(robot.total_mass())},
                {"centroid", array_json(inertia.r_bg)},

@@ -17,17 +17,17 @@ namespace {
 
 Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
               std::map<std::string, long>& solver_calls) {
-  if (task.starts_where_it_stands()) {
+  if (task.has_stated_start()) {
     // Where the base ends up is not known before there is a path; the straight line tells roughly.
-    const ClosedPath straight =
-        close_path(task.problem, straight_path(task), task.goal.base, task.contact);
+    const ClosedPath straight = close_path(task.problem, straight_path(task), task.goal.base,
+                                           task.contact, task.options.closure);
     if (straight.closed) task.goal = straight.end;
   }
   if (auto refused = refuse(task)) return *refused;
   Random seeds(seed);
   AttemptOptions options = first_options(task);
-  AttemptResult news;
-  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+  AttemptResult failure;
+  for (int attempt = 1; attempt <= task.options.attempts; ++attempt) {
     if (stop.reached()) return failed(ApproachStatus::TimeOut, "stopped before a path was found");
     options.seed = seeds.next();
     std::size_t only = 0;
@@ -40,13 +40,13 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
         (attempt == 1 && result.way_points == 0)) {
       return failed(result.status, result.detail);
     }
-    if (is_better_news(result, news)) news = result;
-    if (task.starts_where_it_stands() && result.has_end) task.goal = result.end;
-    learn(task, result, attempt, options);
+    if (explains_more(result, failure)) failure = result;
+    if (task.has_stated_start() && result.has_end) task.goal = result.end;
+    adjust_options(task, result, attempt, options);
   }
-  Approach none =
-      failed(news.status, fmt::format("{} (after {} attempts)", news.detail, kAttempts));
-  none.late_by = news.shortfall;
+  Approach none = failed(
+      failure.status, fmt::format("{} (after {} attempts)", failure.detail, task.options.attempts));
+  none.late_by = failure.shortfall;
   return none;
 }
 
@@ -54,11 +54,12 @@ Approach plan(ApproachTask& task, std::uint64_t seed, const StopCondition& stop,
 
 Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
                        const TargetMotion* target, std::uint64_t seed, const StopCondition& stop,
-                       std::map<std::string, long>& solver_calls, const ContactSolver& contact) {
+                       std::map<std::string, long>& solver_calls, const ContactSolver& contact,
+                       const ApproachOptions& options) {
   if (!problem.approach.enabled) {
     return failed(ApproachStatus::NotRequested, "no approach asked for");
   }
-  ApproachTask task = make_task(problem, goal, target, contact);
+  ApproachTask task = make_task(problem, goal, target, contact, options);
   try {
     return plan(task, seed, stop, solver_calls);
   } catch (const std::out_of_range&) {  // from TargetMotion

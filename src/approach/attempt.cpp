@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <stillbase/core/constants.hpp>
 
 #include <stillbase/encounter/target_motion.hpp>
 
@@ -18,25 +19,9 @@ namespace stillbase {
 
 namespace {
 
-/// A posture may lie this far outside a joint limit: what optimizers leave behind.
-constexpr double kLimitSlack = 1e-6;
-constexpr double kTurn = 6.283185307179586;
-
 /// The planner's space holds the free joints alone.
-JointVectord free_part(const ApproachTask& task, const JointVectord& phi) {
-  JointVectord part(static_cast<Eigen::Index>(task.free.size()));
-  for (std::size_t i = 0; i < task.free.size(); ++i) {
-    part[static_cast<Eigen::Index>(i)] = phi[task.free[i]];
-  }
-  return part;
-}
-
 JointVectord full_posture(const ApproachTask& task, const JointVectord& part) {
-  JointVectord phi = task.goal.phi;
-  for (std::size_t i = 0; i < task.free.size(); ++i) {
-    phi[task.free[i]] = part[static_cast<Eigen::Index>(i)];
-  }
-  return phi;
+  return with_free_part(task.goal.phi, task.free, part);
 }
 
 /// Joint limits; a full turn around start and goal where there are none.
@@ -49,8 +34,8 @@ void set_bounds(const ApproachTask& task, JointVectord& lower, JointVectord& upp
     const Joint& joint = task.problem.robot.joints[static_cast<std::size_t>(k)];
     const double low = std::min(task.start[k], task.goal.phi[k]);
     const double high = std::max(task.start[k], task.goal.phi[k]);
-    lower[i] = std::isfinite(joint.lower) ? std::min(joint.lower, low) : low - kTurn;
-    upper[i] = std::isfinite(joint.upper) ? std::max(joint.upper, high) : high + kTurn;
+    lower[i] = std::isfinite(joint.lower) ? std::min(joint.lower, low) : low - 2 * kPi;
+    upper[i] = std::isfinite(joint.upper) ? std::max(joint.upper, high) : high + 2 * kPi;
   }
 }
 
@@ -61,12 +46,8 @@ std::optional<std::string> broken_limit(const ApproachTask& task, const JointPat
     for (int part = 0; part < kParts; ++part) {
       const double t = path.times[i] + (path.times[i + 1] - path.times[i]) * part / kParts;
       const JointVectord phi = motion_on_segment(path, i, t).phi;
-      for (int k = 0; k < task.problem.robot.n(); ++k) {
-        const Joint& joint = task.problem.robot.joints[static_cast<std::size_t>(k)];
-        if (phi[k] < joint.lower - kLimitSlack || phi[k] > joint.upper + kLimitSlack) {
-          return joint.name;
-        }
-      }
+      const Joint* joint = joint_outside_limits(task.problem.robot, phi, task.options.limit_slack);
+      if (joint != nullptr) return joint->name;
     }
   }
   return std::nullopt;
@@ -82,7 +63,7 @@ std::vector<Pose> avoidable(const ApproachTask& task, const std::vector<Pose>& t
   return kept;
 }
 
-/// The target on its way to where the hand is at `end`.
+/// The target's motion to the hand at `end`.
 std::optional<TargetMotion> target_for(const ApproachTask& task, const Configuration& end) {
   if (task.target == nullptr) return std::nullopt;
   const bool moves = end.base.position != task.goal.base.position || end.phi != task.goal.phi;
@@ -90,7 +71,7 @@ std::optional<TargetMotion> target_for(const ApproachTask& task, const Configura
   return encounter_motion(task.problem, end);
 }
 
-/// Whether a thing of the scene is the base or fixed to it.
+/// Whether a link or obstacle is the base or fixed to it.
 bool is_on_base(const CaptureProblem& problem, const std::string& name) {
   const LinkFrame* link = find_link(problem.robot, name);
   if (link != nullptr) return link->body == kBase;
@@ -100,47 +81,48 @@ bool is_on_base(const CaptureProblem& problem, const std::string& name) {
                      });
 }
 
-/// The scenes of the ways, each as its options say.
-std::vector<StillScene> scenes_of(const std::vector<Way>& ways) {
+/// The scene of each goal.
+std::vector<StillScene> scenes_of(const std::vector<AttemptGoal>& goals) {
   std::vector<StillScene> scenes;
-  scenes.reserve(ways.size());
-  for (const Way& way : ways) {
-    const ApproachTask& task = *way.task;
+  scenes.reserve(goals.size());
+  for (const AttemptGoal& goal : goals) {
+    const ApproachTask& task = *goal.task;
     scenes.emplace_back(task.problem, task.scene, task.goal,
-                        avoidable(task, way.options.targets, way.options.resolution),
-                        way.options.resolution);
+                        avoidable(task, goal.options.targets, goal.options.resolution),
+                        goal.options.resolution);
   }
   return scenes;
 }
 
-/// Way points from a start to its goal by the planner of the task, or what went wrong.
-std::vector<JointVectord> plan_points(const std::vector<Way>& ways,
+/// AttemptGoal points from a start to its goal by the planner of the task, or what went wrong.
+std::vector<JointVectord> plan_points(const std::vector<AttemptGoal>& goals,
                                       const std::vector<StillScene>& scenes,
                                       const StopCondition& stop, AttemptResult& result,
                                       std::size_t& reached) {
-  const ApproachTask& first = *ways.front().task;
+  const ApproachTask& first = *goals.front().task;
   if (first.free.empty()) return {first.start, first.goal.phi};
   PathQuery query;
-  query.resolution = ways.front().options.resolution;
-  query.seed = ways.front().options.seed;
+  query.resolution = goals.front().options.resolution;
+  query.seed = goals.front().options.seed;
   query.max_iterations = 1;
-  for (const Way& way : ways) {
-    query.ends.push_back({free_part(*way.task, way.task->start),
-                          free_part(*way.task, way.task->goal.phi), way.weight});
+  for (const AttemptGoal& goal : goals) {
+    query.ends.push_back({free_part(goal.task->start, goal.task->free),
+                          free_part(goal.task->goal.phi, goal.task->free), goal.weight});
     JointVectord lower, upper;
-    set_bounds(*way.task, lower, upper);
+    set_bounds(*goal.task, lower, upper);
     const bool is_first = query.ends.size() == 1;
     query.lower = is_first ? lower : JointVectord(query.lower.cwiseMin(lower));
     query.upper = is_first ? upper : JointVectord(query.upper.cwiseMax(upper));
-    query.max_iterations = std::max(query.max_iterations, way.options.max_iterations);
+    query.max_iterations = std::max(query.max_iterations, goal.options.max_iterations);
   }
   query.stop = stop;
+  query.options = first.options.path;
   query.is_valid = [&](std::size_t i, const JointVectord& part) {
-    return !scenes[i].first_hit(full_posture(*ways[i].task, part));
+    return !scenes[i].first_hit(full_posture(*goals[i].task, part));
   };
   query.is_motion_valid = [&](std::size_t i, const JointVectord& a, const JointVectord& b) {
-    return scenes[i].is_motion_clear(full_posture(*ways[i].task, a),
-                                     full_posture(*ways[i].task, b));
+    return scenes[i].is_motion_clear(full_posture(*goals[i].task, a),
+                                     full_posture(*goals[i].task, b));
   };
   const PathAnswer answer = first.planner(query);
   if (answer.outcome == PathOutcome::Stopped) {
@@ -154,7 +136,7 @@ std::vector<JointVectord> plan_points(const std::vector<Way>& ways,
     return {};
   }
   reached = answer.reached;
-  const ApproachTask& task = *ways[reached].task;
+  const ApproachTask& task = *goals[reached].task;
   std::vector<JointVectord> points;
   for (const JointVectord& part : answer.points) points.push_back(full_posture(task, part));
   points.front() = task.start;
@@ -164,25 +146,20 @@ std::vector<JointVectord> plan_points(const std::vector<Way>& ways,
 
 /// Whether nothing touches while the robot waits at a configuration.
 bool can_wait(const ApproachTask& task, const Configuration& end, double wait) {
-  TimedMotion waiting;
-  waiting.contact_time = end.contact_time;
-  waiting.path.times = {end.contact_time - wait};
-  waiting.path.phi = {end.phi};
-  waiting.path.phidot = {JointVectord::Zero(end.phi.size())};
-  waiting.base_poses = {end.base};
   const std::optional<TargetMotion> target = target_for(task, end);
-  return !first_hit(task.problem, task.scene, waiting, target ? &*target : nullptr);
+  return !first_hit(task.problem, task.scene, waiting_motion(end, wait),
+                    target ? &*target : nullptr);
 }
 
 /// The same within the reaction null space, as a motion from time 0.
-JointPath plan_within_null_space(const std::vector<Way>& ways,
+JointPath plan_within_null_space(const std::vector<AttemptGoal>& goals,
                                  const std::vector<StillScene>& scenes, const StopCondition& stop,
                                  AttemptResult& result, std::size_t& reached) {
-  const ApproachTask& first = *ways.front().task;
+  const ApproachTask& first = *goals.front().task;
   NullPathQuery query;
   query.start = first.start;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    const ApproachTask& task = *ways[i].task;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const ApproachTask& task = *goals[i].task;
     NullGoal goal;
     goal.posture = task.goal.phi;
     goal.scene = &scenes[i];
@@ -193,15 +170,16 @@ JointPath plan_within_null_space(const std::vector<Way>& ways,
     goal.measure = [&task](const Configuration& end) {
       return task.contact.measure ? task.contact.measure(end) : 0.0;
     };
-    const double wait = ways[i].options.wait;
+    const double wait = goals[i].options.wait;
     goal.can_wait = [&task, wait](const Configuration& end) { return can_wait(task, end, wait); };
     query.goals.push_back(std::move(goal));
   }
   query.free = first.free;
   set_bounds(first, query.lower, query.upper);
-  query.seed = ways.front().options.seed;
-  query.max_iterations = ways.front().options.max_iterations;
+  query.seed = goals.front().options.seed;
+  query.max_iterations = goals.front().options.max_iterations;
   query.stop = stop;
+  query.options = first.options.null_space;
   const NullPathAnswer answer = plan_null_path(query, first.problem);
   result.way_points = answer.curve.times.size();
   if (answer.curve.times.empty()) {
@@ -213,24 +191,26 @@ JointPath plan_within_null_space(const std::vector<Way>& ways,
   reached = answer.goal;
   result.end = answer.end;
   result.has_end = true;
-  return time_curve(answer.curve, first.max_rate, first.problem.approach.acceleration_limit);
+  return time_curve(answer.curve, first.max_rate, first.problem.approach.acceleration_limit,
+                    first.options.time_law);
 }
 
 /// The path with its time law, from time 0. Empty: see result.
-JointPath plan_path(const std::vector<Way>& ways, const StopCondition& stop, AttemptResult& result,
-                    std::size_t& reached) {
-  const std::vector<StillScene> scenes = scenes_of(ways);
-  const ApproachTask& first = *ways.front().task;
+JointPath plan_path(const std::vector<AttemptGoal>& goals, const StopCondition& stop,
+                    AttemptResult& result, std::size_t& reached) {
+  const std::vector<StillScene> scenes = scenes_of(goals);
+  const ApproachTask& first = *goals.front().task;
   if (first.problem.approach.base == BaseMode::ReactionNull) {
-    return plan_within_null_space(ways, scenes, stop, result, reached);
+    return plan_within_null_space(goals, scenes, stop, result, reached);
   }
-  const std::vector<JointVectord> points = plan_points(ways, scenes, stop, result, reached);
+  const std::vector<JointVectord> points = plan_points(goals, scenes, stop, result, reached);
   result.way_points = points.size();
   if (points.empty()) return {};
   const StillScene& scene = scenes[reached];
   return time_path(
       points, first.max_rate, first.problem.approach.acceleration_limit,
-      [&](const JointVectord& a, const JointVectord& b) { return scene.is_motion_clear(a, b); });
+      [&](const JointVectord& a, const JointVectord& b) { return scene.is_motion_clear(a, b); },
+      first.options.time_law);
 }
 
 }  // namespace
@@ -239,16 +219,17 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   const ApproachSpec& spec = task.problem.approach;
   result.status = ApproachStatus::GoalUnreachable;
   Configuration end = result.has_end ? result.end : task.goal;
-  if (task.starts_where_it_stands()) {
-    ClosedPath closed = close_path(task.problem, path, task.goal.base, task.contact);
+  if (task.has_stated_start()) {
+    ClosedPath closed =
+        close_path(task.problem, path, task.goal.base, task.contact, task.options.closure);
     if (!closed.closed) {
       result.status = ApproachStatus::BaseDriftOpen;
       result.detail = std::isfinite(closed.open)
                           ? fmt::format(
-                                "no posture on the path's way meets the target where the "
+                                "no posture near the end of the path reaches the target where the "
                                 "path leaves the base: {:.3g} m or rad stay open",
                                 closed.open)
-                          : "where the path leaves the base no posture meets the target";
+                          : "where the path leaves the base no posture reaches the target";
       return;
     }
     path = std::move(closed.path);
@@ -259,7 +240,7 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   } else {
     result.motion.base_poses = base_poses(task.problem.robot, path, spec.base, end.base);
   }
-  slow_for_effort(task.problem, path);
+  slow_for_effort(task.problem, path, task.options.effort);
   result.end = end;
   result.has_end = true;
 
@@ -297,15 +278,15 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   result.status = ApproachStatus::Found;
 }
 
-AttemptResult try_approach(const std::vector<Way>& ways, const StopCondition& stop,
+AttemptResult try_approach(const std::vector<AttemptGoal>& goals, const StopCondition& stop,
                            std::size_t& reached) {
   AttemptResult result;
   reached = 0;
-  const JointPath path = plan_path(ways, stop, result, reached);
+  const JointPath path = plan_path(goals, stop, result, reached);
   if (path.times.empty()) return result;
-  const Way& way = ways[reached];
-  finish_motion(*way.task, path, way.options.wait, result);
-  if (result.status == ApproachStatus::Found) polish(*way.task, way.options.wait, stop, result);
+  const AttemptGoal& goal = goals[reached];
+  finish_motion(*goal.task, path, goal.options.wait, result);
+  if (result.status == ApproachStatus::Found) polish(*goal.task, goal.options.wait, stop, result);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// One attempt at an approach: way points, time law, base motion, check in time.
+// One attempt at an approach: waypoints, time law, base motion, collision check over time.
 #pragma once
 
 #include <optional>
@@ -26,30 +26,30 @@ struct AttemptResult {
   double motion_start = 0, motion_end = 0;  ///< s, when a path was timed
   double shortfall = 0;                     ///< TooSlow: s
   bool hit_by_target = false;
-  bool hopeless = false;  ///< the target hits what no path moves: another attempt is in vain
+  bool hopeless = false;  ///< the target hits a body that no path moves
   TimedMotion motion;
-  std::optional<TargetMotion> target;  ///< on its way to where the motion ends
-  Configuration end;                   ///< where the hand should be; set when there is a motion
+  std::optional<TargetMotion> target;  ///< its motion to where the hand ends
+  Configuration end;                   ///< configuration at the end; set when there is a motion
   bool has_end = false;
   double before_polish = 0, after_polish = 0;  ///< s or rad
 };
 
 /// From a joint path at rest to rest (times from 0 on) to a motion that arrives `wait` before the
-/// contact: closed where the base starts as stated, slowed to the effort limits, base motion,
-/// limits, check in time. Sets everything of `result` but way_points and the polish.
+/// contact: closed where the base starts as stated, slowed to the torque limits, with base motion,
+/// limits and collisions checked. Sets everything of `result` but way_points and the polish.
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result);
 
-/// A goal of an attempt, and how it is gone for.
-struct Way {
+/// One of the goals of an attempt.
+struct AttemptGoal {
   const ApproachTask* task = nullptr;
   AttemptOptions options;
-  double weight = 1;  ///< how often it is tried, relative to the others
+  double weight = 1;  ///< how often it is sampled, relative to the others
 };
 
-/// Path, time law, base motion, check in time, polish: to the goal that the planner reaches first.
-/// @param ways at least one, of the same problem; random numbers follow from the first one's seed
-/// @param reached index in `ways` of the goal that the result is about
-AttemptResult try_approach(const std::vector<Way>& ways, const StopCondition& stop,
+/// Path, time law, base motion, checks and polish, to the goal that the planner reaches first.
+/// @param goals at least one, of the same problem; random numbers follow from the first one's seed
+/// @param reached index in `goals` of the goal that the result is about
+AttemptResult try_approach(const std::vector<AttemptGoal>& goals, const StopCondition& stop,
                            std::size_t& reached);
 
 }  // namespace stillbase

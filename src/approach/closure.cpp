@@ -11,14 +11,7 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kClosed = 1e-10;  ///< m, rad: what is left to rounding
-constexpr double kSettled = 1e-7;  ///< m, rad: the best posture hardly changes any more
-constexpr double kFar = 3;         ///< rad: a posture so far off needs another path
-constexpr double kStride = 0.15;   ///< m, rad: the posture for a pose so near is found from it
-constexpr double kStep = 1e-4;     ///< m, rad, for differences
-constexpr int kSettleRounds = 60, kNewtonRounds = 12;
-
-Vector6d difference(const Pose& from, const Pose& to) {
+Vector6d pose_error(const Pose& from, const Pose& to) {
   Vector6d e;
   e << to.position - from.position, rotation_log(from.orientation.conjugate() * to.orientation);
   return e;
@@ -28,23 +21,23 @@ Pose moved(const Pose& pose, const Vector6d& by) {
   return {pose.position + by.head<3>(), pose.orientation * rotation_exp(by.tail<3>())};
 }
 
-/// One way round: a pose of the base at the end, the posture there, the path to it, the pose that
-/// the path really leaves.
+/// From an assumed final base pose to the pose in which the path to its posture leaves the base.
 class Loop {
  public:
-  Loop(const CaptureProblem& problem, const JointPath& path, const ContactSolver& solve)
-      : problem_(problem), path_(path), solve_(solve) {}
+  Loop(const CaptureProblem& problem, const JointPath& path, const ContactSolver& solve,
+       const ClosureOptions& options)
+      : problem_(problem), path_(path), solve_(solve), options_(options) {}
 
   bool go(const Pose& base, ContactSolve how, ClosedPath& out) const {
     const auto end = solve_.at_base(base, how);
     if (!end) return false;
     const JointVectord shift = end->phi - path_.phi.back();
-    if (!(shift.cwiseAbs().maxCoeff() < kFar)) return false;
+    if (!(shift.cwiseAbs().maxCoeff() < options_.far)) return false;
     out.end = *end;
     out.path = shifted(path_, shift);
     out.path.phi.back() = end->phi;
     out.base_poses = base_poses_from(problem_.robot, out.path, problem_.base);
-    out.open = difference(base, out.base_poses.back()).norm();
+    out.open = pose_error(base, out.base_poses.back()).norm();
     return true;
   }
 
@@ -52,16 +45,17 @@ class Loop {
   const CaptureProblem& problem_;
   const JointPath& path_;
   const ContactSolver& solve_;
+  const ClosureOptions& options_;
 };
 
 /// d(pose left - pose assumed) / d(pose assumed).
-std::optional<Matrix6d> slope(const Loop& loop, const Pose& base, const Vector6d& at) {
+std::optional<Matrix6d> slope(const Loop& loop, const Pose& base, const Vector6d& at, double step) {
   Matrix6d J;
   for (int k = 0; k < 6; ++k) {
     ClosedPath there;
-    const Pose beside = moved(base, kStep * Vector6d::Unit(k));
+    const Pose beside = moved(base, step * Vector6d::Unit(k));
     if (!loop.go(beside, ContactSolve::Nearest, there)) return std::nullopt;
-    J.col(k) = (difference(beside, there.base_poses.back()) - at) / kStep;
+    J.col(k) = (pose_error(beside, there.base_poses.back()) - at) / step;
   }
   return J;
 }
@@ -83,33 +77,33 @@ JointPath shifted(const JointPath& path, const JointVectord& shift) {
 }
 
 ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
-                      const ContactSolver& solve) {
-  const Loop loop(problem, path, solve);
+                      const ContactSolver& solve, const ClosureOptions& options) {
+  const Loop loop(problem, path, solve, options);
   Pose base = assumed;
   ClosedPath best, now;
   best.open = kInfinity;
-  // The best posture changes with the pose, and so does the path to it: follow them round.
-  for (int round = 0; round < kSettleRounds; ++round) {
+  // Fixed-point iteration: the best posture changes with the pose, and so does the path to it.
+  for (int round = 0; round < options.follow_rounds; ++round) {
     if (!loop.go(base, ContactSolve::Best, now)) break;
     if (now.open < best.open) best = now;
-    if (now.open < kSettled) break;
-    const Vector6d way = difference(base, now.base_poses.back());
-    base = moved(base, std::min(1.0, kStride / way.norm()) * way);
+    if (now.open < options.converged) break;
+    const Vector6d change = pose_error(base, now.base_poses.back());
+    base = moved(base, std::min(1.0, options.stride / change.norm()) * change);
   }
   if (!std::isfinite(best.open)) return best;
-  // Then the nearest posture that meets the target exactly.
-  base = best.open < kStride ? best.base_poses.back() : base;
+  // Then Newton's method with the nearest posture that solves the contact.
+  base = best.open < options.stride ? best.base_poses.back() : base;
   if (!loop.go(base, ContactSolve::Nearest, now)) return best;
-  const auto J = slope(loop, base, difference(base, now.base_poses.back()));
+  const auto J = slope(loop, base, pose_error(base, now.base_poses.back()), options.difference);
   if (!J) return best;
   const Eigen::PartialPivLU<Matrix6d> newton(*J);
-  for (int round = 0; round < kNewtonRounds; ++round) {
+  for (int round = 0; round < options.newton_rounds; ++round) {
     if (now.open < best.open || round == 0) best = now;
-    if (best.open < kClosed) break;
-    base = moved(base, -newton.solve(difference(base, now.base_poses.back())));
+    if (best.open < options.closed) break;
+    base = moved(base, -newton.solve(pose_error(base, now.base_poses.back())));
     if (!loop.go(base, ContactSolve::Nearest, now)) break;
   }
-  best.closed = best.open < kClosed;
+  best.closed = best.open < options.closed;
   return best;
 }
 

@@ -1,5 +1,5 @@
-// A floating base that starts where it stands: where it ends follows from the path, and the path
-// must end where the hand then meets the target.
+// A floating base with a stated start: its final pose follows from the path, and the path must end
+// at a posture that solves the contact at that pose.
 #pragma once
 
 #include <stillbase/approach/approach.hpp>
@@ -14,8 +14,8 @@ JointPath shifted(const JointPath& path, const JointVectord& shift);
 struct ClosedPath {
   JointPath path;                ///< its last posture is that of `end`
   std::vector<Pose> base_poses;  ///< T_NB at its samples, from problem.base
-  Configuration end;             ///< solves the contact with its base; the path leaves it there
-  double open = 0;               ///< m or rad left between both, when not closed
+  Configuration end;             ///< solves the contact at the base pose in which the path ends
+  double open = 0;               ///< m or rad between both base poses, when not closed
   bool closed = false;
 };
 
@@ -24,6 +24,6 @@ struct ClosedPath {
 /// @param path from rest to rest, at times from 0 on; its last posture solves the contact with the
 ///   base at `assumed`, from where the pose is led to the one that the path leaves
 ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
-                      const ContactSolver& solve);
+                      const ContactSolver& solve, const ClosureOptions& options = {});
 
 }  // namespace stillbase

@@ -3,20 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
-#include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/base_acceleration.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 
 namespace stillbase {
-
-namespace {
-
-constexpr int kLooks = 8;  ///< per segment
-/// Part of the limits that is used: between two looks the torque may rise a little more.
-constexpr double kUsable = 0.99;
-
-}  // namespace
 
 JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& motion) {
   const RobotModel& robot = problem.robot;
@@ -27,22 +17,25 @@ JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& mot
     Omega = free_floating_base_velocity<double>(inertia, motion.phidot);
   }
   const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, motion.phidot);
+  const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
+  const BaseEquation equation{inertia, bias, jacobian};
   if (problem.approach.base != BaseMode::Held) {
-    dot_Omega = -inertia.H_b.ldlt().solve(Vector6d(inertia.H_bphi * motion.phiddot + bias.c_b));
+    dot_Omega = base_acceleration(equation, {}, motion.phiddot);
   }
-  JointVectord torques =
-      inertia.H_phi * motion.phiddot + inertia.H_bphi.transpose() * dot_Omega + bias.c_phi;
+  JointVectord torques = joint_torque(equation, {}, dot_Omega, motion.phiddot);
   if (problem.resistance.model == ResistanceModel::RotorInertia) {
     torques += problem.resistance.rotor_inertia.cwiseProduct(motion.phiddot);
   }
   return torques;
 }
 
-double effort_used(const CaptureProblem& problem, const JointPath& path) {
+double effort_used(const CaptureProblem& problem, const JointPath& path,
+                   const EffortOptions& options) {
+  const int count = options.checks_per_segment;
   double used = 0;
   for (std::size_t i = 0; i < path.segments(); ++i) {
-    for (int look = 0; look <= kLooks; ++look) {
-      const double t = path.times[i] + (path.times[i + 1] - path.times[i]) * look / kLooks;
+    for (int check = 0; check <= count; ++check) {
+      const double t = path.times[i] + (path.times[i + 1] - path.times[i]) * check / count;
       const JointVectord torques = joint_torques(problem, motion_on_segment(path, i, t));
       for (int k = 0; k < problem.robot.n(); ++k) {
         const double limit = problem.robot.joints[static_cast<std::size_t>(k)].max_effort;
@@ -53,9 +46,9 @@ double effort_used(const CaptureProblem& problem, const JointPath& path) {
   return used;
 }
 
-void slow_for_effort(const CaptureProblem& problem, JointPath& path) {
-  const double used = effort_used(problem, path);
-  if (used > kUsable) stretch(path, std::sqrt(used / kUsable));
+void slow_for_effort(const CaptureProblem& problem, JointPath& path, const EffortOptions& options) {
+  const double used = effort_used(problem, path, options);
+  if (used > options.usable) stretch(path, std::sqrt(used / options.usable));
 }
 
 }  // namespace stillbase

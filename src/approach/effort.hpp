@@ -1,6 +1,7 @@
-// What the joints must give along a motion.
+// Joint torques along a motion.
 #pragma once
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/plan/plan.hpp>
 
 #include "approach/joint_path.hpp"
@@ -11,11 +12,13 @@ namespace stillbase {
 /// or is held; rotor inertias of the problem turn with their joints, friction is left out.
 JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& motion);
 
-/// Largest part of a joint's effort limit that a path needs, looked at eight times per segment.
-double effort_used(const CaptureProblem& problem, const JointPath& path);
+/// Largest torque along a path over the joint's limit.
+double effort_used(const CaptureProblem& problem, const JointPath& path,
+                   const EffortOptions& options = {});
 
-/// Slows the whole path down until it keeps the effort limits. Torques of a motion from rest to
-/// rest go with the inverse square of its duration: there are no forces but those of inertia.
-void slow_for_effort(const CaptureProblem& problem, JointPath& path);
+/// Slows the whole path down until it keeps the torque limits. Torques of a motion from rest to
+/// rest scale with the inverse square of its duration, as there are only inertial forces.
+void slow_for_effort(const CaptureProblem& problem, JointPath& path,
+                     const EffortOptions& options = {});
 
 }  // namespace stillbase

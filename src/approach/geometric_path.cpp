@@ -6,10 +6,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kLargestCut = 0.5;    ///< rad of a straight line given up to round a corner
-constexpr double kSmallestCut = 1e-3;  ///< below this the robot stops at the corner
-constexpr int kParabolaChecks = 8;     ///< chords along a rounded corner
-
 Piece line(const JointVectord& from, const JointVectord& to) {
   const double length = (to - from).norm();
   const JointVectord zero = JointVectord::Zero(from.size());
@@ -24,10 +20,10 @@ Piece parabola(const JointVectord& corner, const JointVectord& d1, const JointVe
           2 * cut,           true};
 }
 
-bool is_clear_along(const Piece& piece, const IsClear& is_clear) {
+bool is_clear_along(const Piece& piece, const IsClear& is_clear, int checks) {
   JointVectord last = piece.a;
-  for (int i = 1; i <= kParabolaChecks; ++i) {
-    const JointVectord next = piece.at(piece.length * i / kParabolaChecks);
+  for (int i = 1; i <= checks; ++i) {
+    const JointVectord next = piece.at(piece.length * i / checks);
     if (!is_clear(last, next)) return false;
     last = next;
   }
@@ -36,8 +32,8 @@ bool is_clear_along(const Piece& piece, const IsClear& is_clear) {
 
 }  // namespace
 
-std::vector<Section> round_corners(const std::vector<JointVectord>& points,
-                                   const IsClear& is_clear) {
+std::vector<Section> round_corners(const std::vector<JointVectord>& points, const IsClear& is_clear,
+                                   const TimeLawOptions& options) {
   std::vector<Section> sections(1);
   sections.back().begin = points.front();
   JointVectord from = points.front();
@@ -50,13 +46,13 @@ std::vector<Section> round_corners(const std::vector<JointVectord>& points,
     }
     const JointVectord in = corner - points[i - 1], out = points[i + 1] - corner;
     const JointVectord d1 = in.normalized(), d2 = out.normalized();
-    double cut = std::min({kLargestCut, 0.45 * in.norm(), 0.45 * out.norm()});
+    double cut = std::min({options.largest_cut, 0.45 * in.norm(), 0.45 * out.norm()});
     bool rounded = false;
     // Turning straight back cannot be rounded: the parabola would stand still at its tip.
     if ((d1 + d2).norm() < 0.05) cut = 0;
-    for (; cut > kSmallestCut; cut /= 2) {
+    for (; cut > options.smallest_cut; cut /= 2) {
       const Piece piece = parabola(corner, d1, d2, cut);
-      if (!is_clear_along(piece, is_clear)) continue;
+      if (!is_clear_along(piece, is_clear, options.corner_checks)) continue;
       sections.back().pieces.push_back(line(from, piece.a));
       sections.back().pieces.push_back(piece);
       from = corner + cut * d2;

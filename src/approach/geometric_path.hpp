@@ -4,6 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
+
 #include "approach/joint_path.hpp"
 
 namespace stillbase {
@@ -29,11 +31,11 @@ struct Section {
   JointVectord begin, end;
 };
 
-/// Straight lines between the way points, corners replaced by parabolas as large as `is_clear`
+/// Straight lines between the waypoints, corners replaced by parabolas as large as `is_clear`
 /// allows; a new section begins at a corner that cannot be rounded. |gamma'| is 1 on lines and at
 /// the ends of parabolas.
-std::vector<Section> round_corners(const std::vector<JointVectord>& points,
-                                   const IsClear& is_clear);
+std::vector<Section> round_corners(const std::vector<JointVectord>& points, const IsClear& is_clear,
+                                   const TimeLawOptions& options = {});
 
 /// A curve over its length (rad) instead of another parameter, slopes of norm 1; samples at which
 /// it stands still are left out.

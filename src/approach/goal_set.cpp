@@ -1,5 +1,4 @@
-// Several goals at once: the planner goes for all of them, and what it reaches first and can be
-// flown is the approach.
+// The approach to any of several goals: the first one that a feasible motion reaches.
 #include <iterator>
 #include <list>
 #include <stdexcept>
@@ -16,24 +15,22 @@ namespace stillbase {
 
 namespace {
 
-/// Attempts that end at a goal and fail before it is left out: alone it would get kAttempts.
-constexpr int kFailures = 2;
-
 struct OpenGoal {
   std::size_t index = 0;  ///< among those asked for
   ApproachTask task;
-  Way way;
+  AttemptGoal attempt;
   int failures = 0;
 };
 
-/// The goals that nothing speaks against before planning; `why` is what speaks against the first.
+/// The goals that are not refused before planning; `why` is the reason of the first refusal.
 std::list<OpenGoal> open_goals(const CaptureProblem& problem,
-                               const std::vector<ApproachGoal>& goals, Approach& why) {
+                               const std::vector<ApproachGoal>& goals,
+                               const ApproachOptions& options, Approach& why) {
   std::list<OpenGoal> open;
   for (std::size_t i = 0; i < goals.size(); ++i) {
     const ApproachGoal& goal = goals[i];
     if (!(goal.weight > 0)) throw std::invalid_argument("approach: weights must be positive");
-    ApproachTask task = make_task(problem, goal.configuration, goal.target, goal.contact);
+    ApproachTask task = make_task(problem, goal.configuration, goal.target, goal.contact, options);
     std::optional<Approach> refused;
     try {
       refused = refuse(task);
@@ -45,8 +42,8 @@ std::list<OpenGoal> open_goals(const CaptureProblem& problem,
       if (why.detail.empty()) why = *refused;
       continue;
     }
-    const AttemptOptions options = first_options(task);
-    open.push_back({i, std::move(task), {nullptr, options, goal.weight}, 0});
+    const AttemptOptions first = first_options(task);
+    open.push_back({i, std::move(task), {nullptr, first, goal.weight}, 0});
   }
   return open;
 }
@@ -56,36 +53,37 @@ std::list<OpenGoal> open_goals(const CaptureProblem& problem,
 ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
                                    const std::vector<ApproachGoal>& goals, std::uint64_t seed,
                                    const StopCondition& stop,
-                                   std::map<std::string, long>& solver_calls) {
+                                   std::map<std::string, long>& solver_calls,
+                                   const ApproachOptions& options) {
   if (goals.empty()) throw std::invalid_argument("approach: a set of goals needs one");
   if (!problem.approach.enabled) {
     return {failed(ApproachStatus::NotRequested, "no approach asked for"), 0};
   }
   ApproachToAny out;
-  std::list<OpenGoal> open = open_goals(problem, goals, out.approach);
-  if (!open.empty() && open.front().task.starts_where_it_stands()) {
+  std::list<OpenGoal> open = open_goals(problem, goals, options, out.approach);
+  if (!open.empty() && open.front().task.has_stated_start()) {
     throw std::invalid_argument(
         "approach: where a floating base starts as stated, every goal needs a path of its own");
   }
   if (open.empty()) return out;
   Random seeds(seed);
-  AttemptResult news;
+  AttemptResult failure;
   for (int attempt = 1; !open.empty(); ++attempt) {
     if (stop.reached()) {
-      news.status = ApproachStatus::TimeOut;
-      news.detail = "stopped before a path was found";
+      failure.status = ApproachStatus::TimeOut;
+      failure.detail = "stopped before a path was found";
       break;
     }
-    std::vector<Way> ways;
+    std::vector<AttemptGoal> tried;
     for (OpenGoal& goal : open) {
-      goal.way.task = &goal.task;
-      ways.push_back(goal.way);
+      goal.attempt.task = &goal.task;
+      tried.push_back(goal.attempt);
     }
-    ways.front().options.seed = seeds.next();
+    tried.front().options.seed = seeds.next();
     std::size_t reached = 0;
     AttemptResult result;
     try {
-      result = try_approach(ways, stop, reached);
+      result = try_approach(tried, stop, reached);
     } catch (const std::out_of_range&) {  // from TargetMotion
       result.status = ApproachStatus::TooSlow;
       result.detail = "motion and wait reach back beyond the horizon of the target's prediction";
@@ -97,23 +95,23 @@ ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
     OpenGoal& goal = *at;
     out.goal = goal.index;
     if (result.status == ApproachStatus::Found) {
-      out.approach = finished(goal.task, result, attempt, goal.way.options.wait);
+      out.approach = finished(goal.task, result, attempt, goal.attempt.options.wait);
       if (goals.size() > 1) {
         out.approach.detail +=
             fmt::format("; goal {} of a set of {}", goal.index + 1, goals.size());
       }
       return out;
     }
-    if (is_better_news(result, news)) news = result;
+    if (explains_more(result, failure)) failure = result;
     if (result.status == ApproachStatus::TimeOut || result.way_points == 0) break;
-    learn(goal.task, result, ++goal.failures, goal.way.options);
-    if (goal.failures >= kFailures || result.hopeless) {
+    adjust_options(goal.task, result, ++goal.failures, goal.attempt.options);
+    if (goal.failures >= options.attempts_of_set || result.hopeless) {
       open.erase(at);
     }
   }
-  out.approach = failed(news.status,
-                        fmt::format("{} (going for {} goals at once)", news.detail, goals.size()));
-  out.approach.late_by = news.shortfall;
+  out.approach = failed(
+      failure.status, fmt::format("{} (going for {} goals at once)", failure.detail, goals.size()));
+  out.approach.late_by = failure.shortfall;
   return out;
 }
 

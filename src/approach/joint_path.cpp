@@ -5,6 +5,16 @@
 
 namespace stillbase {
 
+Eigen::VectorXd free_part(const JointVectord& phi, const std::vector<Eigen::Index>& free) {
+  return phi(free);
+}
+
+JointVectord with_free_part(JointVectord phi, const std::vector<Eigen::Index>& free,
+                            const Eigen::VectorXd& part) {
+  phi(free) = part;
+  return phi;
+}
+
 JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t) {
   const double h = path.times[i + 1] - path.times[i];
   const double u = (t - path.times[i]) / h;

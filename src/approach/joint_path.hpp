@@ -18,6 +18,12 @@ struct JointMotion {
   JointVectord phi, phidot, phiddot;
 };
 
+/// The entries of a posture (n) that belong to the free joints.
+Eigen::VectorXd free_part(const JointVectord& phi, const std::vector<Eigen::Index>& free);
+/// `phi` (n) with those entries replaced.
+JointVectord with_free_part(JointVectord phi, const std::vector<Eigen::Index>& free,
+                            const Eigen::VectorXd& part);
+
 /// Motion on segment `i` (between samples i and i + 1) at time t.
 JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t);
 

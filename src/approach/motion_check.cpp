@@ -219,6 +219,12 @@ class Follower {
 
 }  // namespace
 
+TimedMotion waiting_motion(const Configuration& at, double wait) {
+  return {{{at.contact_time - wait}, {at.phi}, {JointVectord::Zero(at.phi.size())}},
+          {at.base},
+          at.contact_time};
+}
+
 std::optional<TimedHit> first_hit(const CaptureProblem& problem, const CollisionScene& scene,
                                   const TimedMotion& motion, const TargetMotion* target) {
   return Follower(problem, scene, motion, target).first_hit();

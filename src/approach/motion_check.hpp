@@ -1,5 +1,5 @@
-// Does a motion keep its clearance? Straight lines for the planner, and the timed motion as stored
-// against the target where it is at that time.
+// Clearance of straight lines for the planner, and of the timed motion as stored against the moving
+// target.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,9 @@
 
 namespace stillbase {
 
-/// The scene as the planner sees it: time stands still. The base is where it is at the end (held),
-/// or keeps the final attitude while the system centroid stays (floating): what the path does to
-/// the attitude is only known afterwards and is checked then.
+/// The scene of the planner, without time. The base is where it is at the end (held), or keeps the
+/// final attitude while the system centroid stays (floating). The attitude change along the path is
+/// known only afterwards and checked then.
 class StillScene {
  public:
   /// @param targets poses T_NT that must all be avoided
@@ -51,6 +51,9 @@ struct TimedMotion {
   std::vector<Pose> base_poses;  ///< T_NB at the samples of path
   double contact_time = 0;
 };
+
+/// Nothing but the wait at a configuration.
+TimedMotion waiting_motion(const Configuration& at, double wait);
 
 /// First hit along the motion and the wait: every interval is proven clear or split until nothing
 /// in it moves further than an eighth of the resolution (rad, or m per metre).

@@ -1,4 +1,4 @@
-// A rough way around obstacles within the reaction null space, for curves to follow.
+// A rough path around obstacles within the reaction null space, for curves to follow.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/core/types.hpp>
 
@@ -17,16 +18,15 @@ struct GuideQuery {
   std::uint64_t seed = 1;
   int max_iterations = 0;
   StopCondition stop;
+  NullSpaceOptions options;
   std::function<bool(const Eigen::VectorXd&)> is_valid;
   /// Velocity in the null space nearest to a wanted one.
   std::function<Eigen::VectorXd(const Eigen::VectorXd& posture, const Eigen::VectorXd& wanted)>
       projected;
 };
 
-/// Postures from the start to one within `kGuideEnds` of the goal, found by OMPL's RRT over joint
+/// Postures from the start to one within `guide_ends` of the goal, found by OMPL's RRT over joint
 /// velocities. Empty: none found.
 std::vector<Eigen::VectorXd> find_guide(const GuideQuery& query);
-
-inline constexpr double kGuideEnds = 0.6;  ///< rad; the last part is left to Newton's method
 
 }  // namespace stillbase

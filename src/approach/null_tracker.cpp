@@ -12,18 +12,11 @@ namespace stillbase {
 
 namespace {
 
-/// How firmly the curve is pulled to its reference, per unit of s.
-constexpr double kPull = 4;
 /// Squares of singular values of the coupling matrix below this part of the largest count as zero.
 constexpr double kRankSquared = 1e-12;
-constexpr int kCoarseSteps = 6;           ///< between knots, for Newton's matrix
 constexpr double kDifference = 1e-6;      ///< rad
 constexpr double kGoalDifference = 1e-5;  ///< rad
 constexpr double kReached = 1e-9;         ///< rad
-constexpr double kLargestShift = 0.7;     ///< rad of a knot in one step
-constexpr double kFirstDamping = 1e-2;    ///< beside squares of sensitivities of about 1
-constexpr double kLimitMargin = 0.1;      ///< rad that knots keep from the limits
-constexpr int kNewtonSteps = 60, kDampings = 10;
 
 struct Reference {
   Eigen::VectorXd r, slope;
@@ -49,33 +42,24 @@ Reference reference_at(const Knots& knots, double s) {
 }  // namespace
 
 NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
-                         std::vector<Eigen::Index> free)
-    : robot_(robot), start_(start), free_(std::move(free)) {
+                         std::vector<Eigen::Index> free, const NullSpaceOptions& options)
+    : robot_(robot), start_(start), free_(std::move(free)), options_(options) {
   const auto m = static_cast<Eigen::Index>(free_.size());
   lower_.resize(m);
   upper_.resize(m);
   for (Eigen::Index i = 0; i < m; ++i) {
     const Eigen::Index k = free_[static_cast<std::size_t>(i)];
     const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    lower_[i] = std::min(joint.lower + kLimitMargin, start[k]);
-    upper_[i] = std::max(joint.upper - kLimitMargin, start[k]);
+    lower_[i] = std::min(joint.lower + options_.limit_margin, start[k]);
+    upper_[i] = std::max(joint.upper - options_.limit_margin, start[k]);
   }
-}
-
-Eigen::VectorXd NullTracker::free_part(const JointVectord& phi) const {
-  Eigen::VectorXd part(static_cast<Eigen::Index>(free_.size()));
-  for (std::size_t i = 0; i < free_.size(); ++i) part[static_cast<Eigen::Index>(i)] = phi[free_[i]];
-  return part;
 }
 
 Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
                                        const Eigen::VectorXd& wanted) const {
   const auto inertia = compute_inertia<double>(robot_, compute_kinematics<double>(robot_, phi));
   const Matrix3Xd all = compute_tilde_inertia<double>(inertia).Htilde_omegaphi;
-  Matrix3Xd A(3, wanted.size());
-  for (std::size_t i = 0; i < free_.size(); ++i) {
-    A.col(static_cast<Eigen::Index>(i)) = all.col(free_[i]);
-  }
+  const Matrix3Xd A = all(Eigen::all, free_);
   const SymmetricEigen3 square = symmetric_eigen3(A * A.transpose());
   Vector3d momentum = square.vectors.transpose() * (A * wanted);
   const Vector3d sizes = square.values;
@@ -87,12 +71,9 @@ Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
 
 JointVectord NullTracker::slope(const Knots& knots, double s, const JointVectord& phi) const {
   const Reference reference = reference_at(knots, s);
-  const Eigen::VectorXd part =
-      projected(phi, reference.slope + kPull * (reference.r - free_part(phi)));
-  JointVectord full = JointVectord::Zero(phi.size());
-  for (std::size_t i = 0; i < free_.size(); ++i)
-    full[free_[i]] = part[static_cast<Eigen::Index>(i)];
-  return full;
+  return with_free_part(
+      JointVectord::Zero(phi.size()), free_,
+      projected(phi, reference.slope + options_.pull * (reference.r - free_part(phi))));
 }
 
 JointVectord NullTracker::step(const Knots& knots, double s, double h, const JointVectord& phi,
@@ -162,8 +143,9 @@ Eigen::MatrixXd NullTracker::directions_asked(const GoalNear& goal, const JointV
 Knots NullTracker::bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
                         double stride) const {
   const auto steps = static_cast<int>((curve.times.size() - 1) / (knots.cols() - 1));
-  const JointPath coarse = steps == kCoarseSteps ? curve : follow(knots, kCoarseSteps);
-  const Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+  const JointPath coarse =
+      steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
+  const Eigen::MatrixXd J = end_jacobian(knots, coarse, options_.coarse_steps);
   const Eigen::VectorXd change = J.transpose() * push;
   const double size = (J * change).norm();
   return size > 0 ? shifted_knots(knots, stride / size * change) : knots;
@@ -172,14 +154,14 @@ Knots NullTracker::bent(const Knots& knots, const JointPath& curve, const Eigen:
 // The curve keeps to its reference: a reference within the limits keeps it off them.
 Knots NullTracker::shifted_knots(const Knots& knots, const Eigen::VectorXd& shift) const {
   const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
-  const double part = std::min(1.0, kLargestShift / shift.cwiseAbs().maxCoeff());
+  const double part = std::min(1.0, options_.largest_shift / shift.cwiseAbs().maxCoeff());
   Knots there = knots;
   there.rightCols(count) += part * Eigen::Map<const Eigen::MatrixXd>(shift.data(), m, count);
   return there.cwiseMax(lower_.replicate(1, count + 1)).cwiseMin(upper_.replicate(1, count + 1));
 }
 
-std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind kind, int fine_steps,
-                                                Knots& knots, JointPath& curve) const {
+std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind kind, Knots& knots,
+                                                JointPath& curve) const {
   const Eigen::Index m = knots.rows();
   std::optional<Configuration> wanted;
   const auto missing = [&](const JointPath& path) -> Eigen::VectorXd {
@@ -188,27 +170,28 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind k
     if (!end.allFinite() || !wanted) return Eigen::VectorXd::Constant(m, kInfinity);
     return free_part(wanted->phi) - free_part(end);
   };
-  int steps = kCoarseSteps;
-  double damping = kFirstDamping;
+  int steps = options_.coarse_steps;
+  double damping = options_.first_damping;
   curve = follow(knots, steps);
-  for (int newton = 0; newton < kNewtonSteps; ++newton) {
+  for (int newton = 0; newton < options_.newton_steps; ++newton) {
     const Eigen::VectorXd error = missing(curve);  // also sets the goal of this very curve
     if (!error.allFinite()) return std::nullopt;
-    if (error.norm() < kReached && steps == fine_steps) {
+    if (error.norm() < kReached && steps == options_.fine_steps) {
       curve.phi.back() = wanted->phi;
       return wanted;
     }
-    if (error.norm() < 1e-6 && steps != fine_steps) {
-      steps = fine_steps;
+    if (error.norm() < 1e-6 && steps != options_.fine_steps) {
+      steps = options_.fine_steps;
       curve = follow(knots, steps);
       continue;
     }
-    const JointPath coarse = steps == kCoarseSteps ? curve : follow(knots, kCoarseSteps);
-    Eigen::MatrixXd J = end_jacobian(knots, coarse, kCoarseSteps);
+    const JointPath coarse =
+        steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
+    Eigen::MatrixXd J = end_jacobian(knots, coarse, options_.coarse_steps);
     if (kind == GoalKind::Smooth) J = (directions_asked(goal, curve.phi.back()) * J).eval();
     const Eigen::MatrixXd square = J * J.transpose();
     bool better = false;
-    for (int trial = 0; trial < kDampings && !better; ++trial) {
+    for (int trial = 0; trial < options_.dampings && !better; ++trial) {
       const Eigen::MatrixXd damped = square + damping * Eigen::MatrixXd::Identity(m, m);
       const Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
       Knots there = shifted_knots(knots, shift);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/plan/plan.hpp>
 
 #include "approach/joint_path.hpp"
@@ -18,7 +19,8 @@ using Knots = Eigen::MatrixXd;
 class NullTracker {
  public:
   /// @param start n; the first column of all knots is its free part
-  NullTracker(const RobotModel& robot, const JointVectord& start, std::vector<Eigen::Index> free);
+  NullTracker(const RobotModel& robot, const JointVectord& start, std::vector<Eigen::Index> free,
+              const NullSpaceOptions& options = {});
 
   /// The velocity of the free joints (m) in the reaction null space that is nearest to `wanted`.
   Eigen::VectorXd projected(const JointVectord& phi, const Eigen::VectorXd& wanted) const;
@@ -32,21 +34,23 @@ class NullTracker {
 
   /// How goals near neighbouring postures belong together.
   enum class GoalKind {
-    Smooth,    ///< one family: the nearest of it, which moves along as the posture does
-    Scattered  ///< each on its own
+    Smooth,    ///< of one continuum: the nearest moves smoothly with the posture
+    Scattered  ///< isolated
   };
 
   /// Shifts the knots until the curve ends at a goal, to 1e-9 rad; its last posture is then made
   /// that of the goal. Nothing: it does not get there.
-  std::optional<Configuration> reach(const GoalNear& goal, GoalKind kind, int fine_steps,
-                                     Knots& knots, JointPath& curve) const;
+  std::optional<Configuration> reach(const GoalNear& goal, GoalKind kind, Knots& knots,
+                                     JointPath& curve) const;
 
-  /// Knots shifted so that the end of the curve moves by about `stride` (rad) in the direction that
-  /// a push on its end (m) gives: not against the null space, but as it allows.
+  /// Knots shifted so that the end of the curve moves by about `stride` (rad), as the null space
+  /// allows, in the direction `push` (m).
   Knots bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
              double stride) const;
 
-  Eigen::VectorXd free_part(const JointVectord& phi) const;
+  Eigen::VectorXd free_part(const JointVectord& phi) const {
+    return stillbase::free_part(phi, free_);
+  }
 
  private:
   /// Slope of the curve at s.
@@ -62,6 +66,7 @@ class NullTracker {
   const RobotModel& robot_;
   JointVectord start_;
   std::vector<Eigen::Index> free_;
+  NullSpaceOptions options_;
   Eigen::VectorXd lower_, upper_;  ///< of knots (m)
 };
 

@@ -24,10 +24,6 @@ namespace oc = ompl::control;
 using Space = ob::RealVectorStateSpace;
 using Controls = oc::RealVectorControlSpace;
 
-constexpr double kStep = 0.05;       ///< rad of wanted motion per step of the propagator
-constexpr unsigned kMostSteps = 12;  ///< of one edge of the tree
-constexpr double kGoalBias = 0.15;
-
 Eigen::VectorXd values_of(const double* values, unsigned dimension) {
   return Eigen::Map<const Eigen::VectorXd>(values, dimension);
 }
@@ -56,8 +52,8 @@ class Propagator : public oc::StatePropagator {
 /// Heads for a sample as directly as the null space allows.
 class Steering : public oc::DirectedControlSampler {
  public:
-  explicit Steering(const oc::SpaceInformation* si)
-      : oc::DirectedControlSampler(si), dimension_(si->getStateDimension()) {}
+  Steering(const oc::SpaceInformation* si, const NullSpaceOptions& options)
+      : oc::DirectedControlSampler(si), dimension_(si->getStateDimension()), options_(options) {}
 
   unsigned sampleTo(oc::Control* control, const ob::State* from, ob::State* to) override {
     const Eigen::VectorXd a = values_of(from->as<Space::StateType>()->values, dimension_);
@@ -66,9 +62,9 @@ class Steering : public oc::DirectedControlSampler {
     if (!(distance > 0)) return 0;
     double* values = control->as<Controls::ControlType>()->values;
     for (unsigned k = 0; k < dimension_; ++k) values[k] = (b[k] - a[k]) / distance;
-    const auto steps = static_cast<unsigned>(
-        std::min(std::ceil(distance / kStep), static_cast<double>(kMostSteps)));
-    return si_->propagateWhileValid(from, control, static_cast<int>(steps), to);
+    const auto steps = static_cast<int>(std::min(std::ceil(distance / options_.guide_step),
+                                                 static_cast<double>(options_.guide_edge_steps)));
+    return si_->propagateWhileValid(from, control, steps, to);
   }
   unsigned sampleTo(oc::Control* control, const oc::Control*, const ob::State* from,
                     ob::State* to) override {
@@ -77,13 +73,15 @@ class Steering : public oc::DirectedControlSampler {
 
  private:
   unsigned dimension_;
+  const NullSpaceOptions& options_;
 };
 
 class SeededRrt : public oc::RRT {
  public:
-  SeededRrt(const oc::SpaceInformationPtr& si, std::uint_fast32_t seed) : oc::RRT(si) {
+  SeededRrt(const oc::SpaceInformationPtr& si, std::uint_fast32_t seed, double goal_bias)
+      : oc::RRT(si) {
     rng_.setLocalSeed(seed);
-    setGoalBias(kGoalBias);
+    setGoalBias(goal_bias);
   }
 };
 
@@ -119,9 +117,9 @@ std::vector<Eigen::VectorXd> find_guide(const GuideQuery& query) {
   });
   si->setStatePropagator(std::make_shared<Propagator>(si, query));
   si->setDirectedControlSamplerAllocator(
-      [](const oc::SpaceInformation* s) { return std::make_shared<Steering>(s); });
-  si->setPropagationStepSize(kStep);
-  si->setMinMaxControlDuration(1, kMostSteps);
+      [&](const oc::SpaceInformation* s) { return std::make_shared<Steering>(s, query.options); });
+  si->setPropagationStepSize(query.options.guide_step);
+  si->setMinMaxControlDuration(1, static_cast<unsigned>(query.options.guide_edge_steps));
   si->setup();
 
   ob::ScopedState<Space> start(space), goal(space);
@@ -130,8 +128,8 @@ std::vector<Eigen::VectorXd> find_guide(const GuideQuery& query) {
     goal[k] = query.goal[k];
   }
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
-  definition->setStartAndGoalStates(start, goal, kGuideEnds);
-  SeededRrt planner(si, local_seed(seeds));
+  definition->setStartAndGoalStates(start, goal, query.options.guide_ends);
+  SeededRrt planner(si, local_seed(seeds), query.options.guide_goal_bias);
   planner.setProblemDefinition(definition);
   planner.setup();
   int asked = 0;

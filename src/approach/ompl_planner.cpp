@@ -39,9 +39,6 @@ namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using Space = ob::RealVectorStateSpace;
 
-/// Edge length of the trees, rad: small beside a joint's range, large beside the resolution.
-constexpr double kTreeRange = 0.5;
-
 class SeededRrtConnect : public og::RRTConnect {
  public:
   SeededRrtConnect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed)
@@ -160,10 +157,9 @@ class MotionCheck : public ob::MotionValidator {
 
 /// Alternates OMPL's simplification steps until they no longer shorten the path.
 void simplify(const ob::SpaceInformationPtr& si, og::PathGeometric& path, std::uint_fast32_t seed,
-              const StopCondition& stop) {
-  constexpr int kMaxRounds = 6;
+              const StopCondition& stop, int rounds) {
   SeededSimplifier simplifier(si, seed);
-  for (int round = 0; round < kMaxRounds && !stop.reached(); ++round) {
+  for (int round = 0; round < rounds && !stop.reached(); ++round) {
     const double before = path.length();
     simplifier.reduceVertices(path);
     simplifier.collapseCloseVertices(path);
@@ -175,36 +171,35 @@ void simplify(const ob::SpaceInformationPtr& si, og::PathGeometric& path, std::u
 
 struct NamedPlanner {
   std::string_view name;
-  ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed);
+  ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed,
+                         double tree_range);
   bool improves;      ///< goes on after its first solution
   bool hides_random;  ///< generators that cannot be seeded one by one
-  bool takes_sets;    ///< finds its way among several starts and goals
+  bool takes_sets;    ///< takes several starts and goals
 };
 
-/// Improving planners get this many of their iterations after the first solution. Simplification
-/// and polish do the rest.
-constexpr int kImprovement = 500;
-
-ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed) {
+ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed,
+                                double tree_range) {
   auto planner = std::make_shared<SeededRrtConnect>(si, seed);
-  planner->setRange(kTreeRange);
+  planner->setRange(tree_range);
   return planner;
 }
 
-ob::PlannerPtr make_rrt_star(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+ob::PlannerPtr make_rrt_star(const ob::SpaceInformationPtr& si, std::uint_fast32_t,
+                             double tree_range) {
   auto planner = std::make_shared<og::RRTstar>(si);
-  planner->setRange(kTreeRange);
+  planner->setRange(tree_range);
   return planner;
 }
 
-/// Cells of half a radian in the first three joints, which move the most of the arm, in each layer.
+/// Cells in the first three joints, which move the most of the arm, in each layer.
 class ShoulderProjection : public ob::ProjectionEvaluator {
  public:
-  explicit ShoulderProjection(const ob::StateSpacePtr& space)
+  ShoulderProjection(const ob::StateSpacePtr& space, double cell_size)
       : ob::ProjectionEvaluator(space),
         layered_(dynamic_cast<const LayeredSpace*>(space.get()) != nullptr),
         shoulder_(std::min(3u, space->getDimension() - (layered_ ? 1u : 0u))) {
-    std::vector<double> sizes(shoulder_, kTreeRange);
+    std::vector<double> sizes(shoulder_, cell_size);
     if (layered_) sizes.push_back(kLayerHeight / 2);
     setCellSizes(sizes);
   }
@@ -220,15 +215,17 @@ class ShoulderProjection : public ob::ProjectionEvaluator {
   unsigned shoulder_;
 };
 
-ob::PlannerPtr make_kpiece(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+ob::PlannerPtr make_kpiece(const ob::SpaceInformationPtr& si, std::uint_fast32_t,
+                           double tree_range) {
   auto planner = std::make_shared<og::LBKPIECE1>(si);
-  planner->setRange(kTreeRange);
-  planner->setProjectionEvaluator(std::make_shared<ShoulderProjection>(si->getStateSpace()));
+  planner->setRange(tree_range);
+  planner->setProjectionEvaluator(
+      std::make_shared<ShoulderProjection>(si->getStateSpace(), tree_range));
   return planner;
 }
 
 template <class Planner>
-ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t) {
+ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t, double) {
   return std::make_shared<Planner>(si);
 }
 
@@ -291,11 +288,11 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
   worlds.add_ends(si, *definition);
   definition->setOptimizationObjective(std::make_shared<ob::PathLengthOptimizationObjective>(si));
-  bool solved = false;  // planners tell it in one of three ways before they end
+  bool solved = false;  // planners report it by one of three means before they end
   definition->setIntermediateSolutionCallback([&](const ob::Planner*,
                                                   const std::vector<const ob::State*>&,
                                                   const ob::Cost) { solved = true; });
-  const ob::PlannerPtr planner = named.make(si, planner_seed);
+  const ob::PlannerPtr planner = named.make(si, planner_seed, query.options.tree_range);
   planner->setProblemDefinition(definition);
   planner->setup();
 
@@ -305,7 +302,7 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
     if (named.improves && !improving &&
         (solved || definition->hasExactSolution() || states_cost(*planner))) {
       improving = true;
-      last = std::min(last, asked + kImprovement);
+      last = std::min(last, asked + query.options.improvement_iterations);
     }
     return ++asked > last || query.stop.reached();
   });
@@ -317,7 +314,7 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
     return answer;
   }
   auto& path = *definition->getSolutionPath()->as<og::PathGeometric>();
-  simplify(si, path, simplifier_seed, query.stop);
+  simplify(si, path, simplifier_seed, query.stop, query.options.simplification_rounds);
   if (query.stop.reached()) {
     answer.outcome = PathOutcome::Stopped;
     return answer;

@@ -1,8 +1,8 @@
 // Geometric planning from a start to any of several goals, by name. Knows neither robots nor
 // scenes.
 //
-// Every goal has a world of its own: what is in the way depends on where one is going. A path leads
-// through the world of the goal that it ends at.
+// Every goal has its own obstacles, called its world here. A path leads through the world of the
+// goal at which it ends.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/core/types.hpp>
 
@@ -27,6 +28,7 @@ struct PathQuery {
   std::uint64_t seed = 1;
   int max_iterations = 20000;
   StopCondition stop;
+  PathPlannerOptions options;
   /// In the world of a goal (index in `ends`).
   std::function<bool(std::size_t, const JointVectord&)> is_valid;
   std::function<bool(std::size_t, const JointVectord&, const JointVectord&)>
@@ -38,7 +40,7 @@ enum class PathOutcome { Found, NotFound, Stopped };
 struct PathAnswer {
   PathOutcome outcome = PathOutcome::NotFound;
   std::size_t reached = 0;           ///< index in `ends`
-  std::vector<JointVectord> points;  ///< way points with start and goal, joined by straight lines
+  std::vector<JointVectord> points;  ///< waypoints with start and goal, joined by straight lines
 };
 
 using PathPlanner = std::function<PathAnswer(const PathQuery&)>;

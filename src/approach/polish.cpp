@@ -12,9 +12,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kEvaluations = 120;
-constexpr double kWorthwhile = 1e-6;  ///< relative gain
-
 double measure(const ApproachTask& task, const TimedMotion& motion) {
   if (task.problem.approach.polish == PathPolish::Time) {
     return motion.path.times.back() - motion.path.times.front();
@@ -33,7 +30,8 @@ std::vector<JointPath> timed(const ApproachTask& task, JointPath own) {
   const JointVectord& hardest = task.problem.approach.acceleration_limit;
   std::vector<JointPath> paths;
   const JointPath curve = over_length(own);
-  if (curve.segments() > 0) paths.push_back(time_curve(curve, task.max_rate, hardest));
+  if (curve.segments() > 0)
+    paths.push_back(time_curve(curve, task.max_rate, hardest, task.options.time_law));
   stretch(own, stretch_for_limits(own, task.max_rate, hardest) * (1 + 1e-9));
   paths.push_back(std::move(own));
   return paths;
@@ -49,7 +47,7 @@ void polish(const ApproachTask& task, double wait, const StopCondition& stop,
   const AttemptResult planned = found;
   const PolishProblem problem(task, planned, wait);
   nlp::OptimizeOptions options;
-  options.max_evaluations = kEvaluations;
+  options.max_evaluations = task.options.polish.evaluations;
   options.stop = stop;
   options.feasibility_tolerance = 1e-4;  // parts of limits; what comes out is judged anew
   options.explain_infeasibility = false;
@@ -62,7 +60,8 @@ void polish(const ApproachTask& task, double wait, const StopCondition& stop,
       finish_motion(task, std::move(path), wait, trial);
       if (trial.status != ApproachStatus::Found) continue;
       trial.after_polish = measure(task, trial.motion);
-      if (trial.after_polish < found.after_polish * (1 - kWorthwhile)) found = std::move(trial);
+      if (trial.after_polish < found.after_polish * (1 - task.options.polish.worthwhile))
+        found = std::move(trial);
     }
   }
 }

@@ -1,6 +1,6 @@
-// A found path made better by Ipopt: path and time law together, see polish_problem.hpp. What comes
-// out is a proposal: it is checked as every path is, taken back in part where the check refuses it,
-// and dropped where it is no better.
+// Improves a found path by Ipopt, path and time law together, see polish_problem.hpp. The result is
+// checked like every path, taken in part where the check refuses it, and dropped where it is no
+// better.
 #pragma once
 
 #include <stillbase/core/interrupt.hpp>

@@ -10,20 +10,9 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kIntervals = 16;        ///< between knots
-constexpr int kParts = 2;             ///< places per interval
-constexpr double kSlowest = 1 / 1.5;  ///< v: the attitude may take half as long again
-constexpr double kInside = 0.6;  ///< v to begin with: well inside all limits, else Ipopt gets lost
-constexpr double kFastest = 4;   ///< v
-constexpr double kRoom = 1.5;    ///< rad beyond start, end and planned path for control points
-constexpr double kUsable = 0.995;  ///< of limits: between the places there may be a little more
-constexpr double kExtraClearance = 1.1;  ///< between the places it may be less
-constexpr double kFarAway = 0.2;         ///< m: distances beyond say nothing
-constexpr double kDifference = 1e-6;     ///< rad and what belongs to it
+constexpr double kJointStep = 1e-6;  ///< rad and what belongs to it
 /// Of an interval: where the base's motion is looked at.
 constexpr double kGaussPoints[] = {0.21132486540518713, 0.7886751345948129};
-constexpr double kSmallTorque =
-    0.05;  ///< part of a limit; a quarter of the time makes 16 times that
 
 Vector3d turning(const RobotModel& robot, const JointVectord& phi, const JointVectord& first) {
   return base_velocity(robot, {phi, first, first}).tail<3>();
@@ -37,8 +26,9 @@ PolishProblem::PolishProblem(const ApproachTask& task, const AttemptResult& foun
       target_(found.target),
       planned_duration_(found.motion.path.times.back() - found.motion.path.times.front()),
       arrival_(found.motion.contact_time - wait),
-      spline_(found.motion.path.phi.front(), found.motion.path.phi.back(), kIntervals) {
-  const int count = kIntervals * kParts;
+      spline_(found.motion.path.phi.front(), found.motion.path.phi.back(),
+              task.options.polish.intervals) {
+  const int count = options().intervals * options().places_per_interval;
   for (int j = 0; j <= count; ++j) {
     const double u = static_cast<double>(j) / count;
     places_.push_back({u, spline_.weights(u, 0), spline_.weights(u, 1), spline_.weights(u, 2)});
@@ -51,71 +41,58 @@ PolishProblem::PolishProblem(const ApproachTask& task, const AttemptResult& foun
       x_start_[c * m + i] = fitted(task_.free[static_cast<std::size_t>(i)], c);
     }
   }
-  x_start_[num_points()] = is_for_time() ? kInside : kSlowest;
+  set_bounds();
+  x_start_[num_points()] = is_for_time() ? options().first_speed : options().slowest;
+  x_start_ = x_start_.cwiseMax(lower_).cwiseMin(upper_);
   const int n = task_.problem.robot.n();
   effort_ = JointVectord::Constant(n, kInfinity);
-  if (effort_used(task_.problem, planned_.path) > kSmallTorque) {
+  if (effort_used(task_.problem, planned_.path, task_.options.effort) > options().small_torque) {
     for (int k = 0; k < n; ++k) {
       effort_[k] = task_.problem.robot.joints[static_cast<std::size_t>(k)].max_effort;
     }
-    torque_rows_ = n * (kIntervals + 1);
+    torque_rows_ = n * (options().intervals + 1);
   }
-}
-
-Eigen::VectorXd PolishProblem::start() const {
-  return x_start_.cwiseMax(lower()).cwiseMin(upper());
 }
 
 // Rows: rates at all places but the ends, accelerations at knots, torques at knots, clearances at
 // all places but the ends.
 int PolishProblem::num_constraints() const {
-  const int inner = kIntervals * kParts - 1;
+  const int inner = options().intervals * options().places_per_interval - 1;
   const auto m = static_cast<int>(task_.free.size());
-  return m * inner + m * (kIntervals + 1) + torque_rows_ + inner;
+  return m * inner + m * (options().intervals + 1) + torque_rows_ + inner;
 }
 
-Eigen::VectorXd PolishProblem::lower() const {
-  Eigen::VectorXd bound(num_variables());
+void PolishProblem::set_bounds() {
+  lower_.resize(num_variables());
+  upper_.resize(num_variables());
   const auto m = static_cast<Eigen::Index>(task_.free.size());
   for (Eigen::Index i = 0; i < m; ++i) {
     const Eigen::Index k = task_.free[static_cast<std::size_t>(i)];
-    double least = kInfinity;
-    for (const JointVectord& phi : planned_.path.phi) least = std::min(least, phi[k]);
-    const double limit = task_.problem.robot.joints[static_cast<std::size_t>(k)].lower;
+    const Joint& joint = task_.problem.robot.joints[static_cast<std::size_t>(k)];
+    double least = kInfinity, most = -kInfinity;
+    for (const JointVectord& phi : planned_.path.phi) {
+      least = std::min(least, phi[k]);
+      most = std::max(most, phi[k]);
+    }
     for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-      bound[c * m + i] = std::max(least - kRoom, std::min(limit, least));
+      lower_[c * m + i] = std::max(least - options().room, std::min(joint.lower, least));
+      upper_[c * m + i] = std::min(most + options().room, std::max(joint.upper, most));
     }
   }
-  bound[num_points()] = is_for_time() ? kInside / 2 : kSlowest;
-  return bound;
-}
-
-Eigen::VectorXd PolishProblem::upper() const {
-  Eigen::VectorXd bound(num_variables());
-  const auto m = static_cast<Eigen::Index>(task_.free.size());
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Index k = task_.free[static_cast<std::size_t>(i)];
-    double most = -kInfinity;
-    for (const JointVectord& phi : planned_.path.phi) most = std::max(most, phi[k]);
-    const double limit = task_.problem.robot.joints[static_cast<std::size_t>(k)].upper;
-    for (Eigen::Index c = 0; c < spline_.points(); ++c) {
-      bound[c * m + i] = std::min(most + kRoom, std::max(limit, most));
-    }
-  }
-  bound[num_points()] = is_for_time() ? kFastest : kSlowest;
-  return bound;
+  lower_[num_points()] = is_for_time() ? options().first_speed / 2 : options().slowest;
+  upper_[num_points()] = is_for_time() ? options().fastest : options().slowest;
 }
 
 Eigen::VectorXd PolishProblem::constraint_lower() const {
-  const int inner = kIntervals * kParts - 1;
-  Eigen::VectorXd bound = Eigen::VectorXd::Constant(num_constraints(), -kUsable);
+  const int inner = options().intervals * options().places_per_interval - 1;
+  Eigen::VectorXd bound = Eigen::VectorXd::Constant(num_constraints(), -options().usable);
   bound.tail(inner).setZero();
   return bound;
 }
 
 Eigen::VectorXd PolishProblem::constraint_upper() const {
-  const int inner = kIntervals * kParts - 1;
-  Eigen::VectorXd bound = Eigen::VectorXd::Constant(num_constraints(), kUsable);
+  const int inner = options().intervals * options().places_per_interval - 1;
+  Eigen::VectorXd bound = Eigen::VectorXd::Constant(num_constraints(), options().usable);
   bound.tail(inner).setConstant(nlp::kInfinity);
   return bound;
 }
@@ -216,10 +193,10 @@ std::vector<TurnSlopes> PolishProblem::turn_slopes(const State& state,
         for (Eigen::Index row = 0; row < m; ++row) {
           const Eigen::Index k = task_.free[static_cast<std::size_t>(row)];
           const double phi_k = phi[k], rate_k = rate[k];
-          phi[k] += kDifference * value.points[c];
-          rate[k] += kDifference * first.points[c];
+          phi[k] += kJointStep * value.points[c];
+          rate[k] += kJointStep * first.points[c];
           slopes[i].col(c * m + row) -=
-              h / (2 * kDifference) * (seen * (turning(robot, phi, rate) - here));
+              h / (2 * kJointStep) * (seen * (turning(robot, phi, rate) - here));
           phi[k] = phi_k;
           rate[k] = rate_k;
         }
@@ -244,7 +221,7 @@ Eigen::VectorXd PolishProblem::excursion_slope(const State& state,
 // The joints move the base about the system's centroid, which stays where it is.
 Eigen::RowVectorXd PolishProblem::clearance_slope(const State& state, std::size_t j, double v,
                                                   double here, const TurnSlopes& turns) const {
-  constexpr double kStep = 1e-5;  // rad; distances are less exact than dynamics
+  constexpr double kDistanceStep = 1e-5;  // rad; distances are less exact than dynamics
   const auto m = static_cast<Eigen::Index>(task_.free.size());
   const RobotModel& robot = task_.problem.robot;
   const bool floats = task_.problem.approach.base != BaseMode::Held;
@@ -258,10 +235,10 @@ Eigen::RowVectorXd PolishProblem::clearance_slope(const State& state, std::size_
   Eigen::RowVectorXd slope = Eigen::RowVectorXd::Zero(num_variables());
   for (Eigen::Index i = 0; i < m; ++i) {
     JointVectord beside = phi;
-    beside[task_.free[static_cast<std::size_t>(i)]] += kStep;
+    beside[task_.free[static_cast<std::size_t>(i)]] += kDistanceStep;
     Pose moved = base;
     if (floats) moved.position += base.orientation * Vector3d(centroid - centroid_at(beside));
-    const double d = (clearance(beside, moved, time) - here) / kStep;
+    const double d = (clearance(beside, moved, time) - here) / kDistanceStep;
     for (Eigen::Index c = 0; c < spline_.points(); ++c) {
       slope[c * m + i] = d * places_[j].value.points[c];
     }
@@ -271,16 +248,17 @@ Eigen::RowVectorXd PolishProblem::clearance_slope(const State& state, std::size_
     Vector3d by_turn;
     for (int axis = 0; axis < 3; ++axis) {
       Pose moved;
-      moved.orientation =
-          last * rotation_exp(kStep * Vector3d::Unit(axis)) * last.conjugate() * base.orientation;
+      moved.orientation = last * rotation_exp(kDistanceStep * Vector3d::Unit(axis)) *
+                          last.conjugate() * base.orientation;
       moved.position = base * centroid - moved.orientation * centroid;
-      by_turn[axis] = (clearance(phi, moved, time) - here) / kStep;
+      by_turn[axis] = (clearance(phi, moved, time) - here) / kDistanceStep;
     }
     slope.head(num_points()) += by_turn.transpose() * turns;
   }
   if (target_) {
     slope[num_points()] =
-        (clearance(phi, base, time_at(places_[j].u, v * (1 + kStep))) - here) / (v * kStep);
+        (clearance(phi, base, time_at(places_[j].u, v * (1 + kDistanceStep))) - here) /
+        (v * kDistanceStep);
   }
   return slope;
 }
@@ -290,14 +268,17 @@ Eigen::VectorXd PolishProblem::torques(const Place& knot, const Eigen::MatrixXd&
   return joint_torques(task_.problem, motion_at(knot, points, v)).cwiseQuotient(effort_);
 }
 
-double PolishProblem::needed() const { return kExtraClearance * task_.problem.approach.clearance; }
+double PolishProblem::needed() const {
+  return options().extra_clearance * task_.problem.approach.clearance;
+}
 
 double PolishProblem::clearance(const JointVectord& phi, const Pose& base, double time) const {
   const Pose target = target_ ? target_->state(time).pose : Pose{};
   const auto nearest = task_.scene.nearest(compute_kinematics<double>(task_.problem.robot, phi),
                                            base, target_ ? &target : nullptr, false);
-  const double distance = nearest ? std::min(nearest->distance, kFarAway) : kFarAway;
-  return (distance - needed()) / kFarAway;
+  const double distance =
+      nearest ? std::min(nearest->distance, options().far_away) : options().far_away;
+  return (distance - needed()) / options().far_away;
 }
 
 void PolishProblem::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
@@ -313,13 +294,13 @@ void PolishProblem::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& ou
     }
   }
   const JointVectord& hardest = task_.problem.approach.acceleration_limit;
-  for (std::size_t j = 0; j < places_.size(); j += kParts) {
+  for (std::size_t j = 0; j < places_.size(); j += knot_stride()) {
     const JointVectord second = spline_.at(places_[j].second, all);
     for (const Eigen::Index k : task_.free) {
       out.constraints[row++] = rate * rate * second[k] / hardest[k];
     }
   }
-  for (std::size_t j = 0; j < places_.size() && has_torque_rows(); j += kParts) {
+  for (std::size_t j = 0; j < places_.size() && has_torque_rows(); j += knot_stride()) {
     const Eigen::VectorXd used = torques(places_[j], all, v);
     out.constraints.segment(row, used.size()) = used;
     row += used.size();
@@ -357,7 +338,7 @@ void PolishProblem::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) con
     }
   }
   const JointVectord& hardest = task_.problem.approach.acceleration_limit;
-  for (std::size_t j = 0; j < places_.size(); j += kParts) {
+  for (std::size_t j = 0; j < places_.size(); j += knot_stride()) {
     for (Eigen::Index i = 0; i < m; ++i, ++row) {
       const double scale = rate * rate / hardest[joint(i)];
       for (Eigen::Index c = 0; c < spline_.points(); ++c) {
@@ -366,15 +347,15 @@ void PolishProblem::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) con
       J(row, last) = 2 * out.constraints[row] / v;
     }
   }
-  for (std::size_t j = 0; j < places_.size() && has_torque_rows(); j += kParts) {
+  for (std::size_t j = 0; j < places_.size() && has_torque_rows(); j += knot_stride()) {
     const Eigen::VectorXd used = out.constraints.segment(row, effort_.size());
     Eigen::MatrixXd beside = all;
     for (Eigen::Index c = 0; c < spline_.points(); ++c) {
       if (places_[j].value.points[c] == 0 && places_[j].second.points[c] == 0) continue;
       for (Eigen::Index i = 0; i < m; ++i) {
-        beside(joint(i), c) += kDifference;
+        beside(joint(i), c) += kJointStep;
         J.block(row, c * m + i, effort_.size(), 1) =
-            (torques(places_[j], beside, v) - used) / kDifference;
+            (torques(places_[j], beside, v) - used) / kJointStep;
         beside(joint(i), c) = all(joint(i), c);
       }
     }
@@ -382,7 +363,7 @@ void PolishProblem::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) con
     row += effort_.size();
   }
   for (std::size_t j = 1; j + 1 < places_.size(); ++j, ++row) {
-    const double far = (kFarAway - needed()) / kFarAway - 1e-9;
+    const double far = (options().far_away - needed()) / options().far_away - 1e-9;
     if (out.constraints[row] >= far) continue;
     J.row(row) = clearance_slope(now, j, v, out.constraints[row], turns[j]);
   }

@@ -31,15 +31,15 @@ class PolishProblem final : public nlp::Problem {
 
   int num_variables() const override { return num_points() + 1; }
   int num_constraints() const override;
-  Eigen::VectorXd lower() const override;
-  Eigen::VectorXd upper() const override;
+  Eigen::VectorXd lower() const override { return lower_; }
+  Eigen::VectorXd upper() const override { return upper_; }
   Eigen::VectorXd constraint_lower() const override;
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
 
   /// The planned motion as near as the splines come, a little slower.
-  Eigen::VectorXd start() const;
+  Eigen::VectorXd start() const { return x_start_; }
   /// The motion of x, from time 0; joints that may not move stay where they are to the last bit.
   JointPath motion(const Eigen::VectorXd& x) const;
 
@@ -53,9 +53,14 @@ class PolishProblem final : public nlp::Problem {
     std::vector<Pose> base;
   };
 
+  void set_bounds();
   int num_points() const { return static_cast<int>(task_.free.size()) * spline_.points(); }
   bool is_for_time() const { return task_.problem.approach.polish == PathPolish::Time; }
   bool has_torque_rows() const { return torque_rows_ > 0; }
+  const PolishOptions& options() const { return task_.options.polish; }
+  std::size_t knot_stride() const {
+    return static_cast<std::size_t>(options().places_per_interval);
+  }
   Eigen::MatrixXd points(const Eigen::VectorXd& x) const;
   JointMotion motion_at(const Place& place, const Eigen::MatrixXd& points, double v) const;
   State state(const Eigen::VectorXd& x) const;
@@ -77,7 +82,7 @@ class PolishProblem final : public nlp::Problem {
   double arrival_;  ///< s
   RestSpline spline_;
   std::vector<Place> places_;  ///< knots and what is between them, in order
-  Eigen::VectorXd x_start_;
+  Eigen::VectorXd x_start_, lower_, upper_;
   JointVectord effort_;  ///< limits of the joints whose torques are looked at; infinite: not
   int torque_rows_ = 0;
 };

@@ -11,36 +11,27 @@
 #include "approach/geometric_path.hpp"
 #include "approach/null_guide.hpp"
 #include "approach/null_tracker.hpp"
+#include "approach/task.hpp"
 
 namespace stillbase {
 
 namespace {
 
-constexpr int kKnots = 8;        ///< beside the start
-constexpr int kFineSteps = 40;   ///< between knots, of the curve that is kept
-constexpr int kTries = 8;        ///< references to one goal, the straight line first
-constexpr int kTriesOfSet = 32;  ///< to several goals
-constexpr int kEnough = 2;       ///< curves of which the one with the best end is taken
-constexpr int kImprovements = 12;
-constexpr double kFirstStride = 0.2, kLastStride = 0.01;  ///< rad of the end in one improvement
-constexpr double kSlopeDifference = 1e-4;                 ///< rad
-constexpr double kSameMeasure = 1e-9;                     ///< in the unit of the objective
-constexpr std::size_t kGuides = 2;     ///< ways around obstacles, when no such curve is clear
-constexpr int kGuideEffort = 10;       ///< part of the planner's iterations for each
-constexpr double kGuideSpacing = 0.4;  ///< rad between the knots along those
+constexpr double kSlopeDifference = 1e-4;  ///< rad
+constexpr double kSameMeasure = 1e-9;      ///< in the unit of the objective
 
 /// The straight line, and wider detours the longer one tries.
 Knots reference(const NullTracker& tracker, const JointVectord& start, const JointVectord& goal,
-                int number, Random& random) {
+                int number, int count, Random& random) {
   const Eigen::VectorXd a = tracker.free_part(start), b = tracker.free_part(goal);
-  Knots knots(a.size(), kKnots + 1);
-  for (int k = 0; k <= kKnots; ++k) knots.col(k) = a + (b - a) * k / kKnots;
+  Knots knots(a.size(), count + 1);
+  for (int k = 0; k <= count; ++k) knots.col(k) = a + (b - a) * k / count;
   const double width = 0.15 * number;
   for (int wave = 1; wave <= 3 && number > 0; ++wave) {
     for (Eigen::Index row = 0; row < a.size(); ++row) {
       const double size = width / wave * random.normal();
-      for (int k = 1; k < kKnots; ++k) {
-        knots(row, k) += size * std::sin(kPi * wave * k / kKnots);
+      for (int k = 1; k < count; ++k) {
+        knots(row, k) += size * std::sin(kPi * wave * k / count);
       }
     }
   }
@@ -48,13 +39,9 @@ Knots reference(const NullTracker& tracker, const JointVectord& start, const Joi
 }
 
 bool keeps_limits(const RobotModel& robot, const JointPath& curve) {
-  for (const JointVectord& phi : curve.phi) {
-    for (int k = 0; k < robot.n(); ++k) {
-      const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-      if (phi[k] < joint.lower || phi[k] > joint.upper) return false;
-    }
-  }
-  return true;
+  return std::all_of(curve.phi.begin(), curve.phi.end(), [&](const JointVectord& phi) {
+    return joint_outside_limits(robot, phi, 0) == nullptr;
+  });
 }
 
 bool is_clear(const StillScene& scene, const JointPath& curve) {
@@ -66,16 +53,17 @@ bool is_clear(const StillScene& scene, const JointPath& curve) {
   return true;
 }
 
-/// Knots along a rough way to near the goal, and on to it.
-Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& goal) {
+/// Knots along a rough path to near the goal, and on to it.
+Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& goal,
+            const NullSpaceOptions& options) {
   std::vector<Eigen::VectorXd> points = guide;
   points.push_back(goal);
   std::vector<double> lengths(1, 0.0);
   for (std::size_t i = 1; i < points.size(); ++i) {
     lengths.push_back(lengths.back() + (points[i] - points[i - 1]).norm());
   }
-  const int count =
-      std::clamp(static_cast<int>(lengths.back() / kGuideSpacing), kKnots, 2 * kKnots);
+  const int count = std::clamp(static_cast<int>(lengths.back() / options.guide_spacing),
+                               options.knots, 2 * options.knots);
   Knots knots(goal.size(), count + 1);
   std::size_t i = 0;
   for (int k = 0; k <= count; ++k) {
@@ -94,7 +82,7 @@ class Search {
   Search(const NullPathQuery& query, const CaptureProblem& problem, const NullTracker& tracker)
       : query_(query), problem_(problem), tracker_(tracker) {}
 
-  void look(std::size_t number, Knots knots) {
+  void try_reference(std::size_t number, Knots knots) {
     const NullGoal& goal = query_.goals[number];
     ++tried_;
     JointPath curve;
@@ -104,7 +92,7 @@ class Search {
           auto near = goal.near(phi, ContactSolve::Nearest);
           return near ? near : goal.near(goal.posture, ContactSolve::Nearest);
         },
-        NullTracker::GoalKind::Smooth, kFineSteps, knots, curve);
+        NullTracker::GoalKind::Smooth, knots, curve);
     if (!end) return;
     ++arrived_;
     if (!keeps_limits(problem_.robot, curve)) return;
@@ -124,7 +112,7 @@ class Search {
   }
 
   int clear() const { return clear_; }
-  bool is_done() const { return clear_ >= kEnough || measure_ <= kSameMeasure; }
+  bool is_done() const { return clear_ >= query_.options.enough || measure_ <= kSameMeasure; }
   NullPathAnswer answer() const {
     return {
         best_, end_, goal_,
@@ -140,8 +128,9 @@ class Search {
   void improve(const NullGoal& goal, Knots& knots, JointPath& curve, Configuration& end) const {
     const auto best = [&](const JointVectord& phi) { return goal.near(phi, ContactSolve::Best); };
     if (bend(goal, best, knots, knots, curve, end) || query_.stop.reached()) return;
-    double stride = kFirstStride;
-    for (int round = 0; round < kImprovements && stride > kLastStride; ++round) {
+    double stride = query_.options.first_stride;
+    for (int round = 0; round < query_.options.improvements && stride > query_.options.last_stride;
+         ++round) {
       if (query_.stop.reached()) return;
       const Eigen::VectorXd slope = measure_slope(goal, end);
       if (!(slope.norm() > 0)) return;
@@ -157,8 +146,7 @@ class Search {
   bool bend(const NullGoal& goal, const NullTracker::GoalNear& near, Knots bent, Knots& knots,
             JointPath& curve, Configuration& end) const {
     JointPath there;
-    const auto reached =
-        tracker_.reach(near, NullTracker::GoalKind::Smooth, kFineSteps, bent, there);
+    const auto reached = tracker_.reach(near, NullTracker::GoalKind::Smooth, bent, there);
     if (!reached || !(goal.measure(*reached) < goal.measure(end) - kSameMeasure)) return false;
     if (!keeps_limits(problem_.robot, there) || !is_clear(*goal.scene, there)) return false;
     if (!goal.can_wait(*reached)) return false;
@@ -192,15 +180,11 @@ class Search {
   int tried_ = 0, arrived_ = 0, within_limits_ = 0, clear_ = 0;
 };
 
-/// A rough way around what is in the way to a goal.
+/// A rough path around the obstacles to a goal.
 std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTracker& tracker,
                                       const NullGoal& goal, std::uint64_t seed) {
   const auto full = [&](const Eigen::VectorXd& part) {
-    JointVectord phi = query.start;
-    for (std::size_t i = 0; i < query.free.size(); ++i) {
-      phi[query.free[i]] = part[static_cast<Eigen::Index>(i)];
-    }
-    return phi;
+    return with_free_part(query.start, query.free, part);
   };
   GuideQuery rough;
   rough.start = tracker.free_part(query.start);
@@ -208,8 +192,9 @@ std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTrac
   rough.lower = query.lower;
   rough.upper = query.upper;
   rough.seed = seed;
-  rough.max_iterations = query.max_iterations / kGuideEffort;
+  rough.max_iterations = query.max_iterations / query.options.guide_effort;
   rough.stop = query.stop;
+  rough.options = query.options;
   rough.is_valid = [&](const Eigen::VectorXd& part) { return !goal.scene->first_hit(full(part)); };
   rough.projected = [&](const Eigen::VectorXd& part, const Eigen::VectorXd& wanted) {
     return tracker.projected(full(part), wanted);
@@ -220,22 +205,25 @@ std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTrac
 }  // namespace
 
 NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem) {
-  const NullTracker tracker(problem.robot, query.start, query.free);
+  const NullTracker tracker(problem.robot, query.start, query.free, query.options);
   Random random(query.seed);
   Search search(query, problem, tracker);
   // The straight lines to all goals first: what is near in the null space is reached by one of
   // them.
   const std::size_t count = query.goals.size();
-  const auto tries = static_cast<std::size_t>(count > 1 ? kTriesOfSet : kTries);
+  const auto tries = static_cast<std::size_t>(count > 1 ? query.options.references_of_set
+                                                        : query.options.references);
   for (std::size_t i = 0; i < tries && !search.is_done() && !query.stop.reached(); ++i) {
     const JointVectord& goal = query.goals[i % count].posture;
-    search.look(i % count,
-                reference(tracker, query.start, goal, static_cast<int>(i / count), random));
+    search.try_reference(i % count,
+                         reference(tracker, query.start, goal, static_cast<int>(i / count),
+                                   query.options.knots, random));
   }
-  for (std::size_t i = 0; i < kGuides && search.clear() == 0 && !query.stop.reached(); ++i) {
+  const auto guides = static_cast<std::size_t>(query.options.guides);
+  for (std::size_t i = 0; i < guides && search.clear() == 0 && !query.stop.reached(); ++i) {
     const Eigen::VectorXd goal = tracker.free_part(query.goals[i % count].posture);
     const auto guide = guide_to(query, tracker, query.goals[i % count], random.next());
-    if (guide.size() >= 2) search.look(i % count, along(guide, goal));
+    if (guide.size() >= 2) search.try_reference(i % count, along(guide, goal, query.options));
   }
   NullPathAnswer answer = search.answer();
   answer.stopped = answer.curve.times.empty() && query.stop.reached();

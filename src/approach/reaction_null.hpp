@@ -19,9 +19,9 @@
 
 namespace stillbase {
 
-/// One of the goals. What is in the way depends on where one is going.
+/// One of the goals, with its own obstacles.
 struct NullGoal {
-  JointVectord posture;  ///< n: where the curve first heads
+  JointVectord posture;  ///< n: the first end of the reference curve
   /// Configurations that solve the contact near a posture, and how good they are (smaller is
   /// better).
   std::function<std::optional<Configuration>(const JointVectord&, ContactSolve)> near;
@@ -39,6 +39,7 @@ struct NullPathQuery {
   std::uint64_t seed = 1;
   int max_iterations = 0;  ///< of OMPL's planner
   StopCondition stop;
+  NullSpaceOptions options;
 };
 
 struct NullPathAnswer {
@@ -49,10 +50,10 @@ struct NullPathAnswer {
   bool stopped = false;
 };
 
-/// The curve is first brought to any posture that solves the contact, then on to ever better ones
-/// as far as it can be bent; of several the one with the best end is kept. References are first the
-/// straight line and ever wider detours; when what comes of them collides, ways around the
-/// obstacles that OMPL finds over joint velocities within the null space.
+/// Each curve is first brought to any posture that solves the contact, then its end is moved to
+/// better ones as far as the curve can be bent. Of several curves the one with the best end is
+/// kept. References are the straight line, then ever wider detours. When all of these collide, they
+/// are paths around the obstacles that OMPL finds over joint velocities within the null space.
 NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem);
 
 }  // namespace stillbase

@@ -11,17 +11,12 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kLimitSlack = 1e-6;  ///< rad or m: what optimizers leave outside a limit
-
-std::string limit_text(const RobotModel& robot, const JointVectord& phi) {
-  for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    if (phi[k] < joint.lower - kLimitSlack || phi[k] > joint.upper + kLimitSlack) {
-      return fmt::format("{} at {:.6g} is outside its limits [{:.6g}, {:.6g}]", joint.name, phi[k],
-                         joint.lower, joint.upper);
-    }
-  }
-  return "";
+std::string limit_text(const ApproachTask& task, const JointVectord& phi) {
+  const RobotModel& robot = task.problem.robot;
+  const Joint* joint = joint_outside_limits(robot, phi, task.options.limit_slack);
+  if (joint == nullptr) return "";
+  return fmt::format("{} at {:.6g} is outside its limits [{:.6g}, {:.6g}]", joint->name,
+                     phi[joint - robot.joints.data()], joint->lower, joint->upper);
 }
 
 std::string clearance_text(const Proximity& hit, double clearance) {
@@ -41,10 +36,10 @@ Approach failed(ApproachStatus status, const std::string& detail) {
 std::optional<Approach> refuse(const ApproachTask& task) {
   const CaptureProblem& problem = task.problem;
   const double clearance = problem.approach.clearance;
-  if (const std::string text = limit_text(problem.robot, task.start); !text.empty()) {
+  if (const std::string text = limit_text(task, task.start); !text.empty()) {
     return failed(ApproachStatus::StartInvalid, text);
   }
-  if (const std::string text = limit_text(problem.robot, task.goal.phi); !text.empty()) {
+  if (const std::string text = limit_text(task, task.goal.phi); !text.empty()) {
     return failed(ApproachStatus::GoalInvalid, text);
   }
   const StillScene alone(problem, task.scene, task.goal, {}, problem.approach.resolution);
@@ -55,7 +50,7 @@ std::optional<Approach> refuse(const ApproachTask& task) {
     return failed(ApproachStatus::GoalInvalid, clearance_text(*hit, clearance));
   }
   JointPath straight = straight_path(task);
-  slow_for_effort(problem, straight);
+  slow_for_effort(problem, straight, task.options.effort);
   if (const auto lateness =
           too_slow(task, task.goal.contact_time, straight.times.back(), problem.approach.wait)) {
     Approach late = failed(ApproachStatus::TooSlow, lateness->text);
@@ -69,12 +64,7 @@ std::optional<Approach> refuse(const ApproachTask& task) {
   if (const auto hit = contact.first_hit(task.goal.phi)) {
     return failed(ApproachStatus::GoalInvalid, "at the contact " + clearance_text(*hit, clearance));
   }
-  TimedMotion waiting;
-  waiting.contact_time = task.goal.contact_time;
-  waiting.path.times = {task.goal.contact_time - problem.approach.wait};
-  waiting.path.phi = {task.goal.phi};
-  waiting.path.phidot = {JointVectord::Zero(problem.robot.n())};
-  waiting.base_poses = {task.goal.base};
+  const TimedMotion waiting = waiting_motion(task.goal, problem.approach.wait);
   if (const auto hit = first_hit(problem, task.scene, waiting, task.target)) {
     return failed(
         ApproachStatus::HitEarly,

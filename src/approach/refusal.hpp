@@ -1,4 +1,4 @@
-// What can be refused before any planning.
+// Reasons to refuse an approach before planning.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,7 @@ namespace stillbase {
 /// An approach that was not found, and why.
 Approach failed(ApproachStatus status, const std::string& detail);
 
-/// Start, goal, the wait and the time that even a straight line needs do not depend on the path.
-/// Nothing: planning may begin.
+/// Checks of start, goal, wait and the duration of the straight line. Nothing: planning may begin.
 std::optional<Approach> refuse(const ApproachTask& task);
 
 }  // namespace stillbase

@@ -6,15 +6,12 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kSweptEffort = 5;  ///< part of the planner's iterations spent around those
-constexpr int kSweptPoses = 8;   ///< target poses during a motion that was hit, taken as obstacles
-
 /// Poses of the target while an earlier attempt moved.
-std::vector<Pose> swept_poses(const AttemptResult& attempt) {
+std::vector<Pose> swept_poses(const AttemptResult& attempt, int count) {
   std::vector<Pose> poses;
-  for (int i = 0; i < kSweptPoses; ++i) {
+  for (int i = 0; i < count; ++i) {
     const double t =
-        attempt.motion_end + (attempt.motion_start - attempt.motion_end) * i / (kSweptPoses - 1);
+        attempt.motion_end + (attempt.motion_start - attempt.motion_end) * i / (count - 1);
     poses.push_back(attempt.target->state(t).pose);
   }
   return poses;
@@ -37,7 +34,7 @@ AttemptOptions first_options(const ApproachTask& task) {
   return options;
 }
 
-bool is_better_news(const AttemptResult& result, const AttemptResult& known) {
+bool explains_more(const AttemptResult& result, const AttemptResult& known) {
   if (known.detail.empty()) return true;
   if (result.status == ApproachStatus::TooSlow) {
     return known.status == ApproachStatus::TooSlow && result.shortfall < known.shortfall;
@@ -45,16 +42,17 @@ bool is_better_news(const AttemptResult& result, const AttemptResult& known) {
   return result.way_points > 0;
 }
 
-void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
-           AttemptOptions& options) {
+void adjust_options(const ApproachTask& task, const AttemptResult& result, int attempt,
+                    AttemptOptions& options) {
   options.max_iterations = task.problem.approach.max_iterations;
-  if (attempt + 1 == kAttempts) {  // last resort: nothing still to avoid, judged in time alone
+  if (attempt + 1 ==
+      task.options.attempts) {  // last resort: nothing still to avoid, judged in time alone
     options.wait = task.problem.approach.wait;
     options.targets.clear();
   } else if (result.hit_by_target) {
-    options.targets = swept_poses(result);
+    options.targets = swept_poses(result, task.options.swept_poses);
     // More cautious than need be, and often without a solution: not worth the full effort.
-    options.max_iterations = std::max(1, options.max_iterations / kSweptEffort);
+    options.max_iterations = std::max(1, options.max_iterations / task.options.swept_effort);
     if (attempt % 3 == 0) options.wait += (result.motion_end - result.motion_start) / 2;
   } else if (result.way_points == 0) {
     options.targets = arrival_pose(task, options.wait);

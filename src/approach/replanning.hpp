@@ -1,21 +1,20 @@
-// From one attempt to the next.
+// Options of the next attempt after one that failed.
 #pragma once
 
 #include "approach/attempt.hpp"
 
 namespace stillbase {
 
-inline constexpr int kAttempts = 8;  ///< for one goal
-
 /// The first attempt: as the problem says, the target a still obstacle where it is at the arrival.
 AttemptOptions first_options(const ApproachTask& task);
 
-/// What the next attempt does differently, beside its random stream.
+/// Options of the next attempt, which also has another random stream.
 /// @param attempt number of the one that failed with `result`, from 1 on
-void learn(const ApproachTask& task, const AttemptResult& result, int attempt,
-           AttemptOptions& options);
+void adjust_options(const ApproachTask& task, const AttemptResult& result, int attempt,
+                    AttemptOptions& options);
 
-/// What to report when every attempt fails: a hit rather than being late, the least delay.
-bool is_better_news(const AttemptResult& result, const AttemptResult& known);
+/// Whether a failure explains more than the known one: a collision more than a delay, then the
+/// least delay.
+bool explains_more(const AttemptResult& result, const AttemptResult& known);
 
 }  // namespace stillbase

@@ -28,7 +28,7 @@ Approach finished(const ApproachTask& task, const AttemptResult& attempt, int tr
   }
   approach.joint_accelerations.push_back(JointVectord::Zero(robot.n()));
   approach.joint_torques.push_back(JointVectord::Zero(robot.n()));
-  approach.effort_used = effort_used(task.problem, path);
+  approach.effort_used = effort_used(task.problem, path, task.options.effort);
   for (std::size_t i = 0; i < path.times.size(); ++i) {
     approach.base_velocities.push_back(
         task.problem.approach.base == BaseMode::Held

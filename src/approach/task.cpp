@@ -5,18 +5,13 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <stillbase/core/constants.hpp>
 
 #include "approach/time_law.hpp"
 
 namespace stillbase {
 
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
-
-bool is_finite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-}
 
 /// Numbers that the reader should have refused never get further than here.
 void check_input(const CaptureProblem& problem, const Configuration& goal) {
@@ -27,7 +22,7 @@ void check_input(const CaptureProblem& problem, const Configuration& goal) {
   };
   demand(problem.start.size() == n && goal.phi.size() == n && spec.acceleration_limit.size() == n,
          "start, goal and acceleration limit need one number per joint");
-  demand(problem.start.allFinite() && goal.phi.allFinite() && is_finite(goal.base) &&
+  demand(problem.start.allFinite() && goal.phi.allFinite() && goal.base.is_finite() &&
              std::isfinite(goal.contact_time),
          "start and goal must be finite");
   demand(spec.acceleration_limit.allFinite() && (spec.acceleration_limit.array() > 0).all(),
@@ -49,7 +44,7 @@ JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& g
   JointVectord start = problem.start;
   for (int k = 0; k < problem.robot.n(); ++k) {
     if (problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
-      start[k] += kTurn * std::round((goal.phi[k] - start[k]) / kTurn);
+      start[k] += 2 * kPi * std::round((goal.phi[k] - start[k]) / (2 * kPi));
     }
   }
   return start;
@@ -58,7 +53,8 @@ JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& g
 }  // namespace
 
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
-                       const TargetMotion* target, const ContactSolver& contact) {
+                       const TargetMotion* target, const ContactSolver& contact,
+                       const ApproachOptions& options) {
   check_input(problem, goal);
   const int n = problem.robot.n();
   ApproachTask task{problem,
@@ -70,10 +66,11 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
                     JointVectord(n),
                     {},
                     -kInfinity,
-                    contact};
-  if (task.starts_where_it_stands() && !contact.at_base) {
+                    contact,
+                    options};
+  if (task.has_stated_start() && !contact.at_base) {
     throw std::invalid_argument(
-        "approach: a floating base with a stated start needs someone to solve the contact anew");
+        "approach: a floating base with a stated start needs ContactSolver::at_base");
   }
   for (int k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -81,18 +78,25 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
     const bool may_move = problem.variables.joints.empty() || problem.variables.joints[i];
     if (may_move || task.start[k] != goal.phi[k]) task.free.push_back(k);
   }
-  // A predicted target is known from its estimate on; one that is only said to come from some
-  // direction has come along forever.
+  // A predicted target is known from its estimate on; one with a stated direction at all times.
   if (target != nullptr && !problem.impulse.direction) {
     task.earliest_start = problem.target_state.time;
   }
   return task;
 }
 
+const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack) {
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    if (phi[k] < joint.lower - slack || phi[k] > joint.upper + slack) return &joint;
+  }
+  return nullptr;
+}
+
 JointPath straight_path(const ApproachTask& task) {
-  return time_path({task.start, task.goal.phi}, task.max_rate,
-                   task.problem.approach.acceleration_limit,
-                   [](const JointVectord&, const JointVectord&) { return true; });
+  return time_path(
+      {task.start, task.goal.phi}, task.max_rate, task.problem.approach.acceleration_limit,
+      [](const JointVectord&, const JointVectord&) { return true; }, task.options.time_law);
 }
 
 std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,

@@ -1,4 +1,4 @@
-// One approach in the making: what is asked, in the form that planning works on.
+// The task of an approach in the form that planning works on.
 #pragma once
 
 #include <optional>
@@ -24,21 +24,26 @@ struct ApproachTask {
   JointVectord max_rate;           ///< scaled
   std::vector<Eigen::Index> free;  ///< joints that may move
   double earliest_start;           ///< s; -infinity when nothing is predicted
-  const ContactSolver& contact;    ///< for a base that starts where it stands
+  const ContactSolver& contact;    ///< for a base with a stated start
+  ApproachOptions options;
 
-  bool starts_where_it_stands() const {
+  bool has_stated_start() const {
     return problem.approach.base == BaseMode::Floating && !problem.approach.station_free;
   }
 };
 
 /// @throws std::invalid_argument see plan_approach
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
-                       const TargetMotion* target, const ContactSolver& contact);
+                       const TargetMotion* target, const ContactSolver& contact,
+                       const ApproachOptions& options = {});
+
+/// The first joint that a posture (n) puts further outside its limits than `slack`; null: none.
+const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack);
 
 /// The straight line to the goal with its time law, from time 0.
 JointPath straight_path(const ApproachTask& task);
 
-/// By how much a motion of this duration and the wait come too late, if they do.
+/// The delay of a motion of this duration and the wait, if there is one.
 struct Lateness {
   double seconds = 0;
   std::string text;
@@ -46,7 +51,7 @@ struct Lateness {
 std::optional<Lateness> too_slow(const ApproachTask& task, double contact_time, double duration,
                                  double wait);
 
-/// Under which name the planner's runs are counted.
+/// Name under which the planner's runs are counted.
 std::string planner_name(const CaptureProblem& problem);
 
 }  // namespace stillbase

@@ -9,13 +9,6 @@ namespace stillbase {
 
 namespace {
 
-/// Parts of the duration over which the speed is averaged: a wide window is smooth, a narrow one
-/// keeps the slow speed of a tight corner to the corner. The fastest result is taken.
-constexpr double kWindows[] = {0.15, 0.06, 0.025};
-constexpr double kSamplesPerWindow = 4;
-constexpr double kSampleTravel = 0.04;  ///< rad between stored samples
-constexpr int kMinSamples = 48, kMaxSamples = 600;
-
 /// Fastest sigma(t) along a section: pieces of constant sigma'' between grid points.
 class SpeedProfile {
  public:
@@ -132,12 +125,13 @@ PathPoint point_on(const Section& section, double sigma) {
 
 /// Motion along a section from time 0, at rest at both ends, with the speed averaged over `window`.
 JointPath time_section(const Section& section, const SpeedProfile& profile, double window,
-                       const JointVectord& max_rate, const JointVectord& max_acceleration) {
+                       const JointVectord& max_rate, const JointVectord& max_acceleration,
+                       const TimeLawOptions& options) {
   const double duration = profile.duration() + window;
-  const int samples =
-      std::clamp(static_cast<int>(std::ceil(std::max(profile.length() / kSampleTravel,
-                                                     kSamplesPerWindow * duration / window))),
-                 kMinSamples, kMaxSamples);
+  const int samples = std::clamp(
+      static_cast<int>(std::ceil(std::max(profile.length() / options.sample_travel,
+                                          options.samples_per_window * duration / window))),
+      options.min_samples, options.max_samples);
   JointPath path;
   for (int i = 0; i <= samples; ++i) {
     const double t = duration * i / samples;
@@ -163,12 +157,12 @@ JointPath time_section(const Section& section, const SpeedProfile& profile, doub
 
 /// The fastest of the windows.
 JointPath fastest(const Section& section, const JointVectord& max_rate,
-                  const JointVectord& max_acceleration) {
+                  const JointVectord& max_acceleration, const TimeLawOptions& options) {
   const SpeedProfile profile(section, max_rate, max_acceleration);
   JointPath best;
-  for (const double window : kWindows) {
-    JointPath timed =
-        time_section(section, profile, window * profile.duration(), max_rate, max_acceleration);
+  for (const double window : options.windows) {
+    JointPath timed = time_section(section, profile, window * profile.duration(), max_rate,
+                                   max_acceleration, options);
     if (best.times.empty() || timed.times.back() < best.times.back()) best = std::move(timed);
   }
   return best;
@@ -177,7 +171,8 @@ JointPath fastest(const Section& section, const JointVectord& max_rate,
 }  // namespace
 
 JointPath time_path(const std::vector<JointVectord>& points, const JointVectord& max_rate,
-                    const JointVectord& max_acceleration, const IsClear& is_clear) {
+                    const JointVectord& max_acceleration, const IsClear& is_clear,
+                    const TimeLawOptions& options) {
   assert(!points.empty());
   std::vector<JointVectord> distinct(1, points.front());
   for (const JointVectord& point : points) {
@@ -190,8 +185,8 @@ JointPath time_path(const std::vector<JointVectord>& points, const JointVectord&
   if (distinct.size() == 1) return path;
   path.phi.front() = points.front();
   distinct.back() = points.back();
-  for (const Section& section : round_corners(distinct, is_clear)) {
-    const JointPath part = fastest(section, max_rate, max_acceleration);
+  for (const Section& section : round_corners(distinct, is_clear, options)) {
+    const JointPath part = fastest(section, max_rate, max_acceleration, options);
     const double begin = path.times.back();
     for (std::size_t i = 1; i < part.times.size(); ++i) {
       path.times.push_back(begin + part.times[i]);
@@ -203,9 +198,9 @@ JointPath time_path(const std::vector<JointVectord>& points, const JointVectord&
 }
 
 JointPath time_curve(const JointPath& curve, const JointVectord& max_rate,
-                     const JointVectord& max_acceleration) {
+                     const JointVectord& max_acceleration, const TimeLawOptions& options) {
   assert(curve.segments() > 0);
-  return fastest(smooth_section(curve), max_rate, max_acceleration);
+  return fastest(smooth_section(curve), max_rate, max_acceleration, options);
 }
 
 }  // namespace stillbase

@@ -18,10 +18,6 @@ constexpr double kReachesJoint = 1e-6;
 /// large one merely makes the sweep look more closely.
 constexpr double kUnlimitedStroke = 1e3;
 
-bool is_finite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-}
-
 double stroke(const Joint& joint) {
   if (!joint.is_prismatic()) return 0;
   return std::min(std::max(std::abs(joint.lower), std::abs(joint.upper)), kUnlimitedStroke);
@@ -43,7 +39,7 @@ void bound_motion(const RobotModel& robot, int body, double reach, JointVectord&
 
 SceneItem make_item(Carrier carrier, int body, const std::string& name, const Pose& pose,
                     const Geometry& geometry) {
-  if (!is_finite(pose) || !is_valid(geometry)) {
+  if (!pose.is_finite() || !is_valid(geometry)) {
     throw std::invalid_argument("collision shape of " + name +
                                 ": pose and sizes must be finite, sizes positive");
   }

@@ -105,7 +105,7 @@ class Pack {
     constexpr double kTwoOverPi = 6.36619772367581382433e-01;
     constexpr double kPart1 = 1.57079632673412561417e+00;  // the first 33 bits of pi/2
     constexpr double kPart2 = 6.07710050630396597660e-11;  // the next 33 bits
-    constexpr double kPart3 = 2.02226624879595063154e-21;  // the rest
+    constexpr double kPart3 = 2.02226624879595063154e-21;  // the remainder
     constexpr double kRounder = 6755399441055744.0;        // 1.5 * 2^52: the sum ends in an integer
     const Lanes shifted = x.v * kTwoOverPi + kRounder;
     const Lanes k = shifted - kRounder;

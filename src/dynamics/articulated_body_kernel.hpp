@@ -14,6 +14,11 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
                                                   const std::vector<bool>& locked) {
   ArticulatedBodies<S> out;
   PerBody<Matrix6<S>, S> articulated;
+  articulated.resize(kin.n);
+  out.axis.resize(kin.n);
+  out.U.resize(kin.n);
+  out.inverse_D.resize(kin.n);
+  out.I.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) {
     out.I[k] = inertia_in_base_axes(robot, kin, k);
     articulated[k] = spatial_inertia(inertia_about_base(robot, kin, k, out.I[k]));
@@ -51,8 +56,10 @@ GeneralizedMotion<S> solve_articulated_bodies(const RobotModel& robot,
                                               const Vector6<S>& F_b, const JointVector<S>& tau) {
   const int n = robot.n();
   PerBody<Vector6<S>, S> force;  // what subtree k takes from its parent before that one moves
+  force.resize(n);
   for (int k = 0; k < n; ++k) force[k].setZero();
   PerBody<S, S> u;
+  u.resize(n);
   GeneralizedMotion<S> out;
   out.Omega = F_b;
   for (int k = n - 1; k >= 0; --k) {

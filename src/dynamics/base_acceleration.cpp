@@ -62,7 +62,7 @@ JointAcceleration joint_acceleration_for_translation(const BaseEquation& equatio
 Vector6d base_acceleration(const BaseEquation& equation, const ExternalWrenches& external,
                            const JointVectord& phiddot) {
   const Vector6d right = load(equation, external) - equation.inertia.H_bphi * phiddot;
-  return equation.inertia.H_b.llt().solve(right);
+  return equation.inertia.H_b.ldlt().solve(right);
 }
 
 JointVectord joint_torque(const BaseEquation& equation, const ExternalWrenches& external,

@@ -3,7 +3,6 @@
 namespace stillbase {
 
 template InertiaMatrices<double> compute_inertia(const RobotModel&, const Kinematics<double>&);
-template HandJacobian<double> compute_hand_jacobian(const RobotModel&, const Kinematics<double>&);
 template TildeInertia<double> compute_tilde_inertia(const InertiaMatrices<double>&);
 template HatInertia<double> compute_hat_inertia(const InertiaMatrices<double>&,
                                                 const HandJacobian<double>&);

@@ -16,6 +16,10 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   InertiaMatrices<S> out;
   // Twist of unit rate of joint k about the base centroid: linear and angular part.
   PerBody<Vector3<S>, S> axis_v, axis_w;
+  axis_v.resize(n);
+  axis_w.resize(n);
+  out.I.resize(n);
+  out.subtree.resize(n);
   RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),
                         robot.base.inertia.template cast<S>()};
   for (int k = 0; k < n; ++k) {
@@ -54,27 +58,6 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   out.mass = total.m;
   out.r_bg = total.h / total.m;
   out.H_b = spatial_inertia(total);
-  return out;
-}
-
-template <class S>
-HandJacobian<S> compute_hand_jacobian(const RobotModel& robot, const Kinematics<S>& kin) {
-  HandJacobian<S> out;
-  out.R_bh.setIdentity();
-  out.R_bh.template topRightCorner<3, 3>() = -skew(kin.r_bh);
-  out.J_phi.resize(6, kin.n);
-  for (int k = 0; k < kin.n; ++k) {
-    const Vector3<S> z = kin.z(k);
-    if (!robot.moves_hand[k]) {
-      out.J_phi.col(k).setZero();
-    } else if (robot.joints[k].is_prismatic()) {
-      out.J_phi.template block<3, 1>(0, k) = z;
-      out.J_phi.template block<3, 1>(3, k).setZero();
-    } else {
-      out.J_phi.template block<3, 1>(0, k) = z.cross(kin.r_bh - kin.o[k]);
-      out.J_phi.template block<3, 1>(3, k) = z;
-    }
-  }
   return out;
 }
 
@@ -148,8 +131,8 @@ HatInertia<S> compute_hat_inertia(const InertiaMatrices<S>& inertia,
   out.Jhat_phi = jacobian.J_phi;
   for (Eigen::Index k = 0; k < n; ++k) {
     const Vector3<S> omega = X.template block<3, 1>(3, k);
-    const Vector3<S> r_bh(jacobian.R_bh(1, 5), jacobian.R_bh(2, 3), jacobian.R_bh(0, 4));
-    out.Jhat_phi.template block<3, 1>(0, k) -= X.template block<3, 1>(0, k) + omega.cross(r_bh);
+    out.Jhat_phi.template block<3, 1>(0, k) -=
+        X.template block<3, 1>(0, k) + omega.cross(jacobian.r_bh());
     out.Jhat_phi.template block<3, 1>(3, k) -= omega;
   }
   return out;

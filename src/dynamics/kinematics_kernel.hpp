@@ -15,6 +15,9 @@ Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& 
   assert(phi.size() == robot.n());
   Kinematics<S> kin;
   kin.n = robot.n();
+  kin.R.resize(kin.n);
+  kin.o.resize(kin.n);
+  kin.c.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) {
     const Joint& joint = robot.joints[k];
     Matrix3<S> A;

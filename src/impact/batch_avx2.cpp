@@ -8,7 +8,7 @@ namespace stillbase {
 
 const BatchKernel* batch_kernel_avx2() {
 #ifdef __AVX2__
-  static constinit const BatchKernel kernel = pack_kernel<4>(
+  static constinit const BatchKernel kernel = pack_kernel<Pack<4>>(
       [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; });
   return &kernel;
 #else

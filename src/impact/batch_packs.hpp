@@ -14,22 +14,19 @@ namespace stillbase {
 // CMakeLists.txt.
 static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16);
 
-namespace {
-
-template <int N>
+/// @tparam P pack type, which carries the instruction set in its name
+template <class P>
 constexpr BatchKernel pack_kernel(bool (*runs_here)()) {
   const auto run = [](const RobotModel& robot, const ImpactResistance& resistance,
                       const BatchColumns& columns) {
-    run_batch<Pack<N>>(robot, resistance, columns, N);
+    run_batch<P>(robot, resistance, columns, P::kLanes);
   };
   const auto sin_cos = [](const double* x, double* sine, double* cosine) {
-    const Pack<N> angle = Pack<N>::load(x);
+    const P angle = P::load(x);
     sin(angle).store(sine);
     cos(angle).store(cosine);
   };
-  return {N, kMaxJointsOf<Pack<N>>, runs_here, run, sin_cos};
+  return {P::kLanes, kMaxJointsOf<P>, runs_here, run, sin_cos};
 }
-
-}  // namespace
 
 }  // namespace stillbase

@@ -2,37 +2,37 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "impact/batch_kernels.hpp"
 
 namespace stillbase {
 
-namespace {
-
-inline void load(const double* x, std::ptrdiff_t, double& out) { out = *x; }
-inline void store(const double& value, std::ptrdiff_t, double* x) { *x = value; }
-
 /// Missing lanes repeat the first one, so that they hold a posture like any other.
 template <class S>
 void load(const double* x, std::ptrdiff_t lanes, S& out) {
-  if (lanes == S::kLanes) {
+  if constexpr (std::is_same_v<S, double>) {
+    out = *x;
+  } else if (lanes == S::kLanes) {
     out = S::load(x);
-    return;
+  } else {
+    double all[S::kLanes];
+    for (std::ptrdiff_t i = 0; i < S::kLanes; ++i) all[i] = x[i < lanes ? i : 0];
+    out = S::load(all);
   }
-  double all[S::kLanes];
-  for (std::ptrdiff_t i = 0; i < S::kLanes; ++i) all[i] = x[i < lanes ? i : 0];
-  out = S::load(all);
 }
 
 template <class S>
 void store(const S& value, std::ptrdiff_t lanes, double* x) {
-  if (lanes == S::kLanes) {
+  if constexpr (std::is_same_v<S, double>) {
+    *x = value;
+  } else if (lanes == S::kLanes) {
     value.store(x);
-    return;
+  } else {
+    double all[S::kLanes];
+    value.store(all);
+    for (std::ptrdiff_t i = 0; i < lanes; ++i) x[i] = all[i];
   }
-  double all[S::kLanes];
-  value.store(all);
-  for (std::ptrdiff_t i = 0; i < lanes; ++i) x[i] = all[i];
 }
 
 template <class S>
@@ -104,7 +104,5 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     put(gradient.F, columns.gradient_F);
   }
 }
-
-}  // namespace
 
 }  // namespace stillbase

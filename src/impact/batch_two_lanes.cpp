@@ -3,7 +3,7 @@
 namespace stillbase {
 
 const BatchKernel* batch_kernel_two_lanes() {
-  static constinit const BatchKernel kernel = pack_kernel<2>([] { return true; });
+  static constinit const BatchKernel kernel = pack_kernel<Pack<2>>([] { return true; });
   return &kernel;
 }
 

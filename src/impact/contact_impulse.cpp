@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include <stillbase/impact/contact.hpp>
+#include <stillbase/impact/gradient.hpp>
 
 namespace stillbase {
 
@@ -108,12 +109,9 @@ ContactOutcome apply_contact(const RobotModel& robot, const JointVectord& phi,
                              const Vector6d& Omega, const JointVectord& phidot,
                              const JointResistance& resistance, const Contact& contact,
                              const ContactTarget& target) {
-  const auto kinematics = compute_kinematics<double>(robot, phi);
-  const auto inertia = compute_inertia(robot, kinematics);
-  const auto jacobian = compute_hand_jacobian(robot, kinematics);
-  const auto factor = factorize_impact(
-      inertia, added_impact_inertia(resistance, robot.n()),
-      resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>{});
+  const auto posture = evaluate_posture(robot, prepare_resistance(resistance, robot.n()), phi);
+  const InertiaFactor<double>& factor = posture.factor;
+  const HandJacobian<double>& jacobian = posture.jacobian;
   const Vector6d hand = jacobian.R_bh * Omega + jacobian.J_phi * phidot;
 
   ContactOutcome out;

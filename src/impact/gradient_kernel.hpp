@@ -7,52 +7,46 @@
 
 namespace stillbase {
 
-namespace {
-
 /// Linear and angular part of a twist or a momentum, about the base centroid.
 template <class S>
-struct Spatial {
+struct SpatialVector {
   Vector3<S> v;
   Vector3<S> w;
 };
 
-/// Generalised velocity: base twist and joint rates.
 template <class S>
-struct Motion {
-  Vector6<S> Omega;
-  JointVector<S> phidot;
-};
-
-template <class S>
-inline Spatial<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+inline SpatialVector<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
   const Vector3<S> z = kin.z(k);
   if (robot.joints[k].is_prismatic()) return {z, Vector3<S>::Zero()};
   return {kin.o[k].cross(z), z};
 }
 
 template <class S>
-using JointAxes = PerBody<Spatial<S>, S>;
+using JointAxes = PerBody<SpatialVector<S>, S>;
 
 template <class S>
 inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
   JointAxes<S> axes;
+  axes.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
   return axes;
 }
 
 /// Twists of all bodies and momenta of the subtrees that they carry.
 template <class S>
-struct Sweep {
-  PerBody<Spatial<S>, S> V;
-  PerBody<Spatial<S>, S> P;
+struct SubtreeMomenta {
+  PerBody<SpatialVector<S>, S> V;
+  PerBody<SpatialVector<S>, S> P;
 
-  Sweep(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
-        const Motion<S>& x) {
+  SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
+                 const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
-    const Spatial<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
+    V.resize(kin.n);
+    P.resize(kin.n);
+    const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {
       const int parent = robot.joints[k].parent;
-      const Spatial<S>& inherited = parent == kBase ? base : V[parent];
+      const SpatialVector<S>& inherited = parent == kBase ? base : V[parent];
       V[k].v = inherited.v + axes[k].v * x.phidot[k];
       V[k].w = inherited.w + axes[k].w * x.phidot[k];
       P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
@@ -72,10 +66,11 @@ struct Sweep {
 /// under its joint, so only the twist that it inherits counts.
 template <class S>
 inline void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                                 const JointAxes<S>& axes, const Motion<S>& lambda,
-                                 const Motion<S>& x, const S& sign, JointVector<S>& gradient) {
-  const Sweep<S> a(robot, posture, axes, lambda);
-  const Sweep<S> b(robot, posture, axes, x);
+                                 const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
+                                 const GeneralizedMotion<S>& x, const S& sign,
+                                 JointVector<S>& gradient) {
+  const SubtreeMomenta<S> a(robot, posture, axes, lambda);
+  const SubtreeMomenta<S> b(robot, posture, axes, x);
   for (int k = 0; k < posture.kinematics.n; ++k) {
     // (S_k x V_a) . P_b + (S_k x V_b) . P_a, x the cross product of twists, with S_k taken out.
     const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
@@ -113,7 +108,7 @@ inline void add_locked_rotation_gradient(const PostureImpact<S>& posture, const 
 /// gradient += d/dphi (lambda' J' F), lambda and F fixed.
 template <class S>
 inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                              const JointAxes<S>& axes, const Motion<S>& lambda,
+                              const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
                               const Vector6<S>& F, JointVector<S>& gradient) {
   const Kinematics<S>& kin = posture.kinematics;
   const Vector3<S> f = F.template head<3>();
@@ -126,7 +121,7 @@ inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& p
     if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
   }
   for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
-    const Spatial<S>& axis = axes[k];
+    const SpatialVector<S>& axis = axes[k];
     const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
     const Vector3<S> dw = axis.w.cross(w);
     const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
@@ -137,7 +132,7 @@ inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& p
 }
 
 template <class S>
-inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const Motion<S>& x) {
+inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const GeneralizedMotion<S>& x) {
   Vector6<S> twist = jacobian.R_bh * x.Omega;
   for (Eigen::Index k = 0; k < x.phidot.size(); ++k) twist += jacobian.J_phi.col(k) * x.phidot[k];
   return twist;
@@ -145,15 +140,13 @@ inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const Motion<S>& x
 
 /// The whole robot turning as one body about its centroid: u' Htilde_omega w = x(u)' H x(w).
 template <class S>
-inline Motion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
-  Motion<S> x;
+inline GeneralizedMotion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
+  GeneralizedMotion<S> x;
   x.Omega.template head<3>() = -u.cross(posture.inertia.r_bg);
   x.Omega.template tail<3>() = u;
   x.phidot.setZero(posture.kinematics.n);
   return x;
 }
-
-}  // namespace
 
 template <class S>
 PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
@@ -165,7 +158,7 @@ PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistanc
       .inertia = compute_inertia(robot, out.kinematics),
       .tilde = compute_tilde_inertia(out.inertia),
       .jacobian = compute_hand_jacobian(robot, out.kinematics),
-      .factor = factorize_impact(out.inertia, resistance.added_inertia, resistance.locked),
+      .factor = factorize_inertia(out.inertia, resistance.added_inertia, resistance.locked),
   };
   return out;
 }
@@ -180,15 +173,13 @@ ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) 
   JointVector<S> tau(n);
   for (int k = 0; k < n; ++k) tau[k] = posture.jacobian.J_phi.col(k).dot(F);
 
-  ImpactResponse<S> out{.F = F,
-                        .d = solve_impact(posture.factor, F_b, tau),
-                        .total = {},
-                        .base = {},
-                        .hand_inverse_mass = {}};
+  const GeneralizedMotion<S> d = solve_inertia(posture.factor, F_b, tau);
+  ImpactResponse<S> out{
+      .F = F, .d = {d.Omega, d.phidot}, .total = {}, .base = {}, .hand_inverse_mass = {}};
   out.total = F_b.template tail<3>() - posture.inertia.r_bg.cross(f);
   out.base = posture.tilde.Htilde_omega * out.omega();
-  out.hand_inverse_mass = F_b.dot(out.d.Delta_Omega);  // (J' F)' d
-  for (int k = 0; k < n; ++k) out.hand_inverse_mass += tau[k] * out.d.Delta_phidot[k];
+  out.hand_inverse_mass = F_b.dot(d.Omega);  // (J' F)' d
+  for (int k = 0; k < n; ++k) out.hand_inverse_mass += tau[k] * d.phidot[k];
   return out;
 }
 
@@ -198,7 +189,7 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
                                       const ResponseWeights<S>& weights) {
   const int n = posture.kinematics.n;
   const Vector3<S> f = response.F.template head<3>();
-  const Motion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
+  const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
   ResponseGradient<S> out;
   out.phi.setZero(n);
 
@@ -211,12 +202,12 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   if (has_momentum) rhs += posture.inertia.H_b * weights.momentum;
   JointVector<S> torque = JointVector<S>::Zero(n);
   if (weights.phidot.size() == n) torque = weights.phidot;
-  const ImpactJump<S> adjoint = solve_impact(posture.factor, rhs, torque);
+  const GeneralizedMotion<S> adjoint = solve_inertia(posture.factor, rhs, torque);
 
   // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
   const S s = weights.hand_inverse_mass;
-  const Motion<S> lambda{adjoint.Delta_Omega + d.Omega * s, adjoint.Delta_phidot + d.phidot * s};
-  const Motion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
+  const GeneralizedMotion<S> lambda{adjoint.Omega + d.Omega * s, adjoint.phidot + d.phidot * s};
+  const GeneralizedMotion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
   const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
   add_hand_gradient(robot, posture, axes, lambda_hand, response.F, out.phi);
   add_inertia_gradient(robot, posture, axes, lambda, d, S(-1), out.phi);
@@ -229,8 +220,8 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
 
   // So does H_b Delta Omega with H_b.
   if (has_momentum) {
-    const Motion<S> u{weights.momentum, JointVector<S>::Zero(n)};
-    const Motion<S> base{d.Omega, JointVector<S>::Zero(n)};
+    const GeneralizedMotion<S> u{weights.momentum, JointVector<S>::Zero(n)};
+    const GeneralizedMotion<S> base{d.Omega, JointVector<S>::Zero(n)};
     add_inertia_gradient(robot, posture, axes, u, base, S(1), out.phi);
   }
 
@@ -251,7 +242,7 @@ template <class S>
 JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                  const JointVector<S>& w, const Vector3<S>& y) {
   // Both motions carry no linear momentum, so the translation drops out of the derivative.
-  Motion<S> x{Vector6<S>::Zero(), w};
+  GeneralizedMotion<S> x{Vector6<S>::Zero(), w};
   for (Eigen::Index k = 0; k < w.size(); ++k) {
     x.Omega.template head<3>() -=
         posture.inertia.H_bphi.template block<3, 1>(0, k) * (w[k] / posture.inertia.mass);
@@ -292,10 +283,11 @@ JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
   // posture by -H_b^-1 (dH x)_b, which y sees through mu = H_b^-1 R_bh' y.
   Vector6<S> momentum = Vector6<S>::Zero();
   for (Eigen::Index k = 0; k < w.size(); ++k) momentum += inertia.H_bphi.col(k) * w[k];
-  const Motion<S> x{-base_motion(momentum.template head<3>(), momentum.template tail<3>()), w};
+  const GeneralizedMotion<S> x{
+      -base_motion(momentum.template head<3>(), momentum.template tail<3>()), w};
   const Vector3<S> f = y.template head<3>();
   const Vector3<S> t = y.template tail<3>() + posture.kinematics.r_bh.cross(f);
-  const Motion<S> mu{base_motion(f, t), JointVector<S>::Zero(posture.kinematics.n)};
+  const GeneralizedMotion<S> mu{base_motion(f, t), JointVector<S>::Zero(posture.kinematics.n)};
   const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
   JointVector<S> gradient;
   gradient.setZero(posture.kinematics.n);

@@ -2,7 +2,7 @@
 
 namespace stillbase {
 
-Matrix6d extended_inverse_inertia(const ImpactFactor<double>& factor,
+Matrix6d extended_inverse_inertia(const InertiaFactor<double>& factor,
                                   const HandJacobian<double>& jacobian) {
   Matrix6d W;
   for (int i = 0; i < 6; ++i) {
@@ -12,23 +12,19 @@ Matrix6d extended_inverse_inertia(const ImpactFactor<double>& factor,
   return (W + W.transpose()) / 2;
 }
 
-Eigen::Matrix<double, 3, 6> base_reaction_matrix(const ImpactFactor<double>& factor,
+Eigen::Matrix<double, 3, 6> base_reaction_matrix(const InertiaFactor<double>& factor,
                                                  const HandJacobian<double>& jacobian) {
   // Row i of B is the hand velocity that a unit moment impulse i on the base would cause.
   Eigen::Matrix<double, 3, 6> B;
   const JointVectord no_torque = JointVectord::Zero(jacobian.J_phi.cols());
   for (int i = 0; i < 3; ++i) {
-    const ImpactJump<double> d = solve_impact<double>(factor, Vector6d::Unit(3 + i), no_torque);
-    B.row(i) = jacobian.R_bh * d.Delta_Omega + jacobian.J_phi * d.Delta_phidot;
+    const auto d = solve_inertia<double>(factor, Vector6d::Unit(3 + i), no_torque);
+    B.row(i) = jacobian.R_bh * d.Omega + jacobian.J_phi * d.phidot;
   }
   return B;
 }
 
-template ImpactFactor<double> factorize_impact(const InertiaMatrices<double>&, const JointVectord&,
-                                               const std::vector<bool>&);
-template ImpactJump<double> solve_impact(const ImpactFactor<double>&, const Vector6<double>&,
-                                         const JointVector<double>&);
-template ImpactJump<double> compute_jump(const ImpactFactor<double>&, const HandJacobian<double>&,
+template ImpactJump<double> compute_jump(const InertiaFactor<double>&, const HandJacobian<double>&,
                                          const Vector6<double>&);
 template ImpactJump<double> compute_jump(const RobotModel&, const JointVector<double>&,
                                          const JointVectord&, const std::vector<bool>&,

@@ -1,5 +1,7 @@
 #include <stillbase/impact/summary.hpp>
 
+#include <stillbase/impact/gradient.hpp>
+
 #include "impact/case_lever.hpp"
 
 namespace stillbase {
@@ -7,15 +9,9 @@ namespace stillbase {
 ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
                                const JointResistance& resistance, const Vector6d& Fbar,
                                double closing_speed, double case_tolerance) {
-  const auto kinematics = compute_kinematics<double>(robot, phi);
-  const auto inertia = compute_inertia(robot, kinematics);
-  const auto tilde = compute_tilde_inertia(inertia);
-  const auto jacobian = compute_hand_jacobian(robot, kinematics);
-  const auto factor = factorize_impact(
-      inertia, added_impact_inertia(resistance, robot.n()),
-      resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>{});
-  const auto jump = compute_jump(factor, jacobian, Fbar);
-  const ReactionNullSpace space = angular_reaction_null_space(tilde);
+  const auto posture = evaluate_posture(robot, prepare_resistance(resistance, robot.n()), phi);
+  const auto jump = compute_jump(posture.factor, posture.jacobian, Fbar);
+  const ReactionNullSpace space = angular_reaction_null_space(posture.tilde);
   const JointVelocityParts parts = decompose_joint_velocity(space, jump.Delta_phidot);
 
   ImpactSummary out;
@@ -24,11 +20,11 @@ ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
   out.Delta_phidot = jump.Delta_phidot;
   out.Delta_phidot_rns = parts.rns;
   out.Delta_phidot_orthogonal = parts.orthogonal;
-  out.total = momentum_change(inertia, jacobian, Fbar);
-  out.base = tilde.Htilde_omega * jump.Delta_Omega.tail<3>();
-  out.coupling = tilde.Htilde_omegaphi * jump.Delta_phidot;
-  const double scale =
-      Fbar.head<3>().norm() * case_lever(kinematics.r_bh, inertia.r_bg) + Fbar.tail<3>().norm();
+  out.total = momentum_change(posture.inertia, posture.jacobian, Fbar);
+  out.base = posture.tilde.Htilde_omega * jump.Delta_Omega.tail<3>();
+  out.coupling = posture.tilde.Htilde_omegaphi * jump.Delta_phidot;
+  const double lever = case_lever(posture.kinematics.r_bh, posture.inertia.r_bg);
+  const double scale = Fbar.head<3>().norm() * lever + Fbar.tail<3>().norm();
   out.judgement = judge_case(out.total, out.base, out.coupling, scale, case_tolerance);
   out.rank_tolerance = space.rank_tolerance;
   out.rank = space.rank;

@@ -11,7 +11,7 @@
 #include <stillbase/encounter/target_motion.hpp>
 
 #include "planner/candidates.hpp"
-#include "planner/contact_again.hpp"
+#include "planner/contact_refinement.hpp"
 #include "planner/self_motion.hpp"
 
 namespace stillbase {
@@ -52,9 +52,9 @@ class Stage {
   /// A goal of a set: a candidate, or a sample of the self-motion beside one.
   struct Goal {
     std::size_t candidate;
-    std::optional<Resolved> sample;
+    std::optional<CertifiedCandidate> sample;
     std::optional<TargetMotion> motion;
-    std::unique_ptr<ContactAgain> contact;  ///< of a candidate
+    std::unique_ptr<ContactRefinement> contact;  ///< of a candidate
   };
 
   void without_approach() {
@@ -72,23 +72,24 @@ class Stage {
     return std::find(order_.order.begin(), end, candidate) != end;
   }
 
-  std::unique_ptr<ContactAgain> contact_at(std::size_t i) const {
-    return std::make_unique<ContactAgain>(problem_, found_.points[i], found_.candidates[i],
-                                          found_.certificates[i], options_.stop);
+  std::unique_ptr<ContactRefinement> contact_at(std::size_t i) const {
+    return std::make_unique<ContactRefinement>(problem_, found_.points[i], found_.candidates[i],
+                                               found_.certificates[i], options_.stop,
+                                               options_.contact_refinement);
   }
 
-  void count_calls(const ContactAgain& contact) {
+  void count_calls(const ContactRefinement& contact) {
     if (contact.optimizer_calls() == 0) return;
     solver_calls_[problem_.search.optimizer] += contact.optimizer_calls();
   }
 
-  /// Takes an approach to a candidate, or the configuration that it ends at where the path decides.
+  /// Records an approach to a candidate, or to the configuration at its end where the path decides.
   /// @return whether it leads to a configuration whose limits hold after the impact
-  bool take(const Approach& approach, std::size_t candidate, const ContactAgain* contact) {
+  bool take(const Approach& approach, std::size_t candidate, const ContactRefinement* contact) {
     const bool found = arrives(approach);
-    std::optional<Resolved> there;
+    std::optional<CertifiedCandidate> there;
     if (found && path_decides(problem_)) {
-      there = contact->resolve(approach.joint_positions.back(), approach.base_poses.back());
+      there = contact->certify(approach.joint_positions.back(), approach.base_poses.back());
       judge_collisions(problem_, scene_, there->candidate);
     }
     // A configuration that came with its path was not judged by its time after the impact yet.
@@ -104,52 +105,52 @@ class Stage {
     return holds;
   }
 
-  /// Each candidate in turn, as far as the options allow. Where one fails its neighbours mostly do,
-  /// so that they come last.
+  /// Tries each candidate, at most `max_approaches`. Where one fails its neighbours mostly fail
+  /// too, so that they come last.
   void one_by_one() {
     const std::vector<std::size_t>& order = order_.order;
-    std::vector<std::size_t> turns, neighbours;
+    std::vector<std::size_t> sequence, neighbours;
     for (std::size_t i = 0; i < order.size(); ++i) {
-      const bool is_new = std::none_of(turns.begin(), turns.end(), [&](std::size_t other) {
+      const bool is_new = std::none_of(sequence.begin(), sequence.end(), [&](std::size_t other) {
         return are_neighbours(order[i], order[other]);
       });
-      (is_new ? turns : neighbours).push_back(i);
+      (is_new ? sequence : neighbours).push_back(i);
     }
-    turns.insert(turns.end(), neighbours.begin(), neighbours.end());
-    if (static_cast<int>(turns.size()) > options_.max_approaches) {
-      turns.resize(static_cast<std::size_t>(options_.max_approaches));
+    sequence.insert(sequence.end(), neighbours.begin(), neighbours.end());
+    if (static_cast<int>(sequence.size()) > options_.max_approaches) {
+      sequence.resize(static_cast<std::size_t>(options_.max_approaches));
     }
     int done = 0;
-    for (const std::size_t i : turns) {
+    for (const std::size_t i : sequence) {
       if (tried_ && options_.stop.reached()) return;
       progress(done++);
       const Configuration& goal = found_.candidates[order[i]].configuration;
       const std::optional<TargetMotion> motion = encounter_motion(problem_, goal);
-      const std::unique_ptr<ContactAgain> contact = contact_at(order[i]);
+      const std::unique_ptr<ContactRefinement> contact = contact_at(order[i]);
       const Approach approach =
           plan_approach(problem_, goal, motion ? &*motion : nullptr, seed_ + i, options_.stop,
-                        solver_calls_, contact->solver());
+                        solver_calls_, contact->solver(), options_.approach);
       count_calls(*contact);
       if (take(approach, order[i], contact.get())) return;
     }
   }
 
   bool are_neighbours(std::size_t a, std::size_t b) const {
-    constexpr double kNear = 0.3;  // rad
+    const double near = options_.neighbour_distance;
     const Configuration& first = found_.candidates[a].configuration;
     const Configuration& second = found_.candidates[b].configuration;
-    return (first.phi - second.phi).cwiseAbs().maxCoeff() < kNear &&
-           first.base.orientation.angularDistance(second.base.orientation) < kNear;
+    return (first.phi - second.phi).cwiseAbs().maxCoeff() < near &&
+           first.base.orientation.angularDistance(second.base.orientation) < near;
   }
 
-  /// All good candidates at once; when none of them is reached, samples of their self-motion as
-  /// well.
-  /// @return whether that ends the matter
+  /// Goes for all good candidates at once; when none is reached, for samples of their self-motion
+  /// as well.
+  /// @return whether nothing is left to try
   bool to_any() {
     std::list<Goal> goals = good_candidates();
     if (goals.empty()) return false;
     if (goals.size() > 1 && to_any_of(goals)) return true;
-    // Within the null space all candidates were gone for, along all of the contact.
+    // Within the null space all candidates were tried, with their continua.
     if (path_decides(problem_)) return goals.size() > 1 && !has_fallback_;
     const std::size_t count = goals.size();
     add_samples(goals);
@@ -165,13 +166,13 @@ class Stage {
     for (const Goal& goal : goals) {
       const Candidate& candidate =
           goal.sample ? goal.sample->candidate : found_.candidates[goal.candidate];
-      // Twice as bad is looked for a quarter as often; zeros are all as good.
+      // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
       const double part = most > 0 ? rank_of(problem_, candidate) / most : 1;
       asked.push_back({candidate.configuration, goal.motion ? &*goal.motion : nullptr,
                        1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
-    const ApproachToAny any =
-        plan_approach_to_any(problem_, asked, seed_, options_.stop, solver_calls_);
+    const ApproachToAny any = plan_approach_to_any(problem_, asked, seed_, options_.stop,
+                                                   solver_calls_, options_.approach);
     for (const Goal& goal : goals) {
       if (goal.contact) count_calls(*goal.contact);
     }
@@ -182,7 +183,7 @@ class Stage {
     }
     const bool holds = take(any.approach, reached.candidate, reached.contact.get());
     if (reached.sample) {
-      chosen_.resolved = reached.sample;
+      chosen_.certified = reached.sample;
       chosen_.is_sample = true;
     }
     return holds;
@@ -194,11 +195,11 @@ class Stage {
     for (std::size_t k = 0; k < order_.holding; ++k) {
       const std::size_t i = order_.order[k];
       const Candidate& candidate = found_.candidates[i];
-      // Within the null space any contact that can be reached is welcome: it is improved on the
-      // way.
-      const bool is_welcome =
+      // Within the null space any contact that can be reached is a goal: it is improved along the
+      // path.
+      const bool is_goal =
           path_decides(problem_) || is_good(problem_, candidate, best, options_.goal_factor);
-      if (!is_welcome) continue;
+      if (!is_goal) continue;
       goals.push_back({i, {}, encounter_motion(problem_, candidate.configuration), contact_at(i)});
     }
     return goals;
@@ -215,12 +216,13 @@ class Stage {
     formulation.give_up_simulations_at(options_.stop);
     for (const Eigen::VectorXd& x :
          self_motion_samples(problem_, formulation, points, best, options_.goal_factor,
-                             options_.goal_samples, options_.stop)) {
+                             options_.goal_samples, options_.stop, options_.self_motion)) {
       if (options_.stop.reached()) return;
       Candidate candidate = best;
       candidate.starts_reached = 0;
       candidate.family = -1;
-      Resolved sample = resolve(problem_, x, candidate, found_.certificates[beside]);
+      CertifiedCandidate sample =
+          certify_candidate(problem_, x, candidate, found_.certificates[beside]);
       judge_collisions(problem_, scene_, sample.candidate);
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
@@ -243,7 +245,7 @@ class Stage {
   CandidateOrder order_;
   ChosenApproach chosen_;
   bool tried_ = false;
-  bool has_fallback_ = false;  ///< an approach, though not one to a configuration that holds
+  bool has_fallback_ = false;  ///< an approach to a configuration that breaks a limit afterwards
 };
 
 }  // namespace

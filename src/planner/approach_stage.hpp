@@ -8,7 +8,7 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
-#include "planner/resolved.hpp"
+#include "planner/certified_candidate.hpp"
 
 namespace stillbase {
 
@@ -16,9 +16,9 @@ struct ChosenApproach {
   std::size_t candidate = 0;  ///< index among those found
   Approach approach;
   /// The configuration that was found with the path, in place of that of the candidate.
-  std::optional<Resolved> resolved;
-  bool is_sample = false;  ///< `resolved` is beside the candidate: a sample of its self-motion
-  bool holds = false;      ///< it is reached, and the limits of the time after the impact are kept
+  std::optional<CertifiedCandidate> certified;
+  bool is_sample = false;  ///< `certified` stands beside the candidate: a sample of its self-motion
+  bool holds = false;      ///< reached, and the limits of the time after the impact are kept
 };
 
 /// Approaches to the candidates of a search that were judged for collisions; see make_plan for the

@@ -12,8 +12,8 @@ namespace stillbase {
 
 namespace {
 
-/// What touches what while the robot waits at a configuration and the target comes in; empty:
-/// nothing.
+/// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
+/// none.
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
                               const Configuration& configuration) {
   const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
@@ -24,7 +24,7 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
     const auto hit = scene.first_hit(kinematics, configuration.base, nullptr, margin);
     return hit ? to_string(*hit) : "";
   }
-  // From the contact backwards, so that what is reported is what matters most.
+  // From the contact backwards: what is reported is the collision nearest to it.
   const double wait = problem.approach.wait;
   const double speed =
       std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());

@@ -1,4 +1,4 @@
-// What candidates are worth beside their objective: collisions at the contact, the time after it.
+// Judgement of candidates beside their objective: collisions at the contact, limits after it.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace stillbase {
 
-/// Sets `collision` and `collision_free`: what touches what while the robot waits at the candidate
+/// Sets `collision` and `collision_free`: which bodies touch while the robot waits at the candidate
 /// and the target comes in.
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate);
@@ -31,9 +31,9 @@ bool keeps_limits_after(const CaptureProblem& problem, const Configuration& conf
 
 /// Order in which approaches are tried.
 struct CandidateOrder {
-  /// Candidates free of collision whose time after the impact keeps the problem's limits, best
-  /// first; then the other ones free of collision; when nothing is free, the best alone. Where the
-  /// base's pose follows from the path, what touches at the stated pose says little: all are there.
+  /// Candidates free of collision that keep the problem's limits after the impact, best first; then
+  /// the other ones free of collision. Where the base's pose follows from the path, collisions at
+  /// the stated pose say little, and all candidates follow. Never empty: the best is always there.
   std::vector<std::size_t> order;
   std::size_t holding = 0;  ///< how many of the first ones keep the limits
 };

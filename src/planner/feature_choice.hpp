@@ -20,14 +20,13 @@ struct PlanOfFeature {
   PlanQuality quality = PlanQuality::Nothing;
 };
 
-/// Plans for the one feature that the problem looks at.
+/// Plans for the one feature of the problem.
 PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& options);
 
-/// The plan that came furthest; among equals the one that ranks first, as candidates do. The
-/// candidates of all features become one list in the order of their rank, in which the chosen one
-/// stays (a sample of a self-motion behind all others, as in each plan); starts, solutions and
-/// calls are counted together, the estimate of what was not seen is that of all starts. Stopped
-/// when one of them was.
+/// The plan of the highest quality; among equals the one that ranks first. The candidates of all
+/// features become one list ordered by rank that keeps the chosen one; a sample of a self-motion
+/// comes last, as in each plan. Starts, solutions and calls are summed, and the estimate of
+/// solutions not seen is that of all starts. Its status is Limit when a plan's is.
 /// @pre at least one plan
 Plan best_of_features(std::vector<PlanOfFeature> plans);
 

@@ -26,11 +26,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Relative: values nearer than that are the same.
-constexpr double kBetter = 1e-6;
-
-/// A deadline at half the time that is left: a proof is not all that a plan needs.
-StopCondition half_the_rest(StopCondition stop) {
+/// A deadline after half of the remaining time: a plan needs more than its proof.
+StopCondition half_of_remaining_time(StopCondition stop) {
   const auto now = StopCondition::Clock::now();
   if (stop.deadline != StopCondition::Clock::time_point::max() && stop.deadline > now) {
     stop.deadline = now + (stop.deadline - now) / 2;
@@ -38,16 +35,16 @@ StopCondition half_the_rest(StopCondition stop) {
   return stop;
 }
 
-/// A lower bound of the measure; where it points at better configurations the search looks again.
-/// @param again the search, with more starts
-void bound_and_look_again(
+/// Bounds the measure from below. The bound's suspects, configurations that may be better, become
+/// further starts of the search.
+/// @param search_from the search, with more starts
+void bound_and_search_suspects(
     const CaptureProblem& problem, const Formulation& formulation, const PlannerOptions& options,
-    const std::function<SearchResult(const std::vector<Eigen::VectorXd>&)>& again,
+    const std::function<SearchResult(const std::vector<Eigen::VectorXd>&)>& search_from,
     SearchResult& found, Proof& proof) {
-  constexpr int kMostTimes = 8;
   const auto bounded = [&] {
     MinimumOptions effort;
-    effort.stop = half_the_rest(options.stop);
+    effort.stop = half_of_remaining_time(options.stop);
     effort.on_progress = [&](long boxes) {
       if (!options.on_progress) return;
       options.on_progress("proof", static_cast<int>(boxes), static_cast<int>(effort.max_boxes));
@@ -56,19 +53,19 @@ void bound_and_look_again(
   };
   bool was_missed = false;
   std::optional<MinimumBound> bound = bounded();
-  for (int time = 0; time < kMostTimes && bound && !bound->suspects.empty(); ++time) {
+  for (int time = 0; time < options.bound_rounds && bound && !bound->suspects.empty(); ++time) {
     if (options.stop.reached()) break;
     std::vector<Eigen::VectorXd> suspects;
     for (const Configuration& at : bound->suspects) suspects.push_back(formulation.variables(at));
-    SearchResult other = again(suspects);
-    if (!(best_value(other) < (1 - kBetter) * best_value(found).value())) break;
+    SearchResult other = search_from(suspects);
+    if (!(best_value(other) < (1 - options.improvement) * best_value(found).value())) break;
     was_missed = true;
     found = std::move(other);
     match_candidates(problem, found, proof);
     bound = bounded();
   }
   if (bound) state_bound(*bound, proof);
-  // Of a measure that is no predicted value the zeros of the predicted objective are no bound.
+  // Zeros of the nominal objective are no bound of another measure.
   if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
     proof.lower_bound.reset();
     proof.gap.reset();
@@ -81,7 +78,7 @@ void bound_and_look_again(
   }
 }
 
-/// Search and proof; what the search had missed is added.
+/// Search and proof. Solutions that the search had missed are added.
 SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
                               const CollisionScene& scene, const PlannerOptions& options,
                               Plan& plan, Proof& proof) {
@@ -104,50 +101,53 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
   SearchResult found = search(problem, formulation, search_options);
 
-  const auto again = [&](const std::vector<Eigen::VectorXd>& starts) {
+  const auto search_from = [&](const std::vector<Eigen::VectorXd>& starts) {
     std::vector<Eigen::VectorXd>& more = search_options.more_starts;
     more.insert(more.end(), starts.begin(), starts.end());
     return search(problem, formulation, search_options);
   };
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
-  proof = prove_solutions(options.prover, problem, formulation, half_the_rest(options.stop));
+  proof = prove_solutions(options.prover, problem, formulation,
+                          half_of_remaining_time(options.stop));
   match_candidates(problem, found, proof);
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
   if (!missing.empty() && !options.stop.reached()) {
-    found = again(missing);
+    found = search_from(missing);
     match_candidates(problem, found, proof);
   }
   state_what_was_missed(proof);
-  bound_and_look_again(problem, formulation, options, again, found, proof);
+  bound_and_search_suspects(problem, formulation, options, search_from, found, proof);
   plan.solver_calls = found.solver_calls;
   plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
   plan.timing["proof"] = seconds_since(proof_begin);
   return found;
 }
 
-/// The configuration that the approach leads to, among the candidates; the plan's words about it.
-std::size_t settle(const ChosenApproach& choice, const Formulation& formulation,
-                   SearchResult& found, Plan& plan) {
+/// Puts the configuration that the approach leads to among the candidates, and its certificate and
+/// constraints into the plan.
+/// @return its index
+std::size_t select_candidate(const ChosenApproach& choice, const Formulation& formulation,
+                             SearchResult& found, Plan& plan) {
   std::size_t chosen = choice.candidate;
   plan.approach = choice.approach;
   plan.certificate = found.certificates[chosen];
   plan.constraints = formulation.report(found.points[chosen]);
-  if (!choice.resolved) return chosen;
-  plan.certificate = choice.resolved->certificate;
-  plan.constraints = choice.resolved->constraints;
+  if (!choice.certified) return chosen;
+  plan.certificate = choice.certified->certificate;
+  plan.constraints = choice.certified->constraints;
   if (choice.is_sample) {
-    found.candidates.push_back(choice.resolved->candidate);
+    found.candidates.push_back(choice.certified->candidate);
     chosen = found.candidates.size() - 1;
   } else {
-    found.candidates[chosen] = choice.resolved->candidate;
+    found.candidates[chosen] = choice.certified->candidate;
   }
   return chosen;
 }
 
 /// Impact and objective at the plan's configuration.
-/// @param known worst case there, where the search left it as it is
+/// @param known worst case there, if the search computed it
 void describe(const CaptureProblem& problem, const Candidate& best,
               const std::optional<WorstCase>& known, Plan& plan) {
   plan.configuration = best.configuration;
@@ -207,11 +207,11 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   plan.timing["approach"] = seconds_since(approach_begin);
 
   if (!found.candidates.empty()) {
-    const std::size_t chosen = settle(choice, formulation, found, plan);
+    const std::size_t chosen = select_candidate(choice, formulation, found, plan);
     plan.certificate.proof = std::move(proof);
     plan.nominal_optimum = found.nominal_optimum;
     std::optional<WorstCase> known;
-    if (!choice.resolved) known = found.worst_cases[chosen];
+    if (!choice.certified) known = found.worst_cases[chosen];
     describe(problem, found.candidates[chosen], known, plan);
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
   }

@@ -79,11 +79,11 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   }
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
-      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " meets its stop";
+      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
     }
   }
   if (summary.residual_base_rate > spec.residual_base_rate_max) return "base rate";
-  if (summary.attitude_turned > spec.attitude_change_max) return "turn of the base";
+  if (summary.attitude_turned > spec.attitude_change_max) return "attitude change of the base";
   if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity)) return "joint rates";
   if (exceeds(problem.robot, summary.peak_torques, &Joint::max_effort)) return "joint torques";
   return "";

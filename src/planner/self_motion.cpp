@@ -15,14 +15,10 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kStride = 0.4;  ///< rad of a step of a walk
-constexpr double kApart = 0.2;   ///< rad
-constexpr int kMostSteps = 6, kHalvings = 2, kProjections = 20;
-
-/// As far as the problem allows in about one direction.
+/// Walks in about one direction as far as the problem allows.
 Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulation,
                      const Eigen::VectorXd& from, const Candidate& best, double factor,
-                     Random& random) {
+                     const SelfMotionOptions& options, Random& random) {
   Eigen::VectorXd y, x = from;
   Eigen::MatrixXd slope;
   formulation.objective_vector(from, y, slope);
@@ -39,7 +35,7 @@ Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulati
   };
   Eigen::VectorXd direction(x.size());
   for (Eigen::Index i = 0; i < direction.size(); ++i) direction[i] = random.normal();
-  const int steps = 1 + random.index(kMostSteps);
+  const int steps = 1 + random.index(options.max_steps);
   for (int step = 0; step < steps; ++step) {
     const Eigen::MatrixXd open = open_directions(formulation, x, keep_zero);
     if (open.cols() == 0) break;
@@ -47,10 +43,10 @@ Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulati
     if (!(direction.norm() > 0)) break;
     direction.normalize();
     bool moved = false;
-    double stride = kStride;
-    for (int trial = 0; trial <= kHalvings && !moved; ++trial, stride /= 2) {
-      const ProjectionResult there =
-          project_onto_constraints(formulation, x + stride * direction, keep_zero, kProjections);
+    double stride = options.stride;
+    for (int trial = 0; trial <= options.halvings && !moved; ++trial, stride /= 2) {
+      const ProjectionResult there = project_onto_constraints(formulation, x + stride * direction,
+                                                              keep_zero, options.projection_steps);
       moved = there.violation <= kFeasibilityTolerance && allowed(there.x);
       if (moved) x = there.x;
     }
@@ -77,18 +73,19 @@ std::vector<Eigen::VectorXd> self_motion_samples(const CaptureProblem& problem,
                                                  const Formulation& formulation,
                                                  const std::vector<Eigen::VectorXd>& from,
                                                  const Candidate& best, double factor, int count,
-                                                 const StopCondition& stop) {
+                                                 const StopCondition& stop,
+                                                 const SelfMotionOptions& options) {
   std::vector<Eigen::VectorXd> samples;
   if (from.empty() || formulation.freedom() == 0) return samples;
   Random random(problem.search.seed);
   const auto joints = static_cast<Eigen::Index>(
       std::count(problem.variables.joints.begin(), problem.variables.joints.end(), true));
   const auto is_near = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    return (a - b).head(joints).norm() < kApart;
+    return (a - b).head(joints).norm() < options.separation;
   };
   for (int i = 0; i < count && !stop.reached(); ++i) {
     const Eigen::VectorXd& begin = from[static_cast<std::size_t>(i) % from.size()];
-    const Eigen::VectorXd x = walk(problem, formulation, begin, best, factor, random);
+    const Eigen::VectorXd x = walk(problem, formulation, begin, best, factor, options, random);
     const auto same = [&](const Eigen::VectorXd& other) { return is_near(x, other); };
     if (std::any_of(from.begin(), from.end(), same)) continue;
     if (std::any_of(samples.begin(), samples.end(), same)) continue;

@@ -1,31 +1,32 @@
-// The self-motion at the contact: other postures that hold the hand as well.
+// The self-motion at the contact: other postures with the same hand pose.
 #pragma once
 
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/formulation/formulation.hpp>
+#include <stillbase/planner/planner.hpp>
 
 namespace stillbase {
 
-/// How good a candidate is, in the order of the search: the measure, or for the predicted value
-/// alone its worst case.
+/// What ranks a candidate: the measure, or the worst case over the cone where the measure is the
+/// nominal value. Smaller is better.
 double rank_of(const CaptureProblem& problem, const Candidate& candidate);
 
-/// Whether a candidate is at most `factor` times as bad as the best one, by both numbers that rank
-/// it.
+/// Whether value and rank of a candidate are at most `factor` times those of the best one.
 bool is_good(const CaptureProblem& problem, const Candidate& candidate, const Candidate& best,
              double factor);
 
-/// Points on the self-motion: from each given one a walk in a random direction that keeps all
-/// constraints (where the objective vanishes: that, too), as long as the objective stays within
-/// `factor` of that of `best`. Constraints hold to 1e-9. Points nearer than 0.2 rad to each other
-/// or to `from` are left out.
-/// @param from variables to begin with, in turn; @param count walks; 0: none
+/// Points on the self-motion at the contact. Each is the end of a walk in a random direction that
+/// keeps all constraints to 1e-9, a vanishing objective included, as long as the objective stays
+/// within `factor` of that of `best`. Points near each other or near `from` are left out.
+/// @param from variables at which the walks begin, one after the other
+/// @param count number of walks
 std::vector<Eigen::VectorXd> self_motion_samples(const CaptureProblem& problem,
                                                  const Formulation& formulation,
                                                  const std::vector<Eigen::VectorXd>& from,
                                                  const Candidate& best, double factor, int count,
-                                                 const StopCondition& stop);
+                                                 const StopCondition& stop,
+                                                 const SelfMotionOptions& options = {});
 
 }  // namespace stillbase

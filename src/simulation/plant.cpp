@@ -1,6 +1,6 @@
 #include <stillbase/simulation/plant.hpp>
 
-#include <stillbase/impact/jump.hpp>
+#include <stillbase/impact/gradient.hpp>
 
 namespace stillbase {
 namespace {
@@ -30,11 +30,11 @@ PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& 
                                        const JointVectord& tau, const std::vector<bool>& held) {
   // The jump (6) and the motion (3) have the same matrix; H_phi already holds the rotors.
   const JointVectord nothing_added = JointVectord::Zero(tau.size());
-  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, held);
+  const InertiaFactor<double> factor = factorize_inertia(terms.inertia, nothing_added, held);
   const Vector6d base = F_b - terms.bias.c_b;
   const JointVectord joints = tau - terms.bias.c_phi;
-  const ImpactJump<double> solution = solve_impact(factor, base, joints);
-  return {solution.Delta_Omega, solution.Delta_phidot};
+  const GeneralizedMotion<double> solution = solve_inertia(factor, base, joints);
+  return {solution.Omega, solution.phidot};
 }
 
 JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,
@@ -48,12 +48,12 @@ JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& ac
 void impose_joint_rate(const PlantTerms& terms, int k, double rate, const std::vector<bool>& held,
                        PlantState& state) {
   const JointVectord nothing_added = JointVectord::Zero(state.phi.size());
-  const ImpactFactor<double> factor = factorize_impact(terms.inertia, nothing_added, held);
+  const InertiaFactor<double> factor = factorize_inertia(terms.inertia, nothing_added, held);
   const JointVectord unit = JointVectord::Unit(state.phi.size(), k);
-  const ImpactJump<double> jump = solve_impact(factor, Vector6d(Vector6d::Zero()), unit);
-  const double impulse = (rate - state.phidot[k]) / jump.Delta_phidot[k];
-  state.Omega += impulse * jump.Delta_Omega;
-  state.phidot += impulse * jump.Delta_phidot;
+  const auto jump = solve_inertia<double>(factor, Vector6d::Zero(), unit);
+  const double impulse = (rate - state.phidot[k]) / jump.phidot[k];
+  state.Omega += impulse * jump.Omega;
+  state.phidot += impulse * jump.phidot;
   state.phidot[k] = rate;
 }
 
@@ -66,14 +66,9 @@ double kinetic_energy(const InertiaMatrices<double>& inertia, const PlantState& 
 
 PlantState state_after_impact(const RobotModel& robot, const JointResistance& resistance,
                               const PlantState& before, const Vector6d& Fbar) {
-  const Kinematics<double> kinematics = compute_kinematics(robot, before.phi);
-  const InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
-  const HandJacobian<double> jacobian = compute_hand_jacobian(robot, kinematics);
-  const std::vector<bool> locked =
-      resistance.model == ResistanceModel::Locked ? resistance.locked : std::vector<bool>();
-  const ImpactFactor<double> factor =
-      factorize_impact(inertia, added_impact_inertia(resistance, robot.n()), locked);
-  const ImpactJump<double> jump = compute_jump(factor, jacobian, Fbar);
+  const auto posture =
+      evaluate_posture(robot, prepare_resistance(resistance, robot.n()), before.phi);
+  const ImpactJump<double> jump = compute_jump(posture.factor, posture.jacobian, Fbar);
   PlantState after = before;
   after.Omega += jump.Delta_Omega;
   after.phidot += jump.Delta_phidot;

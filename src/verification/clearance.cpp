@@ -17,6 +17,8 @@ namespace {
 Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd& phi) {
   Kinematics<double> kinematics;
   kinematics.n = robot.n();
+  for (auto* points : {&kinematics.o, &kinematics.c}) points->resize(robot.n());
+  kinematics.R.resize(robot.n());
   const std::vector<Pose> poses = reference::body_poses(robot, phi);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     kinematics.R[k] = poses[k].orientation.toRotationMatrix();

@@ -55,7 +55,7 @@ TEST_CASE("a goal that cannot be reached does not stand in the way of one that c
   }
 }
 
-TEST_CASE("each goal is gone for in its own world") {
+TEST_CASE("each goal is planned for among its own obstacles") {
   // Two stations of a held base; the ball, fixed in space, is in the way at the first one alone.
   CaptureProblem problem = beside_a_ball();
   problem.obstacles.front().frame = Frame::Inertial;

@@ -64,7 +64,7 @@ TEST_CASE("allowed contacts are not looked at") {
   CHECK(hit_name(scene, robot, posture({180, 0})) == "link2 with base");
 }
 
-TEST_CASE("the margin decides between a hit and none at the distance that nearest() gives") {
+TEST_CASE("the margin decides between a collision and none at the distance that nearest() gives") {
   const RobotModel robot = planar_robot();
   const CollisionScene scene(robot, {});
   Random random(1);

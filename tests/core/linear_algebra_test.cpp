@@ -27,7 +27,7 @@ bool is_orthonormal(const Eigen::MatrixXd& Q) {
 
 }  // namespace
 
-TEST_CASE("core: singular vectors rebuild a matrix, and the last right ones span its null space") {
+TEST_CASE("singular vectors rebuild a matrix, and the last right ones span its null space") {
   const Eigen::MatrixXd A = rank_two();
   const Svd thin = thin_svd(A), right = right_svd(A);
   CHECK((thin.U * thin.sigma.asDiagonal() * thin.V.transpose() - A).norm() < kRounding);
@@ -41,7 +41,7 @@ TEST_CASE("core: singular vectors rebuild a matrix, and the last right ones span
   CHECK(numerical_rank(Eigen::VectorXd::Zero(3), 1e-10) == 0);
 }
 
-TEST_CASE("core: the eigenvectors of a symmetric matrix diagonalise it, values ascending") {
+TEST_CASE("the eigenvectors of a symmetric matrix diagonalise it, values ascending") {
   Random random(2);
   const Eigen::MatrixXd B = random_matrix(random, 3, 3);
   const Matrix3d A = B + B.transpose();
@@ -59,7 +59,7 @@ TEST_CASE("core: the eigenvectors of a symmetric matrix diagonalise it, values a
   CHECK((svd.U * svd.sigma.asDiagonal() * svd.V.transpose() - A).norm() < kRounding);
 }
 
-TEST_CASE("core: the least-norm solution of a singular system is that of the pseudo-inverse") {
+TEST_CASE("the least-norm solution of a singular system is that of the pseudo-inverse") {
   const Eigen::MatrixXd A = rank_two();
   Random random(3);
   const Eigen::VectorXd b = random_matrix(random, 4, 1);
@@ -69,7 +69,7 @@ TEST_CASE("core: the least-norm solution of a singular system is that of the pse
   CHECK((pseudo_inverse(A, 1e-9) * b - x).norm() < kRounding);
 }
 
-TEST_CASE("core: a pivoted QR splits the space into the columns' span and its complement") {
+TEST_CASE("a pivoted QR splits the space into the columns' span and its complement") {
   const Eigen::MatrixXd A = rank_two();
   const PivotedQr qr(A);
   REQUIRE(qr.rank() == 2);

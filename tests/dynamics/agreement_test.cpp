@@ -105,7 +105,7 @@ TEST_CASE("jump by dynamics and by reference agree on 1000 random robots and imp
     const auto inertia = compute_inertia(robot, kinematics);
     const auto tilde = compute_tilde_inertia(inertia);
     const auto jacobian = compute_hand_jacobian(robot, kinematics);
-    const auto factor = factorize_impact(inertia, added, locked);
+    const auto factor = factorize_inertia(inertia, added, locked);
     const auto fast = compute_jump<double>(factor, jacobian, Fbar);
 
     VectorXd x(6 + n), y(6 + n);

@@ -37,9 +37,9 @@ Case random_case(int trial) {
 }
 
 /// Difference relative to the second motion; rates and base twist are of one size here.
-double difference(const Vector6d& Omega, const JointVectord& phidot, const ImpactJump<double>& b) {
-  const double scale = b.Delta_Omega.norm() + b.Delta_phidot.norm();
-  return ((Omega - b.Delta_Omega).norm() + (phidot - b.Delta_phidot).norm()) / scale;
+double difference(const GeneralizedMotion<double>& a, const GeneralizedMotion<double>& b) {
+  return ((a.Omega - b.Omega).norm() + (a.phidot - b.phidot).norm()) /
+         (b.Omega.norm() + b.phidot.norm());
 }
 
 }  // namespace
@@ -51,24 +51,24 @@ TEST_CASE("articulated bodies and the inertia matrix give the same motion on ran
     const auto kinematics = compute_kinematics<double>(c.robot, c.phi);
     const auto inertia = compute_inertia(c.robot, kinematics);
     const auto jacobian = compute_hand_jacobian(c.robot, kinematics);
-    const auto factor = factorize_impact(inertia, c.added, c.locked);
+    const auto factor = factorize_inertia(inertia, c.added, c.locked);
     const auto bodies = factorize_articulated_bodies(c.robot, kinematics, c.added, c.locked);
 
     const auto solved = solve_articulated_bodies<double>(c.robot, bodies, c.Omega, c.phidot);
-    const auto solved_matrix = solve_impact<double>(factor, c.Omega, c.phidot);
-    worst_solve = std::max(worst_solve, difference(solved.Omega, solved.phidot, solved_matrix));
+    const auto solved_matrix = solve_inertia<double>(factor, c.Omega, c.phidot);
+    worst_solve = std::max(worst_solve, difference(solved, solved_matrix));
 
     const auto bias = compute_bias<double>(c.robot, kinematics, inertia, c.Omega, c.phidot);
     const auto moved = articulated_acceleration<double>(c.robot, kinematics, bodies, c.Omega,
                                                         c.phidot, c.Omega, c.phidot);
-    const auto moved_matrix = solve_impact<double>(factor, Vector6d(c.Omega - bias.c_b),
-                                                   JointVectord(c.phidot - bias.c_phi));
-    worst_acceleration =
-        std::max(worst_acceleration, difference(moved.Omega, moved.phidot, moved_matrix));
+    const auto moved_matrix = solve_inertia<double>(factor, Vector6d(c.Omega - bias.c_b),
+                                                    JointVectord(c.phidot - bias.c_phi));
+    worst_acceleration = std::max(worst_acceleration, difference(moved, moved_matrix));
 
     const auto jump = compute_jump<double>(c.robot, c.phi, c.added, c.locked, c.Omega);
-    worst_jump = std::max(worst_jump, difference(jump.Delta_Omega, jump.Delta_phidot,
-                                                 compute_jump<double>(factor, jacobian, c.Omega)));
+    const auto by_matrix = compute_jump<double>(factor, jacobian, c.Omega);
+    worst_jump = std::max(worst_jump, difference({jump.Delta_Omega, jump.Delta_phidot},
+                                                 {by_matrix.Delta_Omega, by_matrix.Delta_phidot}));
   }
   // Conditions of the inertia matrices reach 1e6.
   CHECK(worst_solve < 1e-10);

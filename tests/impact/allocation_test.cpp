@@ -86,6 +86,10 @@ TEST_CASE("inertia, Jacobian, bias and momentum do not allocate") {
   CHECK(std::isfinite(sum));
 }
 
+TEST_CASE("a posture weighs less than 28 kB") {
+  STATIC_REQUIRE(sizeof(PostureImpact<double>) < 28 * 1024);
+}
+
 TEST_CASE("a batch does not allocate when its results have their size") {
   Random random(5);
   for (const int n : {7, 20}) {

@@ -130,8 +130,8 @@ TEST_CASE("locked joints make the robot one rigid body") {
   for (int trial = 0; trial < 10; ++trial) {
     const int n = 3 + random.index(5);
     const Posture p = random_posture(random, n);
-    const auto factor = factorize_impact(p.at.inertia, JointVectord::Zero(n),
-                                         std::vector<bool>(static_cast<std::size_t>(n), true));
+    const auto factor = factorize_inertia(p.at.inertia, JointVectord::Zero(n),
+                                          std::vector<bool>(static_cast<std::size_t>(n), true));
     const auto jump = compute_jump(factor, p.at.jacobian, p.Fbar);
     CHECK(jump.Delta_phidot.norm() == 0);
     const Vector6d rigid = p.at.inertia.H_b.llt().solve(p.at.jacobian.R_bh.transpose() * p.Fbar);

@@ -15,7 +15,8 @@ Vector6d paper_impulse(const RobotModel& robot, const JointVectord& phi, double 
   const Kinematics<double> kinematics = compute_kinematics(robot, phi);
   const InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
   const HandJacobian<double> jacobian = compute_hand_jacobian(robot, kinematics);
-  const ImpactFactor<double> factor = factorize_impact(inertia, JointVectord::Zero(robot.n()), {});
+  const InertiaFactor<double> factor =
+      factorize_inertia(inertia, JointVectord::Zero(robot.n()), {});
   Vector6d n = Vector6d::Zero();
   n.head<2>() << std::cos(direction), std::sin(direction);
   const double inverse_mass = n.dot(extended_inverse_inertia(factor, jacobian) * n);

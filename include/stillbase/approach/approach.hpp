@@ -11,7 +11,7 @@
 // joints follow cubic Hermite segments; limits, clearances and base poses hold for those segments,
 // not only at the samples. Joints that the search may not change, and that are already where they
 // should be, stay still. Continuous joints end at the configuration's angle; the start angle is
-// taken the whole turns away from problem.start that make the way shortest.
+// problem.start plus the whole turns that make the path shortest.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/target/target.hpp>
@@ -32,8 +33,8 @@ enum class ContactSolve {
   Nearest  ///< the posture nearest to the last best one; depends smoothly on the pose
 };
 
-/// The contact solved anew, asked for when path and configuration depend on each other. Nothing is
-/// returned when there is no solution nearby.
+/// Solves the contact when path and configuration depend on each other. Nothing is returned when
+/// there is no solution nearby.
 struct ContactSolver {
   /// Posture and contact time with the base at this pose (T_NB) at the contact: for a floating base
   /// with a stated start.
@@ -48,21 +49,20 @@ struct ContactSolver {
 
 /// Plans the approach to a configuration: OMPL path against FCL distances, simplification, corners
 /// rounded, time law within rate and acceleration limits, then robot(t) against target(t) along the
-/// whole motion and the wait. What was found is checked again as it is stored; a path that is hit
-/// is planned anew a bounded number of times (other random stream, with the target's poses during
-/// the motion as further obstacles, on a finer grid, with a longer wait).
+/// whole motion and the wait. The motion is checked as it is stored. After a collision another path
+/// is planned, a bounded number of times (other random stream, the target's poses during the motion
+/// as further obstacles, a finer grid, a longer wait).
 ///
 /// @param goal posture and base pose at the contact, and the contact time
-/// @param target predicted motion, or null: nothing but robot and obstacles. A target that is met
-/// at
-///   a stated direction is given as the motion that brings it to the hand at the contact time.
-/// @param seed every random choice follows from it; same seed, same bytes
+/// @param target predicted motion, or null: nothing but robot and obstacles. Where the impulse has
+/// a
+///   stated direction, the motion that brings the target to the hand at the contact time.
+/// @param seed of all random choices; same seed, same bytes
 /// @param stop asked during planning; reached: TimeOut
 /// @param solver_calls counts the planner's runs under its name
 /// @param contact at_base is needed for a floating base with a stated start; near_posture and
-/// measure are
-///   used for `reaction-null` when they are there. The configuration at the contact then is that of
-///   the last sample, and `goal` only where the search begins
+///   measure are used for `reaction-null` where given. The configuration at the contact then is
+///   that of the last sample, and `goal` is where the search begins
 /// @return status Found with every field set, or what failed with `detail` in words:
 ///   NotRequested (approach switched off), StartInvalid, GoalInvalid (limits or bodies closer than
 ///   the clearance), GoalUnreachable (no path found), UnreachableInBaseMode (no path keeps the
@@ -75,34 +75,36 @@ struct ContactSolver {
                                      const TargetMotion* target, std::uint64_t seed,
                                      const StopCondition& stop,
                                      std::map<std::string, long>& solver_calls,
-                                     const ContactSolver& contact = {});
+                                     const ContactSolver& contact = {},
+                                     const ApproachOptions& options = {});
 
 /// A configuration that an approach may lead to, one of several.
 struct ApproachGoal {
   Configuration configuration;
   const TargetMotion* target = nullptr;  ///< as for plan_approach
-  /// > 0: how often the planner looks for a way to this one, relative to the others.
+  /// > 0: how often the planner samples towards this goal, relative to the others.
   double weight = 1;
   ContactSolver contact;  ///< as for plan_approach
 };
 
 struct ApproachToAny {
   Approach approach;
-  std::size_t goal = 0;  ///< index of the goal that it leads to; failed: that it was about last
+  std::size_t goal = 0;  ///< index of the goal that it leads to, or of the last one tried
 };
 
-/// Plans the approach to any of several configurations, the best one first: one run of the planner
-/// goes for all of them, each in a world of its own (base and target stand elsewhere for each), and
-/// the first goal that is reached by a motion that can be flown is taken. A goal that was reached
-/// twice by motions that cannot be flown is left out. Not for a floating base with a stated start.
+/// Plans the approach to any of several configurations, the best one first. One run of the planner
+/// goes for all of them, each with its own poses of base and target. The first goal that a feasible
+/// motion reaches is taken; a goal that two infeasible motions reached is left out. Not for a
+/// floating base with a stated start.
 ///
-/// @param goals at least one; those that plan_approach would refuse at once are passed over
+/// @param goals at least one; those that plan_approach() refuses before planning are skipped
 /// @return as plan_approach; the status of a failure is that of the attempt that came closest
 /// @throws std::invalid_argument as plan_approach, and for weights that are not positive
 [[nodiscard]] ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
                                                  const std::vector<ApproachGoal>& goals,
                                                  std::uint64_t seed, const StopCondition& stop,
-                                                 std::map<std::string, long>& solver_calls);
+                                                 std::map<std::string, long>& solver_calls,
+                                                 const ApproachOptions& options = {});
 
 /// Names accepted in ApproachSpec::planner.
 std::vector<std::string> approach_planner_names();

@@ -10,8 +10,8 @@
 //  - obstacles against every body; those fixed to the base not against the base body;
 //  - the target against every body and against obstacles fixed to the base. The hand's body may be
 //    near the target only while the contact feature is within `contact_allowance` of the hand
-//    point; earlier it is a hit that came early. A target without a feature (a point mass with a
-//    round shape) is met at the point of its bounding sphere that is nearest to the hand.
+//    point; earlier it is a collision. A target without a feature (a point mass with a
+//    round shape) is touched at the point of its bounding sphere that is nearest to the hand.
 //
 // Distances between spheres and capsules are exact; other pairs go through GJK (FCL): capsule
 // against box to 1e-6 m, box against box up to half a millimetre too large. Overlapping pairs have
@@ -32,7 +32,7 @@ namespace stillbase {
 /// Name of the target's body in messages and in allowed_contacts.
 inline constexpr const char* kTargetName = "target";
 
-/// Two things and the distance between them, m.
+/// Two bodies and the distance between them, m.
 struct Proximity {
   std::string first, second;  ///< link, obstacle or "target"; the one further out comes first
   double distance = 0;
@@ -66,7 +66,7 @@ struct SceneParts {
   std::vector<std::pair<std::string, std::string>> allowed_contacts;
   std::vector<Obstacle> obstacles;
   std::optional<TargetBody> target;
-  std::optional<ContactFeature> feature;  ///< where the hand meets the target
+  std::optional<ContactFeature> feature;  ///< where the hand touches the target
   double contact_allowance = 0;           ///< m
 };
 

@@ -33,6 +33,7 @@ struct Pose {
     const Eigen::Quaterniond q = orientation.conjugate();
     return {-(q * position), q};
   }
+  bool is_finite() const { return position.allFinite() && orientation.coeffs().allFinite(); }
 };
 
 /// exp of a rotation vector (rad): the rotation by |a| about a.

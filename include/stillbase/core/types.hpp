@@ -1,21 +1,26 @@
 // Number and matrix types that every other room uses.
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include <Eigen/Core>
 
+#include <stillbase/core/in_place.hpp>
+
 namespace stillbase {
 
-/// Largest number of movable joints. Joint-space matrices keep their elements in place up to this
-/// size, so that nothing below the search allocates; a robot with more joints is refused.
+/// Largest number of movable joints; a robot with more joints is refused.
 inline constexpr int kMaxJoints = 64;
 
 /// The same for each number type of the kernel: wide numbers take a smaller bound, or their
 /// matrices would not fit on the stack.
 template <class S>
 inline constexpr int kMaxJointsOf = kMaxJoints;
+
+/// Up to this number of joints, what grows with the bodies or with the square of the joints is kept
+/// in place, so that nothing below the search allocates. Robots beyond use the heap for it.
+template <class S>
+inline constexpr int kJointsInPlace = kMaxJointsOf<S> < 20 ? kMaxJointsOf<S> : 20;
 
 template <class S>
 using Vector3 = Eigen::Matrix<S, 3, 1>;
@@ -31,8 +36,7 @@ template <class S>
 using JointVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJointsOf<S>, 1>;
 /// n x n.
 template <class S>
-using JointMatrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                  kMaxJointsOf<S>, kMaxJointsOf<S>>;
+using JointMatrix = InPlaceMatrix<S, kJointsInPlace<S>>;
 /// 3 x n.
 template <class S>
 using Matrix3X = Eigen::Matrix<S, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJointsOf<S>>;
@@ -40,9 +44,9 @@ using Matrix3X = Eigen::Matrix<S, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxJoi
 template <class S>
 using Matrix6X = Eigen::Matrix<S, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJointsOf<S>>;
 
-/// One T per body that a joint moves, as many as robots of number type S may have.
+/// One T per body that a joint moves.
 template <class T, class S>
-using PerBody = std::array<T, static_cast<std::size_t>(kMaxJointsOf<S>)>;
+using PerBody = InPlaceArray<T, static_cast<std::size_t>(kJointsInPlace<S>)>;
 
 using Vector3d = Vector3<double>;
 using Vector6d = Vector6<double>;

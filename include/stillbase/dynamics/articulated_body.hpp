@@ -9,9 +9,8 @@
 // kArticulatedBodyJoints.
 #pragma once
 
-#include <vector>
-
 #include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/inertia_factor.hpp>
 
 namespace stillbase {
 
@@ -36,13 +35,6 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot,
                                                   const Kinematics<S>& kinematics,
                                                   const JointVectord& added_inertia,
                                                   const std::vector<bool>& locked);
-
-/// A velocity, a jump of it, or an acceleration of base and joints.
-template <class S>
-struct GeneralizedMotion {
-  Vector6<S> Omega;       ///< base twist [v; omega] in B
-  JointVector<S> phidot;  ///< n
-};
 
 /// x = (H + diag(0, added inertia))^-1 [F_b; tau].
 /// @param F_b at the base centroid, [force; moment] in B

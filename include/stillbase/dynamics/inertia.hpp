@@ -4,7 +4,7 @@
 // centroid.
 #pragma once
 
-#include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/dynamics/jacobian.hpp>
 
 namespace stillbase {
 
@@ -39,16 +39,6 @@ struct InertiaMatrices {
 /// minus.
 template <class S>
 InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kinematics);
-
-/// Hand velocity [v_h; omega_h] = R_bh Omega + J_phi phidot, (3).
-template <class S>
-struct HandJacobian {
-  Matrix6<S> R_bh;    ///< 6x6 shift [E, -skew(r_bh); 0, E]; its transpose stands in (3)
-  Matrix6X<S> J_phi;  ///< fixed-base Jacobian, 6 x n
-};
-
-template <class S>
-HandJacobian<S> compute_hand_jacobian(const RobotModel& robot, const Kinematics<S>& kinematics);
 
 /// Base translation eliminated ("tilde"), (2) and (8).
 template <class S>

@@ -13,7 +13,7 @@ namespace stillbase {
 /// Postures per step for a robot of n joints on this processor; 1: no faster than one by one.
 int batch_lanes(int n);
 
-/// What hits the robot in which posture.
+/// Postures and the wrenches at the hand.
 struct ImpactBatch {
   Eigen::MatrixXd phi;  ///< joint positions, count x n; finite
   Eigen::MatrixXd F;    ///< wrench [f; t] at the hand in B, count x 6; unit force with a law

@@ -8,7 +8,7 @@
 
 namespace stillbase {
 
-/// How hand and target meet when the motion is simulated.
+/// Contact of hand and target in a simulation.
 enum class ContactModel {
   Jump,       ///< the instantaneous impact of the contact law
   Compliant,  ///< spring-damper and Coulomb friction over a finite time, both bodies moving

@@ -69,7 +69,7 @@ struct ContactImpulse {
 ///   Sticking:     f = (W_h3 + W_t3)^-1 v_rel, no moment,
 ///   Latch:        Fbar = (W_h6 + W_t6)^-1 V_rel.
 /// Frictionless and sticking contacts need a closing speed > 0. A latch also holds at closing speed
-/// zero (the target may still turn or slide); where the points separate it finds nothing to hold.
+/// zero (the target may still turn or slide); where the points separate there is no impulse.
 /// @param W_h extended_inverse_inertia() with the joint resistance of the impact, 6x6
 /// @param hand_velocity [v_h; omega_h] before
 /// @throws std::invalid_argument for a latch onto a point mass
@@ -87,7 +87,7 @@ struct ContactVelocities {
 struct ContactOutcome {
   ContactImpulse impulse;
   ContactVelocities after;      ///< as before when there is no impulse
-  double separation_speed = 0;  ///< n . (v_hand - v_target) after, m/s; >= 0 after a hit
+  double separation_speed = 0;  ///< n . (v_hand - v_target) after, m/s; >= 0 after an impact
 };
 
 /// Applies a contact law to robot and target. Momentum of the pair, linear and angular about any

@@ -16,7 +16,7 @@ struct PostureImpact {
   InertiaMatrices<S> inertia;
   TildeInertia<S> tilde;
   HandJacobian<S> jacobian;
-  ImpactFactor<S> factor;
+  InertiaFactor<S> factor;
 };
 
 /// Added inertia and locked joints of an impact, prepared once.

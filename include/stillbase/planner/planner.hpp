@@ -4,11 +4,27 @@
 #include <functional>
 #include <string>
 
+#include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/prover.hpp>
 
 namespace stillbase {
+
+/// Walks along the self-motion at the contact.
+struct SelfMotionOptions {
+  double stride = 0.4;        ///< rad of one step
+  int max_steps = 6;          ///< of a walk; each walk draws its number
+  int halvings = 2;           ///< of a step that leaves the constraints or gets too bad
+  int projection_steps = 20;  ///< of Newton's method onto the constraints
+  double separation = 0.2;    ///< rad: samples nearer to each other are one
+};
+
+/// Contacts solved for the end of a path.
+struct ContactRefinementOptions {
+  int projection_steps = 40;  ///< of Newton's method onto the constraints
+  int evaluations = 400;      ///< of the optimizer: its start is close
+};
 
 struct PlannerOptions {
   StopCondition stop;
@@ -22,20 +38,27 @@ struct PlannerOptions {
   /// Proves what the search found; null: plans say that there is no proof.
   const Prover* prover = registered_prover();
   int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
+  double neighbour_distance = 0.3;  ///< rad: candidates nearer than that mostly fail together
+  double improvement = 1e-6;        ///< relative: smaller differences of the measure do not count
+  int bound_rounds = 8;             ///< of bound and repeated search, at most
+  ApproachOptions approach;
+  SelfMotionOptions self_motion;
+  ContactRefinementOptions contact_refinement;
 };
 
 /// Plans a capture.
 ///
 /// Candidates are ranked by their worst case over the direction cone. A candidate is free of
-/// collision when at the contact, and while the target comes in during the wait, nothing touches
-/// but the hand and the contact feature. The good ones that are free of collision and keep the
-/// problem's post-impact limits under its first controller are gone for at once (`goal_factor`);
-/// when none of them is reached, together with samples of their self-motion at the contact
-/// (`goal_samples`; a sample that is reached becomes the last candidate, reached by no start,
-/// certified as what it is). When none is reached, candidates are tried one by one: those that keep
-/// the limits, then the other ones
-/// (`verify` then says which limit fails); without any, the best one stands with the reason of its
-/// failure. A floating base that starts as stated has its candidates tried one by one.
+/// collision when nothing touches but the hand and the contact feature, at the contact and while
+/// the target comes in during the wait. Goals of the approach, in this order:
+/// 1. all good candidates (`goal_factor`) that are free of collision and keep the problem's
+///    post-impact limits under its first controller, at once;
+/// 2. those together with samples of their self-motion at the contact (`goal_samples`). A sample
+///    that is reached is certified and becomes the last candidate, reached by no start;
+/// 3. candidates one by one: those that keep the limits, then the other ones (`verify` says which
+///    limit fails);
+/// 4. none: the best candidate stands with the reason of its failure.
+/// A floating base with a stated start has its candidates tried one by one.
 /// Without an approach asked for, its status is GoalInvalid when no candidate is free of collision.
 /// @return a plan in every case: `status` and `approach.status` say what holds
 /// @throws InputError for a problem whose parts do not fit together

@@ -92,7 +92,7 @@ struct RobotModel {
   int hand_body = kBase;
   Matrix3d R_hand = Matrix3d::Identity();  ///< axes of the hand frame in its body's frame
   Vector3d p_hand = Vector3d::Zero();      ///< origin of the hand frame in its body's frame, m
-  std::vector<bool> moves_hand;            ///< n; joint k lies on the way from base to hand
+  std::vector<bool> moves_hand;            ///< n; joint k lies between base and hand
 
   int n() const { return static_cast<int>(joints.size()); }
   double total_mass() const;

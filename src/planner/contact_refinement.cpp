@@ -1,4 +1,4 @@
-#include "planner/contact_again.hpp"
+#include "planner/contact_refinement.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -12,9 +12,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kProjections = 40;
-constexpr int kEvaluations = 400;  ///< the start is close
-
 double distance(const Pose& a, const Pose& b) {
   return (a.position - b.position).norm() +
          rotation_log(a.orientation.conjugate() * b.orientation).norm();
@@ -22,19 +19,21 @@ double distance(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-ContactAgain::ContactAgain(const CaptureProblem& problem, const Eigen::VectorXd& x,
-                           const Candidate& candidate, const Certificate& certificate,
-                           const StopCondition& stop)
+ContactRefinement::ContactRefinement(const CaptureProblem& problem, const Eigen::VectorXd& x,
+                                     const Candidate& candidate, const Certificate& certificate,
+                                     const StopCondition& stop,
+                                     const ContactRefinementOptions& options)
     : problem_(problem),
       candidate_(candidate),
       certificate_(certificate),
       stop_(stop),
+      options_(options),
       formulation_(problem),
       best_{{candidate.configuration.base, x}} {
   formulation_.give_up_simulations_at(stop);
 }
 
-ContactSolver ContactAgain::solver() {
+ContactSolver ContactRefinement::solver() {
   ContactSolver solver;
   solver.at_base = [this](const Pose& base, ContactSolve how) { return at_base(base, how); };
   solver.near_posture = [this](const JointVectord& phi, ContactSolve how) {
@@ -46,13 +45,13 @@ ContactSolver ContactAgain::solver() {
   return solver;
 }
 
-CaptureProblem ContactAgain::stated_at(const Pose& base) const {
+CaptureProblem ContactRefinement::stated_at(const Pose& base) const {
   CaptureProblem problem = problem_;
   problem.base = base;
   return problem;
 }
 
-Eigen::VectorXd ContactAgain::best_near(const Pose& base) const {
+Eigen::VectorXd ContactRefinement::best_near(const Pose& base) const {
   return std::min_element(best_.begin(), best_.end(),
                           [&](const Known& a, const Known& b) {
                             return distance(a.base, base) < distance(b.base, base);
@@ -60,27 +59,29 @@ Eigen::VectorXd ContactAgain::best_near(const Pose& base) const {
       ->x;
 }
 
-ProjectionResult ContactAgain::optimum(const CaptureProblem& problem,
-                                       const Formulation& formulation, const Eigen::VectorXd& x) {
+ProjectionResult ContactRefinement::optimum(const CaptureProblem& problem,
+                                            const Formulation& formulation,
+                                            const Eigen::VectorXd& x) {
   if (formulation.freedom() == 0) return {x, kInfinity};
   nlp::OptimizeOptions options;
-  options.max_evaluations = kEvaluations;
+  options.max_evaluations = options_.evaluations;
   options.stop = stop_;
   options.seed = problem_.search.seed;
   const auto optimizer = nlp::make_optimizer(problem_.search.optimizer);
   const MeasureSolution result = Measure(problem, formulation).finish(*optimizer, options, x);
   optimizer_calls_ += result.solver_calls;
-  return project_onto_constraints(formulation, result.x, false, kProjections);
+  return project_onto_constraints(formulation, result.x, false, options_.projection_steps);
 }
 
-std::optional<Configuration> ContactAgain::at_base(const Pose& base, ContactSolve how) {
+std::optional<Configuration> ContactRefinement::at_base(const Pose& base, ContactSolve how) {
   if (stop_.reached()) return std::nullopt;
   const CaptureProblem problem = stated_at(base);
   Formulation formulation(problem);
   formulation.give_up_simulations_at(stop_);
   const bool best = how == ContactSolve::Best;
   const Eigen::VectorXd x0 = best ? best_near(base) : best_.back().x;
-  ProjectionResult solved = project_onto_constraints(formulation, x0, false, kProjections);
+  ProjectionResult solved =
+      project_onto_constraints(formulation, x0, false, options_.projection_steps);
   if (best) {
     const ProjectionResult better = optimum(problem, formulation, solved.x);
     if (better.violation <= kFeasibilityTolerance) solved = better;
@@ -93,19 +94,21 @@ std::optional<Configuration> ContactAgain::at_base(const Pose& base, ContactSolv
 }
 
 // The variables begin with the free joints, in their order.
-std::optional<Configuration> ContactAgain::near_posture(const JointVectord& phi, ContactSolve how) {
+std::optional<Configuration> ContactRefinement::near_posture(const JointVectord& phi,
+                                                             ContactSolve how) {
   Eigen::VectorXd x = best_.front().x;
   Eigen::Index row = 0;
   for (int k = 0; k < problem_.robot.n(); ++k) {
     if (problem_.variables.joints[static_cast<std::size_t>(k)]) x[row++] = phi[k];
   }
-  ProjectionResult solved = project_onto_constraints(formulation_, x, false, kProjections);
+  ProjectionResult solved =
+      project_onto_constraints(formulation_, x, false, options_.projection_steps);
   if (how == ContactSolve::Best && problem_.measure.kind != RiskMeasure::Nominal) {
     solved = optimum(problem_, formulation_, solved.x);
   } else if (how == ContactSolve::Best) {
-    // Where the objective can vanish, its zeros are a whole family: the nearest one is best.
+    // Where the objective can vanish its zeros form a continuum: the nearest one is taken.
     const ProjectionResult zero =
-        project_onto_constraints(formulation_, solved.x, true, kProjections);
+        project_onto_constraints(formulation_, solved.x, true, options_.projection_steps);
     Eigen::VectorXd y;
     Eigen::MatrixXd slope;
     if (zero.violation <= kFeasibilityTolerance) formulation_.objective_vector(zero.x, y, slope);
@@ -118,14 +121,14 @@ std::optional<Configuration> ContactAgain::near_posture(const JointVectord& phi,
   return found;
 }
 
-Resolved ContactAgain::resolve(const JointVectord& phi, const Pose& base) const {
+CertifiedCandidate ContactRefinement::certify(const JointVectord& phi, const Pose& base) const {
   const auto at = std::find_if(returned_.rbegin(), returned_.rend(),
                                [&](const auto& pair) { return pair.first == phi; });
   if (at == returned_.rend()) throw std::logic_error("the path ends where no contact was solved");
   const Eigen::VectorXd& x = at->second;
   const bool follows = problem_.approach.base == BaseMode::Floating;
   const CaptureProblem problem = follows ? stated_at(base) : problem_;
-  return stillbase::resolve(problem, x, candidate_, certificate_);
+  return certify_candidate(problem, x, candidate_, certificate_);
 }
 
 }  // namespace stillbase

@@ -1,6 +1,6 @@
-// The contact solved anew where path and configuration depend on each other: for other base poses
-// (a base that starts where it stands ends where the path leaves it), and near other postures (a
-// path within the reaction null space reaches few of them easily).
+// Contact configurations for paths that decide where the robot ends: at the base pose in which a
+// path leaves a floating base with a stated start, or near the posture at which a path within the
+// reaction null space ends.
 #pragma once
 
 #include <utility>
@@ -9,26 +9,28 @@
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/formulation/formulation.hpp>
+#include <stillbase/planner/planner.hpp>
 
 #include "formulation/projection.hpp"
-#include "planner/resolved.hpp"
+#include "planner/certified_candidate.hpp"
 
 namespace stillbase {
 
-class ContactAgain {
+class ContactRefinement {
  public:
-  /// @param x variables of the candidate that it begins with
-  /// @param candidate, certificate what the search says about it
-  ContactAgain(const CaptureProblem& problem, const Eigen::VectorXd& x, const Candidate& candidate,
-               const Certificate& certificate, const StopCondition& stop);
+  /// @param x variables of the candidate to begin with
+  /// @param candidate, certificate of the search
+  ContactRefinement(const CaptureProblem& problem, const Eigen::VectorXd& x,
+                    const Candidate& candidate, const Certificate& certificate,
+                    const StopCondition& stop, const ContactRefinementOptions& options = {});
 
-  /// For plan_approach; refers to this object.
+  /// For plan_approach(); refers to this object.
   ContactSolver solver();
 
-  /// A configuration that was returned, with all that a plan says about it.
-  /// @param phi its posture, to the last bit; @param base T_NB where the path really leaves the
-  /// base
-  Resolved resolve(const JointVectord& phi, const Pose& base) const;
+  /// A configuration that the solver returned, certified.
+  /// @param phi its posture, bit by bit
+  /// @param base T_NB in which the path leaves the base
+  CertifiedCandidate certify(const JointVectord& phi, const Pose& base) const;
 
   long optimizer_calls() const { return optimizer_calls_; }
 
@@ -41,7 +43,7 @@ class ContactAgain {
 
   std::optional<Configuration> at_base(const Pose& base, ContactSolve how);
   std::optional<Configuration> near_posture(const JointVectord& phi, ContactSolve how);
-  /// The problem's optimizer from x, then Newton steps onto the constraints.
+  /// The problem's optimizer from x, then Newton's steps onto the constraints.
   ProjectionResult optimum(const CaptureProblem& problem, const Formulation& formulation,
                            const Eigen::VectorXd& x);
   CaptureProblem stated_at(const Pose& base) const;
@@ -51,6 +53,7 @@ class ContactAgain {
   Candidate candidate_;
   Certificate certificate_;
   StopCondition stop_;
+  ContactRefinementOptions options_;
   Formulation formulation_;
   std::vector<Known> best_;
   std::vector<std::pair<JointVectord, Eigen::VectorXd>> returned_;

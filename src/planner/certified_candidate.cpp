@@ -1,4 +1,4 @@
-#include "planner/resolved.hpp"
+#include "planner/certified_candidate.hpp"
 
 #include <algorithm>
 
@@ -9,11 +9,11 @@
 
 namespace stillbase {
 
-Resolved resolve(const CaptureProblem& problem, const Eigen::VectorXd& x,
-                 const Candidate& candidate, const Certificate& certificate) {
+CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Eigen::VectorXd& x,
+                                     const Candidate& candidate, const Certificate& certificate) {
   const Formulation formulation(problem);
   const Measure measure(problem, formulation);
-  Resolved out{candidate, certificate, formulation.report(x)};
+  CertifiedCandidate out{candidate, certificate, formulation.report(x)};
   out.candidate.configuration = formulation.configuration(x);
   out.candidate.objective = nominal_value(problem, formulation, out.candidate.configuration);
   out.candidate.worst_case = worst_case(problem, formulation, out.candidate.configuration).value;
