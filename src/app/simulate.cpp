@@ -28,7 +28,7 @@ namespace {
 using io::Json;
 using io::number_json;
 
-struct Options {
+struct SimulateRequest {
   std::string input, controller;
   OutputFile trace, plot;
   bool json = false, contact_table = false;
@@ -178,50 +178,50 @@ std::string run_words(const RobotModel& robot, const Run& run) {
   return text;
 }
 
-int run(const Options& options) {
-  options.trace.check();
-  options.plot.check();
-  for (const OutputFile* output : {&options.trace, &options.plot}) {
-    if (is_same_file(options.input, output->path)) {
+int simulate_motion(const SimulateRequest& request) {
+  request.trace.check();
+  request.plot.check();
+  for (const OutputFile* output : {&request.trace, &request.plot}) {
+    if (is_same_file(request.input, output->path)) {
       throw CommandLineError(output->path + ": is the input itself");
     }
   }
-  if (is_same_file(options.trace.path, options.plot.path)) {
-    throw CommandLineError("--trace and --plot name the same file, " + options.plot.path);
+  if (is_same_file(request.trace.path, request.plot.path)) {
+    throw CommandLineError("--trace and --plot name the same file, " + request.plot.path);
   }
-  for (const double x : options.servo) {
+  for (const double x : request.servo) {
     // Stiffer ones need time steps of nanoseconds.
     if (!(x >= 0 && x <= 1e6)) throw CommandLineError("--servo: two numbers from 0 to 1e6");
   }
-  if (!options.servo.empty() && !options.contact_table) {
+  if (!request.servo.empty() && !request.contact_table) {
     throw CommandLineError("--servo: belongs to --contact-table");
   }
   const bool has_motion =
-      options.trace.is_given() || options.plot.is_given() || !options.controller.empty();
-  if (options.contact_table && has_motion) {
+      request.trace.is_given() || request.plot.is_given() || !request.controller.empty();
+  if (request.contact_table && has_motion) {
     throw CommandLineError("--contact-table: has no use for --controller, --trace and --plot");
   }
-  const Case subject = load_case(options.input);
-  if (options.contact_table) {
+  const Case subject = load_case(request.input);
+  if (request.contact_table) {
     ContactCase contact = contact_case(subject.problem, subject.configuration, subject.impact);
-    if (!options.servo.empty()) {
+    if (!request.servo.empty()) {
       const int n = subject.problem.robot.n();
       contact.resistance = {};
       contact.resistance.model = ResistanceModel::Servo;
-      contact.resistance.stiffness = JointVectord::Constant(n, options.servo[0]);
-      contact.resistance.damping = JointVectord::Constant(n, options.servo[1]);
+      contact.resistance.stiffness = JointVectord::Constant(n, request.servo[0]);
+      contact.resistance.damping = JointVectord::Constant(n, request.servo[1]);
     }
     const std::string table = contact_table(contact, subject.problem.post_impact.contact.friction,
-                                            options.json, stop_condition());
+                                            request.json, stop_condition());
     if (signal_exit_code() != 0) return signal_exit_code();
     write_stdout(table);
     return kDone;
   }
   std::vector<std::string> names = subject.problem.post_impact.controllers;
-  if (!options.controller.empty()) names = {options.controller};
+  if (!request.controller.empty()) names = {request.controller};
   if (names.empty()) throw CommandLineError("the problem names no controller: --controller NAME");
   // A trace belongs to one controller.
-  if (options.trace.is_given() && !options.plot.is_given()) names.resize(1);
+  if (request.trace.is_given() && !request.plot.is_given()) names.resize(1);
 
   const RobotModel& robot = subject.problem.robot;
   Json runs = Json::array();
@@ -230,10 +230,10 @@ int run(const Options& options) {
   std::vector<PlotPanel> panels;
   for (const std::string& name : names) {
     const Run run = simulate(subject, name, stop_condition());
-    if (options.trace.is_given() && runs.empty()) {
-      options.trace.write(trace_csv(robot, run.result.trace));
+    if (request.trace.is_given() && runs.empty()) {
+      request.trace.write(trace_csv(robot, run.result.trace));
     }
-    if (options.plot.is_given()) {
+    if (request.plot.is_given()) {
       for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
     }
     runs.push_back(run_json(robot, run));
@@ -241,8 +241,8 @@ int run(const Options& options) {
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }
-  if (options.plot.is_given()) options.plot.write(plot_svg(panels));
-  write_stdout(options.json ? io::pretty({{"format", "stillbase.simulation"},
+  if (request.plot.is_given()) request.plot.write(plot_svg(panels));
+  write_stdout(request.json ? io::pretty({{"format", "stillbase.simulation"},
                                           {"version", 1},
                                           {"problem", subject.problem.name},
                                           {"runs", runs}})
@@ -253,39 +253,34 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "simulate",
-      "the motion after the impact: in a plan's posture, or in a problem's start posture");
-  command->add_option("input", options->input, "problem (YAML) or plan (JSON)")
-      ->type_name("PROBLEM.yaml|PLAN.json")
-      ->required();
-  command->add_option("--controller", options->controller,
-                      "one controller in place of the problem's: none, joint_damping, "
-                      "joint_damping_literal, rns, rns_damped, rns_handback");
-  add_output(*command, options->trace, "--trace",
-             "motion of one controller (the first without --controller) as CSV");
-  command
-      ->add_option("--plot", options->plot.path,
-                   "the paper's Figs. 6 to 8 for every controller, as SVG")
-      ->type_name("OUT.svg");
-  command->add_flag("--contact-table", options->contact_table,
-                    "instead: how good is the instantaneous impact? Contacts that take time, from "
-                    "1e3 to 1e9 N/m, beside it, with the problem's joint resistance and with free "
-                    "joints");
-  command
-      ->add_option(
-          "--servo", options->servo,
-          "of the table: every joint held by a servo of this stiffness (N m/rad) and damping "
-          "(N m s/rad) during the contact, in place of the problem's joint resistance")
-      ->expected(2)
-      ->type_name("K D");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options, &action] {
-    options->plot.force = options->trace.force;
-    action = [options] { return run(*options); };
-  });
+Command simulate_command() {
+  auto request = std::make_shared<SimulateRequest>();
+  return {"simulate",
+          "the motion after the impact: in a plan's posture, or in a problem's start posture",
+          std::vector<Option>{
+              {"input", "PROBLEM.yaml|PLAN.json", "problem (YAML) or plan (JSON)", &request->input,
+               true},
+              {"--controller", "NAME",
+               "one controller in place of the problem's: none, joint_damping, "
+               "joint_damping_literal, rns, rns_damped, rns_handback",
+               &request->controller},
+              {"--plot", "OUT.svg", "the paper's Figs. 6 to 8 for every controller, as SVG",
+               &request->plot.path},
+              {"--contact-table", "",
+               "instead: how good is the instantaneous impact? Contacts that take time, from 1e3 "
+               "to 1e9 N/m, beside it, with the problem's joint resistance and with free joints",
+               &request->contact_table},
+              {"--servo", "K D",
+               "of the table: every joint held by a servo of this stiffness (N m/rad) and damping "
+               "(N m s/rad) during the contact, in place of the problem's joint resistance",
+               &request->servo, false, 0, 0, 2},
+              {"--json", "", "print one JSON object", &request->json}} +
+              output_options(request->trace, "--trace",
+                             "motion of one controller (the first without --controller) as CSV"),
+          [request] {
+            request->plot.force = request->trace.force;
+            return simulate_motion(*request);
+          }};
 }
 
 }  // namespace stillbase::app

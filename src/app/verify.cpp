@@ -24,7 +24,7 @@ namespace stillbase::app {
 
 namespace {
 
-struct Options {
+struct VerifyRequest {
   std::string plan, problem;
   OutputFile output;
   bool json = false;
@@ -49,12 +49,12 @@ Claim fingerprint_claim(const std::string& name, const std::string& stated,
 }
 
 /// Where the problem file of a plan is: as the user says, as the plan says, or beside the plan.
-std::optional<std::string> problem_file_of(const PlanFile& file, const Options& options) {
-  if (!options.problem.empty()) return options.problem;
+std::optional<std::string> problem_file_of(const PlanFile& file, const VerifyRequest& request) {
+  if (!request.problem.empty()) return request.problem;
   for (const InputFile& input : file.inputs) {
     if (input.role != "problem") continue;
     const std::filesystem::path stated(input.path);
-    const auto beside = std::filesystem::path(options.plan).parent_path() / stated;
+    const auto beside = std::filesystem::path(request.plan).parent_path() / stated;
     for (const std::filesystem::path& path : {stated, beside}) {
       std::error_code ignored;
       if (std::filesystem::is_regular_file(path, ignored)) return path.string();
@@ -89,13 +89,13 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
 }
 
 /// The files that the plan was made from are the ones that it names, and its problem is theirs.
-Claim inputs_claim(const PlanFile& file, const Options& options) {
+Claim inputs_claim(const PlanFile& file, const VerifyRequest& request) {
   Claim claim;
   claim.name = "inputs_unchanged";
   claim.value = 0;
   claim.unit = "1";
   claim.pass = true;
-  const auto path = problem_file_of(file, options);
+  const auto path = problem_file_of(file, request);
   if (!path) {
     claim.detail = file.inputs.empty()
                        ? "not compared: the plan names no files"
@@ -179,74 +179,70 @@ void print_trials(const TrialReport& report) {
 
 using Trials = std::pair<TrialSetting, TrialReport>;
 
-std::optional<Trials> trials_of(const Plan& plan, const Options& options) {
-  if (options.trials == 0) return std::nullopt;
+std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request) {
+  if (request.trials == 0) return std::nullopt;
   Trials trials;
   trials.first.sizes = perturbations_for(plan.problem);
-  trials.first.seed = options.seed;
-  trials.first.wanted = options.trials;
-  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, options.seed, 0,
-                                              options.trials, options.jobs, stop_condition()));
+  trials.first.seed = request.seed;
+  trials.first.wanted = request.trials;
+  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, request.seed, 0,
+                                              request.trials, request.jobs, stop_condition()));
   return trials;
 }
 
-int run(const Options& options) {
-  options.output.check();
-  const PlanFile file = read_plan(read_text_file(options.plan), options.plan);
+int verify_plan_file(const VerifyRequest& request) {
+  request.output.check();
+  const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions verify;
   verify.stop = stop_condition();
   Verification verification = verify_plan(file.plan, verify);
   const Claim fingerprints[] = {
       fingerprint_claim("content_fingerprint", file.stated_sha256, file.computed_sha256),
       fingerprint_claim("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256),
-      inputs_claim(file, options)};
+      inputs_claim(file, request)};
   verification.claims.insert(verification.claims.begin(), std::begin(fingerprints),
                              std::end(fingerprints));
   for (const Claim& claim : fingerprints) verification.pass = verification.pass && claim.pass;
 
   // A plan that fails its claims may not even be one that can be tried.
   std::optional<Trials> trials;
-  if (verification.pass) trials = trials_of(file.plan, options);
+  if (verification.pass) trials = trials_of(file.plan, request);
   const std::string text =
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
-  options.output.write(text);
-  if (options.json && options.output.is_given()) write_stdout(text);
+  request.output.write(text);
+  if (request.json && request.output.is_given()) write_stdout(text);
   print_summary(file.plan, verification);
   if (trials) print_trials(trials->second);
-  if (trials && trials->second.trials < options.trials) {
-    say(fmt::format("interrupted after {} of {} trials", trials->second.trials, options.trials));
+  if (trials && trials->second.trials < request.trials) {
+    say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));
   }
-  if (options.trials > 0 && !trials) say("no trials: the plan does not pass its claims");
-  if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
+  if (request.trials > 0 && !trials) say("no trials: the plan does not pass its claims");
+  if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;
 }
 
 }  // namespace
 
-void add_verify(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "verify", "recompute everything that a plan says, by other code than the planner's");
-  command->add_option("plan", options->plan, "plan file (JSON)")
-      ->type_name("PLAN.json")
-      ->required();
-  command
-      ->add_option("--problem", options->problem,
-                   "problem file that the plan must be made from; without it the one that the plan "
-                   "names, where it is")
-      ->type_name("PROBLEM.yaml");
-  add_output(*command, options->output, "-o,--output", "verification file (JSON); else stdout");
-  command
-      ->add_option("--trials", options->trials,
-                   "try the impact and the time after it this often, everything a little off")
-      ->check(CLI::Range(0, 100'000'000));
-  command->add_option("--seed", options->seed, "of the trials; same seed, same trials")
-      ->check(whole_number());
-  command->add_option("--jobs", options->jobs, "trials at a time; results do not depend on it")
-      ->check(CLI::Range(1, 256));
-  command->add_flag("--json", options->json, "print the verification on stdout also with -o");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+Command verify_command() {
+  auto request = std::make_shared<VerifyRequest>();
+  return {
+      "verify", "recompute everything that a plan says, by other code than the planner's",
+      std::vector<Option>{
+          {"plan", "PLAN.json", "plan file (JSON)", &request->plan, true},
+          {"--problem", "PROBLEM.yaml",
+           "problem file that the plan must be made from; without it the one that the plan "
+           "names, where it is",
+           &request->problem},
+          {"--trials", "N",
+           "try the impact and the time after it this often, everything a little off",
+           &request->trials, false, 0, 100'000'000},
+          {"--seed", "", "of the trials; same seed, same trials", &request->seed},
+          {"--jobs", "N", "trials at a time; results do not depend on it", &request->jobs, false, 1,
+           256},
+          {"--json", "", "print the verification on stdout also with -o", &request->json}} +
+          output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
+      [request] { return verify_plan_file(*request); }};
 }
 
 }  // namespace stillbase::app
