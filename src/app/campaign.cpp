@@ -232,7 +232,7 @@ Command campaign_command() {
   auto merging = std::make_shared<CampaignMergeRequest>();
   return {
       "campaign",
-      "thousands of trials of many plans, none lost, on one or many machines",
+      "plans and random trials as a list of cases, on one or many machines",
       {},
       {},
       {{"make", "the list of cases, one per line",
@@ -240,14 +240,14 @@ Command campaign_command() {
             output_options(making->output, "-o,--output", "cases; without it stdout"),
         [making] { return make_cases(*making); }},
        {"run",
-        "work off the cases that are not in the folder's journals yet",
+        "run the cases that are not in the folder's journals yet",
         {{"cases", "CASES.jsonl", "list of cases", &running->cases, true},
          {"--shard", "I/N", "part I of N, from 1", &running->shard},
          {"--jobs", "N", "worker processes", &running->jobs, false, 1, 1024},
          {"--case-limit", "S", "time limit of one case", &running->seconds},
          {"-o,--output", "DIR", "folder of the campaign", &running->folder, true}},
         [running] { return run_cases(*running); }},
-       {"merge", "prove that every case is there exactly once, and say what came out",
+       {"merge", "check that every case is there exactly once, and summarise the results",
         std::vector<Option>{{"folder", "DIR", "folder of the campaign", &merging->folder, true}} +
             output_options(merging->output, "-o,--output", "result (JSON); without it stdout"),
         [merging] { return merge_cases(*merging); }}}};

@@ -14,8 +14,9 @@ namespace stillbase::app {
 namespace {
 
 constexpr const char* kAbout =
-    "stillbase plans how a free-floating space robot captures an object so that the impact leaves "
-    "its base\nas still as possible, finds the way to that posture, and proves that it works.";
+    "stillbase plans how a free-floating space robot captures a target so that the impact disturbs "
+    "its base\nas little as possible, plans the approach path to that posture, and verifies it "
+    "all.";
 
 constexpr const char* kFooter = R"(
 A first plan:
@@ -28,7 +29,8 @@ Exit codes: 0 done; 1 internal error; 2 command line wrong; 3 input file refused
 4 no configuration satisfies the constraints (the nearest attempt is written); 5 verification failed;
 6 a limit was reached (the best so far is written); 7 reading or writing failed; 8 campaign incomplete;
 9 a configuration, but no approach path to it; 130, 143 stopped by a signal (what was finished is saved).
-Problem files are described in problems/README.md; `stillbase schema` knows the keys of every file.)";
+Problem files are described in problems/README.md, plan files in docs/plan-file.md; `stillbase schema` prints the
+JSON Schema of every file.)";
 
 int run_tool(int argc, const char* const* argv) {
   const ProgramText program{"stillbase", STILLBASE_VERSION, kAbout, kFooter};

@@ -26,7 +26,7 @@ struct PlanRequest {
   std::optional<int> starts;
   double time_limit = 0;
   OutputFile output;
-  bool json = false;
+  bool json = false, is_verbose = false;
 };
 
 ToolVersions tool_versions() {
@@ -94,7 +94,7 @@ int plan_capture(const PlanRequest& request) {
   const std::string text = plan_to_json(plan, tool_versions(), {}, inputs);
   request.output.write(text);
   if (request.json && request.output.is_given()) write_stdout(text);
-  say(plan_summary(plan));
+  say(summary_text(plan_summary(plan, request.is_verbose)));
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   // The best that was found may still break what is asked of the time after the impact.
   std::string broken;
@@ -127,6 +127,7 @@ Command plan_command() {
            "no plan, but the front of two quantities, e.g. "
            "base_angular_momentum,joint_rate_norm (.json, .csv or .svg)",
            &request->pareto},
+          {"--verbose", "", "say also what does not apply to this problem", &request->is_verbose},
           {"--json", "", "print the plan on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "plan file (JSON); without it stdout"),
       [request] { return plan_capture(*request); }};

@@ -24,7 +24,7 @@ std::vector<PlotPanel> figure_panels(const std::string& controller,
                                      const std::vector<TraceSample>& trace) {
   PlotPanel attitude{controller + ": (a) base attitude",
                      "time from the impact, s",
-                     "turned, deg",
+                     "rotation angle, deg",
                      {},
                      {{"base attitude", {}}},
                      {{0, "impact"}}};
