@@ -6,6 +6,7 @@
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/planner/post_impact.hpp>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -14,7 +15,6 @@
 #include "app/output.hpp"
 #include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
-#include "planner/post_impact.hpp"
 
 namespace stillbase::app {
 
@@ -28,18 +28,6 @@ struct PlanRequest {
   OutputFile output;
   bool json = false, is_verbose = false;
 };
-
-ToolVersions tool_versions() {
-  ToolVersions versions{{"stillbase", STILLBASE_VERSION},
-                        {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                                              EIGEN_MINOR_VERSION)}};
-#if defined(__clang__)
-  versions["compiler"] = fmt::format("clang {}.{}", __clang_major__, __clang_minor__);
-#elif defined(__GNUC__)
-  versions["compiler"] = fmt::format("g++ {}.{}", __GNUC__, __GNUC_MINOR__);
-#endif
-  return versions;
-}
 
 bool arrives(const Plan& plan) {
   return plan.approach.status == ApproachStatus::Found ||

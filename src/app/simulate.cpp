@@ -7,7 +7,7 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/simulation/settings.hpp>
+#include <stillbase/planner/post_impact.hpp>
 
 #include "app/commands.hpp"
 #include "app/contact_table.hpp"
@@ -19,7 +19,7 @@
 #include "app/start_impact.hpp"
 #include "app/words.hpp"
 #include "io/json.hpp"
-#include "planner/post_impact.hpp"
+#include "planner/contact_case.hpp"
 
 namespace stillbase::app {
 
@@ -94,7 +94,8 @@ std::string contact_words(const Run& run) {
   const ContactHistory& contact = encounter.contact;
   if (contact.contacts == 0) return "  contact         none within the horizon\n";
   return fmt::format(
-      "  contact         {} time{}, {:.3g} ms at first, up to {:.4g} N, {:.4g} N s, apart at "
+      "  contact         {} time{}, the first for {:.3g} ms, peak {:.4g} N, {:.4g} N s, separation "
+      "at "
       "{:.4g} m/s\n",
       contact.contacts, contact.contacts == 1 ? "" : "s",
       1e3 * (contact.first_end - contact.first_begin), run.result.summary.peak_contact_force,
@@ -102,18 +103,12 @@ std::string contact_words(const Run& run) {
 }
 
 Run simulate(const Case& subject, const std::string& name, const StopCondition& stop) {
-  const PostImpactSpec& spec = subject.problem.post_impact;
-  const auto kind = controller_from_name(name);
-  if (!kind) {
+  if (!controller_from_name(name)) {
     throw CommandLineError(fmt::format("--controller {}: unknown; there are {}", name,
                                        fmt::join(controller_names(), ", ")));
   }
-  SimulationOptions options = plant_options_of(spec, subject.problem.robot);
-  options.integrator = IntegratorKind::Fehlberg78;
-  options.stop = stop;
   AfterContact run =
-      simulate_after_contact(contact_case(subject.problem, subject.configuration, subject.impact),
-                             contact_choice_of(spec), controller_of(*kind, spec), options);
+      simulate_post_impact(subject.problem, subject.configuration, subject.impact, name, stop);
   SimulationResult result = std::move(run.simulation);
   return {name, std::move(result), std::move(run)};
 }
@@ -160,9 +155,10 @@ std::string run_words(const RobotModel& robot, const Run& run) {
   text +=
       fmt::format("  base momentum   {:.4g} -> {:.4g} N m s, arm {:.4g} -> {:.4g} N m s\n",
                   first.base.norm(), last.base.norm(), first.coupling.norm(), last.coupling.norm());
-  text += fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, turned by up to {:.4g} deg\n",
-                      first.state.Omega.tail<3>().norm() * kDegrees,
-                      summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
+  text +=
+      fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, attitude change at most {:.4g} deg\n",
+                  first.state.Omega.tail<3>().norm() * kDegrees,
+                  summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
   text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m\n",
                       first.state.phidot.norm(), summary.residual_joint_rate, summary.peak_torque);
   text += contact_words(run);
@@ -171,7 +167,7 @@ std::string run_words(const RobotModel& robot, const Run& run) {
                       run.contact.encounter ? run.contact.encounter->momentum_error
                                             : summary.relative_momentum_drift);
   for (const LimitEvent& event : summary.limits) {
-    text += fmt::format("  limit met       {} {} at {:.3f} s\n",
+    text += fmt::format("  limit reached   {} {} at {:.3f} s\n",
                         robot.joints[static_cast<std::size_t>(event.joint)].name,
                         to_string(event.kind), event.time);
   }
