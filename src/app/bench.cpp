@@ -95,8 +95,8 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The table without the entries of instances that are no longer what they were: whose points are
-/// not worth what the table says.
+/// The table without the entries of instances that have changed: their points no longer have the
+/// values that the table states.
 BestKnownTable read_known(const std::string& path,
                           const std::vector<BenchmarkInstance>& instances) {
   if (path.empty() || !fs::exists(path)) return {};

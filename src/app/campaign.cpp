@@ -76,7 +76,7 @@ int make_cases(const CampaignMakeRequest& request) {
   try {
     count = cases_from_text(text, request.spec).size();
   } catch (const InputError& error) {
-    // The lines are those of the cases, which nobody has written: a file goes by two names.
+    // The lines of the finding are those of generated cases: one file is named twice.
     throw InputError({{request.spec, 0, "duplicate-case",
                        fmt::format("plans and problems: the same file may be named once ({})",
                                    error.findings().front().message)}});

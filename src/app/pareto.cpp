@@ -40,7 +40,7 @@ std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string&
   return both;
 }
 
-/// The time of a turn is that of the problem's own objective.
+/// attitude_turned needs the time that a term of the problem's objective states.
 void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
   if (quantity != ObjectiveQuantity::AttitudeTurned) return;
   for (const ObjectiveTerm& term : problem.objective) {

@@ -57,7 +57,7 @@ Case load_case(const std::string& path) {
 struct Run {
   std::string controller;
   SimulationResult result;
-  AfterContact contact;  ///< its `simulation` has gone to `result`
+  AfterContact contact;  ///< without its `simulation`, which is `result`
 };
 
 /// What the contact was, beyond an instantaneous impact; null for that.

@@ -6,7 +6,7 @@ namespace stillbase::app {
 
 namespace {
 
-constexpr double kLead = 0.1;  // s at rest, the paper's
+constexpr double kLead = 0.1;  // s before the impact, as in the paper
 
 /// The axis of the angular momentum in N, its largest component positive; z without momentum.
 Vector3d momentum_axis(const TraceSample& sample) {
