@@ -1,5 +1,7 @@
 // stillbase analyze: the impact in the start posture, in the stated direction or in many, with the
 // joints resisting in different ways, and the directions that leave the base alone.
+#include <memory>
+
 #include <stillbase/io/problem_file.hpp>
 
 #include "app/analysis.hpp"

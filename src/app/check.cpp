@@ -1,4 +1,5 @@
 // stillbase check: validates files and says what was understood.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>

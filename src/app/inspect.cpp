@@ -1,4 +1,5 @@
 // stillbase inspect: every matrix of a robot at one state, in the base frame.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>

@@ -1,4 +1,6 @@
 // stillbase plan: a problem file in, a plan file out.
+#include <memory>
+
 #include <fmt/format.h>
 
 #include <stillbase/core/error.hpp>

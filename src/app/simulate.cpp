@@ -1,4 +1,5 @@
 // stillbase simulate: what base and arm do after the impact under the controllers.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>

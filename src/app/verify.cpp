@@ -1,6 +1,7 @@
 // stillbase verify: the verdict on a plan file, claim by claim.
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
