@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -93,6 +94,41 @@ std::string nearest_words(const Plan& plan) {
       size_words(judgement.base), size_words(judgement.coupling));
 }
 
+/// Changes of the problem that most likely help a search that found nothing.
+std::string search_advice(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  std::vector<std::string> advice;
+  if (variables.base_attitude == AttitudeFreedom::Fixed) {
+    advice.emplace_back("free variables.base_attitude");
+  }
+  if (variables.base_position == PositionFreedom::Fixed) {
+    advice.emplace_back("free variables.base_position");
+  }
+  if (problem.target && !problem.impulse.direction) {
+    advice.emplace_back("widen variables.contact_time");
+  }
+  advice.emplace_back("raise search.starts");
+  return fmt::format("what may help: {}", fmt::join(advice, ", "));
+}
+
+/// Changes of the problem that most likely help where no approach path was found.
+std::string approach_advice(ApproachStatus status) {
+  switch (status) {
+    case ApproachStatus::StartInvalid:
+      return "another robot.start, or the pair in robot.allowed_contacts";
+    case ApproachStatus::GoalInvalid:
+    case ApproachStatus::HitEarly:
+      return "constraints.clearance for the search, a shorter approach.wait";
+    case ApproachStatus::TimeOut:
+    case ApproachStatus::Interrupted:
+      return "more time";
+    case ApproachStatus::TooSlow:
+      return "a larger approach.acceleration_limit, a later variables.contact_time";
+    default:
+      return "another robot.start, a smaller approach.clearance, more approach.max_iterations";
+  }
+}
+
 /// The feature is named where there was a choice.
 std::string contact_words(const Plan& plan) {
   const std::string time = fmt::format("at {:.3f} s", plan.configuration.contact_time);
@@ -181,8 +217,9 @@ std::string curve_words(const Plan& plan) {
 std::string approach_words(const Approach& approach) {
   if (approach.status == ApproachStatus::NotRequested) return "not asked for";
   if (approach.status != ApproachStatus::Found) {
-    return fmt::format("none: {}{}{}", to_string(approach.status),
-                       approach.detail.empty() ? "" : ", ", approach.detail);
+    return fmt::format("none: {}{}{}; what may help: {}", to_string(approach.status),
+                       approach.detail.empty() ? "" : ", ", approach.detail,
+                       approach_advice(approach.status));
   }
   std::string text =
       fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);
@@ -243,6 +280,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
       lines.push_back({"", fmt::format("{} = {:.6g} violates its bounds by {:.3g}", constraint.name,
                                        constraint.value, constraint.violation)});
     }
+    if (!is_feasible) lines.push_back({"", search_advice(plan.problem)});
     lines.push_back({"search", search_words(plan)});
     lines.push_back({"posture", posture_words(plan.problem.robot, plan.configuration.phi)});
     lines.push_back({"base", pose_words(plan.configuration.base)});
