@@ -1,4 +1,4 @@
-// What `analyze` finds out, and the forms in which it is told.
+// The results of `analyze`, and their forms: JSON, CSV, tables, plot.
 #pragma once
 
 #include <optional>

@@ -135,7 +135,7 @@ std::string analysis_svg(const Analysis& analysis) {
   rates.series = {{"norm", {}}, {"null-space part", {}}, {"orthogonal part", {}}};
   const auto value = [&](const Vector3d& v) { return is_planar ? v.z() : v.norm(); };
   std::vector<AnalysisRow> rows = analysis.rows;
-  rows.push_back({360, rows.front().impact});  // the first direction again: the curves close
+  rows.push_back({360, rows.front().impact});  // 360 deg is 0 deg: the curves close
   for (const AnalysisRow& row : rows) {
     const ImpactSummary& impact = row.impact;
     momenta.x.push_back(row.direction_deg);

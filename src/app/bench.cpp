@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct BenchRequest {
   BenchSelection selection;
   std::string suite = "bench/suite.yaml";
   std::string folder;
@@ -58,7 +58,7 @@ std::string needs_of(const nlp::OptimizerInfo& info) {
   return out;
 }
 
-int list() {
+int list_optimizers() {
   TextTable table;
   table.header = {"optimizer", "needs", "library", "what it is"};
   for (const std::string& name : nlp::optimizer_names()) {
@@ -95,8 +95,8 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The table without the entries of instances that are no longer what they were: whose points are
-/// not worth what the table says.
+/// The table without the entries of instances that have changed: their points no longer have the
+/// values that the table states.
 BestKnownTable read_known(const std::string& path,
                           const std::vector<BenchmarkInstance>& instances) {
   if (path.empty() || !fs::exists(path)) return {};
@@ -153,24 +153,24 @@ void refuse_foreign(const std::string& folder) {
   throw FileError(folder + ": holds files, but no runs of a benchmark; choose another folder");
 }
 
-int run(const Options& options) {
-  if (options.list) return list();
-  if (options.update_best_known && !options.selection.problems.empty()) {
+int run_bench(const BenchRequest& request) {
+  if (request.list) return list_optimizers();
+  if (request.update_best_known && !request.selection.problems.empty()) {
     throw CommandLineError("--update-best-known: belongs to the suite, not to problem files");
   }
-  const SuiteSpec suite = read_suite(options.suite);
+  const SuiteSpec suite = read_suite(request.suite);
   const int jobs =
-      options.jobs > 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+      request.jobs > 0 ? request.jobs : std::max(1u, std::thread::hardware_concurrency());
   std::unique_ptr<TemporaryFolder> temporary;
-  if (options.folder.empty()) temporary = std::make_unique<TemporaryFolder>();
-  const std::string folder = temporary ? temporary->path() : options.folder;
-  if (options.planners) {
+  if (request.folder.empty()) temporary = std::make_unique<TemporaryFolder>();
+  const std::string folder = temporary ? temporary->path() : request.folder;
+  if (request.planners) {
     PlannerBenchOptions planners;
     planners.problems =
-        options.selection.problems.empty() ? suite.approaches : options.selection.problems;
+        request.selection.problems.empty() ? suite.approaches : request.selection.problems;
     planners.folder = folder;
-    planners.seeds = options.selection.seeds;
-    planners.first_seed = options.selection.first_seed;
+    planners.seeds = request.selection.seeds;
+    planners.first_seed = request.selection.first_seed;
     planners.jobs = jobs;
     planners.stop = stop_condition();
     planners.print = temporary != nullptr;
@@ -178,8 +178,8 @@ int run(const Options& options) {
   }
 
   if (!temporary) refuse_foreign(folder);
-  const std::vector<BenchmarkInstance> instances = select_instances(suite, options.selection);
-  const std::vector<RunRequest> requests = requests_of(instances, options.selection);
+  const std::vector<BenchmarkInstance> instances = select_instances(suite, request.selection);
+  const std::vector<RunRequest> requests = requests_of(instances, request.selection);
   BestKnownTable best_known = read_known(suite.best_known, instances);
   say(fmt::format("{} problems, {} runs, {} at a time", instances.size(), requests.size(), jobs));
   const std::vector<std::string> texts =
@@ -198,10 +198,10 @@ int run(const Options& options) {
   content.references = reference_values(content.records, values_of(best_known, instances));
   write_bench_folder(folder, content, texts);
   if (temporary) write_stdout(read_text_file((fs::path(folder) / "report.md").string()));
-  if (options.update_best_known && beaten > 0) {
+  if (request.update_best_known && beaten > 0) {
     write_file_atomically(suite.best_known, best_known_to_json(best_known), true);
     say(fmt::format("{}: {} values entered", suite.best_known, beaten));
-  } else if (beaten > 0 && options.selection.problems.empty()) {
+  } else if (beaten > 0 && request.selection.problems.empty()) {
     say(fmt::format("{} best known values are new or beaten; --update-best-known enters them",
                     beaten));
   }
@@ -211,57 +211,42 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  BenchSelection& selection = options->selection;
-  CLI::App* command = app.add_subcommand(
-      "bench", "compare optimizers on families of capture problems, or approach planners");
-  command->add_option("problems", selection.problems, "problem files in place of the suite")
-      ->type_name("PROBLEM.yaml");
-  command->add_option("--suite", options->suite, "suite of problems")
-      ->capture_default_str()
-      ->type_name("SUITE.yaml");
-  command
-      ->add_option("--select", selection.select,
-                   "instances of the suite, or what their names begin with, e.g. iiwa/nominal")
-      ->delimiter(',');
-  command->add_option("--instances", selection.instances, "instances per family and goal")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command
-      ->add_option("--optimizers", selection.optimizers,
-                   "names of --list; NAME:defaults runs with the library's own options")
-      ->delimiter(',');
-  auto* seeds = command->add_option("--seeds", selection.seeds, "runs per problem")
-                    ->capture_default_str()
-                    ->check(CLI::Range(1, 10000));
-  command->add_option("--first-seed", selection.first_seed, "seed of the first run")
-      ->capture_default_str()
-      ->check(whole_number());
-  auto* budget = command->add_option("--budget", selection.budget, "evaluations of a run")
-                     ->capture_default_str()
-                     ->type_name("EVALS")
-                     ->check(CLI::Range(1, 100000000));
-  command->add_option("--run-limit", selection.seconds, "time limit of a run")
-      ->capture_default_str()
-      ->type_name("S")
-      ->check(positive_number());
-  command->add_option("--jobs", options->jobs, "processes at a time; as many as processors")
-      ->check(CLI::Range(1, 1024));
-  auto* quick = command->add_flag("--quick", options->quick,
-                                  "one instance of each kind, 2 seeds, 500 evaluations");
-  quick->excludes(seeds)->excludes(budget);
-  command->add_flag("--list", options->list, "the optimizers and what each needs");
-  command->add_flag("--planners", options->planners,
-                    "approach planners instead: logs for OMPL's Planner Arena");
-  command->add_flag("--update-best-known", options->update_best_known,
-                    "enter what beats the suite's best known values into their file");
-  command->add_option("-o,--output", options->folder, "folder; without it the report on stdout")
-      ->type_name("DIR");
-  command->callback([options, &action] {
-    if (options->quick) make_quick(options->selection);
-    action = [options] { return run(*options); };
-  });
+Command bench_command() {
+  auto request = std::make_shared<BenchRequest>();
+  BenchSelection& selection = request->selection;
+  return {
+      "bench",
+      "compare optimizers on families of capture problems, or approach planners",
+      {{"problems", "PROBLEM.yaml", "problem files in place of the suite", &selection.problems},
+       {"--suite", "SUITE.yaml", "suite of problems", &request->suite},
+       {"--select", "NAME,...",
+        "instances of the suite, or what their names begin with, e.g. iiwa/nominal",
+        &selection.select},
+       {"--instances", "N", "instances per family and goal", &selection.instances, false, 1, 1000},
+       {"--optimizers", "NAME,...",
+        "names of --list; NAME:defaults runs with the library's own options",
+        &selection.optimizers},
+       {"--seeds", "N", "runs per problem", &selection.seeds, false, 1, 10000},
+       {"--first-seed", "", "seed of the first run", &selection.first_seed},
+       {"--budget", "EVALS", "evaluations of a run", &selection.budget, false, 1, 100'000'000},
+       {"--run-limit", "S", "time limit of a run", &selection.seconds},
+       {"--jobs", "N", "processes at a time; as many as processors", &request->jobs, false, 1,
+        1024},
+       {.name = "--quick",
+        .value = "",
+        .about = "one instance of each kind, 2 seeds, 500 evaluations",
+        .target = &request->quick,
+        .excludes = {"--seeds", "--budget"}},
+       {"--list", "", "the optimizers and what each needs", &request->list},
+       {"--planners", "", "approach planners instead: logs for OMPL's Planner Arena",
+        &request->planners},
+       {"--update-best-known", "", "enter what beats the suite's best known values into their file",
+        &request->update_best_known},
+       {"-o,--output", "DIR", "folder; without it the report on stdout", &request->folder}},
+      [request] {
+        if (request->quick) make_quick(request->selection);
+        return run_bench(*request);
+      }};
 }
 
 }  // namespace stillbase::app

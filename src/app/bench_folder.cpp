@@ -1,6 +1,7 @@
 #include "app/bench_folder.hpp"
 
 #include <filesystem>
+#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -22,6 +24,30 @@ std::string cost(double x) { return std::isfinite(x) ? fmt::format("{:.0f}", x) 
 
 std::string precision_words(std::size_t target) {
   return fmt::format("{:.2g}", benchmark_precisions()[target]);
+}
+
+/// Rows are the groups of problems, columns the optimizers.
+TextTable group_table(
+    const BenchmarkAnalysis& analysis,
+    const std::function<std::string(const OptimizerFigures&, std::size_t)>& cell) {
+  TextTable table;
+  table.header = {"problems"};
+  for (const OptimizerFigures& figures : analysis.optimizers) {
+    table.header.push_back(figures.optimizer);
+  }
+  for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
+    std::vector<std::string> row = {analysis.groups[g]};
+    for (const OptimizerFigures& figures : analysis.optimizers) row.push_back(cell(figures, g));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// "nlopt-slsqp: 3, ipopt: 1"
+std::string count_list(const std::map<std::string, int>& counts) {
+  std::vector<std::string> words;
+  for (const auto& [name, count] : counts) words.push_back(fmt::format("{}: {}", name, count));
+  return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
 }
 
 PageFigure figure(const BenchmarkAnalysis& analysis, const std::string& file,
@@ -138,12 +164,8 @@ PageSection wins(const BenchmarkAnalysis& analysis) {
          has_second ? win.second : "nobody",
          has_second ? fmt::format("{:.1f}", win.second_running_time / win.running_time) : ""});
   }
-  std::string words;
-  for (const auto& [optimizer, times] : count) {
-    words += fmt::format("{}{}: {}", words.empty() ? "" : ", ", optimizer, times);
-  }
   out.paragraphs.push_back(
-      fmt::format("First places of {}: {}.", analysis.wins.size(), words.empty() ? "none" : words));
+      fmt::format("First places of {}: {}.", analysis.wins.size(), count_list(count)));
   return out;
 }
 
@@ -169,17 +191,9 @@ PageSection running_times(const BenchmarkAnalysis& analysis, std::size_t shown) 
   out.heading = "Expected running time to " + precision_words(kShownTargets[shown]);
   out.paragraphs = {
       "Cost of all runs of a kind of problem up to success or end, over the number of successes."};
-  out.table.header = {"problems"};
-  for (const OptimizerFigures& figures : analysis.optimizers) {
-    out.table.header.push_back(figures.optimizer);
-  }
-  for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
-    std::vector<std::string> row = {analysis.groups[g]};
-    for (const OptimizerFigures& figures : analysis.optimizers) {
-      row.push_back(cost(figures.running_time[shown][g]));
-    }
-    out.table.rows.push_back(std::move(row));
-  }
+  out.table = group_table(analysis, [shown](const OptimizerFigures& figures, std::size_t g) {
+    return cost(figures.running_time[shown][g]);
+  });
   return out;
 }
 
@@ -220,11 +234,9 @@ PageSection defaults(const BenchmarkAnalysis& analysis) {
 PageSection unsolved(const BenchmarkAnalysis& analysis) {
   PageSection out;
   out.heading = "Solved by nobody";
-  std::string names;
-  for (const std::string& name : analysis.solved_by_nobody) {
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  out.paragraphs = {names.empty() ? "None: every problem was solved by somebody." : names + "."};
+  out.paragraphs = {analysis.solved_by_nobody.empty()
+                        ? "None: every problem was solved by some optimizer."
+                        : fmt::format("{}.", fmt::join(analysis.solved_by_nobody, ", "))};
   return out;
 }
 
@@ -261,30 +273,21 @@ Page bench_times_page(const BenchmarkAnalysis& analysis) {
   times.paragraphs = {
       "Seconds of all runs of a kind of problem up to success or end, over the number of "
       "successes."};
-  times.table.header = {"problems"};
-  for (const OptimizerFigures& figures : analysis.optimizers) {
-    times.table.header.push_back(figures.optimizer);
-  }
+  times.table = group_table(analysis, [](const OptimizerFigures& figures, std::size_t g) {
+    const double seconds = figures.seconds_to_tightest[g];
+    return std::isfinite(seconds) ? fmt::format("{:.3g}", seconds) : "never";
+  });
   std::map<std::string, int> fastest;
   for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
-    std::vector<std::string> row = {analysis.groups[g]};
-    const OptimizerFigures* best = nullptr;
-    for (const OptimizerFigures& figures : analysis.optimizers) {
-      const double seconds = figures.seconds_to_tightest[g];
-      row.push_back(std::isfinite(seconds) ? fmt::format("{:.3g}", seconds) : "never");
-      if (std::isfinite(seconds) && (best == nullptr || seconds < best->seconds_to_tightest[g])) {
-        best = &figures;
-      }
-    }
-    if (best != nullptr) ++fastest[best->optimizer];
-    times.table.rows.push_back(std::move(row));
-  }
-  std::string words;
-  for (const auto& [optimizer, count] : fastest) {
-    words += fmt::format("{}{}: {}", words.empty() ? "" : ", ", optimizer, count);
+    const auto best = std::min_element(analysis.optimizers.begin(), analysis.optimizers.end(),
+                                       [g](const OptimizerFigures& a, const OptimizerFigures& b) {
+                                         return a.seconds_to_tightest[g] < b.seconds_to_tightest[g];
+                                       });
+    if (best == analysis.optimizers.end() || !std::isfinite(best->seconds_to_tightest[g])) continue;
+    ++fastest[best->optimizer];
   }
   times.paragraphs.push_back(fmt::format("First of {} kinds of problems: {}.",
-                                         analysis.groups.size(), words.empty() ? "none" : words));
+                                         analysis.groups.size(), count_list(fastest)));
   return {"Optimizers on capture problems: time", {out, times}};
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -99,8 +100,8 @@ std::string now_words() {
   return text;
 }
 
-/// OMPL's word for what became of a run; what it has no word for (hit by the target, too slow) is
-/// unknown to it, and `outcome` says more.
+/// OMPL's status of a run. What OMPL does not distinguish (contact before the end, too slow) is
+/// its unknown status; `outcome` has the details.
 PlannerLogStatus log_status(CaseStatus status, const std::string& approach) {
   if (status == CaseStatus::TimedOut) return PlannerLogStatus::Timeout;
   if (status != CaseStatus::Finished) return PlannerLogStatus::Crash;

@@ -124,7 +124,7 @@ std::vector<RunRequest> requests_of(const std::vector<BenchmarkInstance>& instan
   }
   if (selection.optimizers.empty()) {
     for (const std::string& name : known) contestants.push_back({name, false, selection.seeds});
-    // Comparison of the libraries' own options with the tuning: a fifth of the seeds tells.
+    // Comparison of the libraries' own options with the tuning: a fifth of the seeds is enough.
     for (const std::string& name : known) {
       const bool is_tuned = !nlp::make_optimizer(name)->info().tuning.empty();
       if (is_tuned && selection.with_defaults) {

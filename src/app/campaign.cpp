@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 
 // --- make
 
-struct MakeOptions {
+struct CampaignMakeRequest {
   std::string spec;
   OutputFile output;
 };
@@ -42,14 +43,14 @@ std::string absolute(const std::string& path, const std::string& spec) {
   return fs::absolute(fs::path(spec).parent_path() / path).lexically_normal().string();
 }
 
-int make(const MakeOptions& options) {
-  options.output.check();
-  const CampaignSpec spec = read_campaign_spec(read_text_file(options.spec), options.spec);
+int make_cases(const CampaignMakeRequest& request) {
+  request.output.check();
+  const CampaignSpec spec = read_campaign_spec(read_text_file(request.spec), request.spec);
   std::string text;
   const auto add = [&](CampaignCase piece) { text += case_to_text(piece) + "\n"; };
   for (const std::string& name : spec.plans) {
     CampaignCase piece;
-    piece.plan = absolute(name, options.spec);
+    piece.plan = absolute(name, request.spec);
     const std::string content = read_text_file(piece.plan);
     (void)load_plan(piece.plan);  // refused now, not a thousand times later
     piece.sha256 = sha256_hex(content);
@@ -63,7 +64,7 @@ int make(const MakeOptions& options) {
   }
   for (const std::string& name : spec.problems) {
     CampaignCase piece;
-    piece.problem = absolute(name, options.spec);
+    piece.problem = absolute(name, request.spec);
     (void)read_problem(piece.problem);
     piece.sha256 = sha256_hex(read_text_file(piece.problem));
     piece.count = spec.trials;
@@ -74,21 +75,21 @@ int make(const MakeOptions& options) {
   }
   std::size_t count = 0;
   try {
-    count = cases_from_text(text, options.spec).size();
+    count = cases_from_text(text, request.spec).size();
   } catch (const InputError& error) {
-    // The lines are those of the cases, which nobody has written: a file goes by two names.
-    throw InputError({{options.spec, 0, "duplicate-case",
+    // The lines of the finding are those of generated cases: one file is named twice.
+    throw InputError({{request.spec, 0, "duplicate-case",
                        fmt::format("plans and problems: the same file may be named once ({})",
                                    error.findings().front().message)}});
   }
-  options.output.write(text);
+  request.output.write(text);
   say(fmt::format("{} cases", count));
   return kDone;
 }
 
 // --- run
 
-struct RunOptions {
+struct CampaignRunRequest {
   std::string cases, shard = "1/1", folder;
   int jobs = 1;
   double seconds = 3600;
@@ -121,22 +122,22 @@ std::string work(const std::string& text) {
   return case_result_to_text(result);
 }
 
-int run(const RunOptions& options) {
+int run_cases(const CampaignRunRequest& request) {
   CampaignOptions campaign;
-  campaign.folder = options.folder;
+  campaign.folder = request.folder;
   try {
-    campaign.shard = shard_from_text(options.shard);
+    campaign.shard = shard_from_text(request.shard);
   } catch (const std::invalid_argument& error) {
     throw CommandLineError(error.what());
   }
-  campaign.jobs = options.jobs;
-  campaign.seconds = options.seconds;
+  campaign.jobs = request.jobs;
+  campaign.seconds = request.seconds;
   campaign.stop = stop_condition();
   ProgressLine progress;
   campaign.on_progress = [&](int done, int total) { progress.show("cases", done, total); };
-  const CampaignRun done = run_campaign(read_text_file(options.cases), campaign, work);
+  const CampaignRun done = run_campaign(read_text_file(request.cases), campaign, work);
   progress.clear();
-  say(fmt::format("shard {}: {} of {} cases done, {} of them now; {} failed", options.shard,
+  say(fmt::format("shard {}: {} of {} cases done, {} of them now; {} failed", request.shard,
                   done.found + done.recorded, done.cases, done.recorded, done.failed));
   if (signal_exit_code() != 0) return signal_exit_code();
   return done.is_complete() ? kDone : kCampaignIncomplete;
@@ -144,7 +145,7 @@ int run(const RunOptions& options) {
 
 // --- merge
 
-struct MergeOptions {
+struct CampaignMergeRequest {
   std::string folder;
   OutputFile output;
 };
@@ -212,10 +213,10 @@ std::string merged_text(const MergedCampaign& merged) {
                      {"groups", group_list}});
 }
 
-int merge(const MergeOptions& options) {
-  options.output.check();
-  const MergedCampaign merged = merge_campaign(options.folder);
-  options.output.write(merged_text(merged));
+int merge_cases(const CampaignMergeRequest& request) {
+  request.output.check();
+  const MergedCampaign merged = merge_campaign(request.folder);
+  request.output.write(merged_text(merged));
   say(
       fmt::format("{} of {} cases, each once; {} missing, {} contradictory, {} repeated alike, {} "
                   "damaged lines",
@@ -226,43 +227,31 @@ int merge(const MergeOptions& options) {
 
 }  // namespace
 
-void add_campaign(CLI::App& app, Action& action) {
-  CLI::App* campaign = app.add_subcommand(
-      "campaign", "thousands of trials of many plans, none lost, on one or many machines");
-  campaign->require_subcommand(1);
-
-  auto making = std::make_shared<MakeOptions>();
-  CLI::App* make_command = campaign->add_subcommand("make", "the bag of cases, one per line");
-  make_command->add_option("spec", making->spec, "campaign file (YAML)")
-      ->type_name("SPEC.yaml")
-      ->required();
-  add_output(*make_command, making->output, "-o,--output", "cases; without it stdout");
-  make_command->callback([making, &action] { action = [making] { return make(*making); }; });
-
-  auto running = std::make_shared<RunOptions>();
-  CLI::App* run_command = campaign->add_subcommand(
-      "run", "work off the cases that are not in the folder's journals yet");
-  run_command->add_option("cases", running->cases, "bag of cases")
-      ->type_name("CASES.jsonl")
-      ->required();
-  run_command->add_option("--shard", running->shard, "part I of N, from 1")->type_name("I/N");
-  run_command->add_option("--jobs", running->jobs, "worker processes")->check(CLI::Range(1, 1024));
-  run_command->add_option("--case-limit", running->seconds, "time limit of one case")
-      ->type_name("S")
-      ->check(CLI::PositiveNumber);
-  run_command->add_option("-o,--output", running->folder, "folder of the campaign")
-      ->type_name("DIR")
-      ->required();
-  run_command->callback([running, &action] { action = [running] { return run(*running); }; });
-
-  auto merging = std::make_shared<MergeOptions>();
-  CLI::App* merge_command = campaign->add_subcommand(
-      "merge", "prove that every case is there exactly once, and say what came out");
-  merge_command->add_option("folder", merging->folder, "folder of the campaign")
-      ->type_name("DIR")
-      ->required();
-  add_output(*merge_command, merging->output, "-o,--output", "result (JSON); without it stdout");
-  merge_command->callback([merging, &action] { action = [merging] { return merge(*merging); }; });
+Command campaign_command() {
+  auto making = std::make_shared<CampaignMakeRequest>();
+  auto running = std::make_shared<CampaignRunRequest>();
+  auto merging = std::make_shared<CampaignMergeRequest>();
+  return {
+      "campaign",
+      "plans and random trials as a list of cases, on one or many machines",
+      {},
+      {},
+      {{"make", "the list of cases, one per line",
+        std::vector<Option>{{"spec", "SPEC.yaml", "campaign file (YAML)", &making->spec, true}} +
+            output_options(making->output, "-o,--output", "cases; without it stdout"),
+        [making] { return make_cases(*making); }},
+       {"run",
+        "run the cases that are not in the folder's journals yet",
+        {{"cases", "CASES.jsonl", "list of cases", &running->cases, true},
+         {"--shard", "I/N", "part I of N, from 1", &running->shard},
+         {"--jobs", "N", "worker processes", &running->jobs, false, 1, 1024},
+         {"--case-limit", "S", "time limit of one case", &running->seconds},
+         {"-o,--output", "DIR", "folder of the campaign", &running->folder, true}},
+        [running] { return run_cases(*running); }},
+       {"merge", "check that every case is there exactly once, and summarise the results",
+        std::vector<Option>{{"folder", "DIR", "folder of the campaign", &merging->folder, true}} +
+            output_options(merging->output, "-o,--output", "result (JSON); without it stdout"),
+        [merging] { return merge_cases(*merging); }}}};
 }
 
 }  // namespace stillbase::app

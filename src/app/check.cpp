@@ -1,4 +1,5 @@
 // stillbase check: validates files and says what was understood.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ namespace stillbase::app {
 
 namespace {
 
-struct Options {
+struct CheckRequest {
   std::vector<std::string> files;
   std::string hand;
 };
@@ -65,12 +66,12 @@ Report report_on(const std::string& path, const std::string& hand,
 }
 
 /// Every file is looked at, whatever is wrong with the ones before it.
-int run(const Options& options) {
+int check_files(const CheckRequest& request) {
   int code = kDone;
   std::optional<RobotModel> robot;
-  for (const std::string& file : options.files) {
+  for (const std::string& file : request.files) {
     try {
-      const Report report = report_on(file, options.hand, robot);
+      const Report report = report_on(file, request.hand, robot);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
     } catch (const InputError& error) {
       say(error.what());
@@ -85,22 +86,18 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+Command check_command() {
+  auto request = std::make_shared<CheckRequest>();
+  return {
       "check",
-      "validate robot, problem, target, plan or state files; print what was understood and what is "
-      "suspicious");
-  command
-      ->add_option(
-          "files", options->files,
-          "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
-          "robot one of it)")
-      ->type_name("FILE...")
-      ->required();
-  command->add_option("--hand", options->hand, "hand link of the robots that have several ends")
-      ->type_name("LINK");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+      "validate robot, problem, target, plan or state files; print what was understood and what "
+      "is suspicious",
+      {{"files", "FILE...",
+        "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
+        "robot one of it)",
+        &request->files, true},
+       {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand}},
+      [request] { return check_files(*request); }};
 }
 
 }  // namespace stillbase::app

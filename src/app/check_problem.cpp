@@ -28,7 +28,8 @@ std::vector<std::string> target_suspicions(const TargetBody& target) {
     remarks.push_back(target.name + ": no shapes: nothing is checked for collisions with it");
   }
   if (target.features.empty()) {
-    remarks.push_back(target.name + ": no contact features: only a stated direction can hit it");
+    remarks.push_back(target.name +
+                      ": no contact features: only an impact along a stated direction is possible");
   }
   for (const ContactFeature& feature : target.features) {
     if (feature.point.dot(feature.normal) <= 0) {
@@ -37,9 +38,9 @@ std::vector<std::string> target_suspicions(const TargetBody& target) {
     }
     if (target.is_point_mass) continue;
     if (feature.point.cross(feature.normal).norm() < 1e-6 * feature.point.norm()) {
-      remarks.push_back(
-          fmt::format("{}: the normal passes through the centroid: an impulse there turns nothing",
-                      feature.name));
+      remarks.push_back(fmt::format(
+          "{}: the normal passes through the centroid: an impulse there does not rotate the target",
+          feature.name));
     }
   }
   return remarks;
@@ -48,8 +49,8 @@ std::vector<std::string> target_suspicions(const TargetBody& target) {
 /// How well the contact is known, and the cone that the search uses.
 std::string uncertainty_words(const CaptureProblem& problem) {
   const UncertaintySpec& uncertainty = problem.uncertainty;
-  std::string text =
-      fmt::format("direction known to {:.4g} deg", uncertainty.cone_half_angle * kDegrees);
+  std::string text = fmt::format("direction within {:.4g} deg of the nominal one",
+                                 uncertainty.cone_half_angle * kDegrees);
   if (uncertainty.cone_plane_normal) text += " in a plane";
   if (uncertainty.cone_confidence) {
     text +=
@@ -62,7 +63,7 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   const DirectionCone cone = direction_cone(problem, uncertainty.cone_confidence.value_or(0.95));
   const ContactPrediction& contact = cone.widest;
   text += fmt::format(
-      "contact as predicted for {:.6g} s: the normal within {:.4g} deg with probability {:g}; "
+      "predicted contact at {:.6g} s: the normal within {:.4g} deg with probability {:g}; "
       "standard deviations: point {} m, closing speed {:.4g} of {:.4g} m/s to a hand at rest, "
       "effective mass {:.3g} % of {:.4g} kg\n",
       contact.time, cone.half_angle * kDegrees, uncertainty.cone_confidence.value_or(0.95),
@@ -72,7 +73,7 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   return text;
 }
 
-/// In words; empty for problems that are there to be analysed and simulated only.
+/// In words; empty for problems that are only analysed and simulated.
 std::vector<std::string> free_variables(const CaptureProblem& problem) {
   std::vector<std::string> free;
   for (int k = 0; k < problem.robot.n(); ++k) {
@@ -108,8 +109,8 @@ std::string target_report(const TargetBody& target) {
   }
   text += fmt::format("collision shapes: {}\nfeatures:\n", target.shapes.size());
   for (const ContactFeature& feature : target.features) {
-    text += fmt::format("  {}: at {} m, normal {}, as heavy as {:.4g} kg along it\n", feature.name,
-                        vector_words(feature.point), vector_words(feature.normal),
+    text += fmt::format("  {}: at {} m, normal {}, effective mass {:.4g} kg along it\n",
+                        feature.name, vector_words(feature.point), vector_words(feature.normal),
                         effective_mass(target, feature));
   }
   return text + remark_lines(target_suspicions(target));
@@ -128,11 +129,11 @@ std::string problem_report(const CaptureProblem& problem) {
   text += fmt::format("objective: {}\n", objective_name(problem));
   for (const ObjectiveTerm& term : problem.objective) {
     if (term.quantity != ObjectiveQuantity::AttitudeTurned) continue;
-    text += fmt::format("turn of the base: {:.6g} s after the impact under {}\n", term.after,
-                        problem.post_impact.controllers.front());
+    text += fmt::format("attitude change of the base: {:.6g} s after the impact under {}\n",
+                        term.after, problem.post_impact.controllers.front());
   }
   if (problem.measure.kind == RiskMeasure::WorstCase) {
-    text += fmt::format("measure: the worst direction within {:.6g} deg\n",
+    text += fmt::format("measure: worst case over the cone of {:.6g} deg\n",
                         problem.uncertainty.cone_half_angle * kDegrees);
   } else if (problem.measure.kind != RiskMeasure::Nominal) {
     const bool tail = problem.measure.kind == RiskMeasure::Cvar;
@@ -149,7 +150,8 @@ std::string problem_report(const CaptureProblem& problem) {
     const Formulation formulation(problem);
     text += fmt::format("free: {}\n", fmt::join(free, ", "));
     text += fmt::format(
-        "{}, {}: {} left free\n", count_words(formulation.num_variables(), "variable", "variables"),
+        "{}, {}: {} degrees of freedom left\n",
+        count_words(formulation.num_variables(), "variable", "variables"),
         count_words(formulation.num_equations(), "independent equation", "independent equations"),
         formulation.freedom());
   }
@@ -162,7 +164,7 @@ std::string plan_report(const PlanFile& file) {
       fmt::format("plan for {}: {}, {}, approach {}\n", plan.problem.name, to_string(plan.status),
                   count_words(static_cast<long>(plan.candidates.size()), "candidate", "candidates"),
                   to_string(plan.approach.status));
-  text += "fingerprint of the content: as stated; of the robot: as stated\n";
+  text += "fingerprints of the content and of the robot: as stated\n";
   for (const InputFile& input : file.inputs) {
     text += fmt::format("made from the {} {} (SHA-256 {})\n", input.role, input.path,
                         input.sha256.substr(0, 16));

@@ -59,13 +59,13 @@ JointVectord random_posture(const RobotModel& robot, Random& random) {
   return phi;
 }
 
-/// What the joints can take over from the base, at random postures within the limits.
+/// Angular coupling of arm and base at random postures within the joint limits.
 struct Coupling {
   std::string words;
   int best_rank = 0, worst_rank = 3;
 };
 
-Coupling look_at_coupling(const RobotModel& robot) {
+Coupling sample_coupling(const RobotModel& robot) {
   constexpr int kPostures = 64;
   Random random(1);
   std::map<int, int> ranks;
@@ -128,12 +128,12 @@ std::string robot_report(const RobotModel& robot) {
   text += fmt::format("hand: {}; collision shapes: {}\n", robot.hand, robot.shapes.size());
   std::vector<std::string> remarks = robot_suspicions(robot);
   if (robot.n() > 0) {
-    const Coupling coupling = look_at_coupling(robot);
+    const Coupling coupling = sample_coupling(robot);
     text += coupling.words;
     if (coupling.best_rank < std::min(3, robot.n())) {
       remarks.push_back(
           fmt::format("the joints can take over angular momentum about {} of 3 directions only, "
-                      "whatever the posture",
+                      "in every posture",
                       coupling.best_rank));
     } else if (coupling.worst_rank < coupling.best_rank) {
       remarks.push_back("the angular coupling loses rank at some postures");

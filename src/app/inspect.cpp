@@ -1,4 +1,5 @@
 // stillbase inspect: every matrix of a robot at one state, in the base frame.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ namespace {
 using io::array_json;
 using io::Json;
 
-struct Options {
+struct InspectRequest {
   std::string robot, hand, state;
   OutputFile output;
   bool json = false;
@@ -139,41 +140,39 @@ std::string inspection_words(const RobotModel& robot, const RobotState& state, c
   return text;
 }
 
-int run(const Options& options) {
-  options.output.check();
-  const RobotModel robot = load_robot(options.robot, options.hand);
-  const RobotState state = options.state.empty()
+int inspect_robot(const InspectRequest& request) {
+  request.output.check();
+  const RobotModel robot = load_robot(request.robot, request.hand);
+  const RobotState state = request.state.empty()
                                ? zero_state(robot)
-                               : read_state(read_text_file(options.state), options.state, robot);
+                               : read_state(read_text_file(request.state), request.state, robot);
   Json json;
   try {
     json = inspection_json(robot, state);
   } catch (const io::NotFiniteError&) {
     // Numbers of a file that are finite alone but not in products with each other.
-    throw InputError({{options.state.empty() ? options.robot : options.state, 0, "not-finite",
+    throw InputError({{request.state.empty() ? request.robot : request.state, 0, "not-finite",
                        "the matrices at this state do not fit a double"}});
   }
-  const bool as_json = options.json || extension_of(options.output.path) == ".json";
-  options.output.write(as_json ? io::pretty(json) : inspection_words(robot, state, json));
+  const bool as_json = request.json || extension_of(request.output.path) == ".json";
+  request.output.write(as_json ? io::pretty(json) : inspection_words(robot, state, json));
   return kDone;
 }
 
 }  // namespace
 
-void add_inspect(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("inspect", "print the dynamics and impact matrices of a robot");
-  command->add_option("robot", options->robot, "robot file (URDF)")
-      ->type_name("ROBOT.urdf")
-      ->required();
-  command->add_option("--hand", options->hand, "hand link; needed when there are several ends")
-      ->type_name("LINK");
-  command->add_option("--state", options->state, "joint positions, velocities, impulse (JSON)")
-      ->type_name("STATE.json");
-  add_output(*command, options->output, "-o,--output", "JSON with .json, else text; else stdout");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+Command inspect_command() {
+  auto request = std::make_shared<InspectRequest>();
+  return {
+      "inspect", "print the dynamics and impact matrices of a robot",
+      std::vector<Option>{
+          {"robot", "ROBOT.urdf", "robot file (URDF)", &request->robot, true},
+          {"--hand", "LINK", "hand link; needed when there are several ends", &request->hand},
+          {"--state", "STATE.json", "joint positions, velocities, impulse (JSON)", &request->state},
+          {"--json", "", "print one JSON object", &request->json}} +
+          output_options(request->output, "-o,--output",
+                         "JSON with .json, else text; without it stdout"),
+      [request] { return inspect_robot(*request); }};
 }
 
 }  // namespace stillbase::app

@@ -32,7 +32,7 @@ void catch_signals() {
 StopCondition stop_condition(double time_limit) {
   StopCondition stop;
   stop.interrupted = &interrupted;
-  // Beyond a year the clock's arithmetic could overflow, and nobody waits that long.
+  // Beyond a year the clock's arithmetic could overflow: no limit.
   if (time_limit > 0 && time_limit < 3e7) {
     stop.deadline =
         StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(

@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include <stillbase/core/error.hpp>
-#include <stillbase/core/file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "app/exit_code.hpp"
@@ -20,9 +19,8 @@ std::string extension_of(const std::string& path) {
 }
 
 RobotModel load_robot(const std::string& path, const std::string& hand) {
-  const std::string text = read_text_file(path, kMaxUrdfBytes);
   try {
-    return read_urdf(text, path, hand);
+    return read_robot(path, hand);
   } catch (const InputError& error) {
     // The file is good; the command line has to say which link is the hand.
     if (error.findings().size() == 1 && error.findings().front().rule == "hand-missing") {
@@ -30,16 +28,6 @@ RobotModel load_robot(const std::string& path, const std::string& hand) {
     }
     throw;
   }
-}
-
-PlanFile load_plan(const std::string& path) {
-  PlanFile file = read_plan(read_text_file(path), path);
-  if (!file.is_as_written()) {
-    throw InputError({{path, 0, "fingerprint",
-                       "content_sha256: the plan was changed after it was written; `stillbase "
-                       "verify` says what does not hold"}});
-  }
-  return file;
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {

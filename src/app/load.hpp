@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include <stillbase/io/plan_file.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase::app {
@@ -16,10 +15,6 @@ std::string extension_of(const std::string& path);
 /// @throws CommandLineError when `hand` is empty and there are several leaf links
 /// @throws InputError, FileError
 RobotModel load_robot(const std::string& path, const std::string& hand);
-
-/// Reads a plan file that is as it was written.
-/// @throws InputError also for one whose fingerprints do not fit, FileError
-PlanFile load_plan(const std::string& path);
 
 /// Whether both paths lead to one file, which need not exist; false when one is empty.
 bool is_same_file(const std::string& a, const std::string& b);

@@ -2,11 +2,7 @@
 
 #include <unistd.h>
 
-#include <charconv>
-#include <cmath>
-#include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -41,35 +37,6 @@ void OutputFile::write(std::string_view text) const {
   } else {
     write_stdout(text);
   }
-}
-
-void add_output(CLI::App& command, OutputFile& output, const std::string& flags,
-                const std::string& about) {
-  command.add_option(flags, output.path, about)->type_name("FILE");
-  command.add_flag("--force", output.force, "replace an output file that exists");
-}
-
-CLI::Validator positive_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        char* end = nullptr;
-        const double value = std::strtod(text.c_str(), &end);
-        const bool is_good = *end == '\0' && std::isfinite(value) && value > 0;
-        return is_good ? std::string() : "'" + text + "' is not a finite number > 0";
-      },
-      "> 0");
-}
-
-CLI::Validator whole_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        std::uint64_t value = 0;
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        const bool is_good = stop == end && error == std::errc();
-        return is_good ? std::string() : "'" + text + "' is not a whole number from 0 to 2^64 - 1";
-      },
-      "WHOLE");
 }
 
 void write_stdout(std::string_view text) {

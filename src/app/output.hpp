@@ -4,8 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
-
 namespace stillbase::app {
 
 /// The file given with -o, if any, and whether it may replace one.
@@ -21,17 +19,6 @@ struct OutputFile {
   /// @throws FileError
   void write(std::string_view text) const;
 };
-
-/// Adds an option for the file, and --force.
-void add_output(CLI::App& command, OutputFile& output, const std::string& flags,
-                const std::string& about);
-
-// Checks of option values; CLI11's own let NaN and wrapped signs through.
-
-/// A finite number > 0.
-CLI::Validator positive_number();
-/// Digits alone, at most 2^64 - 1.
-CLI::Validator whole_number();
 
 /// Writes to stdout.
 /// @throws FileError when stdout takes no more

@@ -40,7 +40,7 @@ std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string&
   return both;
 }
 
-/// The time of a turn is that of the problem's own objective.
+/// attitude_turned needs the time that a term of the problem's objective states.
 void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
   if (quantity != ObjectiveQuantity::AttitudeTurned) return;
   for (const ObjectiveTerm& term : problem.objective) {
@@ -133,10 +133,11 @@ std::string front_table(const TradeOff& front) {
 std::string front_words(const TradeOff& front) {
   if (front.points.empty()) return "no configuration satisfies the constraints";
   const TradeOffPoint &a = front.points.front(), &b = front.points.back();
-  return fmt::format("{} from {} to {} {} buys {} from {} down to {} {}{}", to_string(front.first),
-                     size_words(a.first), size_words(b.first), unit_of(front.first),
-                     to_string(front.second), size_words(a.second), size_words(b.second),
-                     unit_of(front.second), front.stopped ? " (stopped early, best so far)" : "");
+  return fmt::format("increasing {} from {} to {} {} reduces {} from {} to {} {}{}",
+                     to_string(front.first), size_words(a.first), size_words(b.first),
+                     unit_of(front.first), to_string(front.second), size_words(a.second),
+                     size_words(b.second), unit_of(front.second),
+                     front.stopped ? " (stopped early, best so far)" : "");
 }
 
 }  // namespace

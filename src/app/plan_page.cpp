@@ -18,20 +18,14 @@ using Json = nlohmann::ordered_json;
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : ""; }
 
-/// The lines of the summary that `plan` prints: topic and words.
+/// The lines that `plan --verbose` prints.
 PageSection summary(const Plan& plan) {
   PageSection out;
   out.heading = "Summary";
   out.paragraphs = {plan.problem.purpose};
   out.table.header = {"topic", "result"};
-  const std::string text = plan_summary(plan);
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    const std::size_t gap = std::min(line.find(' '), line.size());
-    const std::size_t words = std::min(line.find_first_not_of(' ', gap), line.size());
-    if (words < line.size()) out.table.rows.push_back({line.substr(0, gap), line.substr(words)});
+  for (const SummaryLine& line : plan_summary(plan, true)) {
+    out.table.rows.push_back({line.topic, line.words});
   }
   return out;
 }
@@ -70,13 +64,13 @@ PageSection candidates(const Plan& plan) {
   PageSection out;
   out.heading = "Candidates";
   const std::string unit = plan.objective.unit;
-  out.table.header = {"", "posture", "as predicted, " + unit, "at worst, " + unit, "touches"};
+  out.table.header = {"", "posture", "nominal, " + unit, "worst case, " + unit, "collision"};
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     const Candidate& row = plan.candidates[i];
     out.table.rows.push_back({std::to_string(i + 1),
                               posture_words(plan.problem.robot, row.configuration.phi),
                               number(row.objective), number(row.worst_case),
-                              row.collision_free ? "nothing" : row.collision});
+                              row.collision_free ? "none" : row.collision});
   }
   return out;
 }
@@ -109,7 +103,7 @@ PageSection approach(const Plan& plan) {
     if (!panel.series.empty()) panels.push_back(std::move(panel));
   }
   if (!panels.empty()) {
-    out.figures = {{"approach.svg", "Joints on the way to the contact", plot_svg(panels)}};
+    out.figures = {{"approach.svg", "Joints during the approach", plot_svg(panels)}};
   }
   return out;
 }
@@ -118,7 +112,7 @@ PageSection verification(const std::string& text) {
   PageSection out;
   out.heading = "Verification";
   if (text.empty()) {
-    out.paragraphs = {"The plan's file holds no verdict; `stillbase verify` gives one."};
+    out.paragraphs = {"The plan file contains no verification; `stillbase verify` makes one."};
     return out;
   }
   const Json json = Json::parse(text);

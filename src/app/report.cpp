@@ -20,7 +20,7 @@ namespace stillbase::app {
 
 namespace {
 
-struct Options {
+struct ReportRequest {
   std::string input;
   OutputFile output;
 };
@@ -38,27 +38,25 @@ Page page_of_plan(const std::string& path) {
   }
 }
 
-int run(const Options& options) {
-  options.output.check();
-  const bool is_folder = std::filesystem::is_directory(options.input);
+int write_report(const ReportRequest& request) {
+  request.output.check();
+  const bool is_folder = std::filesystem::is_directory(request.input);
   const Page page =
-      is_folder ? bench_folder_page(read_bench_folder(options.input)) : page_of_plan(options.input);
-  options.output.write(page_to_html(page));
-  if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
+      is_folder ? bench_folder_page(read_bench_folder(request.input)) : page_of_plan(request.input);
+  request.output.write(page_to_html(page));
+  if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   return kDone;
 }
 
 }  // namespace
 
-void add_report(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("report", "a plan or a benchmark's folder as one HTML file");
-  command->add_option("input", options->input, "plan file, or folder that `bench` wrote")
-      ->type_name("PLAN.json|BENCH_DIR")
-      ->required();
-  add_output(*command, options->output, "-o,--output", "report (HTML); without it stdout");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+Command report_command() {
+  auto request = std::make_shared<ReportRequest>();
+  return {"report", "a plan or a benchmark's folder as one HTML file",
+          std::vector<Option>{{"input", "PLAN.json|BENCH_DIR",
+                               "plan file, or folder that `bench` wrote", &request->input, true}} +
+              output_options(request->output, "-o,--output", "report (HTML); without it stdout"),
+          [request] { return write_report(*request); }};
 }
 
 }  // namespace stillbase::app

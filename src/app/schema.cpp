@@ -14,7 +14,7 @@ namespace stillbase::app {
 
 namespace {
 
-struct Options {
+struct SchemaRequest {
   std::string name;
   OutputFile output;
 };
@@ -29,37 +29,35 @@ std::string list_of_formats(const std::vector<FileFormat>& formats) {
   return text;
 }
 
-int run(const Options& options) {
+int write_schema(const SchemaRequest& request) {
   const std::vector<FileFormat> formats = file_formats();
-  if (options.name.empty()) {
-    if (options.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
+  if (request.name.empty()) {
+    if (request.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
     write_stdout(list_of_formats(formats));
     return kDone;
   }
   std::vector<std::string> names;
   for (const FileFormat& format : formats) names.push_back(format.name);
-  if (std::find(names.begin(), names.end(), options.name) == names.end()) {
+  if (std::find(names.begin(), names.end(), request.name) == names.end()) {
     throw CommandLineError(fmt::format("schema: there is no format '{}'; there are {}",
-                                       options.name, fmt::join(names, ", ")));
+                                       request.name, fmt::join(names, ", ")));
   }
-  options.output.check();
-  options.output.write(schema_of(options.name));
+  request.output.check();
+  request.output.write(schema_of(request.name));
   return kDone;
 }
 
 }  // namespace
 
-void add_schema(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("schema", "the JSON Schema of a file format, for editors and programs");
-  command
-      ->add_option("format", options->name,
-                   "problem, target, state, campaign, suite, plan, verification, ...; without it a "
-                   "list of all")
-      ->type_name("FORMAT");
-  add_output(*command, options->output, "-o,--output", "schema (JSON); without it stdout");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+Command schema_command() {
+  auto request = std::make_shared<SchemaRequest>();
+  return {"schema", "the JSON Schema of a file format, for editors and programs",
+          std::vector<Option>{{"format", "FORMAT",
+                               "problem, target, state, campaign, suite, plan, verification, ...; "
+                               "without it a list of all",
+                               &request->name}} +
+              output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
+          [request] { return write_schema(*request); }};
 }
 
 }  // namespace stillbase::app

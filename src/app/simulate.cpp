@@ -1,4 +1,5 @@
 // stillbase simulate: what base and arm do after the impact under the controllers.
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,7 +9,7 @@
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/simulation/settings.hpp>
+#include <stillbase/planner/post_impact.hpp>
 
 #include "app/commands.hpp"
 #include "app/contact_table.hpp"
@@ -19,7 +20,7 @@
 #include "app/simulate_plot.hpp"
 #include "app/words.hpp"
 #include "io/json.hpp"
-#include "planner/post_impact.hpp"
+#include "planner/contact_case.hpp"
 
 namespace stillbase::app {
 
@@ -28,7 +29,7 @@ namespace {
 using io::Json;
 using io::number_json;
 
-struct Options {
+struct SimulateRequest {
   std::string input, controller;
   OutputFile trace, plot;
   bool json = false, contact_table = false;
@@ -57,7 +58,7 @@ Case load_case(const std::string& path) {
 struct Run {
   std::string controller;
   SimulationResult result;
-  AfterContact contact;  ///< its `simulation` has gone to `result`
+  AfterContact contact;  ///< without its `simulation`, which is `result`
 };
 
 /// What the contact was, beyond an instantaneous impact; null for that.
@@ -94,7 +95,8 @@ std::string contact_words(const Run& run) {
   const ContactHistory& contact = encounter.contact;
   if (contact.contacts == 0) return "  contact         none within the horizon\n";
   return fmt::format(
-      "  contact         {} time{}, {:.3g} ms at first, up to {:.4g} N, {:.4g} N s, apart at "
+      "  contact         {} time{}, the first for {:.3g} ms, peak {:.4g} N, {:.4g} N s, separation "
+      "at "
       "{:.4g} m/s\n",
       contact.contacts, contact.contacts == 1 ? "" : "s",
       1e3 * (contact.first_end - contact.first_begin), run.result.summary.peak_contact_force,
@@ -102,18 +104,12 @@ std::string contact_words(const Run& run) {
 }
 
 Run simulate(const Case& subject, const std::string& name, const StopCondition& stop) {
-  const PostImpactSpec& spec = subject.problem.post_impact;
-  const auto kind = controller_from_name(name);
-  if (!kind) {
+  if (!controller_from_name(name)) {
     throw CommandLineError(fmt::format("--controller {}: unknown; there are {}", name,
                                        fmt::join(controller_names(), ", ")));
   }
-  SimulationOptions options = plant_options_of(spec, subject.problem.robot);
-  options.integrator = IntegratorKind::Fehlberg78;
-  options.stop = stop;
   AfterContact run =
-      simulate_after_contact(contact_case(subject.problem, subject.configuration, subject.impact),
-                             contact_choice_of(spec), controller_of(*kind, spec), options);
+      simulate_post_impact(subject.problem, subject.configuration, subject.impact, name, stop);
   SimulationResult result = std::move(run.simulation);
   return {name, std::move(result), std::move(run)};
 }
@@ -160,9 +156,10 @@ std::string run_words(const RobotModel& robot, const Run& run) {
   text +=
       fmt::format("  base momentum   {:.4g} -> {:.4g} N m s, arm {:.4g} -> {:.4g} N m s\n",
                   first.base.norm(), last.base.norm(), first.coupling.norm(), last.coupling.norm());
-  text += fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, turned by up to {:.4g} deg\n",
-                      first.state.Omega.tail<3>().norm() * kDegrees,
-                      summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
+  text +=
+      fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, attitude change at most {:.4g} deg\n",
+                  first.state.Omega.tail<3>().norm() * kDegrees,
+                  summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
   text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m\n",
                       first.state.phidot.norm(), summary.residual_joint_rate, summary.peak_torque);
   text += contact_words(run);
@@ -171,57 +168,57 @@ std::string run_words(const RobotModel& robot, const Run& run) {
                       run.contact.encounter ? run.contact.encounter->momentum_error
                                             : summary.relative_momentum_drift);
   for (const LimitEvent& event : summary.limits) {
-    text += fmt::format("  limit met       {} {} at {:.3f} s\n",
+    text += fmt::format("  limit reached   {} {} at {:.3f} s\n",
                         robot.joints[static_cast<std::size_t>(event.joint)].name,
                         to_string(event.kind), event.time);
   }
   return text;
 }
 
-int run(const Options& options) {
-  options.trace.check();
-  options.plot.check();
-  for (const OutputFile* output : {&options.trace, &options.plot}) {
-    if (is_same_file(options.input, output->path)) {
+int simulate_motion(const SimulateRequest& request) {
+  request.trace.check();
+  request.plot.check();
+  for (const OutputFile* output : {&request.trace, &request.plot}) {
+    if (is_same_file(request.input, output->path)) {
       throw CommandLineError(output->path + ": is the input itself");
     }
   }
-  if (is_same_file(options.trace.path, options.plot.path)) {
-    throw CommandLineError("--trace and --plot name the same file, " + options.plot.path);
+  if (is_same_file(request.trace.path, request.plot.path)) {
+    throw CommandLineError("--trace and --plot name the same file, " + request.plot.path);
   }
-  for (const double x : options.servo) {
+  for (const double x : request.servo) {
     // Stiffer ones need time steps of nanoseconds.
     if (!(x >= 0 && x <= 1e6)) throw CommandLineError("--servo: two numbers from 0 to 1e6");
   }
-  if (!options.servo.empty() && !options.contact_table) {
+  if (!request.servo.empty() && !request.contact_table) {
     throw CommandLineError("--servo: belongs to --contact-table");
   }
   const bool has_motion =
-      options.trace.is_given() || options.plot.is_given() || !options.controller.empty();
-  if (options.contact_table && has_motion) {
+      request.trace.is_given() || request.plot.is_given() || !request.controller.empty();
+  if (request.contact_table && has_motion) {
     throw CommandLineError("--contact-table: has no use for --controller, --trace and --plot");
   }
-  const Case subject = load_case(options.input);
-  if (options.contact_table) {
+  const Case subject = load_case(request.input);
+  if (request.contact_table) {
     ContactCase contact = contact_case(subject.problem, subject.configuration, subject.impact);
-    if (!options.servo.empty()) {
+    if (!request.servo.empty()) {
       const int n = subject.problem.robot.n();
       contact.resistance = {};
       contact.resistance.model = ResistanceModel::Servo;
-      contact.resistance.stiffness = JointVectord::Constant(n, options.servo[0]);
-      contact.resistance.damping = JointVectord::Constant(n, options.servo[1]);
+      contact.resistance.stiffness = JointVectord::Constant(n, request.servo[0]);
+      contact.resistance.damping = JointVectord::Constant(n, request.servo[1]);
     }
     const std::string table = contact_table(contact, subject.problem.post_impact.contact.friction,
-                                            options.json, stop_condition());
+                                            request.json, stop_condition());
     if (signal_exit_code() != 0) return signal_exit_code();
     write_stdout(table);
     return kDone;
   }
   std::vector<std::string> names = subject.problem.post_impact.controllers;
-  if (!options.controller.empty()) names = {options.controller};
+  if (!request.controller.empty()) names = {request.controller};
   if (names.empty()) throw CommandLineError("the problem names no controller: --controller NAME");
   // A trace belongs to one controller.
-  if (options.trace.is_given() && !options.plot.is_given()) names.resize(1);
+  if (request.trace.is_given() && !request.plot.is_given()) names.resize(1);
 
   const RobotModel& robot = subject.problem.robot;
   Json runs = Json::array();
@@ -230,10 +227,10 @@ int run(const Options& options) {
   std::vector<PlotPanel> panels;
   for (const std::string& name : names) {
     const Run run = simulate(subject, name, stop_condition());
-    if (options.trace.is_given() && runs.empty()) {
-      options.trace.write(trace_csv(robot, run.result.trace));
+    if (request.trace.is_given() && runs.empty()) {
+      request.trace.write(trace_csv(robot, run.result.trace));
     }
-    if (options.plot.is_given()) {
+    if (request.plot.is_given()) {
       for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
     }
     runs.push_back(run_json(robot, run));
@@ -241,8 +238,8 @@ int run(const Options& options) {
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }
-  if (options.plot.is_given()) options.plot.write(plot_svg(panels));
-  write_stdout(options.json ? io::pretty({{"format", "stillbase.simulation"},
+  if (request.plot.is_given()) request.plot.write(plot_svg(panels));
+  write_stdout(request.json ? io::pretty({{"format", "stillbase.simulation"},
                                           {"version", 1},
                                           {"problem", subject.problem.name},
                                           {"runs", runs}})
@@ -253,39 +250,34 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "simulate",
-      "the motion after the impact: in a plan's posture, or in a problem's start posture");
-  command->add_option("input", options->input, "problem (YAML) or plan (JSON)")
-      ->type_name("PROBLEM.yaml|PLAN.json")
-      ->required();
-  command->add_option("--controller", options->controller,
-                      "one controller in place of the problem's: none, joint_damping, "
-                      "joint_damping_literal, rns, rns_damped, rns_handback");
-  add_output(*command, options->trace, "--trace",
-             "motion of one controller (the first without --controller) as CSV");
-  command
-      ->add_option("--plot", options->plot.path,
-                   "the paper's Figs. 6 to 8 for every controller, as SVG")
-      ->type_name("OUT.svg");
-  command->add_flag("--contact-table", options->contact_table,
-                    "instead: how good is the instantaneous impact? Contacts that take time, from "
-                    "1e3 to 1e9 N/m, beside it, with the problem's joint resistance and with free "
-                    "joints");
-  command
-      ->add_option(
-          "--servo", options->servo,
-          "of the table: every joint held by a servo of this stiffness (N m/rad) and damping "
-          "(N m s/rad) during the contact, in place of the problem's joint resistance")
-      ->expected(2)
-      ->type_name("K D");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options, &action] {
-    options->plot.force = options->trace.force;
-    action = [options] { return run(*options); };
-  });
+Command simulate_command() {
+  auto request = std::make_shared<SimulateRequest>();
+  return {"simulate",
+          "the motion after the impact: in a plan's posture, or in a problem's start posture",
+          std::vector<Option>{
+              {"input", "PROBLEM.yaml|PLAN.json", "problem (YAML) or plan (JSON)", &request->input,
+               true},
+              {"--controller", "NAME",
+               "one controller in place of the problem's: none, joint_damping, "
+               "joint_damping_literal, rns, rns_damped, rns_handback",
+               &request->controller},
+              {"--plot", "OUT.svg", "the paper's Figs. 6 to 8 for every controller, as SVG",
+               &request->plot.path},
+              {"--contact-table", "",
+               "instead: how good is the instantaneous impact? Contacts that take time, from 1e3 "
+               "to 1e9 N/m, beside it, with the problem's joint resistance and with free joints",
+               &request->contact_table},
+              {"--servo", "K D",
+               "of the table: every joint held by a servo of this stiffness (N m/rad) and damping "
+               "(N m s/rad) during the contact, in place of the problem's joint resistance",
+               &request->servo, false, 0, 0, 2},
+              {"--json", "", "print one JSON object", &request->json}} +
+              output_options(request->trace, "--trace",
+                             "motion of one controller (the first without --controller) as CSV"),
+          [request] {
+            request->plot.force = request->trace.force;
+            return simulate_motion(*request);
+          }};
 }
 
 }  // namespace stillbase::app

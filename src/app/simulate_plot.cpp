@@ -6,7 +6,7 @@ namespace stillbase::app {
 
 namespace {
 
-constexpr double kLead = 0.1;  // s at rest, the paper's
+constexpr double kLead = 0.1;  // s before the impact, as in the paper
 
 /// The axis of the angular momentum in N, its largest component positive; z without momentum.
 Vector3d momentum_axis(const TraceSample& sample) {
@@ -24,7 +24,7 @@ std::vector<PlotPanel> figure_panels(const std::string& controller,
                                      const std::vector<TraceSample>& trace) {
   PlotPanel attitude{controller + ": (a) base attitude",
                      "time from the impact, s",
-                     "turned, deg",
+                     "rotation angle, deg",
                      {},
                      {{"base attitude", {}}},
                      {{0, "impact"}}};

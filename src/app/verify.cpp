@@ -21,7 +21,7 @@ namespace stillbase::app {
 
 namespace {
 
-struct Options {
+struct VerifyRequest {
   std::string plan, problem;
   OutputFile output;
   bool json = false;
@@ -62,74 +62,69 @@ void print_trials(const TrialReport& report) {
 
 using Trials = std::pair<TrialSetting, TrialReport>;
 
-std::optional<Trials> trials_of(const Plan& plan, const Options& options) {
-  if (options.trials == 0) return std::nullopt;
+std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request) {
+  if (request.trials == 0) return std::nullopt;
   Trials trials;
   trials.first.sizes = perturbations_for(plan.problem);
-  trials.first.seed = options.seed;
-  trials.first.wanted = options.trials;
-  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, options.seed, 0,
-                                              options.trials, options.jobs, stop_condition()));
+  trials.first.seed = request.seed;
+  trials.first.wanted = request.trials;
+  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, request.seed, 0,
+                                              request.trials, request.jobs, stop_condition()));
   return trials;
 }
 
-int run(const Options& options) {
-  options.output.check();
-  const PlanFile file = read_plan(read_text_file(options.plan), options.plan);
+int verify_plan_file(const VerifyRequest& request) {
+  request.output.check();
+  const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions verify;
   verify.stop = stop_condition();
   Verification verification = judge_plan(file.plan, verify);
-  add_input_checks(file, options.plan, options.problem, verification);
+  add_input_checks(file, request.plan, request.problem, verification);
 
   // A plan that fails may lack what a trial needs.
   std::optional<Trials> trials;
-  if (verification.pass) trials = trials_of(file.plan, options);
+  if (verification.pass) trials = trials_of(file.plan, request);
   const std::string text =
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
-  options.output.write(text);
-  if (options.json && options.output.is_given()) write_stdout(text);
+  request.output.write(text);
+  if (request.json && request.output.is_given()) write_stdout(text);
   print_checks(file.plan, verification);
   for (const ControllerReport& report : verification.reports) say(report_line(report));
   print_verdict(verification, "verification");
   if (trials) print_trials(trials->second);
-  if (trials && trials->second.trials < options.trials) {
-    say(fmt::format("interrupted after {} of {} trials", trials->second.trials, options.trials));
+  if (trials && trials->second.trials < request.trials) {
+    say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));
   }
-  if (options.trials > 0 && !trials) say("no trials: the plan fails its verification");
-  if (options.output.is_given()) say(fmt::format("written to {}", options.output.path));
+  if (request.trials > 0 && !trials) say("no trials: the plan fails its verification");
+  if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;
 }
 
 }  // namespace
 
-void add_verify(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+Command verify_command() {
+  auto request = std::make_shared<VerifyRequest>();
+  return {
       "verify",
-      "recompute a plan by other code than the planner's: does it work, and is its search "
-      "record right");
-  command->add_option("plan", options->plan, "plan file (JSON)")
-      ->type_name("PLAN.json")
-      ->required();
-  command
-      ->add_option("--problem", options->problem,
-                   "problem file that the plan must be made from; without it the one that the plan "
-                   "names, where it is")
-      ->type_name("PROBLEM.yaml");
-  add_output(*command, options->output, "-o,--output", "verification file (JSON); else stdout");
-  command
-      ->add_option(
-          "--trials", options->trials,
-          "simulate impact and motion after it this often, with random errors in direction, "
-          "speed, mass, contact point and sensors")
-      ->check(CLI::Range(0, 100'000'000));
-  command->add_option("--seed", options->seed, "of the trials; same seed, same trials")
-      ->check(whole_number());
-  command->add_option("--jobs", options->jobs, "trials at a time; results do not depend on it")
-      ->check(CLI::Range(1, 256));
-  command->add_flag("--json", options->json, "print the verification on stdout also with -o");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+      "recompute a plan by other code than the planner's: does it work, and is its search record "
+      "right",
+      std::vector<Option>{
+          {"plan", "PLAN.json", "plan file (JSON)", &request->plan, true},
+          {"--problem", "PROBLEM.yaml",
+           "problem file that the plan must be made from; without it the one that the plan "
+           "names, where it is",
+           &request->problem},
+          {"--trials", "N",
+           "simulate impact and motion after it this often, with random errors in direction, "
+           "speed, mass, contact point and sensors",
+           &request->trials, false, 0, 100'000'000},
+          {"--seed", "", "of the trials; same seed, same trials", &request->seed},
+          {"--jobs", "N", "trials at a time; results do not depend on it", &request->jobs, false, 1,
+           256},
+          {"--json", "", "print the verification on stdout also with -o", &request->json}} +
+          output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
+      [request] { return verify_plan_file(*request); }};
 }
 
 }  // namespace stillbase::app

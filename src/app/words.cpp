@@ -26,18 +26,18 @@ std::string posture_words(const RobotModel& robot, const JointVectord& phi) {
 }
 
 std::string pose_words(const Pose& pose) {
-  const Vector3d turn = rotation_log(pose.orientation);
+  const Vector3d rotation = rotation_log(pose.orientation);
   std::string text = "position " + vector_words(pose.position) + " m";
-  if (turn.norm() > 1e-9) {
-    text += fmt::format(", turned by {:.2f} deg about {}", turn.norm() * kDegrees,
-                        vector_words(turn.normalized()));
+  if (rotation.norm() > 1e-9) {
+    text += fmt::format(", rotated by {:.2f} deg about {}", rotation.norm() * kDegrees,
+                        vector_words(rotation.normalized()));
   }
   return text;
 }
 
 std::string size_words(double x) {
   if (x == 0) return "0";
-  return x < 1e-9 ? "below 1e-9" : fmt::format("{:.3g}", x);
+  return x < kZeroSize ? "0 (below 1e-9)" : fmt::format("{:.3g}", x);
 }
 
 std::string count_words(long count, const std::string& one, const std::string& many) {

@@ -13,10 +13,11 @@ inline constexpr double kDegrees = 57.29577951308232;  ///< per radian
 std::string vector_words(const Vector3d& v);
 /// "joint_1 -80 deg, slide 0.2 m"
 std::string posture_words(const RobotModel& robot, const JointVectord& phi);
-/// "position (0, 0, 0) m, turned by 55 deg about (0, 1, 0)"
+/// "position (0, 0, 0) m, rotated by 55 deg about (0, 1, 0)"
 std::string pose_words(const Pose& pose);
-/// Three significant digits; "below 1e-9" for what is zero but for rounding in any unit used here.
+/// Three significant digits; "0 (below 1e-9)" for what is zero but for rounding in any unit used.
 std::string size_words(double x);
+inline constexpr double kZeroSize = 1e-9;
 /// "1 body", "3 bodies"
 std::string count_words(long count, const std::string& one, const std::string& many);
 

@@ -163,7 +163,7 @@ void add_profiles(const RunsByOptimizer& runs, BenchmarkAnalysis& analysis) {
   }
 }
 
-/// The optimizer of least expected running time; the number of them when nobody has a finite one.
+/// The optimizer of least expected running time; their number when none is finite.
 std::size_t fastest(const std::vector<double>& times, std::size_t except) {
   std::size_t best = times.size();
   for (std::size_t s = 0; s < times.size(); ++s) {

@@ -174,7 +174,7 @@ int BenchmarkProgram::free_variables() const { return parts_->formulation.num_va
 int BenchmarkProgram::equations() const { return parts_->formulation.num_equations(); }
 
 Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed) const {
-  // As in search/search.cpp: a random posture that leads nowhere is drawn again.
+  // As in search/search.cpp: a random posture that cannot be projected is replaced by another one.
   constexpr int kDraws = 9, kSteps = 15, kStride = 1000000;
   constexpr double kOnConstraints = 1e-3;
   const Formulation& formulation = parts_->for_starts();

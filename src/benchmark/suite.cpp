@@ -118,7 +118,7 @@ void free_variables(const FamilySpec& family, CaptureProblem& problem) {
   }
 }
 
-/// Whether the constraints can be met, as far as some starts can tell.
+/// Whether one of some starts satisfies the constraints.
 bool is_satisfiable(const CaptureProblem& problem) {
   constexpr int kStarts = 64;
   const Formulation formulation(problem);

@@ -5,8 +5,7 @@
 #include <optional>
 
 #include <stillbase/encounter/target_motion.hpp>
-
-#include "planner/post_impact.hpp"
+#include <stillbase/planner/post_impact.hpp>
 
 namespace stillbase {
 

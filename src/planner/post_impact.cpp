@@ -1,12 +1,15 @@
-#include "planner/post_impact.hpp"
+#include <stillbase/planner/post_impact.hpp>
 
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/simulation/settings.hpp>
+
+#include "planner/contact_case.hpp"
 
 namespace stillbase {
 
@@ -54,6 +57,22 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
   target.state.angular_velocity = state->pose.orientation.conjugate() * state->angular_velocity;
   subject.target = target;
   return subject;
+}
+
+AfterContact simulate_post_impact(const CaptureProblem& problem, const Configuration& configuration,
+                                  const ImpactSummary& impact, const std::string& controller,
+                                  const StopCondition& stop) {
+  const PostImpactSpec& spec = problem.post_impact;
+  const auto kind = controller_from_name(controller);
+  if (!kind) {
+    throw std::invalid_argument(fmt::format("controller {}: unknown; there are {}", controller,
+                                            fmt::join(controller_names(), ", ")));
+  }
+  SimulationOptions options = plant_options_of(spec, problem.robot);
+  options.integrator = IntegratorKind::Fehlberg78;
+  options.stop = stop;
+  return simulate_after_contact(contact_case(problem, configuration, impact),
+                                contact_choice_of(spec), controller_of(*kind, spec), options);
 }
 
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,

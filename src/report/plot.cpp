@@ -56,7 +56,7 @@ std::vector<double> ticks(const Axis& axis, double step) {
   return out;
 }
 
-/// 90 deg steps suit a full turn better than 50 or 100.
+/// Angles over 170 deg have ticks at multiples of 30 or 45 deg.
 double angle_or_round_step(const PlotPanel& panel, double range) {
   if (panel.x_label.find("deg") != std::string::npos && range > 170) return range > 300 ? 45 : 30;
   return tick_step(range, 8);

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
 #include <stillbase/robot/physical_checks.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
@@ -298,6 +299,10 @@ RobotModel read_urdf(std::string_view text, const std::string& source, const std
   const std::string hand_link = choose_hand(robot, hand, findings);
   findings.raise();
   return with_hand(std::move(robot), hand_link);
+}
+
+RobotModel read_robot(const std::string& path, const std::string& hand) {
+  return read_urdf(read_text_file(path, kMaxUrdfBytes), path, hand);
 }
 
 }  // namespace stillbase

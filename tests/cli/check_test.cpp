@@ -97,6 +97,6 @@ TEST_CASE("check prints the cone that follows from a covariance") {
   INFO(outcome.err);
   CHECK(outcome.code == 0);
   CHECK(prints(outcome, "from the covariance, with probability 0.95"));
-  CHECK(prints(outcome, "contact as predicted for"));
+  CHECK(prints(outcome, "predicted contact at"));
   CHECK(prints(outcome, "effective mass"));
 }

@@ -21,10 +21,14 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = STILLBASE_SOURCE_DIR;
 
-std::vector<fs::path> readmes() {
+/// Every page of documentation.
+std::vector<fs::path> pages() {
   std::vector<fs::path> out{kRoot / "README.md"};
-  for (const char* folder : {"problems", "src", "bench", "tests"}) {
-    if (fs::exists(kRoot / folder / "README.md")) out.push_back(kRoot / folder / "README.md");
+  for (const char* folder : {"problems", "problems/reference", "docs", "src", "bench", "tests"}) {
+    if (!fs::exists(kRoot / folder)) continue;
+    for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
+      if (entry.path().extension() == ".md") out.push_back(entry.path());
+    }
   }
   return out;
 }
@@ -101,7 +105,8 @@ fs::path scratch_folder() {
 
 TEST_CASE("every command in the READMEs runs and prints what is shown") {
   int commands = 0, pictures = 0;
-  for (const fs::path& readme : readmes()) {
+  for (const fs::path& readme : pages()) {
+    if (console_snippets(readme).empty()) continue;
     const fs::path folder = scratch_folder();
     fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
     for (const Snippet& snippet : console_snippets(readme)) {
@@ -175,15 +180,32 @@ TEST_CASE("the README's program is the one that the package test builds and runs
         read_text_file((kRoot / "tests/package/consumer/readme.cpp").string()));
 }
 
-TEST_CASE("every file that the README links to exists") {
-  const std::string readme = read_text_file((kRoot / "README.md").string());
-  const std::regex link("\\]\\(([^)]+)\\)");
+TEST_CASE("every file that a page links to exists") {
+  const std::regex link("\\]\\(([^)#:]+)\\)");
   int links = 0;
-  for (std::sregex_iterator it(readme.begin(), readme.end(), link), end; it != end; ++it, ++links) {
-    INFO((*it)[1]);
-    CHECK(fs::exists(kRoot / (*it)[1].str()));
+  for (const fs::path& page : pages()) {
+    const std::string text = read_text_file(page.string());
+    for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it, ++links) {
+      INFO(page.string() << ": " << (*it)[1]);
+      CHECK(fs::exists(page.parent_path() / (*it)[1].str()));
+    }
   }
-  CHECK(links >= 4);
+  CHECK(links >= 20);
+}
+
+TEST_CASE("the annotated problem of problems/README.md is a problem that can be planned") {
+  const std::string page = read_text_file((kRoot / "problems/README.md").string());
+  const std::size_t begin = page.find("```yaml\n");
+  REQUIRE(begin != std::string::npos);
+  const std::string text = page.substr(begin + 8, page.find("```", begin + 8) - begin - 8);
+  const fs::path folder = scratch_folder();
+  fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
+  write_file_atomically((folder / "problems/annotated.yaml").string(), text, false);
+  int code = 0;
+  INFO(run(std::string(STILLBASE_TOOL) + " plan problems/annotated.yaml -o plan.json", folder,
+           code));
+  CHECK(code == 0);
+  fs::remove_all(folder);
 }
 
 }  // namespace stillbase

@@ -13,7 +13,7 @@ namespace {
 /// First cells of the field table: `a.b`.
 std::set<std::string> documented_fields() {
   std::set<std::string> fields;
-  std::istringstream lines(file_text(source_path("problems/README.md")));
+  std::istringstream lines(file_text(source_path("problems/reference/fields.md")));
   for (std::string line; std::getline(lines, line);) {
     if (line.rfind("| `", 0) != 0 && line.rfind("| **`", 0) != 0) continue;
     const std::size_t begin = line.find('`') + 1;
@@ -97,7 +97,7 @@ TEST_CASE("the README's table of fields and the reader's keys are the same") {
 
 TEST_CASE("the README states the defaults of the data") {
   const CaptureProblem defaults;
-  const std::string readme = file_text(source_path("problems/README.md"));
+  const std::string readme = file_text(source_path("problems/reference/fields.md"));
   const auto states = [&](const std::string& field, const std::string& value) {
     const std::size_t row = readme.find("| `" + field + "`");
     REQUIRE(row != std::string::npos);

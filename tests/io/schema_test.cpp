@@ -160,7 +160,7 @@ TEST_CASE("a quantity of a schema takes the units of its dimension and the reade
 
 TEST_CASE("the problem's schema says of every field what the table of fields says") {
   const SchemaPlaces places = places_of(schema("problem"));
-  std::istringstream lines(file_text(source_path("problems/README.md")));
+  std::istringstream lines(file_text(source_path("problems/reference/fields.md")));
   int rows = 0;
   for (std::string line; std::getline(lines, line);) {
     if (line.rfind("| `", 0) != 0 && line.rfind("| **`", 0) != 0) continue;

@@ -18,15 +18,19 @@ execute_process(
   COMMAND ${CMAKE_COMMAND} -S ${CONSUMER_SOURCE_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
     -D CMAKE_BUILD_TYPE=${CONFIG} -D CMAKE_PREFIX_PATH=${WORK_DIR}/prefix
     -D CMAKE_CXX_COMPILER=${CXX_COMPILER} -D "CMAKE_CXX_FLAGS=${CXX_FLAGS}"
+    -D EXAMPLES_DIR=${EXAMPLES_DIR}
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build --config ${CONFIG}
   COMMAND_ERROR_IS_FATAL ANY)
 find_program(consumer consumer PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
 execute_process(COMMAND ${consumer} COMMAND_ERROR_IS_FATAL ANY)
 
-find_program(readme readme PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
-execute_process(COMMAND ${readme} WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase
-  COMMAND_ERROR_IS_FATAL ANY)
+# Both read problems/ from the working directory.
+foreach(program IN ITEMS readme example)
+  find_program(${program} ${program} PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
+  execute_process(COMMAND ${${program}} WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase
+    COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
 
 # The tool is part of the package where it is part of the build.
 if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)

@@ -124,7 +124,9 @@ std::vector<SourceFile> read_sources() {
       file.path = fs::relative(entry.path(), kSource);
       file.is_public = tree == std::string("include/stillbase");
       file.is_header = extension == ".hpp";
-      file.room = fs::relative(entry.path(), kSource / tree).begin()->string();
+      const fs::path inside = fs::relative(entry.path(), kSource / tree);
+      if (!inside.has_parent_path()) continue;  // the front door stillbase.hpp is no room
+      file.room = inside.begin()->string();
       std::stringstream text(read(entry.path()));
       for (std::string line; std::getline(text, line);) {
         std::smatch match;
@@ -195,6 +197,18 @@ TEST_CASE("the table of rooms leads strictly downwards") {
       CHECK(rooms.at(other).layer < room.layer);
     }
   }
+}
+
+TEST_CASE("the front door only opens public headers") {
+  const std::string text = read(kSource / "include/stillbase/stillbase.hpp");
+  const std::regex include_line("#include <([^>]+)>");
+  int headers = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), include_line), end; it != end; ++it) {
+    INFO((*it)[1]);
+    CHECK(fs::exists(kSource / "include" / (*it)[1].str()));
+    ++headers;
+  }
+  CHECK(headers >= 10);
 }
 
 TEST_CASE("the independent rooms stay independent, whatever the table says") {

@@ -40,7 +40,7 @@ struct OptimizerFigures {
 struct Win {
   std::string group;
   std::size_t target = 0;    ///< index into kShownTargets
-  std::string best, second;  ///< empty: nobody reached it; no second one
+  std::string best, second;  ///< empty: none reached it; no second one
   double running_time = 0, second_running_time = 0;
   double sure = 0;  ///< part of the bootstrap samples in which it is the best as well
 };
@@ -71,7 +71,7 @@ struct BenchmarkAnalysis {
 std::map<std::string, double> reference_values(const std::vector<RunRecord>& records,
                                                std::map<std::string, double> best_known);
 
-/// @param references of reference_values(); an instance without one was solved by nobody
+/// @param references of reference_values(); an instance without one was solved by no run
 BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
                                     const std::map<std::string, double>& references,
                                     double gradient_cost);

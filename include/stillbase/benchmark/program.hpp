@@ -15,7 +15,7 @@ struct Judged {
 };
 
 /// Every optimizer gets the same program: the same starts, scaling and bounds. Continuous joints
-/// are bounded to one turn, since global methods need a box.
+/// are bounded to one revolution, since global methods need a box.
 class BenchmarkProgram final : public nlp::Problem {
  public:
   /// @throws InputError as Formulation

@@ -49,7 +49,7 @@ struct RunRecord {
   RunRequest request;
   std::string family, goal;
   int variables = 0, equations = 0;
-  std::string library, options;  ///< whose code ran, and what was set
+  std::string library, options;  ///< whose code ran, options that were set
   RunEnd end = RunEnd::Finished;
   std::string stop_reason;  ///< why the last local solve ended, in words
   std::string message;

@@ -10,7 +10,7 @@ namespace stillbase {
 /// Runs the optimizer from the first start point of the seed, and from the next one whenever it
 /// ends with budget left: a solver that is done early is not worse for it, and one that can only
 /// look around its start gets as many as it can pay. What moves a start onto the constraints counts
-/// as evaluations with derivatives. Every better point is recorded as it comes.
+/// as evaluations with derivatives. Every better point is recorded.
 /// @throws std::invalid_argument for an optimizer that is not in the registry
 RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& request,
                         const StopCondition& stop = {});

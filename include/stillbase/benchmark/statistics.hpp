@@ -22,7 +22,7 @@ struct Runtime {
   double spent = 0;               ///< when the run ended
 };
 
-/// Cost at which value <= best_known + precision was first met with violation <=
+/// Cost at which value <= best_known + precision was first reached with violation <=
 /// kBenchmarkViolation.
 /// What came at a higher cost than the run's budget does not count. A crashed run keeps what it
 /// reached before.
@@ -51,9 +51,9 @@ std::vector<std::vector<double>> data_profile(const CostTable& costs,
 
 /// Part of the problems that an optimizer solves within tau times the cost of the best one:
 /// performance profile (Dolan and More, Math. Program. 91, 2002). Row per optimizer. Problems that
-/// nobody solves count as unsolved by all.
+/// no optimizer solves count as unsolved by all.
 /// Caveat: two curves compare each optimizer with the best, not with each other; leaving a third
-/// one out may turn their order round (Gould and Scott, ACM TOMS 43, 2016).
+/// one out may reverse their order (Gould and Scott, ACM TOMS 43, 2016).
 std::vector<std::vector<double>> performance_profile(const CostTable& costs,
                                                      const std::vector<double>& taus);
 

@@ -21,7 +21,7 @@ std::string to_string(BenchmarkGoal goal);
 enum class Variation {
   ImpulseDirection,  ///< stated direction: any, or any in the plane of a planar problem
   HandPosition,      ///< stated hand point (and axes): those of a random posture, so reachable
-  TargetAttitude,    ///< orientation of the target: any, or turned in the plane
+  TargetAttitude,    ///< orientation of the target: any, or rotated in the plane
   TargetSpin,        ///< axis of the target's rotation: any, or its sense in the plane
 };
 
@@ -33,7 +33,7 @@ struct FamilySpec {
   std::vector<Variation> vary;
   double cone_half_angle = 0;  ///< rad; of BenchmarkGoal::WorstCase
   /// Further free variables than the problem's own; 0: none.
-  double free_attitude = 0;      ///< rad that the base may turn from the stated attitude
+  double free_attitude = 0;      ///< rad that the base may rotate from the stated attitude
   double free_contact_time = 0;  ///< s before and after the middle of the stated time
   int instances = 15;            ///< per goal
 };

@@ -60,4 +60,16 @@ std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
 /// @throws InputError with every finding
 PlanFile read_plan(std::string_view text, const std::string& source);
 
+/// Versions of stillbase, of Eigen and of the compiler.
+ToolVersions tool_versions();
+
+/// Reads a plan file that is as it was written.
+/// @throws InputError as read_plan(), and where a fingerprint does not fit; FileError
+PlanFile load_plan(const std::string& path);
+
+/// Writes a plan file, whole or not at all.
+/// @param replace false: an existing file is an error
+/// @throws FileError
+void write_plan(const Plan& plan, const std::string& path, bool replace = false);
+
 }  // namespace stillbase

@@ -44,4 +44,8 @@ inline constexpr int kMaxUrdfLinks = 256;
 ///   "hand-unknown" (no such link) or "hand-missing" (empty, and there are several leaves).
 RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand);
 
+/// Reads a robot file: read_urdf() of its text.
+/// @throws InputError as read_urdf(); FileError when it cannot be read or is too large
+RobotModel read_robot(const std::string& path, const std::string& hand = {});
+
 }  // namespace stillbase

@@ -1,5 +1,4 @@
-#include <stillbase/io/problem_file.hpp>
-#include <stillbase/planner/planner.hpp>
+#include <stillbase/stillbase.hpp>
 
 int main() {
   const auto problem = stillbase::read_problem("problems/planar_two_link_c2_a.yaml");

@@ -1,0 +1,29 @@
+// The motion after the impact in a configuration of a problem.
+#pragma once
+
+#include <string>
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/plan/plan.hpp>
+#include <stillbase/simulation/after_contact.hpp>
+
+namespace stillbase {
+
+/// Simulates from the contact to the horizon by the problem's `post_impact` section, with adaptive
+/// steps.
+/// @param impact of this configuration, as impact_at() or a plan has it
+/// @param controller a name of controller_names()
+/// @throws std::invalid_argument for another name; else as simulate_after_contact()
+[[nodiscard]] AfterContact simulate_post_impact(const CaptureProblem& problem,
+                                                const Configuration& configuration,
+                                                const ImpactSummary& impact,
+                                                const std::string& controller,
+                                                const StopCondition& stop = {});
+
+/// The first limit of the problem that is exceeded after the impact under its first controller:
+/// base rate at the horizon, attitude change, joint stops, rates and torques. Empty: none, or the
+/// problem names no controller.
+std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
+                                const ImpactSummary& impact, const StopCondition& stop);
+
+}  // namespace stillbase

@@ -1,0 +1,157 @@
+#include "app/command_line.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/exit_code.hpp"
+#include "app/interruption.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+// CLI11's own checks let NaN and wrapped signs through.
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        const bool is_good = *end == '\0' && std::isfinite(value) && value > 0;
+        return is_good ? std::string() : "'" + text + "' is not a finite number > 0";
+      },
+      "> 0");
+}
+
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        std::uint64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        const bool is_good = stop == end && error == std::errc();
+        return is_good ? std::string() : "'" + text + "' is not a whole number from 0 to 2^64 - 1";
+      },
+      "WHOLE");
+}
+
+/// Adds an option by the type of its target.
+struct OptionAdder {
+  CLI::App& app;
+  const Option& option;
+
+  CLI::Option* operator()(bool* target) const {
+    return app.add_flag(option.name, *target, option.about);
+  }
+  CLI::Option* operator()(std::vector<std::string>* target) const {
+    CLI::Option* const added = app.add_option(option.name, *target, option.about);
+    return added->get_positional() ? added : added->delimiter(',');
+  }
+  CLI::Option* operator()(std::vector<double>* target) const {
+    return app.add_option(option.name, *target, option.about)->expected(option.count);
+  }
+  template <class T>
+  CLI::Option* operator()(std::optional<T>* target) const {
+    return checked<T>(app.add_option(option.name, *target, option.about));
+  }
+  template <class T>
+  CLI::Option* operator()(T* target) const {
+    CLI::Option* const added = checked<T>(app.add_option(option.name, *target, option.about));
+    return *target == T() ? added : added->capture_default_str();
+  }
+
+ private:
+  template <class T>
+  CLI::Option* checked(CLI::Option* added) const {
+    if constexpr (std::is_same_v<T, double>) return added->check(positive_number());
+    if constexpr (std::is_same_v<T, std::uint64_t>) return added->check(whole_number());
+    if constexpr (std::is_signed_v<T> && std::is_integral_v<T>) {
+      return added->check(CLI::Range(option.least, option.most));
+    }
+    return added;
+  }
+};
+
+void add_command(CLI::App& parent, const Command& command, const Command*& chosen) {
+  CLI::App* const app = parent.add_subcommand(command.name, command.about);
+  std::map<std::string, CLI::Option*> added;
+  for (const Option& option : command.options) {
+    CLI::Option* const made = std::visit(OptionAdder{*app, option}, option.target);
+    if (!option.value.empty()) made->type_name(option.value);
+    if (option.is_required) made->required();
+    for (const std::string& other : option.excludes) made->excludes(added.at(other));
+    added[option.name] = made;
+  }
+  for (const Command& subcommand : command.subcommands) add_command(*app, subcommand, chosen);
+  if (command.subcommands.empty()) {
+    app->callback([&command, &chosen] { chosen = &command; });
+  } else {
+    app->require_subcommand(1);
+  }
+}
+
+/// What CLI11 does not refuse by itself: empty values, and a first word that is no subcommand.
+void check_arguments(const std::vector<Command>& commands, int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.empty()) throw CommandLineError("an argument is empty");
+    if (argument.rfind("--", 0) == 0 && argument.size() > 2 && argument.back() == '=') {
+      throw CommandLineError(argument + ": the value is empty");
+    }
+  }
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.name);
+  if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    throw CommandLineError(
+        fmt::format("there is no subcommand '{}'; there are {}", argv[1], fmt::join(names, ", ")));
+  }
+}
+
+}  // namespace
+
+std::vector<Option> output_options(OutputFile& output, const std::string& name,
+                                   const std::string& about) {
+  return {{name, "FILE", about, &output.path},
+          {"--force", "", "replace an output file that exists", &output.force}};
+}
+
+std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+int run_command_line(const ProgramText& program, const std::vector<Command>& commands, int argc,
+                     const char* const* argv) {
+  CLI::App app(program.about, program.name);
+  app.set_version_flag("--version", program.name + " " + program.version);
+  app.footer(program.footer);
+  app.require_subcommand(1);
+  const Command* chosen = nullptr;
+  for (const Command& command : commands) add_command(app, command, chosen);
+  check_arguments(commands, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool is_request = error.get_exit_code() == 0;  // --help, --version
+    std::ostringstream out, err;
+    app.exit(error, out, err);
+    if (is_request) {
+      write_stdout(out.str());
+      return kDone;
+    }
+    say(err.str() + out.str());
+    return kCommandLine;
+  }
+  catch_signals();
+  return chosen->run();
+}
+
+}  // namespace stillbase::app

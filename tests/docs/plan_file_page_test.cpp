@@ -1,0 +1,114 @@
+// docs/plan-file.md against the schema of plan files and against plans that the tool writes.
+#include <catch2/catch.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <stillbase/core/file.hpp>
+#include <stillbase/io/schema.hpp>
+
+namespace stillbase {
+namespace {
+
+using Json = nlohmann::json;
+using Members = std::set<std::string>;
+
+/// Members whose own content is described elsewhere, or has names of its own as keys.
+bool is_described_as_a_whole(const std::string& member) {
+  static const Members kWhole{"tool",
+                              "problem",
+                              "verification",
+                              "solver_calls",
+                              "timing",
+                              "objective.terms",
+                              "impact.joint_resistance_values"};
+  const bool is_pose = member.size() > 9 && member.compare(member.size() - 9, 9, "base_pose") == 0;
+  return kWhole.count(member) > 0 || is_pose || member == "approach.base_poses";
+}
+
+/// First cells of the page's table.
+Members documented_members() {
+  std::istringstream lines(read_text_file(STILLBASE_SOURCE_DIR "/docs/plan-file.md"));
+  Members members;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| `", 0) != 0 && line.rfind("| **`", 0) != 0) continue;
+    const std::size_t begin = line.find('`') + 1;
+    members.insert(line.substr(begin, line.find('`', begin) - begin));
+  }
+  return members;
+}
+
+/// Members that a schema permits, "a.b" and "list[].c".
+void add_schema_members(const Json& schema, const Json& definitions, const std::string& path,
+                        Members& members) {
+  if (schema.contains("$ref")) {
+    const std::string name = schema.at("$ref").get<std::string>().substr(14);  // #/definitions/
+    return add_schema_members(definitions.at(name), definitions, path, members);
+  }
+  for (const char* key : {"allOf", "anyOf", "oneOf"}) {
+    for (const Json& part : schema.value(key, Json::array())) {
+      add_schema_members(part, definitions, path, members);
+    }
+  }
+  if (schema.contains("items")) {
+    add_schema_members(schema.at("items"), definitions, path + "[]", members);
+  }
+  for (const auto& [key, value] : schema.value("properties", Json::object()).items()) {
+    const std::string member = path.empty() ? key : path + "." + key;
+    members.insert(member);
+    if (!is_described_as_a_whole(member)) {
+      add_schema_members(value, definitions, member, members);
+    }
+  }
+}
+
+/// Members that a plan has.
+void add_plan_members(const Json& value, const std::string& path, Members& members) {
+  if (is_described_as_a_whole(path)) return;
+  if (value.is_array()) {
+    for (const Json& item : value) add_plan_members(item, path + "[]", members);
+  }
+  if (!value.is_object()) return;
+  for (const auto& [key, item] : value.items()) {
+    const std::string member = path.empty() ? key : path + "." + key;
+    members.insert(member);
+    add_plan_members(item, member, members);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the page of the plan file and the schema list the same members") {
+  const Json schema = Json::parse(schema_of("plan"));
+  Members members;
+  add_schema_members(schema, schema.at("definitions"), "", members);
+  CHECK(documented_members() == members);
+}
+
+TEST_CASE("the page of the plan file lists every member of a written plan") {
+  std::string folder = (std::filesystem::temp_directory_path() / "stillbase-page-XXXXXX").string();
+  REQUIRE(mkdtemp(folder.data()) != nullptr);
+  const Members documented = documented_members();
+  for (const char* problem : {"planar_two_link_c2_a", "planar_three_link_client"}) {
+    const std::string plan = folder + "/" + problem + ".json";
+    const std::string command = STILLBASE_TOOL " plan " STILLBASE_SOURCE_DIR "/problems/" +
+                                std::string(problem) + ".yaml -o " + plan + " 2>/dev/null";
+    REQUIRE(std::system(command.c_str()) == 0);
+    Members members;
+    add_plan_members(Json::parse(read_text_file(plan)), "", members);
+    CHECK(members.size() > 80);
+    for (const std::string& member : members) {
+      INFO(member);
+      CHECK(documented.count(member) == 1);
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace stillbase
