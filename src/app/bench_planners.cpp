@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/campaign/campaign.hpp>

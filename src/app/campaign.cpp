@@ -4,7 +4,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/campaign/campaign.hpp>
 #include <stillbase/core/error.hpp>

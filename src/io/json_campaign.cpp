@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/io/campaign_file.hpp>
 
 #include "io/json.hpp"
@@ -58,7 +56,7 @@ template <class Read>
 auto parsed(const std::string& text, const char* rule, Read&& read) {
   try {
     return read(Json::parse(text));
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const io::JsonError& error) {
     throw InputError({{"campaign", 0, rule, error.what()}});
   }
 }

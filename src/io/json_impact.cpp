@@ -1,7 +1,5 @@
 #include "io/json_impact.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "io/json_problem.hpp"
 #include "io/problem_reader.hpp"
 
@@ -25,33 +23,32 @@ void read_wrench(MapReader& map, const std::string& key, const char* linear, con
 
 Json impact_json(const ImpactSummary& impact, const RobotModel& robot) {
   Json values = resistance_json(impact.resistance, robot);
-  const std::string model = values["model"];
+  const Json model = values["model"];
   values.erase("model");
   const CaseJudgement& judgement = impact.judgement;
-  return {{"impulse",
-           {{"force", array_json(impact.Fbar.head<3>())},
-            {"moment", array_json(impact.Fbar.tail<3>())}}},
-          {"base_velocity_jump",
-           {{"linear", array_json(impact.Delta_Omega.head<3>())},
-            {"angular", array_json(impact.Delta_Omega.tail<3>())}}},
-          {"joint_velocity_jump", array_json(impact.Delta_phidot)},
-          {"joint_velocity_rns", array_json(impact.Delta_phidot_rns)},
-          {"joint_velocity_orthogonal", array_json(impact.Delta_phidot_orthogonal)},
-          {"momentum",
-           {{"total", array_json(impact.total)},
-            {"base", array_json(impact.base)},
-            {"coupling", array_json(impact.coupling)}}},
-          {"case", word_of(impact_case_names(), judgement.impact_case)},
-          {"case_tolerance", number_json(judgement.tolerance)},
-          {"case_residuals",
-           {{"total", number_json(judgement.total)},
-            {"base", number_json(judgement.base)},
-            {"coupling", number_json(judgement.coupling)}}},
-          {"rank_tolerance", number_json(impact.rank_tolerance)},
-          {"rank", impact.rank},
-          {"closing_speed", number_json(impact.closing_speed)},
-          {"joint_resistance", model},
-          {"joint_resistance_values", values}};
+  return {
+      {"impulse",
+       {{"force", array_json(impact.Fbar.head<3>())},
+        {"moment", array_json(impact.Fbar.tail<3>())}}},
+      {"base_velocity_jump",
+       {{"linear", array_json(impact.Delta_Omega.head<3>())},
+        {"angular", array_json(impact.Delta_Omega.tail<3>())}}},
+      {"joint_velocity_jump", array_json(impact.Delta_phidot)},
+      {"joint_velocity_rns", array_json(impact.Delta_phidot_rns)},
+      {"joint_velocity_orthogonal", array_json(impact.Delta_phidot_orthogonal)},
+      {"momentum",
+       {{"total", array_json(impact.total)},
+        {"base", array_json(impact.base)},
+        {"coupling", array_json(impact.coupling)}}},
+      {"case", word_of(impact_case_names(), judgement.impact_case)},
+      {"case_tolerance", judgement.tolerance},
+      {"case_residuals",
+       {{"total", judgement.total}, {"base", judgement.base}, {"coupling", judgement.coupling}}},
+      {"rank_tolerance", impact.rank_tolerance},
+      {"rank", impact.rank},
+      {"closing_speed", impact.closing_speed},
+      {"joint_resistance", model},
+      {"joint_resistance_values", values}};
 }
 
 void read_joint_list(MapReader& map, const std::string& key, int n, JointVectord& out) {

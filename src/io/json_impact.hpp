@@ -1,8 +1,6 @@
 // The impact object that plans, inspect and analyze share, and one joint-space list.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <stillbase/impact/summary.hpp>
 
 #include "io/field_reader.hpp"

@@ -1,7 +1,5 @@
 #include "io/json_problem.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/io/problem_file.hpp>
 
 #include "io/names.hpp"
@@ -13,7 +11,7 @@ namespace {
 /// {"joint": value, ...}
 Json joint_values_json(const RobotModel& robot, const JointVectord& values) {
   Json json = Json::object();
-  for (int k = 0; k < robot.n(); ++k) json[robot.joints[k].name] = number_json(values[k]);
+  for (int k = 0; k < robot.n(); ++k) json[robot.joints[k].name] = values[k];
   return json;
 }
 
@@ -28,14 +26,12 @@ Json joint_flags_json(const RobotModel& robot, const std::vector<bool>& flags) {
 
 Json geometry_json(const Geometry& geometry) {
   struct Visitor {
-    Json operator()(const Sphere& s) const {
-      return {{"sphere", {{"radius", number_json(s.radius)}}}};
-    }
+    Json operator()(const Sphere& s) const { return {{"sphere", {{"radius", s.radius}}}}; }
     Json operator()(const Capsule& c) const {
-      return {{"capsule", {{"radius", number_json(c.radius)}, {"length", number_json(c.length)}}}};
+      return {{"capsule", {{"radius", c.radius}, {"length", c.length}}}};
     }
     Json operator()(const Cylinder& c) const {
-      return {{"cylinder", {{"radius", number_json(c.radius)}, {"length", number_json(c.length)}}}};
+      return {{"cylinder", {{"radius", c.radius}, {"length", c.length}}}};
     }
     Json operator()(const Box& b) const { return {{"box", {{"size", array_json(b.size)}}}}; }
     Json operator()(const ConvexMesh& m) const {
@@ -50,12 +46,11 @@ Json geometry_json(const Geometry& geometry) {
 Json target_body_json(const TargetBody& body) {
   Json json = {{"name", body.name},
                {"model", body.is_point_mass ? "point_mass" : "rigid_body"},
-               {"mass", number_json(body.mass)}};
+               {"mass", body.mass}};
   if (!body.is_point_mass) {
     const Matrix3d& inertia = body.inertia;
-    json["inertia"] = {{"ixx", number_json(inertia(0, 0))}, {"iyy", number_json(inertia(1, 1))},
-                       {"izz", number_json(inertia(2, 2))}, {"ixy", number_json(inertia(0, 1))},
-                       {"ixz", number_json(inertia(0, 2))}, {"iyz", number_json(inertia(1, 2))}};
+    json["inertia"] = {{"ixx", inertia(0, 0)}, {"iyy", inertia(1, 1)}, {"izz", inertia(2, 2)},
+                       {"ixy", inertia(0, 1)}, {"ixz", inertia(0, 2)}, {"iyz", inertia(1, 2)}};
   }
   json["shapes"] = Json::array();
   for (const TargetShape& shape : body.shapes) {
@@ -74,7 +69,7 @@ Json target_body_json(const TargetBody& body) {
 
 Json target_state_json(const TargetState& state,
                        const std::optional<EstimateDeviations>& deviations) {
-  Json json = {{"time", number_json(state.time)},
+  Json json = {{"time", state.time},
                {"position", array_json(state.pose.position)},
                {"orientation", quaternion_json(state.pose.orientation)},
                {"linear_velocity", array_json(state.linear_velocity)},
@@ -84,7 +79,7 @@ Json target_state_json(const TargetState& state,
                           {"orientation", array_json(deviations->orientation)},
                           {"linear_velocity", array_json(deviations->linear_velocity)},
                           {"angular_velocity", array_json(deviations->angular_velocity)},
-                          {"mass", number_json(deviations->mass)},
+                          {"mass", deviations->mass},
                           {"moments", array_json(deviations->moments)}};
   }
   return json;
@@ -95,10 +90,10 @@ Json impact_section_json(const CaptureProblem& problem) {
   return {{"source", word_of(impulse_source_names(), impulse.source)},
           {"direction", impulse.direction ? array_json(*impulse.direction) : Json("feature")},
           {"frame", word_of(frame_names(), impulse.direction_frame)},
-          {"magnitude", number_json(impulse.magnitude)},
+          {"magnitude", impulse.magnitude},
           {"moment", array_json(impulse.moment)},
-          {"closing_speed", number_json(impulse.closing_speed)},
-          {"restitution", number_json(impulse.restitution)},
+          {"closing_speed", impulse.closing_speed},
+          {"restitution", impulse.restitution},
           {"joint_resistance", resistance_json(problem.resistance, problem.robot)}};
 }
 
@@ -108,14 +103,13 @@ Json variables_json(const CaptureProblem& problem) {
           {"base_attitude",
            {{"freedom", word_of(attitude_freedom_names(), variables.base_attitude)},
             {"axis", array_json(variables.base_attitude_axis)},
-            {"max", number_json(variables.base_attitude_max)}}},
+            {"max", variables.base_attitude_max}}},
           {"base_position",
            {{"freedom", word_of(position_freedom_names(), variables.base_position)},
             {"lower", array_json(variables.base_position_lower)},
             {"upper", array_json(variables.base_position_upper)}}},
           {"contact_time",
-           {{"lower", number_json(variables.contact_time_lower)},
-            {"upper", number_json(variables.contact_time_upper)}}},
+           {{"lower", variables.contact_time_lower}, {"upper", variables.contact_time_upper}}},
           {"feature", !variables.features.empty() ? Json(variables.features)
                       : variables.feature.empty() ? Json("none")
                                                   : Json(variables.feature)}};
@@ -125,7 +119,7 @@ Json objective_section_json(const CaptureProblem& problem) {
   const MeasureSpec& measure = problem.measure;
   Json json = {{"measure", word_of(measure_names(), measure.kind)}};
   const bool is_tail = measure.kind == RiskMeasure::Cvar;
-  if (is_tail) json["cvar_level"] = number_json(measure.cvar_level);
+  if (is_tail) json["cvar_level"] = measure.cvar_level;
   if (is_tail || measure.kind == RiskMeasure::Expectation) {
     json["samples"] = measure.samples;
     json["sample_seed"] = measure.seed;
@@ -135,56 +129,54 @@ Json objective_section_json(const CaptureProblem& problem) {
       first.size == 1 && (first.length == 1 || first.quantity != ObjectiveQuantity::BaseMomentum);
   if (problem.objective.size() == 1 && is_plain) {
     json["quantity"] = word_of(objective_names(), first.quantity);
-    if (first.after > 0) json["after"] = number_json(first.after);
+    if (first.after > 0) json["after"] = first.after;
     return json;
   }
   json["terms"] = Json::array();
   for (const ObjectiveTerm& term : problem.objective) {
-    json["terms"].push_back({{"quantity", word_of(objective_names(), term.quantity)},
-                             {"size", number_json(term.size)}});
+    json["terms"].push_back(
+        {{"quantity", word_of(objective_names(), term.quantity)}, {"size", term.size}});
     if (term.quantity == ObjectiveQuantity::BaseMomentum) {
-      json["terms"].back()["length"] = number_json(term.length);
+      json["terms"].back()["length"] = term.length;
     }
-    if (term.after > 0) json["terms"].back()["after"] = number_json(term.after);
+    if (term.after > 0) json["terms"].back()["after"] = term.after;
   }
   return json;
 }
 
 Json constraints_json(const CaptureProblem& problem) {
   const ConstraintSpec& constraints = problem.constraints;
-  Json json = {
-      {"case", word_of(case_constraint_names(), constraints.impact_case)},
-      {"joint_limit_margin", number_json(constraints.joint_limit_margin)},
-      {"closing_speed_min", number_json(constraints.closing_speed_min)},
-      {"coupling_singular_value_min", number_json(constraints.coupling_singular_value_min)},
-      {"jacobian_singular_value_min", number_json(constraints.jacobian_singular_value_min)},
-      {"jacobian_length", number_json(constraints.jacobian_length)}};
+  Json json = {{"case", word_of(case_constraint_names(), constraints.impact_case)},
+               {"joint_limit_margin", constraints.joint_limit_margin},
+               {"closing_speed_min", constraints.closing_speed_min},
+               {"coupling_singular_value_min", constraints.coupling_singular_value_min},
+               {"jacobian_singular_value_min", constraints.jacobian_singular_value_min},
+               {"jacobian_length", constraints.jacobian_length}};
   if (constraints.joint_rate_scale) {
-    json["joint_rate_scale"] = number_json(*constraints.joint_rate_scale);
+    json["joint_rate_scale"] = *constraints.joint_rate_scale;
   }
   if (constraints.joint_rate_max.size() > 0) {
     json["joint_rate_max"] = joint_values_json(problem.robot, constraints.joint_rate_max);
   }
-  if (constraints.clearance) json["clearance"] = number_json(*constraints.clearance);
+  if (constraints.clearance) json["clearance"] = *constraints.clearance;
   return json;
 }
 
 Json uncertainty_json(const RobotModel& robot, const UncertaintySpec& uncertainty) {
   const auto& plane = uncertainty.cone_plane_normal;
-  Json json = {
-      {"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
-                                                      : number_json(uncertainty.cone_half_angle)},
-      {"cone_plane", plane ? array_json(*plane) : Json("none")},
-      {"closing_speed", number_json(uncertainty.closing_speed)},
-      {"restitution", number_json(uncertainty.restitution)},
-      {"target_mass", number_json(uncertainty.target_mass)},
-      {"target_inertia", number_json(uncertainty.target_inertia)},
-      {"contact_point", number_json(uncertainty.contact_point)},
-      {"contact_time", number_json(uncertainty.contact_time)}};
+  Json json = {{"cone_half_angle", uncertainty.cone_confidence ? Json("from_covariance")
+                                                               : uncertainty.cone_half_angle},
+               {"cone_plane", plane ? array_json(*plane) : Json("none")},
+               {"closing_speed", uncertainty.closing_speed},
+               {"restitution", uncertainty.restitution},
+               {"target_mass", uncertainty.target_mass},
+               {"target_inertia", uncertainty.target_inertia},
+               {"contact_point", uncertainty.contact_point},
+               {"contact_time", uncertainty.contact_time}};
   if (uncertainty.joint_position.size() > 0) {
     json["joint_position"] = joint_values_json(robot, uncertainty.joint_position);
   }
-  if (uncertainty.cone_confidence) json["confidence"] = number_json(*uncertainty.cone_confidence);
+  if (uncertainty.cone_confidence) json["confidence"] = *uncertainty.cone_confidence;
   return json;
 }
 
@@ -194,54 +186,54 @@ Json approach_section_json(const CaptureProblem& problem) {
           {"base", word_of(base_mode_names(), approach.base)},
           {"station_free", approach.station_free},
           {"acceleration_limit", joint_values_json(problem.robot, approach.acceleration_limit)},
-          {"velocity_scale", number_json(approach.velocity_scale)},
-          {"wait", number_json(approach.wait)},
-          {"max_duration", number_json(approach.max_duration)},
-          {"clearance", number_json(approach.clearance)},
-          {"contact_allowance", number_json(approach.contact_allowance)},
-          {"resolution", number_json(approach.resolution)},
+          {"velocity_scale", approach.velocity_scale},
+          {"wait", approach.wait},
+          {"max_duration", approach.max_duration},
+          {"clearance", approach.clearance},
+          {"contact_allowance", approach.contact_allowance},
+          {"resolution", approach.resolution},
           {"planner", approach.planner},
           {"max_iterations", approach.max_iterations},
           {"polish", word_of(path_polish_names(), approach.polish)},
-          {"attitude_tolerance", number_json(approach.attitude_tolerance)}};
+          {"attitude_tolerance", approach.attitude_tolerance}};
 }
 
 Json post_impact_json(const PostImpactSpec& post) {
   const ContactSpec& contact = post.contact;
   const SensorSpec& sensor = post.sensor;
   return {{"controllers", post.controllers},
-          {"base_rate_gain", number_json(post.K_omega)},
-          {"joint_rate_gain", number_json(post.K_phi)},
-          {"control_period", number_json(post.control_period)},
-          {"horizon", number_json(post.horizon)},
+          {"base_rate_gain", post.K_omega},
+          {"joint_rate_gain", post.K_phi},
+          {"control_period", post.control_period},
+          {"horizon", post.horizon},
           {"joint_friction", post.joint_friction},
-          {"stop_restitution", number_json(post.stop_restitution)},
-          {"wheel_torque", number_json(post.wheel_torque)},
-          {"wheel_momentum", number_json(post.wheel_momentum)},
-          {"handback_start", number_json(post.handback_start)},
-          {"handback_gain", number_json(post.handback_gain)},
+          {"stop_restitution", post.stop_restitution},
+          {"wheel_torque", post.wheel_torque},
+          {"wheel_momentum", post.wheel_momentum},
+          {"handback_start", post.handback_start},
+          {"handback_gain", post.handback_gain},
           {"contact",
            {{"model", word_of(contact_model_names(), contact.model)},
-            {"stiffness", number_json(contact.stiffness)},
-            {"damping", contact.damping ? number_json(*contact.damping) : Json("from_restitution")},
-            {"friction", number_json(contact.friction)}}},
+            {"stiffness", contact.stiffness},
+            {"damping", contact.damping ? *contact.damping : Json("from_restitution")},
+            {"friction", contact.friction}}},
           {"sensor",
-           {{"base_rate_error", number_json(sensor.base_rate_error)},
-            {"joint_position_error", number_json(sensor.joint_position_error)},
-            {"joint_rate_error", number_json(sensor.joint_rate_error)},
-            {"delay", number_json(sensor.delay)},
+           {{"base_rate_error", sensor.base_rate_error},
+            {"joint_position_error", sensor.joint_position_error},
+            {"joint_rate_error", sensor.joint_rate_error},
+            {"delay", sensor.delay},
             {"seed", sensor.seed}}},
           {"model",
-           {{"base_mass_scale", number_json(post.model.base_mass_scale)},
-            {"arm_mass_scale", number_json(post.model.arm_mass_scale)},
-            {"target_mass_scale", number_json(post.model.target_mass_scale)},
-            {"friction_scale", number_json(post.model.friction_scale)}}},
+           {{"base_mass_scale", post.model.base_mass_scale},
+            {"arm_mass_scale", post.model.arm_mass_scale},
+            {"target_mass_scale", post.model.target_mass_scale},
+            {"friction_scale", post.model.friction_scale}}},
           {"thrusters",
-           {{"torque", number_json(post.thrusters.torque)},
-            {"gain", number_json(post.thrusters.gain)},
-            {"dead_band", number_json(post.thrusters.dead_band)}}},
-          {"residual_base_rate_max", number_json(post.residual_base_rate_max)},
-          {"attitude_change_max", number_json(post.attitude_change_max)}};
+           {{"torque", post.thrusters.torque},
+            {"gain", post.thrusters.gain},
+            {"dead_band", post.thrusters.dead_band}}},
+          {"residual_base_rate_max", post.residual_base_rate_max},
+          {"attitude_change_max", post.attitude_change_max}};
 }
 
 }  // namespace
@@ -257,7 +249,7 @@ Json resistance_json(const JointResistance& resistance, const RobotModel& robot)
     case ResistanceModel::Servo:
       json["stiffness"] = joint_values_json(robot, resistance.stiffness);
       json["damping"] = joint_values_json(robot, resistance.damping);
-      json["contact_duration"] = number_json(resistance.contact_duration);
+      json["contact_duration"] = resistance.contact_duration;
       break;
     case ResistanceModel::Locked:
       json["locked"] = joint_flags_json(robot, resistance.locked);
@@ -295,7 +287,7 @@ Json problem_json(const CaptureProblem& problem) {
       {"orientation", hand.orientation ? quaternion_json(*hand.orientation) : Json("feature")},
       {"frame", word_of(frame_names(), hand.frame)},
       {"approach_axis", array_json(hand.approach_axis)},
-      {"roll", number_json(hand.roll)}};
+      {"roll", hand.roll}};
   json["constraints"] = constraints_json(problem);
   json["uncertainty"] = uncertainty_json(problem.robot, problem.uncertainty);
   json["search"] = {{"optimizer", problem.search.optimizer},

@@ -1,8 +1,6 @@
 // The normalised copy of a problem.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <stillbase/plan/problem.hpp>
 
 #include "io/json.hpp"

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/io/plan_file.hpp>
@@ -456,7 +455,7 @@ void read_counts(MapReader& map, Plan& plan) {
 std::string fingerprint(std::string_view text, ReadContext& context) {
   try {
     return content_sha256(Json::parse(text));
-  } catch (const Json::parse_error& error) {
+  } catch (const JsonError& error) {
     const std::size_t end = std::min(error.byte, text.size());
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
     context.add(static_cast<int>(line), "syntax", "the file is not JSON");

@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/io/plan_file.hpp>
 
@@ -16,7 +14,7 @@ namespace io {
 namespace {
 
 /// null where there is none.
-Json bound_json(double x) { return std::isinf(x) ? Json(nullptr) : number_json(x); }
+Json bound_json(double x) { return std::isinf(x) ? Json(nullptr) : x; }
 
 template <class T, class ToJson>
 Json list_json(const std::vector<T>& list, const ToJson& to_json) {
@@ -29,16 +27,16 @@ Json list_json(const std::vector<T>& list, const ToJson& to_json) {
 Json configuration_json(const CaptureProblem& problem, const Configuration& configuration) {
   Json json = {{"joint_positions", array_json(configuration.phi)},
                {"base_pose", pose_json(configuration.base)},
-               {"contact_time", number_json(configuration.contact_time)}};
+               {"contact_time", configuration.contact_time}};
   if (!problem.variables.features.empty()) json["feature"] = configuration.feature;
   return json;
 }
 
 Json nominal_optimum_json(const CaptureProblem& problem, const NominalOptimum& optimum) {
   Json json = configuration_json(problem, optimum.configuration);
-  json["nominal"] = number_json(optimum.nominal);
-  json["worst_case"] = number_json(optimum.worst_case);
-  json["value"] = number_json(optimum.value);
+  json["nominal"] = optimum.nominal;
+  json["worst_case"] = optimum.worst_case;
+  json["value"] = optimum.value;
   return json;
 }
 
@@ -46,15 +44,15 @@ Json objective_json(const Plan& plan) {
   const ObjectiveValue& objective = plan.objective;
   Json json = {{"name", objective.name},
                {"measure", word_of(measure_names(), plan.problem.measure.kind)},
-               {"value", number_json(objective.value)},
+               {"value", objective.value},
                {"unit", objective.unit},
                {"terms", Json::object()},
-               {"nominal", number_json(objective.nominal)},
-               {"worst_case", number_json(objective.worst_case)},
+               {"nominal", objective.nominal},
+               {"worst_case", objective.worst_case},
                {"worst_direction", array_json(objective.worst_direction)},
                {"judged", objective.is_judged},
                {"nominal_optimum", nullptr}};
-  for (const auto& [name, value] : objective.terms) json["terms"][name] = number_json(value);
+  for (const auto& [name, value] : objective.terms) json["terms"][name] = value;
   if (plan.nominal_optimum) {
     json["nominal_optimum"] = nominal_optimum_json(plan.problem, *plan.nominal_optimum);
   }
@@ -63,19 +61,19 @@ Json objective_json(const Plan& plan) {
 
 Json constraint_json(const ConstraintValue& constraint) {
   return {{"name", constraint.name},
-          {"value", number_json(constraint.value)},
+          {"value", constraint.value},
           {"lower", bound_json(constraint.lower)},
           {"upper", bound_json(constraint.upper)},
-          {"violation", number_json(constraint.violation)}};
+          {"violation", constraint.violation}};
 }
 
 Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
   Json json = configuration_json(problem, candidate.configuration);
-  json["objective"] = number_json(candidate.objective);
-  json["worst_case"] = number_json(candidate.worst_case);
-  json["value"] = number_json(candidate.value);
+  json["objective"] = candidate.objective;
+  json["worst_case"] = candidate.worst_case;
+  json["value"] = candidate.value;
   json["judged"] = candidate.is_judged;
-  json["max_violation"] = number_json(candidate.max_violation);
+  json["max_violation"] = candidate.max_violation;
   json["starts_reached"] = candidate.starts_reached;
   json["family"] = candidate.family < 0 ? Json(nullptr) : Json(candidate.family);
   json["collision_free"] = candidate.collision_free;
@@ -84,7 +82,7 @@ Json candidate_json(const CaptureProblem& problem, const Candidate& candidate) {
 }
 
 Json family_json(const CaptureProblem& problem, const SolutionFamily& family) {
-  return {{"length", number_json(family.length)},
+  return {{"length", family.length},
           {"closed", family.is_closed},
           {"complete", family.is_complete},
           {"starts", family.starts},
@@ -97,36 +95,35 @@ Json approach_json(const Approach& approach) {
   const auto vector = [](const auto& v) { return array_json(v); };
   return {{"status", word_of(approach_status_names(), approach.status)},
           {"detail", approach.detail},
-          {"times", list_json(approach.times, number_json)},
+          {"times", Json(approach.times)},
           {"joint_positions", list_json(approach.joint_positions, vector)},
           {"joint_velocities", list_json(approach.joint_velocities, vector)},
           {"joint_accelerations", list_json(approach.joint_accelerations, vector)},
           {"joint_torques", list_json(approach.joint_torques, vector)},
           {"base_poses", list_json(approach.base_poses, pose_json)},
           {"base_velocities", list_json(approach.base_velocities, vector)},
-          {"duration", number_json(approach.duration)},
-          {"path_length", number_json(approach.path_length)},
-          {"attitude_excursion", number_json(approach.attitude_excursion)},
+          {"duration", approach.duration},
+          {"path_length", approach.path_length},
+          {"attitude_excursion", approach.attitude_excursion},
           {"min_clearance", bound_json(approach.min_clearance)},
-          {"effort_used", number_json(approach.effort_used)},
+          {"effort_used", approach.effort_used},
           {"hand_error",
-           {{"position", number_json(approach.hand_position_error)},
-            {"angle", number_json(approach.hand_angle_error)}}},
-          {"late_by", number_json(approach.late_by)},
+           {{"position", approach.hand_position_error}, {"angle", approach.hand_angle_error}}},
+          {"late_by", approach.late_by},
           {"polish",
            {{"quantity", word_of(path_polish_names(), approach.polish)},
-            {"before", number_json(approach.before_polish)},
-            {"after", number_json(approach.after_polish)}}}};
+            {"before", approach.before_polish},
+            {"after", approach.after_polish}}}};
 }
 
 /// null where there is none.
-Json optional_json(const std::optional<double>& x) { return x ? number_json(*x) : Json(nullptr); }
+Json optional_json(const std::optional<double>& x) { return x ? *x : Json(nullptr); }
 
 Json proof_json(const Proof& proof) {
   const auto box = [](const JointBox& b) {
     Json json{{"lower", array_json(b.lower)}, {"upper", array_json(b.upper)}};
     const auto add = [&json](const char* key, const std::optional<Ends>& ends) {
-      if (ends) json[key] = {number_json(ends->lower), number_json(ends->upper)};
+      if (ends) json[key] = {ends->lower, ends->upper};
     };
     add("base_angle", b.base_angle);
     add("contact_time", b.contact_time);
@@ -146,11 +143,11 @@ Json proof_json(const Proof& proof) {
 Json certificate_json(const Certificate& certificate) {
   return {
       {"kkt_residual", bound_json(certificate.kkt_residual)},
-      {"max_violation", number_json(certificate.max_violation)},
+      {"max_violation", certificate.max_violation},
       {"reduced_hessian_min_eigenvalue", optional_json(certificate.reduced_hessian_min_eigenvalue)},
       {"starts", certificate.starts},
       {"distinct_solutions", certificate.distinct_solutions},
-      {"unseen", number_json(certificate.unseen)},
+      {"unseen", certificate.unseen},
       {"proof", proof_json(certificate.proof)}};
 }
 
@@ -206,7 +203,7 @@ std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
   json["content_sha256"] = io::content_sha256(json);
   if (!verification_json.empty()) json["verification"] = io::Json::parse(verification_json);
   json["timing"] = io::Json::object();
-  for (const auto& [name, seconds] : plan.timing) json["timing"][name] = io::number_json(seconds);
+  for (const auto& [name, seconds] : plan.timing) json["timing"][name] = seconds;
   return io::pretty(json);
 }
 

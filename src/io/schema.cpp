@@ -3,8 +3,6 @@
 #include <map>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
-
 #include "io/json.hpp"
 #include "io/schema_texts.hpp"
 
@@ -22,6 +20,13 @@ std::map<std::string, Json> read_documents() {
     documents[std::string(entry.file)] = Json::parse(entry.text);
   }
   return documents;
+}
+
+/// The value at "/a/b" in a document.
+const Json& at_pointer(const Json& document, std::string_view pointer) {
+  if (pointer.empty()) return document;
+  const std::size_t end = std::min(pointer.find('/', 1), pointer.size());
+  return at_pointer(document.at(pointer.substr(1, end - 1)), pointer.substr(end));
 }
 
 /// The files refer to each other. Here what one of them uses becomes a definition of its own.
@@ -64,7 +69,7 @@ class Bundle {
       throw std::logic_error("two definitions of the name " + name);
     }
     if (!is_new) return name;
-    Json piece = documents_.at(file).at(Json::json_pointer(pointer));
+    Json piece = at_pointer(documents_.at(file), pointer);
     if (pointer.empty()) {
       piece = without_definitions(piece);
       piece.erase("$schema");

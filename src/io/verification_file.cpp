@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/io/verification_file.hpp>
 
 #include "io/json_trials.hpp"
@@ -16,12 +14,9 @@ using io::Json;
 Json open_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json claim_json(const Claim& claim) {
-  return {{"name", claim.name},
-          {"value", claim.value ? io::number_json(*claim.value) : Json(nullptr)},
-          {"limit", io::number_json(claim.limit)},
-          {"unit", claim.unit},
-          {"pass", claim.pass},
-          {"detail", claim.detail}};
+  return {{"name", claim.name},   {"value", claim.value ? *claim.value : Json(nullptr)},
+          {"limit", claim.limit}, {"unit", claim.unit},
+          {"pass", claim.pass},   {"detail", claim.detail}};
 }
 
 Json report_json(const ControllerReport& report) {
