@@ -16,6 +16,7 @@ namespace {
 
 struct Options {
   std::string name;
+  bool fields = false;
   OutputFile output;
 };
 
@@ -30,6 +31,12 @@ std::string list_of_formats(const std::vector<FileFormat>& formats) {
 }
 
 int run(const Options& options) {
+  if (options.fields) {
+    if (!options.name.empty()) throw CommandLineError("schema: --fields is about all formats");
+    options.output.check();
+    options.output.write(field_reference());
+    return kDone;
+  }
   const std::vector<FileFormat> formats = file_formats();
   if (options.name.empty()) {
     if (options.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
@@ -58,6 +65,8 @@ void add_schema(CLI::App& app, Action& action) {
                    "problem, target, state, campaign, suite, plan, verification, ...; without it a "
                    "list of all")
       ->type_name("FORMAT");
+  command->add_flag("--fields", options->fields,
+                    "the fields of all files that people write, and of plans, as Markdown");
   add_output(*command, options->output, "-o,--output", "schema (JSON); without it stdout");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -10,7 +10,4 @@ namespace stillbase::io {
 /// Every field of the problem in the order of the file format.
 Json problem_json(const CaptureProblem& problem);
 
-/// {"model": , the model's values}; joints by name.
-Json resistance_json(const JointResistance& resistance, const RobotModel& robot);
-
 }  // namespace stillbase::io
