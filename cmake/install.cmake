@@ -11,11 +11,20 @@ if(TARGET stillbase_proof)
 endif()
 if(TARGET stillbase_tool)
   install(TARGETS stillbase_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(CODE "
+    set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/stillbase/schema\")
+    file(MAKE_DIRECTORY \${folder})
+    execute_process(COMMAND $<TARGET_FILE:stillbase_tool> schema OUTPUT_VARIABLE formats)
+    string(REGEX MATCHALL \"\\n[a-z_]+ \" formats \"\\n\${formats}\")
+    foreach(format IN LISTS formats)
+      string(STRIP \"\${format}\" format)
+      execute_process(COMMAND $<TARGET_FILE:stillbase_tool> schema \${format}
+                      OUTPUT_FILE \${folder}/\${format}.schema.json)
+    endforeach()")
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/io/schema DESTINATION ${CMAKE_INSTALL_DATADIR}/stillbase)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillbaseConfig.cmake.in
   ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake

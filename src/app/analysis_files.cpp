@@ -1,6 +1,5 @@
 // The analysis for programs: JSON and CSV.
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "app/analysis.hpp"
 #include "io/json.hpp"
@@ -29,7 +28,7 @@ Json zero_json(const ZeroDirections& zero) {
 }
 
 Json cases_json(const CaseDirections& cases) {
-  return {{"tolerance", io::number_json(cases.tolerance)},
+  return {{"tolerance", cases.tolerance},
           {"base", zero_json(cases.base)},
           {"coupling", zero_json(cases.coupling)},
           {"total", zero_json(cases.total)},
@@ -56,13 +55,13 @@ Json posture_json(const PostureIndices& posture) {
             {"lengths", array_json(posture.reaction.ellipsoid.lengths)},
             {"causes", directions_json(posture.reaction.causes)},
             {"rank", posture.reaction.rank},
-            {"rank_tolerance", io::number_json(posture.reaction.rank_tolerance)}}},
+            {"rank_tolerance", posture.reaction.rank_tolerance}}},
           {"generalized_jacobian",
            {{"singular_values", array_json(posture.jacobian.all)},
             {"linear", array_json(posture.jacobian.linear)},
             {"angular", array_json(posture.jacobian.angular)},
-            {"linear_manipulability", io::number_json(posture.jacobian.linear_manipulability)},
-            {"angular_manipulability", io::number_json(posture.jacobian.angular_manipulability)}}},
+            {"linear_manipulability", posture.jacobian.linear_manipulability},
+            {"angular_manipulability", posture.jacobian.angular_manipulability}}},
           {"dynamic_coupling",
            {{"rotation_per_rate", array_json(posture.coupling.rotation_per_rate)},
             {"translation_per_rate", array_json(posture.coupling.translation_per_rate)},
@@ -79,7 +78,7 @@ void add_columns(std::string& text, const Eigen::Ref<const Eigen::VectorXd>& val
 std::string analysis_json(const Analysis& analysis) {
   Json rows = Json::array();
   for (const AnalysisRow& row : analysis.rows) {
-    Json json = {{"direction_deg", io::number_json(row.direction_deg)}};
+    Json json = {{"direction_deg", row.direction_deg}};
     json.update(io::impact_json(row.impact, analysis.robot));
     rows.push_back(std::move(json));
   }

@@ -3,8 +3,6 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
@@ -52,7 +50,7 @@ void write_bench_folder(const std::string& folder, const BenchFolder& content,
   };
   Json references = Json::object();
   for (const auto& [instance, value] : content.references) {
-    references[instance] = io::number_json(value);
+    references[instance] = value;
   }
   write("bench.json", io::pretty({{"format", "stillbase.bench"},
                                   {"version", 1},

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/campaign/campaign.hpp>

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/audit/audit.hpp>
 #include <stillbase/campaign/campaign.hpp>

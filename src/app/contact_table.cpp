@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/simulation/model_check.hpp>
 
@@ -17,7 +16,6 @@ namespace stillbase::app {
 namespace {
 
 using io::Json;
-using io::number_json;
 
 std::vector<double> stiffnesses() {
   std::vector<double> list;
@@ -94,8 +92,8 @@ std::string contact_table(const ContactCase& subject, double friction, bool as_j
   Json list = Json::array();
   for (const ModelCheckRow& row : rows) {
     // A contact that is not over says nothing.
-    const auto of_ended = [&row](double x) { return row.ended ? number_json(x) : Json(nullptr); };
-    list.push_back({{"stiffness", number_json(row.stiffness)},
+    const auto of_ended = [&row](double x) { return row.ended ? x : Json(nullptr); };
+    list.push_back({{"stiffness", row.stiffness},
                     {"ended", row.ended},
                     {"duration", of_ended(row.duration)},
                     {"peak_force", of_ended(row.peak_force)},
@@ -108,9 +106,9 @@ std::string contact_table(const ContactCase& subject, double friction, bool as_j
   return io::pretty({{"format", "stillbase.contact_table"},
                      {"version", 1},
                      {"joint_resistance", to_string(subject.resistance.model)},
-                     {"restitution", number_json(check.restitution)},
-                     {"closing_speed", number_json(subject.closing_speed)},
-                     {"friction", number_json(friction)},
+                     {"restitution", check.restitution},
+                     {"closing_speed", subject.closing_speed},
+                     {"friction", friction},
                      {"rows", list}});
 }
 

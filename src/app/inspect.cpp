@@ -3,7 +3,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
@@ -60,7 +59,7 @@ Json inspection_json(const RobotModel& robot, const RobotState& state) {
   const ReactionNullSpace space = angular_reaction_null_space(tilde);
   const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
   Json json = {{"joint_names", joint_names_json(robot)},
-               {"total_mass", io::number_json(robot.total_mass())},
+               {"total_mass", robot.total_mass()},
                {"centroid", array_json(inertia.r_bg)},
                {"hand_position", array_json(kinematics.r_bh)},
                {"H_b", matrix_json(inertia.H_b)},

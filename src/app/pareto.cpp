@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/plan/scenario.hpp>
 #include <stillbase/report/plot.hpp>
@@ -59,13 +58,13 @@ std::string front_json(const CaptureProblem& problem, const TradeOff& front) {
   Json points = Json::array();
   for (const TradeOffPoint& point : front.points) {
     const bool is_known = std::isfinite(point.kkt_residual);
-    points.push_back({{to_string(front.first), io::number_json(point.first)},
-                      {to_string(front.second), io::number_json(point.second)},
+    points.push_back({{to_string(front.first), point.first},
+                      {to_string(front.second), point.second},
                       {"joint_positions", io::array_json(point.configuration.phi)},
                       {"base_pose", io::pose_json(point.configuration.base)},
-                      {"contact_time", io::number_json(point.configuration.contact_time)},
-                      {"max_violation", io::number_json(point.max_violation)},
-                      {"kkt_residual", is_known ? io::number_json(point.kkt_residual) : Json()}});
+                      {"contact_time", point.configuration.contact_time},
+                      {"max_violation", point.max_violation},
+                      {"kkt_residual", is_known ? point.kkt_residual : Json()}});
   }
   Json calls = Json::object();
   for (const auto& [name, count] : front.solver_calls) calls[name] = count;

@@ -3,18 +3,18 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/report/plot.hpp>
 
 #include "app/plan_summary.hpp"
 #include "app/words.hpp"
+#include "io/json.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using io::Json;
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : ""; }
 
@@ -117,9 +117,9 @@ PageSection verification(const std::string& text) {
   }
   const Json json = Json::parse(text);
   const auto words = [](const Json& value) {
-    return value.is_number()   ? number(value.get<double>())
-           : value.is_string() ? value.get<std::string>()
-                               : value.dump();
+    return value.is_number() ? number(value.get<double>())
+           : value.is_text() ? value.get<std::string>()
+                             : value.dump();
   };
   out.paragraphs = {"Verdict: " + json.value("verdict", "unknown") + "."};
   out.table.header = {"check", "value", "limit", "unit", "holds", "detail"};

@@ -3,7 +3,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
@@ -15,6 +14,7 @@
 #include "app/exit_code.hpp"
 #include "app/output.hpp"
 #include "app/plan_page.hpp"
+#include "io/json.hpp"
 
 namespace stillbase::app {
 
@@ -28,12 +28,12 @@ struct ReportRequest {
 Page page_of_plan(const std::string& path) {
   const std::string text = read_text_file(path);
   const PlanFile file = read_plan(text, path);
-  const auto json = nlohmann::ordered_json::parse(text);  // read_plan() does not look at verdicts
-  const auto verdict = json.find("verification");
-  const bool has_verdict = verdict != json.end() && verdict->is_object();
+  const auto json = io::Json::parse(text);  // read_plan() does not look at verdicts
+  const io::Json* verdict = json.find("verification");
+  const bool has_verdict = verdict != nullptr && verdict->is_object();
   try {
     return plan_page(file.plan, has_verdict ? verdict->dump() : "");
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const io::JsonError& error) {
     throw InputError({{path, 0, "wrong-type", std::string("verification: ") + error.what()}});
   }
 }

@@ -16,6 +16,7 @@ namespace {
 
 struct SchemaRequest {
   std::string name;
+  bool fields = false;
   OutputFile output;
 };
 
@@ -30,6 +31,12 @@ std::string list_of_formats(const std::vector<FileFormat>& formats) {
 }
 
 int write_schema(const SchemaRequest& request) {
+  if (request.fields) {
+    if (!request.name.empty()) throw CommandLineError("schema: --fields is about all formats");
+    request.output.check();
+    request.output.write(field_reference());
+    return kDone;
+  }
   const std::vector<FileFormat> formats = file_formats();
   if (request.name.empty()) {
     if (request.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
@@ -52,10 +59,13 @@ int write_schema(const SchemaRequest& request) {
 Command schema_command() {
   auto request = std::make_shared<SchemaRequest>();
   return {"schema", "the JSON Schema of a file format, for editors and programs",
-          std::vector<Option>{{"format", "FORMAT",
-                               "problem, target, state, campaign, suite, plan, verification, ...; "
-                               "without it a list of all",
-                               &request->name}} +
+          std::vector<Option>{
+              {"format", "FORMAT",
+               "problem, target, state, campaign, suite, plan, verification, ...; "
+               "without it a list of all",
+               &request->name},
+              {"--fields", "", "the fields of all files that people write, and of plans, as Markdown",
+               &request->fields}} +
               output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
           [request] { return write_schema(*request); }};
 }

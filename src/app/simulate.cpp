@@ -3,7 +3,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/encounter/encounter.hpp>
@@ -27,7 +26,6 @@ namespace stillbase::app {
 namespace {
 
 using io::Json;
-using io::number_json;
 
 struct SimulateRequest {
   std::string input, controller;
@@ -75,12 +73,12 @@ Json contact_json(const Run& run) {
   const ContactHistory& contact = encounter.contact;
   return {{"model", "compliant"},
           {"contacts", contact.contacts},
-          {"begin", number_json(contact.first_begin)},
-          {"duration", number_json(contact.first_end - contact.first_begin)},
-          {"peak_force", number_json(run.result.summary.peak_contact_force)},
+          {"begin", contact.first_begin},
+          {"duration", contact.first_end - contact.first_begin},
+          {"peak_force", run.result.summary.peak_contact_force},
           {"impulse_inertial", io::array_json(encounter.impulse_N)},
-          {"separation_speed", number_json(encounter.separation_speed)},
-          {"momentum_error", number_json(encounter.momentum_error)}};
+          {"separation_speed", encounter.separation_speed},
+          {"momentum_error", encounter.momentum_error}};
 }
 
 std::string contact_words(const Run& run) {
@@ -121,7 +119,7 @@ Json run_json(const RobotModel& robot, const Run& run) {
   for (const LimitEvent& event : summary.limits) {
     limits.push_back({{"joint", robot.joints[static_cast<std::size_t>(event.joint)].name},
                       {"kind", to_string(event.kind)},
-                      {"time", number_json(event.time)}});
+                      {"time", event.time}});
   }
   const auto momentum = [](const TraceSample& sample) {
     return Json{{"total", io::array_json(sample.total)},
@@ -130,21 +128,21 @@ Json run_json(const RobotModel& robot, const Run& run) {
   };
   return {{"controller", run.controller},
           {"status", to_string(run.result.status)},
-          {"end_time", number_json(last.time)},
+          {"end_time", last.time},
           {"momentum_start", momentum(first)},
           {"momentum_end", momentum(last)},
-          {"peak_base_rate", number_json(summary.peak_base_rate)},
-          {"residual_base_rate", number_json(summary.residual_base_rate)},
-          {"attitude_turned", number_json(summary.attitude_turned)},
-          {"peak_joint_rate", number_json(summary.peak_joint_rate)},
-          {"residual_joint_rate", number_json(summary.residual_joint_rate)},
-          {"peak_torque", number_json(summary.peak_torque)},
+          {"peak_base_rate", summary.peak_base_rate},
+          {"residual_base_rate", summary.residual_base_rate},
+          {"attitude_turned", summary.attitude_turned},
+          {"peak_joint_rate", summary.peak_joint_rate},
+          {"residual_joint_rate", summary.residual_joint_rate},
+          {"peak_torque", summary.peak_torque},
           {"stop_hits", summary.stop_hits},
           {"wheel_momentum", io::array_json(summary.wheel_momentum)},
           {"thruster_impulse_inertial", io::array_json(last.state.thruster_impulse)},
           {"contact", contact_json(run)},
-          {"relative_momentum_drift", number_json(summary.relative_momentum_drift)},
-          {"peak_lost_momentum", number_json(summary.peak_lost_momentum)},
+          {"relative_momentum_drift", summary.relative_momentum_drift},
+          {"peak_lost_momentum", summary.peak_lost_momentum},
           {"limits", limits}};
 }
 

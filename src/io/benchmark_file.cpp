@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/core/child_process.hpp>
 #include <stillbase/core/error.hpp>
@@ -52,12 +51,12 @@ RunRequest request_of(const Json& json) {
 }
 
 /// A number that may be missing: null for what is negative.
-Json optional_json(double x) { return x < 0 ? Json() : io::number_json(x); }
+Json optional_json(double x) { return x < 0 ? Json() : x; }
 double optional_of(const Json& json) { return json.is_null() ? -1 : json.get<double>(); }
 
 Json numbers_json(const std::vector<double>& values) {
   Json out = Json::array();
-  for (const double value : values) out.push_back(io::number_json(value));
+  for (const double value : values) out.push_back(value);
   return out;
 }
 
@@ -88,10 +87,10 @@ RunRecord record_of(const Json& json) {
   const auto seconds = measured.at("improvements").get<std::vector<double>>();
   if (seconds.size() != improvements.size()) throw std::invalid_argument("lengths differ");
   for (std::size_t i = 0; i < improvements.size(); ++i) {
-    const Json& row = improvements[i];
+    const Json& row = improvements.at(i);
     if (row.size() != 4) throw std::invalid_argument("an improvement has four numbers");
-    out.improvements.push_back({row[0].get<long>(), row[1].get<long>(), row[2].get<double>(),
-                                row[3].get<double>(), seconds[i]});
+    out.improvements.push_back({row.at(0).get<long>(), row.at(1).get<long>(),
+                                row.at(2).get<double>(), row.at(3).get<double>(), seconds[i]});
   }
   return out;
 }
@@ -135,14 +134,12 @@ std::string record_to_text(const RunRecord& record, const std::string& host) {
   json["improvements"] = Json::array();
   Json seconds = Json::array();
   for (const Improvement& point : record.improvements) {
-    json["improvements"].push_back({point.evaluations, point.gradients,
-                                    io::number_json(point.value),
-                                    io::number_json(point.violation)});
-    seconds.push_back(io::number_json(point.seconds));
+    json["improvements"].push_back(
+        {point.evaluations, point.gradients, point.value, point.violation});
+    seconds.push_back(point.seconds);
   }
-  json["measured"] = {
-      {"host", host}, {"seconds", io::number_json(record.seconds)}, {"improvements", seconds}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  json["measured"] = {{"host", host}, {"seconds", record.seconds}, {"improvements", seconds}};
+  return json.dump();
 }
 
 std::vector<RunRecord> read_records(std::string_view text, const std::string& source) {
@@ -195,9 +192,9 @@ std::string best_known_to_json(const BestKnownTable& table) {
   json["version"] = 1;
   json["values"] = Json::object();
   for (const auto& [instance, best] : table) {
-    json["values"][instance] = {{"value", io::number_json(best.value)},
+    json["values"][instance] = {{"value", best.value},
                                 {"certificate",
-                                 {{"max_violation", io::number_json(best.violation)},
+                                 {{"max_violation", best.violation},
                                   {"kkt_residual", optional_json(best.kkt_residual)},
                                   {"point", numbers_json(best.point)}}},
                                 {"optimizer", best.optimizer},

@@ -1,7 +1,6 @@
 #include "io/field_reader.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
@@ -29,128 +28,90 @@ int MapReader::line_of(std::string_view key) const {
   return node_.line;
 }
 
-bool MapReader::has(std::string_view key) const {
-  return std::find(node_.keys.begin(), node_.keys.end(), key) != node_.keys.end();
+const Node* MapReader::find(std::string_view key) const {
+  for (std::size_t i = 0; i < node_.keys.size(); ++i) {
+    if (node_.keys[i] == key) return &node_.items[i];
+  }
+  return nullptr;
 }
 
-const Node* MapReader::child(const std::string& key, Need need) {
-  known_.push_back(key);
+void MapReader::refuse(const std::string& key, std::string rule, const std::string& what) {
+  context_.add(line_of(key), std::move(rule), fmt::format("{}: {}", path_of(key), what));
+}
+
+void MapReader::note(const std::string& key) {
   std::string known_path = path_of(key);
   for (std::size_t open = known_path.find('['); open != std::string::npos;
        open = known_path.find('[', open + 1)) {
     known_path.erase(open + 1, known_path.find(']', open) - open - 1);
   }
   context_.known_keys.insert(std::move(known_path));
-  for (std::size_t i = 0; i < node_.keys.size(); ++i) {
-    if (node_.keys[i] == key) return &node_.items[i];
+}
+
+const Node* MapReader::child(const std::string& key, Need need) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+  note(key);
+  const Node* node = find(key);
+  if (node == nullptr && need == Need::Required) miss(key);
+  return node;
+}
+
+void MapReader::miss(const std::string& key) {
+  if (node_.kind != Node::Kind::Map) return;
+  refuse(key, "missing-key", "must be stated");
+  missing_.push_back(key);
+}
+
+void MapReader::add(const std::string& key, Value& value, const std::string&, const About& about) {
+  if (about.when && !*about.when) return;
+  const Node* node = child(key);
+  if (!about.is_used) {
+    if (node != nullptr) refuse(key, "not-used", "belongs to " + about.owner);
+    return;
   }
-  if (need == Need::Required && node_.kind == Node::Kind::Map) {
-    context_.add(node_.line, "missing-key", fmt::format("{}: must be stated", path_of(key)));
+  if (node == nullptr) {
+    const bool is_needed = about.when || about.need == Need::Required;
+    if (!value.leave_out(context_, path_of(key)) && is_needed) miss(key);
+  } else if (!value.read(context_, *node, path_of(key))) {
+    refused_.insert(key);
   }
-  return nullptr;
 }
 
-bool MapReader::number(const std::string& key, double& out, Dimension dimension, const Range& range,
-                       Need need) {
-  const Node* node = child(key, need);
-  const auto value =
-      node ? read_number(context_, *node, path_of(key), dimension, range) : std::nullopt;
-  if (value) out = *value;
-  return value.has_value();
+bool MapReader::states(const std::string& key, bool) {
+  note(key);
+  elsewhere_.push_back(key);
+  return has(key);
 }
 
-bool MapReader::integer(const std::string& key, int& out, int lower, int upper, Need need) {
-  const Node* node = child(key, need);
-  if (node == nullptr) return false;
-  int value = 0;
-  const char* end = node->text.data() + node->text.size();
-  const auto [stop, error] = std::from_chars(node->text.data(), end, value);
-  const bool is_integer =
-      node->kind == Node::Kind::Plain && error == std::errc() && stop == end &&
-      (node->text.size() == 1 || scan_number(node->text).result == Scanned::Result::Good);
-  if (!is_integer || value < lower || value > upper) {
-    context_.add(node->line, is_integer ? "out-of-range" : "wrong-type",
-                 fmt::format("{}: {} is not allowed; must be an integer in [{}, {}]", path_of(key),
-                             describe(*node), lower, upper));
-    return false;
+int MapReader::one_of(const std::vector<std::string>& keys, int, const std::string& rule) {
+  int found = -1, count = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (child(keys[i]) == nullptr) continue;
+    if (count++ == 0) found = static_cast<int>(i);
   }
-  out = value;
-  return true;
+  if (count == 1 || node_.kind != Node::Kind::Map) return found;
+  context_.add(node_.line, rule,
+               fmt::format("{}: states {} of them; must state exactly one of {}", path_, count,
+                           list_of(keys)));
+  return -1;
 }
 
-bool MapReader::unsigned_integer(const std::string& key, std::uint64_t& out, Need need) {
-  const Node* node = child(key, need);
-  if (node == nullptr) return false;
-  std::uint64_t value = 0;
-  const char* end = node->text.data() + node->text.size();
-  const auto [stop, error] = std::from_chars(node->text.data(), end, value);
-  if (node->kind != Node::Kind::Plain || error != std::errc() || stop != end ||
-      (node->text.size() > 1 && node->text.front() == '0')) {
-    context_.add(node->line, "wrong-type",
-                 fmt::format("{}: {} is not allowed; must be an integer in [0, 2^64 - 1]",
-                             path_of(key), describe(*node)));
-    return false;
-  }
-  out = value;
-  return true;
-}
-
-bool MapReader::flag(const std::string& key, bool& out, Need need) {
-  const Node* node = child(key, need);
-  if (node == nullptr) return false;
-  if (node->kind != Node::Kind::Plain || (node->text != "true" && node->text != "false")) {
-    context_.add(
-        node->line, "wrong-type",
-        fmt::format("{}: {} is not allowed; must be true or false", path_of(key), describe(*node)));
-    return false;
-  }
-  out = node->text == "true";
-  return true;
-}
-
-bool MapReader::text(const std::string& key, std::string& out, Need need) {
-  const Node* node = child(key, need);
-  const auto value = node ? read_text(context_, *node, path_of(key)) : std::nullopt;
-  if (value) out = *value;
-  return value.has_value();
-}
-
-bool MapReader::vector3(const std::string& key, Vector3d& out, Dimension dimension, Need need) {
-  const Node* node = child(key, need);
-  const auto value = node ? read_vector3(context_, *node, path_of(key), dimension) : std::nullopt;
-  if (value) out = *value;
-  return value.has_value();
-}
-
-bool MapReader::direction(const std::string& key, Vector3d& out, Need need) {
-  const Node* node = child(key, need);
-  const auto value = node ? read_direction(context_, *node, path_of(key)) : std::nullopt;
-  if (value) out = *value;
-  return value.has_value();
-}
-
-bool MapReader::unit_vector(const std::string& key, Vector3d& out, Need need) {
-  const Node* node = child(key, need);
-  const auto value = node ? read_unit_vector(context_, *node, path_of(key)) : std::nullopt;
-  if (value) out = *value;
-  return value.has_value();
-}
-
-void MapReader::pose(Pose& out) {
-  vector3("position", out.position, Dimension::Length);
-  if (const Node* node = child("orientation")) {
-    if (const auto q = read_orientation(context_, *node, path_of("orientation"))) {
-      out.orientation = *q;
-    }
+void MapReader::not_both(const std::string& a, const std::string& b) {
+  child(b);
+  if (has(a) && has(b)) {
+    refuse(b, "not-used", fmt::format("stands beside {}; state one of them", a));
   }
 }
 
 void MapReader::finish() {
+  std::vector<std::string> near = known_;
+  near.insert(near.end(), elsewhere_.begin(), elsewhere_.end());
   for (std::size_t i = 0; i < node_.keys.size(); ++i) {
-    if (std::find(known_.begin(), known_.end(), node_.keys[i]) != known_.end()) continue;
+    const std::string& key = node_.keys[i];
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     context_.add(node_.key_lines[i], "unknown-key",
-                 fmt::format("'{}' is not known{}; allowed: {}", path_of(node_.keys[i]),
-                             did_you_mean(node_.keys[i], known_), list_of(known_)));
+                 fmt::format("'{}' is not known{}; allowed: {}", path_of(key),
+                             did_you_mean(key, near), list_of(known_)));
   }
 }
 

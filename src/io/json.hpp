@@ -1,19 +1,29 @@
-// JSON pieces that several files share. Every number is checked: nlohmann writes null for NaN and
-// infinity without a word.
+// JSON documents: values that are written and values that were parsed.
+//
+// The header includes no JSON library. nlohmann parses, and prints numbers, in json.cpp alone.
 #pragma once
 
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <stillbase/core/rotation.hpp>
 
 namespace stillbase::io {
 
-using Json = nlohmann::ordered_json;
+/// A text that is no JSON, or a value that is not of the kind that was asked for.
+class JsonError : public std::runtime_error {
+ public:
+  explicit JsonError(const std::string& message, std::size_t at = 0)
+      : std::runtime_error(message), byte(at) {}
+  std::size_t byte;  ///< of a parse error: number of bytes read
+};
 
 /// A number that JSON cannot hold.
 class NotFiniteError : public std::invalid_argument {
@@ -21,9 +31,131 @@ class NotFiniteError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// @throws NotFiniteError unless x is finite
-Json number_json(double x);
+/// One JSON value. Objects keep the order of their keys.
+///
+/// A list in braces is an object when each element is a pair whose first part is text, otherwise an
+/// array: Json{{"a", 1}, {"b", {1, 2}}}.
+class Json {
+ public:
+  enum class Kind { Null, Bool, Integer, Unsigned, Real, Text, Array, Object };
+
+  Json(std::nullptr_t = nullptr) {}
+  Json(bool x) : kind_(Kind::Bool), integer_(x) {}
+  template <std::integral T>
+  Json(T x) : kind_(Kind::Integer), integer_(static_cast<std::int64_t>(x)) {
+    if (std::unsigned_integral<T>) kind_ = Kind::Unsigned;
+  }
+  /// @throws NotFiniteError unless x is finite
+  Json(double x);
+  Json(std::string text) : kind_(Kind::Text), text_(std::move(text)) {}
+  Json(std::string_view text) : Json(std::string(text)) {}
+  Json(const char* text) : Json(std::string(text)) {}
+  Json(std::initializer_list<Json> list);
+  template <class T>
+  Json(const std::vector<T>& list) : kind_(Kind::Array) {
+    for (const T& x : list) items_.emplace_back(x);
+  }
+  template <class T>
+  Json(const std::map<std::string, T>& map) : kind_(Kind::Object) {
+    for (const auto& [key, x] : map) (*this)[key] = Json(x);
+  }
+
+  static Json array(std::initializer_list<Json> items = {});
+  static Json object() { return Json(Kind::Object); }
+  /// @throws JsonError
+  static Json parse(std::string_view text);
+
+  Kind kind() const { return kind_; }
+  bool is_null() const { return kind_ == Kind::Null; }
+  bool is_text() const { return kind_ == Kind::Text; }
+  bool is_number() const { return kind_ >= Kind::Integer && kind_ <= Kind::Real; }
+  bool is_array() const { return kind_ == Kind::Array; }
+  bool is_object() const { return kind_ == Kind::Object; }
+  bool is_structured() const { return kind_ >= Kind::Array; }
+
+  // Elements of an array, values of an object.
+  std::size_t size() const { return items_.size(); }
+  bool empty() const { return items_.empty(); }
+  auto begin() { return items_.begin(); }
+  auto end() { return items_.end(); }
+  auto begin() const { return items_.begin(); }
+  auto end() const { return items_.end(); }
+  Json& back() { return items_.back(); }
+  /// Makes an array of a null.
+  void push_back(Json x);
+
+  const std::vector<std::string>& keys() const {
+    return keys_;
+  }  ///< of an object, beside its values
+  std::vector<std::pair<std::string, const Json&>> items() const;  ///< of an object
+  bool contains(std::string_view key) const { return find(key) != nullptr; }
+  const Json* find(std::string_view key) const;  ///< null: there is none
+  /// The value of a key, null when it is new; makes an object of a null.
+  Json& operator[](std::string_view key);
+  /// @throws JsonError when there is none
+  const Json& at(std::string_view key) const;
+  const Json& at(std::size_t i) const;
+  void erase(std::string_view key);
+  /// Takes over the keys and values of another object.
+  void update(const Json& other);
+
+  /// bool, a number, std::string, or a std::vector of those.
+  /// @throws JsonError for another kind of value
+  template <class T>
+  T get() const;
+  template <class T>
+  void get_to(T& out) const {
+    out = get<T>();
+  }
+  /// The value of a key, or what stands for it when there is none.
+  template <class T>
+  T value(std::string_view key, T absent) const {
+    const Json* found = find(key);
+    return found == nullptr ? absent : found->get<T>();
+  }
+  std::string value(std::string_view key, const char* absent) const {
+    return value(key, std::string(absent));
+  }
+
+  /// On one line without white space. Bytes that are not UTF-8 are replaced by U+FFFD.
+  std::string dump() const;
+
+  bool operator==(const Json& other) const;
+
+ private:
+  explicit Json(Kind kind) : kind_(kind) {}
+
+  Kind kind_ = Kind::Null;
+  std::int64_t integer_ = 0;  ///< Bool, Integer, Unsigned (its bits)
+  double real_ = 0;
+  std::string text_;
+  std::vector<std::string> keys_;  ///< Object: beside items_
+  std::vector<Json> items_;
+};
+
+template <>
+bool Json::get<bool>() const;
+template <>
+double Json::get<double>() const;
+template <>
+std::int64_t Json::get<std::int64_t>() const;
+template <>
+std::uint64_t Json::get<std::uint64_t>() const;
+template <>
+inline int Json::get<int>() const {
+  return static_cast<int>(get<std::int64_t>());
+}
+template <>
+std::string Json::get<std::string>() const;
+template <>
+std::vector<double> Json::get<std::vector<double>>() const;
+template <>
+inline Json Json::get<Json>() const {
+  return *this;
+}
+
 /// Elements of a vector as an array.
+/// @throws NotFiniteError
 Json array_json(const Eigen::Ref<const Eigen::VectorXd>& v);
 /// {"w", "x", "y", "z"}
 Json quaternion_json(const Eigen::Quaterniond& q);

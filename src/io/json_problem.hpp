@@ -1,8 +1,6 @@
 // The normalised copy of a problem.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <stillbase/plan/problem.hpp>
 
 #include "io/json.hpp"
@@ -11,8 +9,5 @@ namespace stillbase::io {
 
 /// Every field of the problem in the order of the file format.
 Json problem_json(const CaptureProblem& problem);
-
-/// {"model": , the model's values}; joints by name.
-Json resistance_json(const JointResistance& resistance, const RobotModel& robot);
 
 }  // namespace stillbase::io

@@ -1,13 +1,13 @@
 #include <stillbase/io/target_file.hpp>
 
-#include "io/target_reader.hpp"
+#include "io/fields/sections.hpp"
+#include "io/read_map.hpp"
 
 namespace stillbase {
 
 TargetBody read_target_text(std::string_view text, const std::string& source) {
-  io::ReadContext context{source, {}, {}};
-  TargetBody body = io::read_target_file(io::parse_document(text, context), context);
-  context.throw_if_any();
+  TargetBody body;
+  io::read_map(text, source, [&](io::Table& t) { io::target_file_fields(t, body); });
   return body;
 }
 

@@ -75,6 +75,31 @@ bool is_unit(std::string_view unit) {
   return false;
 }
 
+std::string name_of(Dimension dimension) {
+  // In the order of the enumeration.
+  static const char* const kNames[] = {"none",
+                                       "angle",
+                                       "angular_velocity",
+                                       "angular_acceleration",
+                                       "length",
+                                       "velocity",
+                                       "acceleration",
+                                       "joint_position",
+                                       "mass",
+                                       "inertia",
+                                       "time",
+                                       "rate",
+                                       "force",
+                                       "moment",
+                                       "impulse",
+                                       "angular_impulse",
+                                       "stiffness",
+                                       "damping",
+                                       "linear_stiffness",
+                                       "linear_damping"};
+  return kNames[static_cast<std::size_t>(dimension)];
+}
+
 std::string units_of(Dimension dimension) {
   std::string list;
   for (const Unit& candidate : kUnits) {

@@ -30,6 +30,24 @@ enum class Dimension {
   LinearDamping     ///< of a prismatic joint or a contact
 };
 
+/// The dimensions of a value at a revolute and at a prismatic joint, and the name of both in
+/// schemas.
+struct JointDimension {
+  const char* name;
+  Dimension revolute, prismatic;
+};
+inline constexpr JointDimension kJointPosition{"joint_position", Dimension::Angle,
+                                               Dimension::Length},
+    kJointVelocity{"joint_velocity", Dimension::AngularVelocity, Dimension::Velocity},
+    kJointAcceleration{"joint_acceleration", Dimension::AngularAcceleration,
+                       Dimension::Acceleration},
+    kJointInertia{"joint_inertia", Dimension::Inertia, Dimension::Mass},
+    kJointStiffness{"joint_stiffness", Dimension::Stiffness, Dimension::LinearStiffness},
+    kJointDamping{"joint_damping", Dimension::Damping, Dimension::LinearDamping};
+
+/// "angle": name of a dimension in schemas.
+std::string name_of(Dimension dimension);
+
 /// Factor that takes a number in this unit to SI, when the unit has the dimension.
 std::optional<double> unit_factor(std::string_view unit, Dimension dimension);
 

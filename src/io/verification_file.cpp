@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <stillbase/io/verification_file.hpp>
 
 #include "io/json_trials.hpp"
@@ -18,8 +16,8 @@ Json open_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json claim_json(const Claim& claim) {
   return {{"group", to_string(claim.group)},
           {"name", claim.name},
-          {"value", claim.value ? io::number_json(*claim.value) : Json(nullptr)},
-          {"limit", io::number_json(claim.limit)},
+          {"value", claim.value ? *claim.value : Json(nullptr)},
+          {"limit", claim.limit},
           {"unit", claim.unit},
           {"pass", claim.is_checked ? Json(claim.pass) : Json(nullptr)},
           {"detail", claim.detail}};

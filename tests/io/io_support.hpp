@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/io/schema.hpp>
 
 namespace stillbase::io_test {
 
@@ -20,6 +21,13 @@ inline std::string file_text(const std::string& path) {
   std::ostringstream text;
   text << stream.rdbuf();
   return text.str();
+}
+
+/// The part of the reference of fields that is about problems.
+inline std::string problem_fields_text() {
+  const std::string text = field_reference();
+  const std::size_t begin = text.find("\n## problem\n");
+  return text.substr(begin, text.find("\n## ", begin + 1) - begin);
 }
 
 inline std::vector<std::string> shipped_problems() {

@@ -135,6 +135,8 @@ TEST_CASE("a proof that contradicts itself is refused") {
   CHECK(refusal(spoiled.dump()) == "wrong-length");
   spoiled = json;
   spoiled["certificate"]["proof"]["candidates"] = {1.5, -1};
+  CHECK(refusal(spoiled.dump()) == "wrong-type");
+  spoiled["certificate"]["proof"]["candidates"] = {1, -2};
   CHECK(refusal(spoiled.dump()) == "out-of-range");
   spoiled = json;
   spoiled["certificate"]["proof"]["status"] = "certain";

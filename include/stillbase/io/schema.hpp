@@ -21,4 +21,8 @@ std::vector<FileFormat> file_formats();
 /// @throws std::invalid_argument for a name that is not among file_formats()
 std::string schema_of(const std::string& name);
 
+/// The fields of all files that people write, and of plans, as tables in Markdown: what each means,
+/// its unit and frame, its range, and what holds when it is not stated.
+std::string field_reference();
+
 }  // namespace stillbase

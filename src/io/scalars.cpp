@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "io/field_reader.hpp"
+#include "io/scalars.hpp"
 #include "io/scan.hpp"
 
 namespace stillbase::io {
@@ -246,38 +246,6 @@ std::optional<Vector3d> read_unit_vector(ReadContext& context, const Node& node,
     return std::nullopt;
   }
   return normalized_once(*vector);
-}
-
-std::optional<Eigen::Quaterniond> read_orientation(ReadContext& context, const Node& node,
-                                                   const std::string& path) {
-  MapReader map(context, node, path);
-  if (node.kind != Node::Kind::Map) return std::nullopt;
-  const std::size_t before = context.findings.size();
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  if (map.has("rpy")) {
-    Vector3d rpy = Vector3d::Zero();
-    if (map.vector3("rpy", rpy, Dimension::Angle)) q = rotation_rpy(rpy.x(), rpy.y(), rpy.z());
-  } else if (map.has("axis") || map.has("angle")) {
-    Vector3d axis = Vector3d::UnitZ();
-    double angle = 0;
-    map.direction("axis", axis, Need::Required);
-    map.number("angle", angle, Dimension::Angle, kAny, Need::Required);
-    q = rotation_exp(axis * angle);
-  } else {
-    map.number("w", q.w(), Dimension::None, kAny, Need::Required);
-    map.number("x", q.x(), Dimension::None, kAny, Need::Required);
-    map.number("y", q.y(), Dimension::None, kAny, Need::Required);
-    map.number("z", q.z(), Dimension::None, kAny, Need::Required);
-    if (context.findings.size() == before && !(std::abs(q.norm() - 1) <= kUnitTolerance)) {
-      context.add(node.line, "not-unit",
-                  fmt::format("{}: the quaternion has norm {}; must be 1", path, q.norm()));
-    }
-    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-    if (std::abs(q.squaredNorm() - 1) > kRounding) q.normalize();
-  }
-  map.finish();
-  if (context.findings.size() != before) return std::nullopt;
-  return q;
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {

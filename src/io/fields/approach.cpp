@@ -1,0 +1,86 @@
+// The section `approach`.
+#include <stillbase/approach/approach.hpp>
+
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+void check_approach(MapReader& map, const CaptureProblem& problem) {
+  const ApproachSpec& approach = problem.approach;
+  const VariableSpec& variables = problem.variables;
+  if (approach.base == BaseMode::ReactionNull) {
+    // Plans state the default beside every base mode.
+    if (approach.planner != ApproachSpec{}.planner) {
+      map.refuse("planner", "not-used",
+                 "paths within the reaction null space are found without it");
+    }
+    if (!approach.station_free) {
+      map.refuse("station_free", "not-supported",
+                 "false needs base: held or floating; a base whose attitude is kept must be free "
+                 "to start where the arm's motion asks");
+    }
+    if (approach.polish != PathPolish::None) {
+      map.refuse("polish", "not-supported",
+                 "paths within the reaction null space are not polished");
+    }
+  } else if (approach.enabled && !approach.station_free &&
+             (variables.base_attitude != AttitudeFreedom::Fixed ||
+              variables.base_position != PositionFreedom::Fixed)) {
+    map.refuse("station_free", "contradiction",
+               "false: the base starts as stated, and its pose at the contact follows from the "
+               "path (held: it stays); base_attitude and base_position must be fixed");
+  }
+}
+
+}  // namespace
+
+void approach_fields(Table& t, CaptureProblem& problem) {
+  ApproachSpec& approach = problem.approach;
+  t("enabled", Flag(approach.enabled), "plan a path to the configuration");
+  t("base", Word(approach.base, base_mode_names()),
+    "`held` (actively), `floating` (it moves with the arm) or `reaction-null` (floating, the "
+    "joints moving so that the attitude stays)");
+  t("station_free", Flag(approach.station_free),
+    "the start pose follows from the path's net motion; false: the base starts as stated, and its "
+    "pose at the contact follows from the path (held: it stays), so base attitude and position "
+    "must be fixed");
+  // 0.1 rad/s^2 (m/s^2): a second to reach the few degrees per second at which space arms move.
+  t("acceleration_limit",
+    JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kPositive,
+                {.without = 0.1}),
+    "largest joint acceleration", {.without = "0.1"});
+  t("velocity_scale",
+    Number(approach.velocity_scale, {.lower = 0, .upper = 1, .is_lower_open = true}),
+    "used part of the URDF's joint rates");
+  t("wait", Number(approach.wait, Dimension::Time, kNonNegative), "at rest before the contact");
+  t("max_duration", Number(approach.max_duration, Dimension::Time, kPositive),
+    "from start to contact");
+  t("clearance", Number(approach.clearance, Dimension::Length, kNonNegative),
+    "kept between bodies");
+  t("contact_allowance", Number(approach.contact_allowance, Dimension::Length, kNonNegative),
+    "the hand's body may be near the target once the feature is this close to the hand");
+  t("resolution", Number(approach.resolution, Dimension::Angle, {.lower = 1e-4, .upper = 1}),
+    "between checked postures");
+  t("planner", Text(approach.planner, approach_planner_names(), "planners"),
+    "`rrt_connect`, `rrt_star`, `prm_star`, `bit_star`, `ait_star`, `kpiece`; not used with "
+    "`reaction-null`");
+  t("max_iterations", Integer(approach.max_iterations, 1, kManyTimes), "of the planner");
+  t("polish", Word(approach.polish, path_polish_names()),
+    "reduce the largest attitude change of the base along the path (`attitude`) or the time of "
+    "motion (`time`) by Ipopt, or `none`; not with `reaction-null`");
+  t("attitude_tolerance",
+    Number(approach.attitude_tolerance, Dimension::Angle, {.lower = 1e-6, .upper = 1}),
+    "`reaction-null`: largest attitude change of the base");
+  if (t.reader() != nullptr) check_approach(*t.reader(), problem);
+}
+
+void fields(Table& t, Obstacle& obstacle) {
+  t("name", Text(obstacle.name), "name", {.need = Need::Required});
+  t("frame", Word(obstacle.frame, frame_names()), "`inertial` or `base`");
+  pose_fields(t, obstacle.pose, "the obstacle", "frame");
+  t("geometry", geometry_of(obstacle.geometry), "geometry, in m", {.need = Need::Required});
+}
+
+}  // namespace stillbase::io

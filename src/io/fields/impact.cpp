@@ -1,0 +1,74 @@
+// The section `impact`.
+#include <cmath>
+
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+void resistance_values(Table& t, JointResistance& resistance, const RobotModel& robot) {
+  const About needed{.need = Need::Required};
+  switch (resistance.model) {
+    case ResistanceModel::Free:
+      break;
+    case ResistanceModel::RotorInertia:
+      t("rotor_inertia", JointValues(resistance.rotor_inertia, robot, kJointInertia, kNonNegative),
+        "`rotor_inertia`: stays in the plant afterwards", needed);
+      break;
+    case ResistanceModel::Servo:
+      t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kNonNegative),
+        "`servo`", needed);
+      t("damping", JointValues(resistance.damping, robot, kJointDamping, kNonNegative), "`servo`",
+        needed);
+      t("contact_duration", Number(resistance.contact_duration, Dimension::Time, kPositive),
+        "`servo`", needed);
+      break;
+    case ResistanceModel::Locked:
+      t("locked", JointFlags(resistance.locked, robot),
+        "`locked`: `all`, `none` or a list of joints", needed);
+      break;
+  }
+}
+
+void impact_fields(Table& t, CaptureProblem& problem) {
+  ImpulseSpec& impulse = problem.impulse;
+  t("source", Word(impulse.source, impulse_source_names()),
+    "`given` (direction and magnitude), `point_mass` or `rigid_body` (contact laws; `rigid_body` "
+    "needs a feature)",
+    {.need = Need::Required});
+  double angle = 0;
+  t("direction",
+    Either(Instead("feature", !impulse.direction, [] {}),
+           Shorthand(Map(
+                         [&angle](Table& planar) {
+                           planar("angle", Number(angle, Dimension::Angle), "",
+                                  {.need = Need::Required});
+                         },
+                         {.name = "planar_direction"}),
+                     [&] { impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0); }),
+           Vector(impulse.direction, VectorKind::Direction)),
+    "of the impulse on the hand: a vector, `{angle}` from x about z, or `feature` (the nominal "
+    "normal of the contact feature). When it is stated, the target comes along it to wherever the "
+    "hand is, without rotation",
+    {.without = "`feature`"});
+  t("frame", Word(impulse.direction_frame, frame_names()),
+    "of direction and moment: `base` or `inertial`");
+  t("magnitude", Number(impulse.magnitude, Dimension::Impulse, kPositive),
+    "`given`: size of the impulse");
+  t("moment", Vector(impulse.moment, Dimension::AngularImpulse), "`given`: moment impulse");
+  t("closing_speed",
+    Number(impulse.closing_speed, Dimension::Velocity, {.lower = 0, .upper = kFastest}),
+    "beside a stated direction: speed along it");
+  t("restitution", Number(impulse.restitution, {.lower = 0, .upper = 1}), "coefficient");
+  t("joint_resistance",
+    Map(
+        [&](Table& m) {
+          m("model", Word(problem.resistance.model, resistance_names()),
+            "`free`, `rotor_inertia`, `servo`, `locked`",
+            {.need = Need::Required, .decides = true});
+          resistance_values(m, problem.resistance, problem.robot);
+        },
+        {.alone = "model"}),
+    "how joints resist during the impact: `free` or a map", {.without = "`free`"});
+}
+
+}  // namespace stillbase::io

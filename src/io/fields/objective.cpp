@@ -1,0 +1,108 @@
+// The section `objective`.
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+Dimension dimension_of(ObjectiveQuantity quantity) {
+  switch (quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return Dimension::AngularImpulse;
+    case ObjectiveQuantity::BaseMomentum:
+    case ObjectiveQuantity::ImpulseMagnitude:
+      return Dimension::Impulse;
+    case ObjectiveQuantity::BaseAngularVelocity:
+    case ObjectiveQuantity::JointRateNorm:
+      return Dimension::AngularVelocity;
+    case ObjectiveQuantity::AttitudeTurned:
+      return Dimension::Angle;
+  }
+  return Dimension::None;
+}
+
+/// When the attitude is looked at: needed by that quantity, of no use to the others.
+void after_field(Table& t, ObjectiveTerm& term, const char* text) {
+  const bool turns = term.quantity == ObjectiveQuantity::AttitudeTurned;
+  // Before the lower end the base has rotated by its rate times the time.
+  t("after", Number(term.after, Dimension::Time, {.lower = 1e-3, .upper = 3600}), text,
+    {.need = Need::Required,
+     .without = "required there",
+     .is_used = turns,
+     .owner = "attitude_turned"});
+}
+
+}  // namespace
+
+static void fields(Table& t, ObjectiveTerm& term) {
+  t("quantity", Word(term.quantity, objective_names()), "as above",
+    {.need = Need::Required, .decides = true});
+  const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("quantity");
+  t("size", Number(term.size, dimension_of(term.quantity), kSensible),
+    "value that counts as one, in the unit of the quantity", {.need = Need::Required});
+  t("length", Number(term.length, Dimension::Length, kSensible),
+    "`base_momentum` alone: converts angular into linear momentum",
+    {.is_used = is_unknown || term.quantity == ObjectiveQuantity::BaseMomentum,
+     .owner = "base_momentum"});
+  after_field(t, term, "as `objective.after`");
+}
+
+namespace {
+
+void measure_fields(Table& t, MeasureSpec& measure) {
+  t("measure", Word(measure.kind, measure_names()),
+    "what counts over the uncertainty: `nominal` (the nominal value; equal ones are ranked by "
+    "their worst case), `worst_case` (largest over the cone), `expectation` and `cvar` (root of "
+    "the mean square over all samples, over the worst ones)",
+    {.decides = true});
+  // A misspelt measure may use them all.
+  const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("measure");
+  const bool is_tail = measure.kind == RiskMeasure::Cvar;
+  const bool is_sampled = is_tail || measure.kind == RiskMeasure::Expectation;
+  t("cvar_level", Number(measure.cvar_level, {.lower = 0, .upper = 0.999}),
+    "`cvar` alone: the worst 1 - level of the samples count",
+    {.is_used = is_tail || is_unknown, .owner = "the measure cvar"});
+  const About of_samples{.is_used = is_sampled || is_unknown,
+                         .owner = "the measures expectation and cvar"};
+  // Every sample costs a local solve as much as the nominal value does; of a CVaR it is a variable
+  // and an inequality as well.
+  t("samples", Integer(measure.samples, 1, is_tail ? 256 : 10000),
+    "`expectation`, `cvar` alone: number of samples; at least two in the worst 1 - level; of "
+    "`cvar` at most 256",
+    of_samples);
+  t("sample_seed", Seed(measure.seed),
+    "`expectation`, `cvar` alone: sample *k* depends on this and *k* alone", of_samples);
+}
+
+}  // namespace
+
+void objective_fields(Table& t, CaptureProblem& problem) {
+  std::vector<ObjectiveTerm>& terms = problem.objective;
+  ObjectiveTerm& first = terms.front();
+  const bool is_plain = terms.size() == 1 && first.size == 1 &&
+                        (first.length == 1 || first.quantity != ObjectiveQuantity::BaseMomentum);
+  if (t.states("terms", !is_plain)) {
+    t("terms", maps_of(terms, {.least = 1, .unique_key = "quantity", .of = "{quantity: , size: }"}),
+      "several quantities instead of one: the root of the sum of (value / size)^2 is made small",
+      {.need = Need::Required, .without = "none"});
+    t.not_both("terms", "quantity");
+    if (t.reader() != nullptr && terms.empty()) terms.resize(1);
+  } else {
+    t("quantity", Word(first.quantity, objective_names()),
+      "made small: `base_angular_momentum`, `base_angular_velocity`, `total_angular_momentum`, "
+      "`base_momentum` (linear and angular, equation (1)), `impulse_magnitude`, "
+      "`joint_rate_norm` (after the impact), `attitude_turned` (rotation angle of the base from "
+      "its attitude at the impact, at most pi)",
+      {.need = Need::Required,
+       .frame = "N m s, rad/s, N m s, N s, N s, rad/s, rad",
+       .without = "required without terms",
+       .decides = true});
+    after_field(t, first,
+                "`attitude_turned`: how long after the impact, under the first of "
+                "`post_impact.controllers`; at most `post_impact.horizon`");
+  }
+  measure_fields(t, problem.measure);
+}
+
+}  // namespace stillbase::io

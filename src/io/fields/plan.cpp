@@ -1,0 +1,465 @@
+// Plan files.
+#include "io/fields/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/sha256.hpp>
+#include <stillbase/plan/scenario.hpp>
+
+#include "io/json_problem.hpp"
+#include "io/problem_reader.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+constexpr int kMany = std::numeric_limits<int>::max();
+
+void inconsistent(Table& t, const std::string& message) {
+  if (t.reader() == nullptr) return;
+  t.reader()->context().add(t.reader()->line(), "inconsistent", message);
+}
+
+/// A map of any keys to values of one kind.
+template <class T, class Element>
+class Dictionary : public Value {
+ public:
+  Dictionary(std::map<std::string, T>& map, Element element) : map_(map), element_(element) {}
+  bool read(ReadContext& context, const Node& node, const std::string& path) override {
+    const std::size_t before = context.findings.size();
+    MapReader fields(context, node, path);
+    for (const std::string& key : node.keys) {
+      element_(map_[key], [&](Value&& value) {
+        if (const Node* item = fields.child(key)) value.read(context, *item, fields.path_of(key));
+      });
+    }
+    return context.findings.size() == before;
+  }
+  Json write() const override {
+    Json json = Json::object();
+    for (auto& [key, x] : map_) {
+      element_(x, [&json, &name = key](Value&& value) { json[name] = value.write(); });
+    }
+    return json;
+  }
+  Shape shape(Definitions& definitions) override {
+    T sample{};
+    Shape out{{{"type", "object"}}};
+    element_(sample, [&](Value&& value) {
+      out.schema["additionalProperties"] = value.shape(definitions).schema;
+    });
+    return out;
+  }
+  bool fits(const Node& node) const override { return node.kind == Node::Kind::Map; }
+
+ private:
+  std::map<std::string, T>& map_;
+  Element element_;
+};
+
+/// The normalised copy of the problem, about the robot of the plan.
+class ProblemCopy : public Value {
+ public:
+  ProblemCopy(CaptureProblem& problem, std::optional<std::string> urdf)
+      : problem_(problem), urdf_(std::move(urdf)) {}
+  bool read(ReadContext& context, const Node& node, const std::string& path) override {
+    if (!urdf_) return false;
+    problem_ = read_problem_map(node, context, path, {.urdf = urdf_});
+    return context.findings.empty();
+  }
+  Json write() const override { return problem_json(problem_); }
+  Shape shape(Definitions& definitions) override {
+    return Map([this](Table& t) { problem_fields(t, problem_, {}); }, {.name = "problem"})
+        .shape(definitions);
+  }
+  bool fits(const Node&) const override { return true; }
+
+ private:
+  CaptureProblem& problem_;
+  std::optional<std::string> urdf_;
+};
+
+/// An object that is written as it is, and not read.
+class Verdict : public Value {
+ public:
+  explicit Verdict(std::string& text) : text_(text) {}
+  bool read(ReadContext&, const Node&, const std::string&) override { return true; }
+  Json write() const override { return Json::parse(text_); }
+  bool is_written() const override { return !text_.empty(); }
+  Shape shape(Definitions&) override { return {{{"$ref", "verification.schema.json"}}}; }
+  bool fits(const Node&) const override { return true; }
+
+ private:
+  std::string& text_;
+};
+
+/// A quaternion of a plan was written by a program: it is a unit quaternion to rounding and is kept
+/// bit for bit, or somebody has changed it.
+Map written_pose(Pose& pose) {
+  return Map(
+      [&pose](Table& t) {
+        Eigen::Quaterniond& q = pose.orientation;
+        t("position", Vector(pose.position), "in m", kNeeded);
+        t("orientation",
+          Map(
+              [&q](Table& m) {
+                m("w", Number(q.w()), "", kNeeded);
+                m("x", Number(q.x()), "", kNeeded);
+                m("y", Number(q.y()), "", kNeeded);
+                m("z", Number(q.z()), "", kNeeded);
+              },
+              {.name = "quaternion"}),
+          "", kNeeded);
+        if (t.reader() == nullptr || t.reader()->was_refused("orientation") ||
+            std::abs(q.norm() - 1) <= 1e-12) {
+          return;
+        }
+        t.reader()->refuse("orientation", "not-unit",
+                           fmt::format("the quaternion has norm {}; must be 1", q.norm()));
+      },
+      {.name = "pose"});
+}
+
+/// Posture, base and time; the contact feature where there are several.
+void configuration_fields(Table& t, const CaptureProblem& problem, Configuration& configuration) {
+  t("joint_positions", Numbers(configuration.phi, problem.robot.n()), "in rad (m)", kNeeded);
+  t("base_pose", written_pose(configuration.base), "of B in N", kNeeded);
+  t("contact_time", Number(configuration.contact_time), "in s", kNeeded);
+  const std::vector<std::string>& features = problem.variables.features;
+  t("feature",
+    Text(configuration.feature, features, features.empty() ? "" : "features of the problem"),
+    "contact feature, where the problem names several", {.when = !features.empty()});
+}
+
+void chosen_fields(Table& t, Plan& plan) {
+  const std::vector<std::string> names = joint_names(plan.problem.robot);
+  std::vector<std::string> stated = names;
+  t("joint_names", List(stated, [](std::string& name, auto use) { use(Text(name)); }),
+    "in joint order", kNeeded);
+  if (stated != names) {
+    inconsistent(t, "configuration.joint_names: the robot's are " + list_of(names));
+  }
+  configuration_fields(t, plan.problem, plan.configuration);
+  // From here on the problem is that of the chosen feature.
+  if (!plan.configuration.feature.empty()) {
+    plan.problem.variables.feature = plan.configuration.feature;
+  }
+}
+
+void objective_value_fields(Table& t, Plan& plan) {
+  ObjectiveValue& objective = plan.objective;
+  RiskMeasure measure = plan.problem.measure.kind;
+  t("name", Text(objective.name), "of the quantity", kNeeded);
+  t("measure", Word(measure, measure_names()), "what was minimised over the uncertainty", kNeeded);
+  t("value", Number(objective.value), "of the measure", kNeeded);
+  t("unit", Text(objective.unit), "of value, nominal and worst_case", kNeeded);
+  t("terms", Map([&](Table& m) {
+      for (const auto& [word, quantity] : objective_names()) {
+        const bool is_term =
+            std::any_of(plan.problem.objective.begin(), plan.problem.objective.end(),
+                        [q = quantity](const ObjectiveTerm& term) { return term.quantity == q; });
+        double value = 0;
+        const auto known = objective.terms.find(std::string(word));
+        if (known != objective.terms.end()) value = known->second;
+        m(std::string(word), Number(value), "nominal value in " + unit_of(quantity),
+          {.when = is_term});
+        if (m.reader() != nullptr && is_term) objective.terms[std::string(word)] = value;
+      }
+    }),
+    "nominal value of each quantity", kNeeded);
+  t("nominal", Number(objective.nominal), "at the nominal direction", kNeeded);
+  t("worst_case", Number(objective.worst_case), "over the cone", kNeeded);
+  t("worst_direction", Vector(objective.worst_direction), "unit vector",
+    {.need = Need::Required, .frame = "B"});
+  t("judged", Flag(objective.is_judged),
+    "false: a limit came before worst case and measure were computed", kNeeded);
+  NominalOptimum optimum = plan.nominal_optimum.value_or(NominalOptimum{});
+  bool is_null = !plan.nominal_optimum;
+  t("nominal_optimum",
+    OrNull(Map([&](Table& m) {
+             configuration_fields(m, plan.problem, optimum.configuration);
+             m("nominal", Number(optimum.nominal, kNonNegative), "", kNeeded);
+             m("worst_case", Number(optimum.worst_case, kNonNegative), "", kNeeded);
+             m("value", Number(optimum.value, kNonNegative), "", kNeeded);
+             is_null = false;
+           }),
+           is_null, [] {}),
+    "the solution with the lowest nominal value; null: not known", kNeeded);
+  MapReader* map = t.reader();
+  if (map == nullptr) return;
+  if (!is_null) plan.nominal_optimum = optimum;
+  if (!map->context().findings.empty()) return;
+  if (measure != plan.problem.measure.kind) {
+    inconsistent(t, "objective.measure: is not the problem's");
+  }
+  if (measure == RiskMeasure::Nominal && objective.value != objective.nominal) {
+    inconsistent(t, fmt::format("objective: value {} and nominal {} must be equal", objective.value,
+                                objective.nominal));
+  }
+}
+
+}  // namespace
+
+static void fields(Table& t, ConstraintValue& constraint) {
+  t("name", Text(constraint.name), "of the constraint", kNeeded);
+  t("value", Number(constraint.value), "in its unit", kNeeded);
+  t("lower",
+    OrNull(Number(constraint.lower), std::isinf(constraint.lower),
+           [&] { constraint.lower = -kInfinity; }),
+    "null: no bound", kNeeded);
+  t("upper",
+    OrNull(Number(constraint.upper), std::isinf(constraint.upper),
+           [&] { constraint.upper = kInfinity; }),
+    "null: no bound", kNeeded);
+  t("violation", Number(constraint.violation, kNonNegative), "", kNeeded);
+}
+
+namespace {
+
+void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
+                const char* text) {
+  std::vector<double> both{0, 0};
+  if (ends) both = {ends->lower, ends->upper};
+  const bool is_there = t.reader() != nullptr ? is_variable : ends.has_value();
+  t(key, Numbers(both, 2), text, {.when = is_there});
+  if (is_there) ends = Ends{both[0], both[1]};
+}
+
+void box_fields(Table& t, const CaptureProblem& problem, JointBox& box) {
+  const VariableSpec& variables = problem.variables;
+  t("lower", Numbers(box.lower, problem.robot.n()), "in rad (m)", kNeeded);
+  t("upper", Numbers(box.upper, problem.robot.n()), "in rad (m)", kNeeded);
+  ends_field(t, "base_angle", box.base_angle, variables.base_attitude == AttitudeFreedom::Axis,
+             "in rad, where it is a variable");
+  ends_field(t, "contact_time", box.contact_time,
+             variables.contact_time_upper > variables.contact_time_lower,
+             "in s, where it is a variable");
+}
+
+void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
+  const auto boxes = [&problem](std::vector<JointBox>& list) {
+    return List(list, [&problem](JointBox& box, auto use) {
+      use(Map([&](Table& m) { box_fields(m, problem, box); }));
+    });
+  };
+  t("status", Word(proof.status, proof_status_names()),
+    "`complete`: every solution is enclosed; `undecided`: solutions may also be in the boxes of "
+    "`undecided`; `not_applicable`: `statement` says why",
+    kNeeded);
+  t("statement", Text(proof.statement), "the same in words", kNeeded);
+  t("solutions", boxes(proof.solutions), "boxes that hold exactly one solution each", kNeeded);
+  t("candidates",
+    List(proof.candidates, [](int& index, auto use) { use(Integer(index, -1, kMany)); }),
+    "per solution the number of the candidate in it, or -1", kNeeded);
+  t("undecided", boxes(proof.undecided), "boxes that may hold solutions, or none", kNeeded);
+  t("found_by_search", Integer(proof.found_by_search, 0, kMany),
+    "solutions that the search had found without the proof's help", kNeeded);
+  t("boxes", Integer(proof.boxes, 0, kMany), "boxes that the branch and bound looked at", kNeeded);
+  t("lower_bound", OrNull(Number(proof.lower_bound), !proof.lower_bound, [] {}),
+    "no posture has a smaller measure; null: not known", kNeeded);
+  t("gap", OrNull(Number(proof.gap), !proof.gap, [] {}),
+    "the best candidate's measure minus the lower bound", kNeeded);
+  MapReader* map = t.reader();
+  if (map == nullptr || !map->context().findings.empty()) return;
+  if (proof.candidates.size() == proof.solutions.size()) return;
+  map->context().add(map->line(), "wrong-length",
+                     "certificate.proof: solutions and candidates must have the same length");
+}
+
+void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& certificate) {
+  t("kkt_residual",
+    OrNull(Number(certificate.kkt_residual, kNonNegative), std::isinf(certificate.kkt_residual),
+           [&] { certificate.kkt_residual = kInfinity; }),
+    "residual of the first-order conditions; null: not known, a limit came first", kNeeded);
+  t("max_violation", Number(certificate.max_violation, kNonNegative),
+    "largest violation of a constraint, in its unit", kNeeded);
+  t("reduced_hessian_min_eigenvalue",
+    OrNull(Number(certificate.reduced_hessian_min_eigenvalue),
+           !certificate.reduced_hessian_min_eigenvalue, [] {}),
+    "smallest curvature along the directions that the active constraints leave; null: no "
+    "direction is left",
+    kNeeded);
+  t("starts", Integer(certificate.starts, 0, kMany), "of the search", kNeeded);
+  t("distinct_solutions", Integer(certificate.distinct_solutions, 0, kMany),
+    "that the search told apart", kNeeded);
+  t("unseen", Number(certificate.unseen, {.lower = 0, .upper = 1}),
+    "estimated probability that one more start ends at a solution that none has reached", kNeeded);
+  t("proof", Map([&](Table& m) { proof_fields(m, problem, certificate.proof); }), "", kNeeded);
+}
+
+void candidate_fields(Table& t, const CaptureProblem& problem, int families, Candidate& candidate) {
+  configuration_fields(t, problem, candidate.configuration);
+  t("objective", Number(candidate.objective), "nominal value", kNeeded);
+  t("worst_case", Number(candidate.worst_case), "over the cone", kNeeded);
+  t("value", Number(candidate.value), "of the measure", kNeeded);
+  t("judged", Flag(candidate.is_judged), "as objective.judged", kNeeded);
+  t("max_violation", Number(candidate.max_violation, kNonNegative), "of the constraints", kNeeded);
+  t("starts_reached", Integer(candidate.starts_reached, 0, kMany), "starts that ended here",
+    kNeeded);
+  t("family", OrNull(Integer(candidate.family, 0, families - 1), candidate.family < 0, [] {}),
+    "number of the curve in `families` that it is on; null: none was followed", kNeeded);
+  t("collision_free", Flag(candidate.collision_free), "at the contact", kNeeded);
+  t("collision", Text(candidate.collision), "\"a with b\" when not", kNeeded);
+}
+
+void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& family) {
+  t("length", Number(family.length, kNonNegative), "rad, m and s mixed", kNeeded);
+  t("closed", Flag(family.is_closed), "", kNeeded);
+  t("complete", Flag(family.is_complete), "closed, or followed to limits at both ends", kNeeded);
+  t("starts", Integer(family.starts, 0, kMany), "of the search that ended on it", kNeeded);
+  t("points",
+    List(family.points,
+         [&problem](Configuration& point, auto use) {
+           use(Map([&](Table& m) { configuration_fields(m, problem, point); }));
+         }),
+    "along the curve in order, at most 0.1 apart; a closed one ends with its first point", kNeeded);
+}
+
+void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
+  const auto vectors = [](auto& list, int size) {
+    return List(list, [size](auto& v, auto use) { use(Numbers(v, size)); });
+  };
+  const int n = problem.robot.n();
+  t("status", Word(approach.status, approach_status_names()), "", kNeeded);
+  t("detail", Text(approach.detail), "what failed, by how much", kNeeded);
+  t("times", Numbers(approach.times), "of the samples, in s; the last one is the contact time",
+    kNeeded);
+  t("joint_positions", vectors(approach.joint_positions, n), "in rad (m)", kNeeded);
+  t("joint_velocities", vectors(approach.joint_velocities, n), "in rad/s (m/s)", kNeeded);
+  t("joint_accelerations", vectors(approach.joint_accelerations, n),
+    "in rad/s^2 (m/s^2), at the begin of the segment that starts at each sample", kNeeded);
+  t("joint_torques", vectors(approach.joint_torques, n), "in N m (N), of the same instants",
+    kNeeded);
+  t("base_poses", List(approach.base_poses, [](Pose& pose, auto use) { use(written_pose(pose)); }),
+    "of B in N", kNeeded);
+  t("base_velocities", vectors(approach.base_velocities, 6), "linear and angular, in m/s and rad/s",
+    {.need = Need::Required, .frame = "B"});
+  t("duration", Number(approach.duration), "of the motion, in s", kNeeded);
+  t("path_length", Number(approach.path_length), "in rad", kNeeded);
+  t("attitude_excursion", Number(approach.attitude_excursion),
+    "largest rotation angle of the base from its final attitude, in rad", kNeeded);
+  t("min_clearance",
+    OrNull(Number(approach.min_clearance), std::isinf(approach.min_clearance),
+           [&] { approach.min_clearance = kInfinity; }),
+    "minimum distance between bodies, in m; null: nothing is near", kNeeded);
+  t("effort_used", Number(approach.effort_used, kNonNegative),
+    "largest part of a joint's torque limit", kNeeded);
+  t("hand_error", Map([&](Table& m) {
+      m("position", Number(approach.hand_position_error, kNonNegative), "in m", kNeeded);
+      m("angle", Number(approach.hand_angle_error, kNonNegative), "in rad", kNeeded);
+    }),
+    "of the hand at the end of the path", kNeeded);
+  t("late_by", Number(approach.late_by, kNonNegative), "in s, of a path that is too slow", kNeeded);
+  t("polish", Map([&](Table& m) {
+      m("quantity", Word(approach.polish, path_polish_names()), "what was reduced", kNeeded);
+      m("before", Number(approach.before_polish, kNonNegative), "", kNeeded);
+      m("after", Number(approach.after_polish, kNonNegative), "", kNeeded);
+    }),
+    "", kNeeded);
+  MapReader* map = t.reader();
+  if (map == nullptr || !map->context().findings.empty()) return;
+  const std::size_t samples = approach.times.size();
+  if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
+      approach.joint_accelerations.size() != samples || approach.joint_torques.size() != samples ||
+      approach.base_poses.size() != samples || approach.base_velocities.size() != samples) {
+    map->context().add(
+        map->line(), "wrong-length",
+        "approach: times, joint_positions, joint_velocities, joint_accelerations, "
+        "joint_torques, base_poses and base_velocities must have the same number of samples");
+  }
+}
+
+}  // namespace
+
+static void fields(Table& t, InputFile& input) {
+  t("role", Text(input.role, {"problem", "robot", "target"}, "roles"), "", kNeeded);
+  t("path", Text(input.path), "as it was named", kNeeded);
+  t("sha256", Text(input.sha256), "of the whole file", kNeeded);
+}
+
+namespace {
+
+/// The robot's text, wherever in the file it stands.
+std::optional<std::string> urdf_of(const MapReader* map) {
+  const Node* robot = map == nullptr ? nullptr : map->find("robot");
+  if (robot == nullptr || robot->kind != Node::Kind::Map) return std::nullopt;
+  for (std::size_t i = 0; i < robot->keys.size(); ++i) {
+    if (robot->keys[i] == "urdf") return robot->items[i].text;
+  }
+  return std::nullopt;
+}
+
+void robot_copy_fields(Table& t, PlanFile& file, std::string& hand) {
+  std::string& urdf = file.plan.problem.urdf;
+  file.computed_robot_sha256 = sha256_hex(urdf);
+  if (t.reader() == nullptr) file.stated_robot_sha256 = file.computed_robot_sha256;
+  std::string text = urdf;
+  t("urdf", Text(text), "text of the robot file", kNeeded);
+  t("sha256", Text(file.stated_robot_sha256), "of that text", kNeeded);
+  t("hand", Text(hand), "hand link", kNeeded);
+}
+
+}  // namespace
+
+void plan_fields(Table& t, PlanFile& file, std::string& verification) {
+  Plan& plan = file.plan;
+  CaptureProblem& problem = plan.problem;
+  format_fields(t, "stillbase.plan");
+  t("tool", Dictionary(file.tool, [](std::string& version, auto use) { use(Text(version)); }),
+    "programs and libraries, with their versions", kNeeded);
+  t("inputs", maps_of(file.inputs), "files that the plan was made from", kNeeded);
+  t("problem", ProblemCopy(problem, urdf_of(t.reader())), "normalised copy of the problem",
+    kNeeded);
+  std::string hand = problem.robot.hand;
+  t("robot", Map([&](Table& m) { robot_copy_fields(m, file, hand); }), "", kNeeded);
+  MapReader* const map = t.reader();
+  if (map != nullptr) {
+    if (map->context().findings.empty() && hand != problem.robot.hand) {
+      map->refuse(
+          "robot", "inconsistent",
+          fmt::format("hand is '{}', but problem.robot.hand is '{}'", hand, problem.robot.hand));
+    }
+    map->context().throw_if_any();  // what follows is about the robot's joints
+  }
+  t("status", Word(plan.status, plan_status_names()), "", kNeeded);
+  t("optimizer", Text(plan.optimizer), "that was asked for", kNeeded);
+  t("configuration", Map([&](Table& m) { chosen_fields(m, plan); }), "", kNeeded);
+  t("impact",
+    Map([&](Table& m) { impact_object_fields(m, plan.impact, problem.robot); }, {.name = "impact"}),
+    "", kNeeded);
+  t("objective", Map([&](Table& m) { objective_value_fields(m, plan); }), "", kNeeded);
+  t("constraints", maps_of(plan.constraints), "", kNeeded);
+  t("certificate", Map([&](Table& m) { certificate_fields(m, problem, plan.certificate); }), "",
+    kNeeded);
+  int families = kMany;
+  if (map != nullptr && map->find("families") != nullptr) {
+    families = static_cast<int>(map->find("families")->items.size());
+  }
+  t("candidates",
+    List(plan.candidates,
+         [&](Candidate& candidate, auto use) {
+           use(Map([&](Table& m) { candidate_fields(m, problem, families, candidate); }));
+         }),
+    "", kNeeded);
+  t("families",
+    List(plan.families,
+         [&](SolutionFamily& family, auto use) {
+           use(Map([&](Table& m) { family_fields(m, problem, family); }));
+         }),
+    "continua of solutions: curves on which the nominal objective vanishes", kNeeded);
+  t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }), "",
+    kNeeded);
+  t("solver_calls",
+    Dictionary(plan.solver_calls, [](long& n, auto use) { use(Integer(n, 0, kMany)); }),
+    "optimizer or planner and how often it was called", kNeeded);
+  t("content_sha256", Text(file.stated_sha256),
+    "of everything but `tool`, `timing`, `verification` and itself", kNeeded);
+  t("verification", Verdict(verification), "");
+  t("timing", Dictionary(plan.timing, [](double& x, auto use) { use(Number(x)); }), "in s");
+}
+
+}  // namespace stillbase::io

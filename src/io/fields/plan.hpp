@@ -1,0 +1,24 @@
+// The tables of plan files and of what they share with other results.
+#pragma once
+
+#include <string>
+
+#include <stillbase/impact/summary.hpp>
+#include <stillbase/io/plan_file.hpp>
+#include <stillbase/io/state_file.hpp>
+
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+/// A plan file. @param verification text of the object under `verification`; empty: none. It is
+/// written, and not read.
+void plan_fields(Table& t, PlanFile& file, std::string& verification);
+
+/// The impact object of plans, `inspect` and `analyze`, in B.
+void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot);
+
+/// A state of the robot; empty: joints of any number and kind.
+void state_fields(Table& t, RobotState& state, const RobotModel* robot);
+
+}  // namespace stillbase::io

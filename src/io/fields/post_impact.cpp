@@ -1,0 +1,143 @@
+// The section `post_impact`.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/simulation/controllers.hpp>
+
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+// The normalised copy states every field, used or not. So a field that has no effect is refused
+// where its value is not the default: a value that was chosen says something.
+
+void contact_fields(Table& t, ContactSpec& contact) {
+  t("model", Word(contact.model, contact_model_names()),
+    "`jump` (the instantaneous impact), `compliant` (spring-damper and Coulomb friction, finite "
+    "duration, both bodies moving; needs `rigid_body` and no `locked` joints) or `latch` (all six "
+    "relative velocities vanish and the target stays attached: momentum, inertia and controllers "
+    "include it; needs `rigid_body` with restitution 0). The search knows the impulse along the "
+    "normal alone",
+    {.need = Need::Required, .without = "`jump`", .decides = true});
+  // A contact must be resolved in time: half a period of 1 kg on 1e9 N/m is 0.1 ms.
+  t("stiffness", Number(contact.stiffness, Dimension::LinearStiffness, {.lower = 1, .upper = 1e9}),
+    "`compliant`");
+  t("damping",
+    Either(Instead("from_restitution", !contact.damping, [] {}),
+           Number(contact.damping, Dimension::LinearDamping, kNonNegative)),
+    "`compliant`; `from_restitution`: that which leaves `impact.restitution`, at least 0.001");
+  t("friction", Number(contact.friction, {.lower = 0, .upper = 10}),
+    "`compliant`: Coulomb coefficient");
+  const ContactSpec defaults;
+  const bool is_chosen = contact.stiffness != defaults.stiffness || contact.damping ||
+                         contact.friction != defaults.friction;
+  MapReader* map = t.reader();
+  if (map == nullptr || contact.model == ContactModel::Compliant || !is_chosen) return;
+  map->context().add(
+      map->line(), "not-used",
+      map->path() + ": stiffness, damping and friction are those of a compliant contact");
+}
+
+void sensor_fields(Table& t, SensorSpec& sensor, double control_period) {
+  const Range error{.lower = 0, .upper = 1};  // more is no measurement
+  t("base_rate_error", Number(sensor.base_rate_error, Dimension::AngularVelocity, error),
+    "standard deviation per axis");
+  t("joint_position_error", Number(sensor.joint_position_error, Dimension::JointPosition, error),
+    "standard deviation");
+  t("joint_rate_error", Number(sensor.joint_rate_error, Dimension::AngularVelocity, error),
+    "standard deviation, in m/s of prismatic joints");
+  t("delay", Number(sensor.delay, Dimension::Time, {.lower = 0, .upper = 10}),
+    "a whole number of control periods");
+  t("seed", Seed(sensor.seed), "same seed, same errors");
+  const double periods = sensor.delay / control_period;
+  if (t.reader() == nullptr || std::abs(periods - std::round(periods)) <= 1e-6) return;
+  t.reader()->refuse("delay", "out-of-range",
+                     fmt::format("is {} s; must be a whole number of control periods of {} s",
+                                 sensor.delay, control_period));
+}
+
+void model_fields(Table& t, ControllerModelSpec& model, ContactModel contact) {
+  const Range scale{.lower = 0.01, .upper = 100}, part{.lower = 0, .upper = 100};
+  t("base_mass_scale", Number(model.base_mass_scale, scale),
+    "factor on mass and inertia of the base");
+  t("arm_mass_scale", Number(model.arm_mass_scale, scale), "factor on those of the arm's bodies");
+  t("target_mass_scale", Number(model.target_mass_scale, part),
+    "`latch`: factor on those of the target; 0: the controllers do not know of it");
+  t("friction_scale", Number(model.friction_scale, part),
+    "part of the robot file's joint friction that the controllers compensate");
+  if (t.reader() == nullptr || contact == ContactModel::Latch ||
+      model.target_mass_scale == ControllerModelSpec{}.target_mass_scale) {
+    return;
+  }
+  t.reader()->refuse("target_mass_scale", "not-used",
+                     "the controllers know of a target only where contact latch holds it");
+}
+
+void thruster_fields(Table& t, ThrusterSpec& thrusters) {
+  t("torque", Number(thrusters.torque, Dimension::Moment, {.lower = 0, .upper = 1e6}),
+    "largest moment per axis; 0: there are none");
+  t("gain", Number(thrusters.gain, Dimension::Rate, {.lower = 0, .upper = 1e3}),
+    "gain of the angular velocity");
+  t("dead_band", Number(thrusters.dead_band, Dimension::AngularVelocity, kNonNegative),
+    "off below this base rate");
+  if (t.reader() == nullptr || thrusters.torque > 0) return;
+  const ThrusterSpec defaults;
+  for (const auto& [key, is_chosen] :
+       {std::pair("gain", thrusters.gain != defaults.gain),
+        std::pair("dead_band", thrusters.dead_band != defaults.dead_band)}) {
+    if (is_chosen) t.reader()->refuse(key, "not-used", "there are no thrusters without torque");
+  }
+}
+
+}  // namespace
+
+void post_impact_fields(Table& t, PostImpactSpec& spec) {
+  t("controllers",
+    List(spec.controllers,
+         [](std::string& name, auto use) { use(Text(name, controller_names(), "controllers")); },
+         {.is_unique = true, .of = "names"}),
+    "simulated after the impact; the first is the plan's choice and has to keep the two limits: "
+    "`none`, `joint_damping`, `joint_damping_literal`, `rns`, `rns_damped`, `rns_handback`");
+  t("base_rate_gain", Number(spec.K_omega, Dimension::Rate, kNonNegative), "K_omega");
+  t("joint_rate_gain", Number(spec.K_phi, Dimension::Rate, kNonNegative), "K_phi");
+  // Bounds that keep a simulation within minutes.
+  t("control_period", Number(spec.control_period, Dimension::Time, {.lower = 1e-4, .upper = 10}),
+    "between two commands of the controllers");
+  t("horizon", Number(spec.horizon, Dimension::Time, {.lower = 1e-3, .upper = 3600}),
+    "simulated time after the impact");
+  t("joint_friction", Flag(spec.joint_friction),
+    "the joints have the robot file's viscous and Coulomb friction (stick-slip); "
+    "`model.friction_scale` says what the controllers know of it");
+  t("stop_restitution", Number(spec.stop_restitution, {.lower = 0, .upper = 0.99}),
+    "part of its rate that a joint keeps, reversed, at its stop");
+  t("wheel_torque", Number(spec.wheel_torque, Dimension::Moment, kNonNegative),
+    "of the base's reaction wheels, per axis of B; 0: there are none");
+  t("wheel_momentum", Number(spec.wheel_momentum, Dimension::AngularImpulse, kNonNegative),
+    "that they can hold, per axis");
+  t("handback_start", Number(spec.handback_start, Dimension::Time, kNonNegative),
+    "`rns_handback`: after the impact; `rns_damped` until then");
+  t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kNonNegative),
+    "`rns_handback`: the wheels take this part of the momentum per second, as far as they can");
+  t("contact", Map([&](Table& m) { contact_fields(m, spec.contact); }, {.alone = "model"}),
+    "how hand and target interact in the simulations of `verify` and `simulate`: a model alone, "
+    "or a map");
+  t("sensor", Map([&](Table& m) { sensor_fields(m, spec.sensor, spec.control_period); }),
+    "errors of the controllers' measurements, independent and normal at every control instant");
+  t("model", Map([&](Table& m) { model_fields(m, spec.model, spec.contact.model); }),
+    "the controllers' model where it differs from the robot");
+  t("thrusters", Map([&](Table& m) { thruster_fields(m, spec.thrusters); }),
+    "attitude thrusters of the base: the moment -gain H~omega omega, each axis of B cut at "
+    "`torque`");
+  const About limit{.need = spec.controllers.empty() ? Need::Optional : Need::Required,
+                    .without = "required with controllers"};
+  t("residual_base_rate_max",
+    Number(spec.residual_base_rate_max, Dimension::AngularVelocity, kNonNegative),
+    "base rate at the horizon", limit);
+  t("attitude_change_max", Number(spec.attitude_change_max, Dimension::Angle, kNonNegative),
+    "attitude change over the horizon", limit);
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,104 @@
+// The section `robot`.
+#include <fmt/format.h>
+
+#include <stillbase/robot/urdf_reader.hpp>
+
+#include "io/fields/sections.hpp"
+#include "io/named_file.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+using LinkPair = std::pair<std::string, std::string>;
+
+/// [link, link].
+class Links : public Value {
+ public:
+  Links(LinkPair& pair, const RobotModel& robot) : pair_(pair), robot_(robot) {}
+  bool read(ReadContext& context, const Node& node, const std::string& path) override {
+    if (!fits(node)) {
+      context.add(node.line, "wrong-type", fmt::format("{}: must be a list of [link, link]", path));
+      return false;
+    }
+    const auto a = read_text(context, node.items[0], path);
+    const auto b = read_text(context, node.items[1], path);
+    if (!a || !b || robot_.links.empty()) return false;
+    const std::vector<std::string> links = link_names(robot_);
+    const bool are_known = check_name(context, node.line, path, *a, links, "links") &&
+                           check_name(context, node.line, path, *b, links, "links");
+    if (are_known && *a == *b) {
+      context.add(node.line, "duplicate-name", fmt::format("{}: a link cannot touch itself", path));
+    }
+    pair_ = {*a, *b};
+    return true;
+  }
+  Json write() const override { return Json::array({pair_.first, pair_.second}); }
+  Shape shape(Definitions&) override {
+    return {{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 2}, {"maxItems", 2}}};
+  }
+  bool fits(const Node& node) const override {
+    return node.kind == Node::Kind::Sequence && node.items.size() == 2;
+  }
+
+ private:
+  LinkPair& pair_;
+  const RobotModel& robot_;
+};
+
+void read_robot(MapReader& map, CaptureProblem& problem, const ProblemSources& sources,
+                const std::string& hand) {
+  std::string full_path = problem.urdf_path;
+  std::optional<std::string> text = sources.urdf;
+  if (!text && !problem.urdf_path.empty()) {
+    text = read_named_file(map, "file", problem.urdf_path, sources.folder, full_path);
+  }
+  if (!text) return;
+  problem.urdf = std::move(*text);
+  try {
+    problem.robot = read_urdf(problem.urdf, full_path, hand);
+  } catch (const InputError& error) {
+    for (Finding finding : error.findings()) {
+      // The hand is named here, not in the robot file.
+      if (finding.rule.rfind("hand-", 0) == 0) {
+        finding.file = map.context().source;
+        finding.line = map.line_of("hand");
+        finding.message = map.path_of("hand") + ": " + finding.message;
+      }
+      map.context().findings.push_back(std::move(finding));
+    }
+  }
+}
+
+void check_start(MapReader& map, const CaptureProblem& problem) {
+  if (problem.start.size() != problem.robot.n()) return;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    if (problem.start[k] >= joint.lower && problem.start[k] <= joint.upper) continue;
+    map.context().add(map.line_of("start"), "outside-limits",
+                      fmt::format("{}.{}: {} {} is outside the joint's limits [{}, {}]",
+                                  map.path_of("start"), joint.name, problem.start[k],
+                                  joint.is_prismatic() ? "m" : "rad", joint.lower, joint.upper));
+  }
+}
+
+}  // namespace
+
+void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources) {
+  std::string hand = problem.robot.hand;
+  t("file", Text(problem.urdf_path), "URDF, relative to this file", {.need = Need::Required});
+  t("hand", Text(hand), "hand link", {.without = "the only link without children"});
+  if (t.reader() != nullptr) read_robot(*t.reader(), problem, sources, hand);
+  t("start", JointValues(problem.start, problem.robot, kJointPosition, kAny, {.for_all = false}),
+    "posture before the approach, within the joint limits", {.need = Need::Required});
+  if (t.reader() != nullptr) check_start(*t.reader(), problem);
+  t("base", Map([&](Table& base) { pose_fields(base, problem.base, "B", "N"); }),
+    "stated base pose", {.frame = "N", .without = "`position` 0, `orientation` 1"});
+  t("allowed_contacts",
+    List(problem.allowed_contacts,
+         [&](LinkPair& pair, auto use) { use(Links(pair, problem.robot)); },
+         {.of = "[link, link]"}),
+    "pairs [link, link] that may touch");
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,50 @@
+// The tables of the formats, one function per section. A table of a section takes the whole problem
+// where its fields need the robot or other sections, which are stated before it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <stillbase/benchmark/suite.hpp>
+#include <stillbase/core/constants.hpp>
+#include <stillbase/io/campaign_file.hpp>
+#include <stillbase/plan/problem.hpp>
+
+#include "io/fields/values.hpp"
+
+namespace stillbase::io {
+
+/// Where the files that a problem names come from.
+struct ProblemSources {
+  std::optional<std::string> urdf = {};    ///< text of the robot file; empty: read it
+  std::optional<std::string> folder = {};  ///< relative paths start here; empty: nothing is read
+};
+
+void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
+
+void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
+void target_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
+void impact_fields(Table& t, CaptureProblem& problem);
+void variables_fields(Table& t, CaptureProblem& problem);
+void objective_fields(Table& t, CaptureProblem& problem);
+void hand_fields(Table& t, HandSpec& hand);
+void constraints_fields(Table& t, CaptureProblem& problem);
+void uncertainty_fields(Table& t, CaptureProblem& problem);
+void search_fields(Table& t, SearchSpec& search);
+void approach_fields(Table& t, CaptureProblem& problem);
+void post_impact_fields(Table& t, PostImpactSpec& post_impact);
+void fields(Table& t, Obstacle& obstacle);
+
+/// The keys of a body: name, model, mass, inertia, shapes, features.
+void target_body_fields(Table& t, TargetBody& body);
+/// A target file.
+void target_file_fields(Table& t, TargetBody& body);
+
+void campaign_fields(Table& t, CampaignSpec& spec);
+/// @param folder in which the files that the suite names are read; empty: none is read
+void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& folder);
+
+constexpr int kManyTimes = 1'000'000'000;
+constexpr double kFastest = 1e5;  ///< m/s, ten times the speed of an orbit
+
+}  // namespace stillbase::io

@@ -1,0 +1,93 @@
+// Benchmark suites.
+#include <algorithm>
+#include <filesystem>
+
+#include <stillbase/io/problem_file.hpp>
+
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+const Names<BenchmarkGoal>& goal_names() {
+  static const Names<BenchmarkGoal> names = {{"nominal", BenchmarkGoal::Nominal},
+                                             {"worst_case", BenchmarkGoal::WorstCase},
+                                             {"case", BenchmarkGoal::Case}};
+  return names;
+}
+
+const Names<Variation>& variation_names() {
+  static const Names<Variation> names = {{"impulse_direction", Variation::ImpulseDirection},
+                                         {"hand_position", Variation::HandPosition},
+                                         {"target_attitude", Variation::TargetAttitude},
+                                         {"target_spin", Variation::TargetSpin}};
+  return names;
+}
+
+/// A list of words, one at least, each once.
+template <class E>
+auto words_value(std::vector<E>& list, const Names<E>& names) {
+  return List(list, [&names](E& word, auto use) { use(Word(word, names)); },
+              {.least = 1, .is_unique = true, .of = "words"});
+}
+
+std::string beside(const std::optional<std::string>& folder, const std::string& file) {
+  return folder ? (std::filesystem::path(*folder) / file).lexically_normal().string() : file;
+}
+
+void family_fields(Table& t, FamilySpec& family, const std::optional<std::string>& folder) {
+  const auto has = [&family](BenchmarkGoal goal) {
+    return std::find(family.goals.begin(), family.goals.end(), goal) != family.goals.end()
+               ? Need::Required
+               : Need::Optional;
+  };
+  const About needed{.need = Need::Required};
+  std::string problem;
+  t("name", Text(family.name), "short name", needed);
+  t("problem", Text(problem), "the base problem, relative to this file", needed);
+  if (t.reader() != nullptr && folder && !problem.empty()) {
+    family.problem = read_problem((std::filesystem::path(*folder) / problem).string());
+  }
+  t("goals", words_value(family.goals, goal_names()), "what is minimised or asked for", needed);
+  t("vary", words_value(family.vary, variation_names()), "what the seed of an instance changes",
+    needed);
+  t("case", Word(family.impact_case, case_constraint_names()), "of the goal `case`, which needs it",
+    {.need = has(BenchmarkGoal::Case)});
+  t("cone_half_angle",
+    Number(family.cone_half_angle, Dimension::Angle,
+           {.lower = 0, .upper = kPi / 2, .is_lower_open = true}),
+    "of the goal `worst_case`, which needs it", {.need = has(BenchmarkGoal::WorstCase)});
+  t("free_attitude",
+    Number(family.free_attitude, Dimension::Angle,
+           {.lower = 0, .upper = kPi, .is_lower_open = true}),
+    "the base may rotate by this angle, too");
+  t("free_contact_time", Number(family.free_contact_time, Dimension::Time, kNonNegative),
+    "the contact may be this much earlier or later, too");
+  t("instances", Integer(family.instances, 1, 1000), "per goal");
+}
+
+}  // namespace
+
+void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& folder) {
+  format_fields(t, "stillbase.suite");
+  t("gradient_cost", Number(suite.gradient_cost, kNonNegative), "cost of a gradient in evaluations",
+    {.need = Need::Required});
+  t("best_known", Text(suite.best_known), "file with the best known values, relative to this file",
+    {.without = "none"});
+  t("approaches",
+    List(suite.approaches, [](std::string& path, auto use) { use(Text(path)); },
+         {.of = "problem files"}),
+    "problem files of `bench --planners`");
+  t("families",
+    List(suite.families,
+         [&folder](FamilySpec& family, auto use) {
+           use(Map([&](Table& m) { family_fields(m, family, folder); }));
+         }),
+    "families of capture problems", {.need = Need::Required});
+  if (t.reader() == nullptr) return;
+  if (!suite.best_known.empty()) suite.best_known = beside(folder, suite.best_known);
+  for (std::string& path : suite.approaches) path = beside(folder, path);
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,103 @@
+// The section `variables`.
+#include "io/fields/sections.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+/// Within a mission, s: farther away the attitude of a tumbling target is not known to any digit.
+constexpr Range kTimes{.lower = -1e9, .upper = 1e9};
+
+/// A finding where a lower end lies above an upper one.
+void check_order(MapReader* map, bool is_ordered) {
+  if (map == nullptr || is_ordered) return;
+  map->context().add(map->line(), "out-of-range", map->path() + ": lower must not exceed upper");
+}
+
+void attitude_fields(Table& t, VariableSpec& variables) {
+  t("freedom", Word(variables.base_attitude, attitude_freedom_names()),
+    "`fixed`, `axis`, `cone` (one axis of the base stays near a direction, the roll about it is "
+    "free), `free`",
+    {.need = Need::Required, .decides = true});
+  const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
+  const bool needs_axis = is_cone || variables.base_attitude == AttitudeFreedom::Axis;
+  t("axis", Vector(variables.base_attitude_axis, VectorKind::Direction),
+    "`axis`: direction of the rotation; `cone`: direction that the axis of the base has in the "
+    "stated attitude",
+    {.need = needs_axis ? Need::Required : Need::Optional, .frame = "N", .without = "[0, 0, 1]"});
+  t("max",
+    Number(variables.base_attitude_max, Dimension::Angle,
+           {.lower = 0, .upper = kPi, .is_lower_open = true}),
+    "largest rotation angle from the stated attitude, `cone`: of its axis from the direction",
+    {.need = is_cone ? Need::Required : Need::Optional, .without = "pi; `cone`: required"});
+}
+
+void position_fields(Table& t, VariableSpec& variables) {
+  t("freedom", Word(variables.base_position, position_freedom_names()), "`fixed`, `box`, `free`",
+    {.need = Need::Required, .decides = true});
+  const bool is_box = variables.base_position == PositionFreedom::Box;
+  const About corner{
+      .need = is_box ? Need::Required : Need::Optional, .frame = "N", .without = "[0, 0, 0]"};
+  t("lower", Vector(variables.base_position_lower, Dimension::Length), "`box`: lower corner",
+    corner);
+  t("upper", Vector(variables.base_position_upper, Dimension::Length), "`box`: upper corner",
+    corner);
+  check_order(
+      t.reader(),
+      (variables.base_position_lower.array() <= variables.base_position_upper.array()).all());
+}
+
+void time_fields(Table& t, VariableSpec& variables) {
+  t("lower", Number(variables.contact_time_lower, Dimension::Time, kTimes), "start of the window",
+    {.need = Need::Required});
+  t("upper", Number(variables.contact_time_upper, Dimension::Time, kTimes), "end of the window",
+    {.need = Need::Required});
+  check_order(t.reader(), variables.contact_time_lower <= variables.contact_time_upper);
+}
+
+void feature_field(Table& t, CaptureProblem& problem) {
+  VariableSpec& variables = problem.variables;
+  std::vector<std::string> names;
+  if (problem.target) {
+    for (const ContactFeature& feature : problem.target->features) names.push_back(feature.name);
+  }
+  if (t.reader() != nullptr && names.size() == 1) variables.feature = names[0];
+  const auto one = [&](std::string& name) { return Text(name, names, "features of the target"); };
+  const bool is_choice = !variables.features.empty();
+  t("feature",
+    Either(
+        Instead("none", !is_choice && variables.feature.empty(), [&] { variables.feature = ""; }),
+        WrittenIf(List(variables.features, [&one](std::string& name, auto use) { use(one(name)); },
+                       {.least = 1, .is_unique = true}),
+                  is_choice),
+        one(variables.feature)),
+    "contact feature, `none`, or a list: each is planned for, and the best plan is taken",
+    {.need = names.size() > 1 ? Need::Required : Need::Optional, .without = "the only one"});
+  if (t.reader() == nullptr || variables.features.empty()) return;
+  variables.feature = variables.features.front();
+  if (variables.features.size() == 1) variables.features.clear();
+}
+
+}  // namespace
+
+void variables_fields(Table& t, CaptureProblem& problem) {
+  VariableSpec& variables = problem.variables;
+  t("joints", JointFlags(variables.joints, problem.robot), "`all`, `none` or a list of joints",
+    {.without = "`all`"});
+  t("base_attitude", Map([&](Table& m) { attitude_fields(m, variables); }, {.alone = "freedom"}),
+    "`fixed`, `free` or a map", {.without = "`fixed`"});
+  t("base_position", Map([&](Table& m) { position_fields(m, variables); }, {.alone = "freedom"}),
+    "`fixed`, `free` (the station follows the hand) or a map", {.without = "`fixed`"});
+  double instant = 0;
+  t("contact_time",
+    Either(
+        Shorthand(Number(instant, Dimension::Time, kTimes),
+                  [&] { variables.contact_time_lower = variables.contact_time_upper = instant; }),
+        Map([&](Table& m) { time_fields(m, variables); })),
+    "an instant, or a window `{lower, upper}` (beside a stated `impact.direction` nothing depends "
+    "on it: an instant alone)",
+    {.without = "0"});
+  feature_field(t, problem);
+}
+
+}  // namespace stillbase::io

@@ -1,0 +1,254 @@
+// What the sections of a problem ask of each other.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/simulation/contact.hpp>
+
+#include "io/problem_reader.hpp"
+#include "io/wedge_check.hpp"
+
+namespace stillbase::io {
+
+namespace {
+
+/// The turn of the base is simulated for every posture that the search looks at.
+void check_turn(MapReader& map, const CaptureProblem& problem) {
+  const auto term = std::find_if(
+      problem.objective.begin(), problem.objective.end(),
+      [](const ObjectiveTerm& t) { return t.quantity == ObjectiveQuantity::AttitudeTurned; });
+  if (term == problem.objective.end()) return;
+  const auto refuse = [&](const char* rule, const std::string& what) {
+    map.context().add(map.line_of("objective"), rule,
+                      fmt::format("{}: attitude_turned {}", map.path_of("objective"), what));
+  };
+  const PostImpactSpec& spec = problem.post_impact;
+  if (spec.controllers.empty()) {
+    refuse("missing-key", "needs post_impact.controllers: it is the turn under the first of them");
+  }
+  if (term->after > spec.horizon) {
+    refuse("out-of-range",
+           fmt::format("after: {} s lie beyond post_impact.horizon = {} s, up to which the time "
+                       "after the impact is judged",
+                       term->after, spec.horizon));
+  }
+  if (spec.contact.model != ContactModel::Jump) {
+    refuse("not-supported",
+           "is that after the instantaneous impact: post_impact.contact must be 'jump'");
+  }
+}
+
+/// A robust measure needs something to be robust against: asked once the cone is known.
+void check_measure(MapReader& map, const CaptureProblem& problem) {
+  const auto refuse = [&](const std::string& what) {
+    map.context().add(map.line_of("objective"), "missing-key",
+                      fmt::format("{}.measure: {}", map.path_of("objective"), what));
+  };
+  const UncertaintySpec& spread = problem.uncertainty;
+  if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
+    refuse("'worst_case' needs uncertainty.cone_half_angle > 0");
+  }
+  const bool sampled =
+      problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
+  const JointVectord& joints = spread.joint_position;
+  const double widest =
+      std::max({joints.size() > 0 ? joints.maxCoeff() : 0, spread.cone_half_angle,
+                spread.closing_speed, spread.restitution, spread.target_mass, spread.target_inertia,
+                spread.contact_point, spread.contact_time});
+  if (sampled && !(widest > 0)) refuse("needs something uncertain in the section 'uncertainty'");
+  const double tail = (1 - problem.measure.cvar_level) * problem.measure.samples;
+  if (problem.measure.kind == RiskMeasure::Cvar && !(tail >= 2 - 1e-9)) {
+    map.context().add(
+        map.line_of("objective"), "out-of-range",
+        fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
+                    "2 are needed, or a single one decides",
+                    map.path_of("objective"), problem.measure.samples, tail));
+  }
+}
+
+void check_problem(MapReader& map, const CaptureProblem& problem) {
+  ReadContext& context = map.context();
+  const ImpulseSpec& impulse = problem.impulse;
+  const bool has_feature = problem.target && !problem.variables.feature.empty();
+  const auto refuse = [&](const char* section, const char* rule, const std::string& message) {
+    context.add(map.line_of(section), rule, fmt::format("{}.{}", map.path_of(section), message));
+  };
+
+  if (!impulse.direction && !has_feature) {
+    refuse("impact", "missing-key",
+           "direction: must be stated when there is no target with a contact feature");
+  }
+  if (impulse.source == ImpulseSource::PointMass && !problem.target) {
+    refuse("impact", "missing-key", "source: 'point_mass' needs the section 'target' for the mass");
+  }
+  if (impulse.source == ImpulseSource::RigidBody &&
+      (!has_feature || problem.target->is_point_mass)) {
+    refuse("impact", "missing-key",
+           "source: 'rigid_body' needs a target that is a rigid body with a contact feature");
+  }
+  if (impulse.source == ImpulseSource::RigidBody && impulse.direction) {
+    refuse("impact", "not-used",
+           "direction: 'rigid_body' takes it from the contact feature; leave it out");
+  }
+  if (impulse.source != ImpulseSource::Given && !impulse.moment.isZero(0)) {
+    refuse("impact", "not-used", "moment: only a given impulse has a moment");
+  }
+  if (impulse.source == ImpulseSource::PointMass && impulse.direction &&
+      !(impulse.closing_speed >= problem.constraints.closing_speed_min)) {
+    refuse("impact", "out-of-range",
+           fmt::format("closing_speed: is {} m/s; a point mass from a stated direction needs at "
+                       "least closing_speed_min = {} m/s",
+                       impulse.closing_speed, problem.constraints.closing_speed_min));
+  }
+  if (!impulse.direction && impulse.closing_speed != 0) {
+    refuse("impact", "not-used",
+           "closing_speed: is stated only beside a direction; here the motion of the target "
+           "decides");
+  }
+  const Node* target = map.child("target");
+  const bool states_motion = target != nullptr && MapReader(context, *target, "").has("state");
+  if (impulse.direction && states_motion) {
+    refuse("target", "not-used",
+           "state: with impact.direction stated the target comes along it at closing_speed; leave "
+           "one of them out");
+  }
+  if (!impulse.direction && problem.target && !states_motion) {
+    refuse("target", "missing-key",
+           "state: must be stated when impact.direction is not, or nothing says how it moves");
+  }
+
+  const HandSpec& hand = problem.hand;
+  if (hand.constraint == HandConstraint::Position && !hand.position && impulse.direction) {
+    refuse("hand", "missing-key",
+           "position: must be stated beside impact.direction; the target comes to the hand then");
+  }
+  const VariableSpec& variables = problem.variables;
+  const bool is_placed =
+      hand.constraint != HandConstraint::None || variables.base_position != PositionFreedom::Fixed;
+  if (hand.position && !impulse.direction) {
+    refuse("hand", "not-used",
+           "position: the hand meets the contact feature, wherever that is; a place of its own "
+           "belongs to a stated impact.direction");
+  } else if (hand.position && !is_placed) {
+    refuse("hand", "not-used",
+           "position: without a constraint on the hand it takes a free base_position to get there");
+  } else if (hand.position && hand.frame == Frame::Base &&
+             variables.base_position != PositionFreedom::Fixed) {
+    refuse("variables", "not-used",
+           "base_position: nothing depends on it while the hand's position is stated in the base");
+  }
+  if (!hand.position && !impulse.direction && has_feature && !is_placed) {
+    refuse("hand", "missing-key",
+           "constraint: with the base_position fixed nothing brings the hand to the contact "
+           "feature; state 'position', 'axis' or 'pose', or free the base_position");
+  }
+  if (impulse.direction && variables.contact_time_upper > variables.contact_time_lower) {
+    refuse("variables", "not-used",
+           "contact_time: beside a stated impact.direction the target comes along it at any time; "
+           "state an instant");
+  }
+  if (hand.orientation && hand.constraint != HandConstraint::Pose) {
+    refuse("hand", "not-used", "orientation: only the constraint 'pose' uses it");
+  }
+
+  if (problem.uncertainty.cone_confidence && !problem.variables.features.empty()) {
+    refuse("uncertainty", "not-supported",
+           "cone_half_angle: 'from_covariance' belongs to one contact feature; state the angle "
+           "beside a choice of features");
+  } else if (problem.uncertainty.cone_confidence && (impulse.direction || !has_feature)) {
+    refuse("uncertainty", "missing-key",
+           "cone_half_angle: 'from_covariance' needs a direction that follows from the contact "
+           "feature of a target");
+  } else if (problem.uncertainty.cone_confidence && !problem.target_deviations) {
+    refuse("uncertainty", "missing-key",
+           "cone_half_angle: 'from_covariance' needs target.state.covariance");
+  }
+  if (problem.target && problem.target->is_point_mass && problem.target_deviations &&
+      !problem.target_deviations->moments.isZero(0)) {
+    refuse("target", "not-used", "state.covariance.moments: a point mass has none");
+  }
+
+  const ContactModel contact = problem.post_impact.contact.model;
+  if (contact != ContactModel::Jump &&
+      (!problem.target || impulse.source == ImpulseSource::Given)) {
+    refuse("post_impact", "missing-key",
+           "contact: this model needs a target and a contact law, impact.source point_mass or "
+           "rigid_body");
+  }
+  if (contact == ContactModel::Latch &&
+      (impulse.source != ImpulseSource::RigidBody || impulse.restitution != 0)) {
+    refuse("post_impact", "contradiction",
+           "contact: a latch closes as it touches; it needs impact.source rigid_body with "
+           "restitution 0, whose impulse is then the latch's along the normal");
+  }
+  if (contact == ContactModel::Compliant && impulse.source == ImpulseSource::PointMass) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact needs a rigid body; a point mass that slides along the "
+           "hand would have to take a moment");
+  }
+  if (contact == ContactModel::Compliant && problem.resistance.model == ResistanceModel::Locked) {
+    refuse("post_impact", "not-supported",
+           "contact: a compliant contact takes time, in which locked joints mean nothing; use "
+           "joint_resistance servo");
+  }
+  if (contact == ContactModel::Compliant && !problem.post_impact.contact.damping &&
+      !(impulse.restitution >= kLeastRestitution)) {
+    refuse("post_impact", "out-of-range",
+           fmt::format("contact: a spring-damper always leaves a little: impact.restitution must "
+                       "be at least {}, or damping stated",
+                       kLeastRestitution));
+  }
+
+  const auto& plane = problem.uncertainty.cone_plane_normal;
+  if (plane && impulse.direction && impulse.direction_frame == Frame::Base &&
+      !(std::abs(plane->dot(*impulse.direction)) <= 1e-9)) {
+    refuse("uncertainty", "out-of-range",
+           "cone_plane: the direction of the impulse does not lie in this plane");
+  }
+  const UncertaintySpec& spread = problem.uncertainty;
+  if (impulse.restitution - spread.restitution < 0 ||
+      impulse.restitution + spread.restitution > 1) {
+    refuse("uncertainty", "out-of-range",
+           fmt::format("restitution: {} about impact.restitution {} leaves [0, 1]",
+                       spread.restitution, impulse.restitution));
+  }
+}
+
+/// Puts the half-angle in place that follows from the covariance of the estimate.
+void resolve_cone(MapReader& map, CaptureProblem& problem) {
+  UncertaintySpec& uncertainty = problem.uncertainty;
+  if (!uncertainty.cone_confidence) return;
+  const auto refuse = [&](const std::string& what) {
+    map.context().add(map.line_of("uncertainty"), "out-of-range",
+                      fmt::format("{}.cone_half_angle: {}", map.path_of("uncertainty"), what));
+  };
+  try {
+    uncertainty.cone_half_angle = direction_cone(problem, *uncertainty.cone_confidence).half_angle;
+  } catch (const std::invalid_argument& error) {
+    return refuse(error.what());
+  }
+  if (!(uncertainty.cone_half_angle <= kPi / 2)) {
+    refuse(
+        fmt::format("the covariance gives {:.4g} rad; must be at most pi/2, or the target may "
+                    "come from anywhere",
+                    uncertainty.cone_half_angle));
+  }
+}
+
+}  // namespace
+
+void check_sections(MapReader& map, CaptureProblem& problem) {
+  const std::vector<Finding>& findings = map.context().findings;
+  check_problem(map, problem);
+  if (findings.empty()) check_wedge(map, problem);
+  if (findings.empty()) resolve_cone(map, problem);
+  if (problem.uncertainty.cone_confidence && !findings.empty()) return;
+  const std::size_t before = findings.size();
+  check_turn(map, problem);
+  if (findings.size() == before) check_measure(map, problem);
+}
+
+}  // namespace stillbase::io
