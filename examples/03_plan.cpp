@@ -32,5 +32,7 @@ int main() {
     std::printf("  worst case %.3g N m s%s\n", candidate.worst_case,
                 candidate.collision_free ? "" : (", " + candidate.collision).c_str());
   }
+  const ImpactSummary at_start = impact_at(problem, start_configuration(problem));
+  std::printf("in the start posture the base takes %.3g N m s\n", at_start.base.norm());
   return plan.status == PlanStatus::Optimal ? 0 : 1;
 }

@@ -13,6 +13,8 @@
 //     angular_reaction_null_space(tilde)            equation (9)
 //   one impact
 //     summarize_impact(robot, phi, resistance, Fbar, 0)   for a given impulse on the hand
+//     impact_at(problem, configuration)                   by the contact law of a problem
+//     start_configuration(problem)                        its stated posture and base pose
 //   a capture
 //     make_plan(problem)                            search, approach path, certificate
 //     simulate_post_impact(problem, configuration, impact, controller)   the time afterwards
@@ -35,6 +37,7 @@
 #include <stillbase/dynamics/jacobian.hpp>             // compute_hand_jacobian
 #include <stillbase/dynamics/kinematics.hpp>           // compute_kinematics
 #include <stillbase/dynamics/reaction_null_space.hpp>  // angular_reaction_null_space
+#include <stillbase/encounter/encounter.hpp>           // impact_at, start_configuration
 #include <stillbase/impact/summary.hpp>                // summarize_impact
 #include <stillbase/io/plan_file.hpp>                  // load_plan, write_plan
 #include <stillbase/io/problem_file.hpp>               // read_problem
