@@ -24,7 +24,8 @@ const fs::path kRoot = STILLBASE_SOURCE_DIR;
 /// Every page of documentation.
 std::vector<fs::path> pages() {
   std::vector<fs::path> out{kRoot / "README.md"};
-  for (const char* folder : {"problems", "problems/reference", "docs", "src", "bench", "tests"}) {
+  for (const char* folder :
+       {"problems", "problems/reference", "docs", "examples", "src", "bench", "tests"}) {
     if (!fs::exists(kRoot / folder)) continue;
     for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
       if (entry.path().extension() == ".md") out.push_back(entry.path());
