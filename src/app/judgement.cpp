@@ -61,14 +61,13 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
   problem.search.starts = planned.search.starts;
   const io::Json of_file = io::Json::parse(problem_to_json(problem));
   const io::Json of_plan = io::Json::parse(problem_to_json(planned));
-  for (const auto& entry : of_file.items()) {
-    if (!of_plan.contains(entry.key()) || of_plan.at(entry.key()) != entry.value()) {
-      changes.push_back("'" + entry.key() + "' is not that of the file");
+  for (const auto& [key, value] : of_file.items()) {
+    if (!of_plan.contains(key) || of_plan.at(key) != value) {
+      changes.push_back("'" + key + "' is not that of the file");
     }
   }
-  for (const auto& entry : of_plan.items()) {
-    if (!of_file.contains(entry.key()))
-      changes.push_back("'" + entry.key() + "' is not in the file");
+  for (const std::string& key : of_plan.keys()) {
+    if (!of_file.contains(key)) changes.push_back("'" + key + "' is not in the file");
   }
   return changes;
 }

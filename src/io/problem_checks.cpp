@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
-#include <stillbase/plan/direction_cone.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/simulation/contact.hpp>
 
 #include "io/problem_reader.hpp"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <stillbase/capture/formulation.hpp>
+#include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
 
