@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <optional>
 
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/articulated_body.hpp>

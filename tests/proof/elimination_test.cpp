@@ -19,15 +19,18 @@ constexpr int kSize = 6;
 /// A positive definite matrix and two columns that depend on two angles.
 template <class S>
 S entry(int i, int j, const std::array<S, 2>& x) {
+  using std::cos, std::sin;
   const S c = cos(x[0] * S(1.0 + 0.1 * (i + j))) * S(0.3), s = sin(x[1] + S(0.7 * i * j));
   return (i == j ? S(4.0 + i) : S(0.0)) + c + s * S(0.4);
 }
 template <class S>
 S left(int i, const std::array<S, 2>& x) {
+  using std::sin;
   return sin(x[0] * S(i + 1.0)) - x[1];
 }
 template <class S>
 S right(int i, const std::array<S, 2>& x) {
+  using std::cos;
   return cos(x[1] + S(0.3 * i)) * x[0] + S(1.0);
 }
 
