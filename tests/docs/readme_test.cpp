@@ -181,6 +181,14 @@ TEST_CASE("the README's program is the one that the package test builds and runs
         read_text_file((kRoot / "tests/package/consumer/readme.cpp").string()));
 }
 
+TEST_CASE("the page of fields is what the tables of fields print") {
+  int code = 0;
+  const std::string printed = run(std::string(STILLBASE_TOOL) + " schema --fields", kRoot, code);
+  CHECK(code == 0);
+  // After a change: stillbase schema --fields -o problems/reference/fields.md --force
+  CHECK(printed == read_text_file((kRoot / "problems/reference/fields.md").string()));
+}
+
 TEST_CASE("every file that a page links to exists") {
   const std::regex link("\\]\\(([^)#:]+)\\)");
   int links = 0;
