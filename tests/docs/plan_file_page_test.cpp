@@ -59,7 +59,8 @@ void add_schema_members(const Json& schema, const Json& definitions, const std::
   if (schema.contains("items")) {
     add_schema_members(schema.at("items"), definitions, path + "[]", members);
   }
-  for (const auto& [key, value] : schema.value("properties", Json::object()).items()) {
+  const Json properties = schema.value("properties", Json::object());  // items() only refers to it
+  for (const auto& [key, value] : properties.items()) {
     const std::string member = path.empty() ? key : path + "." + key;
     members.insert(member);
     if (!is_described_as_a_whole(member)) {
