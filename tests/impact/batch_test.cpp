@@ -339,6 +339,7 @@ TEST_CASE("code for wide registers is shared with no other file") {
       const bool weak = text.find(" W ") != std::string::npos ||
                         text.find(" V ") != std::string::npos ||
                         text.find(" u ") != std::string::npos;
+      if (text.find(" DW.ref.") != std::string::npos) continue;  // an address, not code
       INFO(text);
       CHECK((!weak || text.find("stillbase::avx2::Pack") != std::string::npos ||
              text.find("stillbase::avx512::Pack") != std::string::npos));
