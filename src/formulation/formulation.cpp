@@ -6,276 +6,254 @@
 
 #include <stillbase/core/random.hpp>
 
-#include "formulation/formulation_kernel.hpp"
+#include "formulation/constraints/user_constraint.hpp"
+#include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
 
-Formulation::Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms)
-    : parts_(std::make_unique<Parts>(problem)) {
-  parts_->turns = turns_after_impact(problem);
-  parts_->user_terms = std::move(user_terms);
-  // The middle of |y| over evenly spread points makes the objective of order one.
+namespace {
+
+/// Median of |y| over evenly spread points; dividing by it makes the objective of order one.
+double typical_objective(const Formulation::Parts& parts) {
+  constexpr int kSamples = 15;
+  const CaptureModel& model = parts.model;
   std::vector<double> sizes;
-  for (int sample = 0; sample < 15; ++sample) {
-    const Eigen::VectorXd x =
-        parts_->start_point(low_discrepancy_point(sample, parts_->start_dimension(), 0));
-    const Local<double> local = parts_->localise<double>(x);
-    const auto posture = parts_->posture(local);
-    const auto hit = parts_->impact<double>(local, posture, parts_->predicted());
-    sizes.push_back(std::sqrt(
-        parts_->turn_vector(x, parts_->predicted()).squaredNorm() +
-        2 * (parts_->objective(posture, hit) + parts_->user_objective(x, parts_->predicted()))));
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const Eigen::VectorXd u = low_discrepancy_point(sample, model.layout.size, 0);
+    const auto at = model.place<double>(model.layout.start_point(model.problem, u));
+    const auto posture = model.posture(at);
+    const auto impact = model.impact(at, posture, model.nominal);
+    sizes.push_back(std::sqrt(2 * parts.objective(at, posture, impact, model.nominal, nullptr)));
   }
-  std::nth_element(sizes.begin(), sizes.begin() + 7, sizes.end());
-  if (sizes[7] > 0) parts_->objective_unit = sizes[7];
-  set_implied_rows_aside();
+  std::nth_element(sizes.begin(), sizes.begin() + kSamples / 2, sizes.end());
+  return sizes[kSamples / 2] > 0 ? sizes[kSamples / 2] : 1;
+}
+
+ConstraintValue constraint_value(const std::string& name, double value, double lower,
+                                 double upper) {
+  return {name, value, lower, upper, std::max({lower - value, value - upper, 0.0})};
+}
+
+}  // namespace
+
+std::string to_string(const std::vector<RedundantRow>& rows) {
+  const auto reason = [](Redundancy why) {
+    switch (why) {
+      case Redundancy::ZeroEverywhere:
+        return "zero everywhere";
+      case Redundancy::ByConstruction:
+        return "holds where other constraints do";
+      case Redundancy::CombinationOfOthers:
+        return "combination of other equations";
+      case Redundancy::ImpliedByOthers:
+        return "implied by other equations";
+    }
+    return "";
+  };
+  std::string out;
+  for (const RedundantRow& row : rows) out += row.name + ": " + reason(row.reason) + "\n";
+  return out;
+}
+
+Formulation::Parts::Parts(const CaptureProblem& problem)
+    : model(problem), jump(problem), differenced(problem), constraints(constraints_of(model)) {
+  SelectedRows selected = select_independent_rows(model, constraints);
+  for (const UserConstraint& one : problem.user.constraints) {
+    constraints.rows.push_back(user_constraint(one));
+    selected.kept.push_back(constraints.rows.back().get());
+  }
+  select(std::move(selected));
+}
+
+void Formulation::Parts::select(SelectedRows selected) {
+  rows = std::move(selected);
+  rows_need_impact = std::any_of(rows.kept.begin(), rows.kept.end(),
+                                 [](const Constraint* row) { return row->needs_impact; });
+}
+
+Formulation::Formulation(const CaptureProblem& problem) : parts_(std::make_unique<Parts>(problem)) {
+  parts_->objective_unit = typical_objective(*parts_);
+  remove_implied_rows();
 }
 
 Formulation::~Formulation() = default;
 
-int Formulation::num_variables() const { return parts_->layout.size; }
-int Formulation::num_constraints() const { return static_cast<int>(parts_->rows.size()); }
-Eigen::VectorXd Formulation::lower() const { return parts_->layout.lower; }
-Eigen::VectorXd Formulation::upper() const { return parts_->layout.upper; }
+int Formulation::num_variables() const { return parts_->model.layout.size; }
+int Formulation::num_constraints() const { return static_cast<int>(parts_->rows.kept.size()); }
+int Formulation::num_equations() const { return parts_->rows.num_equations(); }
+Eigen::VectorXd Formulation::lower() const { return parts_->model.layout.lower; }
+Eigen::VectorXd Formulation::upper() const { return parts_->model.layout.upper; }
 
 Eigen::VectorXd Formulation::constraint_lower() const {
   Eigen::VectorXd out(num_constraints());
-  for (int i = 0; i < out.size(); ++i) out[i] = parts_->rows[static_cast<std::size_t>(i)].lower;
+  for (int i = 0; i < out.size(); ++i) {
+    out[i] = parts_->rows.kept[static_cast<std::size_t>(i)]->lower;
+  }
   return out;
 }
 
 Eigen::VectorXd Formulation::constraint_upper() const {
   Eigen::VectorXd out(num_constraints());
-  for (int i = 0; i < out.size(); ++i) out[i] = parts_->rows[static_cast<std::size_t>(i)].upper;
+  for (int i = 0; i < out.size(); ++i) {
+    out[i] = parts_->rows.kept[static_cast<std::size_t>(i)]->upper;
+  }
   return out;
 }
 
-int Formulation::num_equations() const {
-  return static_cast<int>(std::count_if(parts_->rows.begin(), parts_->rows.end(),
-                                        [](const Row& row) { return row.lower == row.upper; }));
+double Formulation::Parts::objective(const Placement<double>& at,
+                                     const PostureImpact<double>& posture,
+                                     const ScenarioImpact<double>& impact, const Scenario& scenario,
+                                     GradientRow* gradient) const {
+  double value = jump.objective(posture, impact, objective_unit);
+  if (gradient != nullptr) {
+    model.compress_into(at, jump.gradient(model, posture, impact, objective_unit), *gradient);
+  }
+  if (!differenced.empty()) add_differenced(at, scenario, value, gradient);
+  return value;
 }
 
-void Formulation::Parts::evaluate_one_by_one(const Local<double>& local,
-                                             const PostureImpact<double>& stated,
-                                             const ScenarioImpact<double>* predicted,
-                                             const std::vector<Scenario>& scenarios,
-                                             bool derivatives, ScenarioEvaluation& out) const {
-  for (std::size_t k = 0; k < scenarios.size(); ++k) {
-    const Scenario& scenario = scenarios[k];
-    const auto row = static_cast<Eigen::Index>(k);
-    // No std::optional of a posture: g++ 12 fills its 70 kB with zeros, a third of a local solve.
-    const auto take = [&](const PostureImpact<double>& at, const ScenarioImpact<double>& hit_k) {
-      out.values[row] = objective(at, hit_k);
-      if (derivatives) compress_into(local, objective_gradient(at, hit_k), out.gradients.row(row));
-    };
-    if (scenario.joint_offset.size() > 0) {
-      const PostureImpact<double> displaced = posture(local, scenario);
-      take(displaced, impact(local, displaced, scenario));
-    } else if (predicted != nullptr && &scenarios == &prediction) {
-      take(stated, *predicted);
-    } else {
-      take(stated, impact(local, stated, scenario));
-    }
-    if (!turns.empty() && simulations_stop.reached()) {
-      out.values[row] = std::numeric_limits<double>::quiet_NaN();
-      if (derivatives) out.gradients.row(row).setConstant(out.values[row]);
-      continue;
-    }
-    if (!turns.empty()) {
-      const Eigen::VectorXd y = turn_vector(local.x, scenario);
-      out.values[row] += y.squaredNorm() / 2;
-      if (derivatives) out.gradients.row(row) += y.transpose() * turn_jacobian(local.x, scenario);
-    }
-    if (user_terms.empty()) continue;
-    out.values[row] += user_objective(local.x, scenario);
-    if (derivatives) out.gradients.row(row) += user_gradient(local.x, scenario);
+void Formulation::Parts::add_differenced(const Placement<double>& at, const Scenario& scenario,
+                                         double& value, GradientRow* gradient) const {
+  if (differenced.is_simulated() && simulations_stop.reached()) {
+    value = std::numeric_limits<double>::quiet_NaN();
+    if (gradient != nullptr) gradient->setConstant(value);
+    return;
   }
+  const Eigen::VectorXd x = at.x;
+  const Eigen::VectorXd y = differenced.value(model, x, scenario, objective_unit, simulations_stop);
+  value += y.squaredNorm() / 2;
+  if (gradient == nullptr) return;
+  *gradient +=
+      y.transpose() * differenced.jacobian(model, x, scenario, objective_unit, simulations_stop);
 }
 
-void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
-                                     const std::vector<Scenario>& scenarios, bool derivatives,
-                                     ScenarioEvaluation& out) const {
-  ++parts_->evaluations;
-  const Parts& parts = *parts_;
-  const Local<double> local = parts.localise<double>(x);
-  const PostureImpact<double> posture = parts.posture(local);
-  const int count = static_cast<int>(scenarios.size()), m = num_constraints();
-  out.values.resize(count);
-  out.constraints.resize(m);
-  if (derivatives) {
-    out.gradients.resize(count, num_variables());
-    out.jacobian.resize(m, num_variables());
-  }
-  ScenarioImpact<double> predicted;
-  const bool has_hit = parts.rows_need_hit || &scenarios == &parts.prediction;
-  if (has_hit) predicted = parts.impact(local, posture, parts.prediction.front());
-  if (parts.in_packs(scenarios)) {
-    parts.evaluate_in_packs(local, scenarios, derivatives, out);
-  } else {
-    parts.evaluate_one_by_one(local, posture, has_hit ? &predicted : nullptr, scenarios,
-                              derivatives, out);
-  }
-  ScalarGradient<double> gradient(parts.n());
-  for (int i = 0; i < m; ++i) {
-    const Row& row = parts.rows[static_cast<std::size_t>(i)];
-    if (!derivatives) {
-      out.constraints[i] = parts.value_of(row, local, posture, predicted);
-      continue;
-    }
-    out.constraints[i] = parts.value_and_gradient(row, local, posture, predicted, gradient);
-    parts.compress_into(local, gradient, out.jacobian.row(i));
+void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
+                                       Eigen::MatrixXd* jacobian) const {
+  for (std::size_t i = 0; i < rows.kept.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    values[row] = jacobian == nullptr ? rows.kept[i]->value(at)
+                                      : rows.kept[i]->value_and_gradient(at, jacobian->row(row));
   }
 }
 
 void Formulation::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  ScenarioEvaluation& here = parts_->at_last;
-  evaluate_scenarios(x, parts_->prediction, false, here);
-  out.objective = here.values[0];
-  out.constraints = here.constraints;
+  parts_->count(1);
+  const CaptureModel& model = parts_->model;
+  const auto at = model.place<double>(x);
+  const auto posture = model.posture(at);
+  const auto impact = model.impact(at, posture, model.nominal);
+  out.objective = parts_->objective(at, posture, impact, model.nominal, nullptr);
+  out.constraints.resize(num_constraints());
+  parts_->evaluate_rows({model, at, posture, impact}, out.constraints, nullptr);
 }
 
 void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  ScenarioEvaluation& here = parts_->at_last;
-  evaluate_scenarios(x, parts_->prediction, true, here);
-  out.objective = here.values[0];
-  out.gradient = here.gradients.row(0);
-  out.constraints = here.constraints;
-  out.jacobian = here.jacobian;
+  parts_->count(1);
+  const CaptureModel& model = parts_->model;
+  const auto at = model.place<double>(x);
+  const auto posture = model.posture(at);
+  const auto impact = model.impact(at, posture, model.nominal);
+  out.gradient.resize(x.size());
+  GradientRow gradient = out.gradient.transpose();
+  out.objective = parts_->objective(at, posture, impact, model.nominal, &gradient);
+  out.constraints.resize(num_constraints());
+  out.jacobian.resize(num_constraints(), x.size());
+  parts_->evaluate_rows({model, at, posture, impact}, out.constraints, &out.jacobian);
 }
 
-Scenario Formulation::predicted_scenario() const { return parts_->predicted(); }
+Scenario Formulation::predicted_scenario() const { return parts_->model.nominal; }
 
 void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                                    Eigen::MatrixXd& jacobian) const {
-  ++parts_->evaluations;
-  const Parts& parts = *parts_;
-  const Local<double> local = parts.localise<double>(x);
-  const auto posture = parts.posture(local);
-  const auto hit = parts.impact(local, posture, parts.predicted());
-  const double scale = hit.p / parts.objective_unit;
+  parts_->count(1);
+  const CaptureModel& model = parts_->model;
+  const auto at = model.place<double>(x);
+  const auto posture = model.posture(at);
+  const auto impact = model.impact(at, posture, model.nominal);
+  const double unit = parts_->objective_unit, scale = impact.p / unit;
   std::vector<double> values;
-  std::vector<Eigen::VectorXd> rows;
-  for (const ObjectiveTerm& term : parts.problem.objective) {
-    const JointVectord y_term = term_quantity<double>(term, posture, hit.response);
-    for (Eigen::Index i = 0; i < y_term.size(); ++i) {
+  std::vector<Eigen::RowVectorXd> rows;
+  for (const JumpObjective::Term& term : parts_->jump.terms()) {
+    const JointVectord of_term = JumpObjective::value(term, posture, impact.response);
+    for (Eigen::Index i = 0; i < of_term.size(); ++i) {
       ResponseWeights<double> weights;
-      const JointVectord u = scale * JointVectord::Unit(y_term.size(), i);
-      add_term_weights<double>(term, u, weights);
-      values.push_back(scale * y_term[i]);
-      rows.push_back(
-          parts.compress(local, parts.scaled_gradient(posture, hit, weights, values.back())));
+      const JointVectord u = scale * JointVectord::Unit(of_term.size(), i);
+      JumpObjective::add_weights(term, u, posture, impact.response, weights);
+      values.push_back(scale * of_term[i]);
+      rows.emplace_back(x.size());
+      model.compress_into(at, model.scaled_gradient(posture, impact, weights, values.back()),
+                          rows.back());
     }
   }
+  const DifferencedTerms& differenced = parts_->differenced;
+  const StopCondition& stop = parts_->simulations_stop;
   const auto jumps = static_cast<Eigen::Index>(values.size());
-  const Eigen::VectorXd turned = parts.turn_vector(x, parts.predicted());
-  y.resize(jumps + turned.size());
+  const Eigen::VectorXd others = differenced.value(model, x, model.nominal, unit, stop);
+  y.resize(jumps + others.size());
   y.head(jumps) = Eigen::Map<const Eigen::VectorXd>(values.data(), jumps);
-  y.tail(turned.size()) = turned;
-  jacobian.resize(y.size(), num_variables());
+  y.tail(others.size()) = others;
+  jacobian.resize(y.size(), x.size());
   for (Eigen::Index i = 0; i < jumps; ++i) jacobian.row(i) = rows[static_cast<std::size_t>(i)];
-  if (turned.size() == 0) return;
-  jacobian.bottomRows(turned.size()) = parts.turn_jacobian(x, parts.predicted());
+  if (others.size() == 0) return;
+  jacobian.bottomRows(others.size()) = differenced.jacobian(model, x, model.nominal, unit, stop);
 }
 
 bool Formulation::has_hessian() const {
-  return parts_->turns.empty() && parts_->user_terms.empty();
+  const std::vector<const Constraint*>& rows = parts_->rows.kept;
+  return parts_->differenced.empty() &&
+         std::all_of(rows.begin(), rows.end(),
+                     [](const Constraint* row) { return row->has_hessian(); });
 }
 
-const std::vector<UserTerm>& Formulation::user_terms() const { return parts_->user_terms; }
+const std::vector<RedundantRow>& Formulation::redundant_rows() const {
+  return parts_->rows.redundant;
+}
 
+const EncounterModel& Formulation::encounter_model() const { return parts_->model.encounter; }
 double Formulation::objective_unit() const { return parts_->objective_unit; }
 
 Configuration Formulation::configuration(const Eigen::VectorXd& x) const {
-  return parts_->configuration(x);
+  return parts_->model.configuration(x);
 }
 
 Eigen::VectorXd Formulation::variables(const Configuration& configuration) const {
-  Eigen::VectorXd x(num_variables());
-  const VariableLayout& layout = parts_->layout;
-  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
-    x[static_cast<int>(i)] = configuration.phi[layout.joints[i]];
-  }
-  if (layout.time >= 0) x[layout.time] = configuration.contact_time;
-  if (layout.attitude_size == 3) {
-    x.segment<3>(layout.attitude) =
-        rotation_log(parts_->problem.base.orientation.conjugate() * configuration.base.orientation);
-  } else if (layout.attitude_size == 1) {
-    x[layout.attitude] =
-        rotation_log(configuration.base.orientation * parts_->problem.base.orientation.conjugate())
-            .dot(parts_->problem.variables.base_attitude_axis);
-  }
-  return x;
+  return parts_->model.layout.variables(parts_->model.problem, configuration);
 }
 
-const EncounterModel& Formulation::encounter_model() const { return parts_->model; }
-
-int Formulation::start_dimension() const { return parts_->start_dimension(); }
+int Formulation::start_dimension() const { return parts_->model.layout.size; }
 
 Eigen::VectorXd Formulation::start_point(const Eigen::VectorXd& u) const {
-  return parts_->start_point(u);
+  return parts_->model.layout.start_point(parts_->model.problem, u);
 }
 
 double Formulation::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const VariableLayout& layout = parts_->layout;
-  double sum = 0;
-  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
-    double d = a[static_cast<int>(i)] - b[static_cast<int>(i)];
-    if (parts_->problem.robot.joints[static_cast<std::size_t>(layout.joints[i])].type ==
-        JointType::Continuous) {
-      d = wrap_angle(d);
-    }
-    sum += d * d;
-  }
-  if (layout.attitude_size > 0) {
-    const double angle = layout.attitude_of(parts_->problem, a)
-                             .angularDistance(layout.attitude_of(parts_->problem, b));
-    sum += angle * angle;
-  }
-  if (layout.time >= 0) sum += std::pow(a[layout.time] - b[layout.time], 2);
-  return std::sqrt(sum);
+  return parts_->model.layout.distance(parts_->model.problem, a, b);
 }
 
 Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd out = x;
-  const VariableLayout& layout = parts_->layout;
-  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
-    if (parts_->problem.robot.joints[static_cast<std::size_t>(layout.joints[i])].type ==
-        JointType::Continuous) {
-      out[static_cast<int>(i)] = wrap_angle(out[static_cast<int>(i)]);
-    }
-  }
-  return out;
+  return parts_->model.layout.normalised(parts_->model.problem, x);
 }
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
-  const Parts& parts = *parts_;
-  const Local<double> local = parts.localise<double>(x);
-  const auto posture = parts.posture(local);
-  const auto hit = parts.impact(local, posture, parts.predicted());
+  const CaptureModel& model = parts_->model;
+  const auto at = model.place<double>(x);
+  const auto posture = model.posture(at);
+  const auto impact = model.impact(at, posture, model.nominal);
+  const ConstraintPoint<double> point{model, at, posture, impact};
   std::vector<ConstraintValue> out;
-  const auto add = [&out](const std::string& name, double value, double lower, double upper) {
-    out.push_back({name, value, lower, upper, std::max({lower - value, value - upper, 0.0})});
+  const auto add = [&](const Constraint& row) {
+    out.push_back(constraint_value(row.name, row.value(point), row.lower, row.upper));
   };
-  bool has_closing_speed = false;
-  for (const Row& row : parts.rows) {
-    add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
-    has_closing_speed = has_closing_speed || row.kind == RowKind::ClosingSpeed;
-  }
-  for (const Row& row : parts.implied_rows) {
-    add(row.name, parts.value_of(row, local, posture, hit), row.lower, row.upper);
-  }
-  if (!has_closing_speed && !parts.model.magnitude_is_given()) {
-    add("closing_speed", hit.encounter.closing_speed, parts.problem.constraints.closing_speed_min,
-        kInfinity);
-  }
-  for (std::size_t i = 0; i < parts.layout.joints.size(); ++i) {
-    const int k = parts.layout.joints[i];
-    if (parts.problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
-      continue;
-    }
-    const int j = static_cast<int>(i);
-    add("joint_limit_" + parts.problem.robot.joints[static_cast<std::size_t>(k)].name, x[j],
-        parts.layout.lower[j], parts.layout.upper[j]);
+  for (const Constraint* row : parts_->rows.kept) add(*row);
+  for (const Constraint* row : parts_->rows.reported) add(*row);
+  for (const auto& row : parts_->constraints.reported) add(*row);
+  const VariableLayout& layout = model.layout;
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
+    if (joint.type == JointType::Continuous) continue;
+    const auto j = static_cast<Eigen::Index>(i);
+    out.push_back(
+        constraint_value("joint_limit_" + joint.name, x[j], layout.lower[j], layout.upper[j]));
   }
   return out;
 }

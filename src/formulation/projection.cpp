@@ -10,7 +10,7 @@ namespace {
 /// Residual of everything that is violated, with its Jacobian.
 void residual(const Formulation& formulation, const Eigen::VectorXd& x, bool zero_objective,
               Eigen::VectorXd& r, Eigen::MatrixXd& J) {
-  ScenarioEvaluation at_x;  // of no scenario: the objective may be dear
+  ScenarioEvaluation at_x;  // of no scenario: the objective may take a simulation
   formulation.evaluate_scenarios(x, {}, true, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
@@ -40,8 +40,8 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
                                           bool zero_objective, int max_iterations) {
   const Eigen::VectorXd lower = formulation.lower();
   const Eigen::VectorXd upper = formulation.upper();
-  constexpr double kMaxStep = 0.5;  // rad: beyond it the linear model says nothing
-  // A simulation leaves more rounding, and is too dear to look for the end of it.
+  constexpr double kMaxStep = 0.5;  // rad: beyond it the linear model does not hold
+  // Simulations have larger rounding errors and cost too much for the last digits.
   const double exact = zero_objective && !formulation.has_hessian() ? 1e-11 : 1e-14;
   ProjectionResult out{x0.cwiseMax(lower).cwiseMin(upper), kInfinity};
   Eigen::VectorXd r, r_trial;
@@ -49,7 +49,8 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
   residual(formulation, out.x, zero_objective, r, J);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     if (r.size() == 0 || r.cwiseAbs().maxCoeff() < exact) break;
-    // Variables that the step would push through a bound are held, then the step is taken anew.
+    // Variables that the step would push through a bound are held, then the step is computed for
+    // the others.
     std::vector<bool> held(static_cast<std::size_t>(x0.size()), false);
     Eigen::VectorXd step;
     for (int pass = 0; pass <= x0.size(); ++pass) {

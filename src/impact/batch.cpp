@@ -32,6 +32,19 @@ const std::vector<const BatchKernel*>& batch_kernels() {
   return kernels;
 }
 
+void set_objective(const BatchObjective& objective, BatchColumns& columns) {
+  columns.objective_parts = 0;
+  for (std::size_t k = 0; k < kResponseParts; ++k) {
+    const Matrix3d& G = objective.metrics[k];
+    if (G.isZero(0)) continue;
+    BatchMetric& metric = columns.objective[columns.objective_parts++];
+    metric.part = static_cast<ResponsePart>(k);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) metric.G[i][j] = G(i, j);
+    }
+  }
+}
+
 namespace {
 
 BatchColumns columns_of(const ImpactBatch& batch) {
@@ -86,7 +99,7 @@ void evaluate_objective(const RobotModel& robot, const ImpactResistance& resista
                         const ImpactBatch& batch, const BatchObjective& objective, bool derivatives,
                         BatchObjectiveValues& out) {
   BatchColumns columns = columns_of(batch);
-  columns.objective = objective;
+  set_objective(objective, columns);
   out.psi.resize(columns.count);
   columns.psi = out.psi.data();
   if (derivatives) {

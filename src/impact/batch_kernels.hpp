@@ -1,12 +1,20 @@
 // The batch loop, once for each width of register, chosen at run time.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include <stillbase/impact/batch.hpp>
 
 namespace stillbase {
+
+/// The matrix of one part of the objective, plain numbers: kernels for wide registers share no
+/// inline functions on doubles with the other files.
+struct BatchMetric {
+  ResponsePart part;
+  double G[3][3];
+};
 
 /// The columns of a batch: entry (i, j) of a matrix is at [i + j * count]. Null: not wanted.
 struct BatchColumns {
@@ -20,7 +28,8 @@ struct BatchColumns {
   double* total = nullptr;
   double* hand_inverse_mass = nullptr;
   double* p = nullptr;
-  BatchObjective objective;
+  std::array<BatchMetric, kResponseParts> objective = {};  ///< parts whose matrix is not zero
+  std::size_t objective_parts = 0;
   double* psi = nullptr;
   double* gradient = nullptr;
   double* gradient_F = nullptr;
@@ -35,6 +44,9 @@ struct BatchKernel {
   /// Sine and cosine of `lanes` angles: for the tests.
   void (*sin_cos)(const double* x, double* sine, double* cosine);
 };
+
+/// Sets the objective of a batch.
+void set_objective(const BatchObjective& objective, BatchColumns& columns);
 
 /// Null where the compiler has no such registers.
 const BatchKernel* batch_kernel_avx512();

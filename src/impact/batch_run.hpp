@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "impact/batch_kernels.hpp"
+#include "impact/response_parts_kernel.hpp"
 
 namespace stillbase {
 
@@ -71,30 +72,19 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     put_number(p, columns.p);
     if (columns.psi == nullptr) continue;
 
-    const BatchObjective& objective = columns.objective;
     const S p2 = p * p;
     ResponseWeights<S> weights;
-    weights.omega = response.omega() * (p2 * S(objective.omega));
-    weights.base = response.base * (p2 * S(objective.base));
-    weights.total = response.total * (p2 * S(objective.total));
-    S twice_psi = weights.omega.dot(response.omega()) + weights.base.dot(response.base) +
-                  weights.total.dot(response.total) + p2 * S(objective.impulse);
-    if (objective.linear != 0 || objective.angular != 0) {
-      const Vector6<S> momentum = posture.inertia.H_b * response.d.Delta_Omega;
-      weights.momentum.template head<3>() =
-          momentum.template head<3>() * (p2 * S(objective.linear));
-      weights.momentum.template tail<3>() =
-          momentum.template tail<3>() * (p2 * S(objective.angular));
-      twice_psi += weights.momentum.dot(momentum);
-    }
-    if (objective.joint_rates != 0) {
-      const S weight = p2 * S(objective.joint_rates);
-      weights.phidot.setZero(robot.n());
-      for (int k = 0; k < robot.n(); ++k) {
-        const S rate = response.d.Delta_phidot[k];
-        weights.phidot[k] = rate * weight;
-        twice_psi += rate * rate * weight;
+    S twice_psi(0);
+    for (std::size_t k = 0; k < columns.objective_parts; ++k) {
+      const BatchMetric& wanted = columns.objective[k];
+      Matrix3<S> metric;
+      for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) metric(a, b) = p2 * S(wanted.G[a][b]);
       }
+      with_part<S>(wanted.part, posture, response, weights, [&](const auto& value, auto&& weight) {
+        weight = apply_metric<S>(metric, value);
+        twice_psi += weight.dot(value);
+      });
     }
     put_number(twice_psi * S(0.5), columns.psi);
     if (columns.gradient == nullptr) continue;

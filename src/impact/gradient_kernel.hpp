@@ -194,9 +194,9 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   out.phi.setZero(n);
 
   // Adjoint of the parts that are linear in d:
-  // H lambda = [0; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0].
+  // H lambda = [u_velocity; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0].
   Vector6<S> rhs;
-  rhs.template head<3>().setZero();
+  rhs.template head<3>() = weights.velocity;
   rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
   const bool has_momentum = weights.momentum != Vector6<S>::Zero();
   if (has_momentum) rhs += posture.inertia.H_b * weights.momentum;

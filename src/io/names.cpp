@@ -38,14 +38,11 @@ const Names<PositionFreedom>& position_freedom_names() {
 }
 
 const Names<ObjectiveQuantity>& objective_names() {
-  static const Names<ObjectiveQuantity> names{
-      {"base_angular_momentum", ObjectiveQuantity::BaseAngularMomentum},
-      {"base_angular_velocity", ObjectiveQuantity::BaseAngularVelocity},
-      {"total_angular_momentum", ObjectiveQuantity::TotalAngularMomentum},
-      {"base_momentum", ObjectiveQuantity::BaseMomentum},
-      {"impulse_magnitude", ObjectiveQuantity::ImpulseMagnitude},
-      {"joint_rate_norm", ObjectiveQuantity::JointRateNorm},
-      {"attitude_turned", ObjectiveQuantity::AttitudeTurned}};
+  static const Names<ObjectiveQuantity> names = [] {
+    Names<ObjectiveQuantity> out;
+    for (const QuantityRow& row : quantities()) out.emplace_back(row.name, row.quantity);
+    return out;
+  }();
   return names;
 }
 

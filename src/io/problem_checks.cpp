@@ -19,7 +19,7 @@ namespace {
 void check_turn(MapReader& map, const CaptureProblem& problem) {
   const auto term = std::find_if(
       problem.objective.begin(), problem.objective.end(),
-      [](const ObjectiveTerm& t) { return t.quantity == ObjectiveQuantity::AttitudeTurned; });
+      [](const ObjectiveTerm& t) { return row_of(t.quantity).is_simulated(); });
   if (term == problem.objective.end()) return;
   const auto refuse = [&](const char* rule, const std::string& what) {
     map.context().add(map.line_of("objective"), rule,

@@ -68,6 +68,13 @@ std::optional<double> unit_factor(std::string_view unit, Dimension dimension) {
   return std::nullopt;
 }
 
+Dimension dimension_of_unit(std::string_view unit) {
+  for (const Unit& candidate : kUnits) {
+    if (candidate.name == unit) return candidate.dimension;
+  }
+  return Dimension::None;
+}
+
 bool is_unit(std::string_view unit) {
   for (const Unit& candidate : kUnits) {
     if (candidate.name == unit) return true;

@@ -51,6 +51,9 @@ std::string name_of(Dimension dimension);
 /// Factor that takes a number in this unit to SI, when the unit has the dimension.
 std::optional<double> unit_factor(std::string_view unit, Dimension dimension);
 
+/// Dimension of a unit of which files may use others; None where there is no other.
+Dimension dimension_of_unit(std::string_view unit);
+
 /// True when the unit exists, whatever its dimension.
 bool is_unit(std::string_view unit);
 

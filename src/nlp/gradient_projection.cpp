@@ -1,5 +1,5 @@
 // Gradient projection with restoration: J. B. Rosen, The gradient projection method for nonlinear
-// programming II, SIAM J. 9 (1961), the way of Wee and Walker (IEEE Trans. Robotics and Automation
+// programming II, SIAM J. 9 (1961), as Wee and Walker (IEEE Trans. Robotics and Automation
 // 9(6), 1993) to pre-impact configurations, and so the baseline for every other optimizer here.
 //
 //   d = projection of -grad f on the cone of feasible directions,  x+ = restore(x + t d)

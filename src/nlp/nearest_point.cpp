@@ -18,13 +18,14 @@ class ViolationProblem final : public Problem {
   Eigen::VectorXd constraint_upper() const override { return {}; }
 
   void evaluate(const Eigen::VectorXd& x, Evaluation& out) const override {
-    problem_.evaluate(x, inner_);
+    auto& inner = out.workspace_as<Evaluation>();
+    problem_.evaluate(x, inner);
     const Eigen::VectorXd violation =
-        signed_violation(inner_.constraints, constraint_lower_, constraint_upper_);
+        signed_violation(inner.constraints, constraint_lower_, constraint_upper_);
     out.objective = 0.5 * violation.squaredNorm();
     // A NaN compares false with both bounds and would look like no violation.
-    if (!inner_.constraints.allFinite()) out.objective = kInfinity;
-    out.gradient.noalias() = inner_.jacobian.transpose() * violation;
+    if (!inner.constraints.allFinite()) out.objective = kInfinity;
+    out.gradient.noalias() = inner.jacobian.transpose() * violation;
     out.constraints.resize(0);
     out.jacobian.resize(0, x.size());
   }
@@ -32,7 +33,6 @@ class ViolationProblem final : public Problem {
  private:
   const Problem& problem_;
   const Eigen::VectorXd constraint_lower_, constraint_upper_;
-  mutable Evaluation inner_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Every `nlopt-*` name is one row of kTable. Facts this file works around (NLopt 2.7.1): success is
 // reported on infeasible problems, so its word is only recorded; most algorithms refuse equations
 // and are wrapped in an augmented Lagrangian; the random generator is per thread and seeded per
-// solve. The C interface is used because exceptions lose their type on the way through the C++ one.
+// solve. The C interface is used because exceptions lose their type in the C++ one.
 #include <nlopt.h>
 
 #include <algorithm>
@@ -99,7 +99,7 @@ class StuckWatch {
   double reference_ = kInfinity;
 };
 
-// Length of the first step, in variables of order one, of a solver that starts again.
+// Length of the first step, in variables of order one, of a solver's second run.
 constexpr double kCautiousStep = 0.1;
 
 struct Context {

@@ -10,7 +10,7 @@ namespace stillbase::nlp {
 namespace {
 
 constexpr const char* kName = "random-search";
-// Newton from a far point either is there after some ten steps or goes nowhere.
+// From a far point, Newton's method either converges within about ten steps or not at all.
 constexpr int kRestorationSteps = 12;
 
 class RandomSearch final : public Optimizer {

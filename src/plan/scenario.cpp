@@ -111,42 +111,8 @@ std::vector<Scenario> draw_scenarios(const CaptureProblem& problem) {
   return out;
 }
 
-std::string to_string(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-      return "base_angular_momentum";
-    case ObjectiveQuantity::BaseAngularVelocity:
-      return "base_angular_velocity";
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return "total_angular_momentum";
-    case ObjectiveQuantity::BaseMomentum:
-      return "base_momentum";
-    case ObjectiveQuantity::ImpulseMagnitude:
-      return "impulse_magnitude";
-    case ObjectiveQuantity::JointRateNorm:
-      return "joint_rate_norm";
-    case ObjectiveQuantity::AttitudeTurned:
-      return "attitude_turned";
-  }
-  return "";
-}
-
-std::string unit_of(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return "N m s";
-    case ObjectiveQuantity::BaseMomentum:
-    case ObjectiveQuantity::ImpulseMagnitude:
-      return "N s";
-    case ObjectiveQuantity::BaseAngularVelocity:
-    case ObjectiveQuantity::JointRateNorm:
-      return "rad/s";
-    case ObjectiveQuantity::AttitudeTurned:
-      return "rad";
-  }
-  return "";
-}
+std::string to_string(ObjectiveQuantity quantity) { return row_of(quantity).name; }
+std::string unit_of(ObjectiveQuantity quantity) { return row_of(quantity).unit; }
 
 std::string objective_name(const CaptureProblem& problem) {
   std::string name;
@@ -158,13 +124,14 @@ std::string objective_name(const CaptureProblem& problem) {
 
 std::string objective_unit_name(const CaptureProblem& problem) {
   const ObjectiveTerm& first = problem.objective.front();
-  return problem.objective.size() == 1 && first.size == 1 ? unit_of(first.quantity) : "1";
+  const bool is_alone = problem.objective.size() == 1 && problem.user.terms.empty();
+  return is_alone && first.size == 1 ? unit_of(first.quantity) : "1";
 }
 
 bool simulates_turn(const CaptureProblem& problem) {
   return std::any_of(
       problem.objective.begin(), problem.objective.end(),
-      [](const ObjectiveTerm& term) { return term.quantity == ObjectiveQuantity::AttitudeTurned; });
+      [](const ObjectiveTerm& term) { return row_of(term.quantity).is_simulated(); });
 }
 
 }  // namespace stillbase

@@ -157,7 +157,7 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
   }
   const std::optional<double> best = best_value(found);
   if (!best || is_zero_reached(formulation, found)) return std::nullopt;
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   options.value_at = [&](const Configuration& at) {
     const Eigen::VectorXd x = formulation.variables(at);
     for (const ConstraintValue& constraint : formulation.report(x)) {

@@ -12,7 +12,7 @@ namespace stillbase {
 CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Eigen::VectorXd& x,
                                      const Candidate& candidate, const Certificate& certificate) {
   const Formulation formulation(problem);
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   CertifiedCandidate out{candidate, certificate, formulation.report(x)};
   out.candidate.configuration = formulation.configuration(x);
   out.candidate.objective = nominal_value(problem, formulation, out.candidate.configuration);

@@ -106,6 +106,12 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     more.insert(more.end(), starts.begin(), starts.end());
     return search(problem, formulation, search_options);
   };
+  plan.solver_calls = found.solver_calls;
+  plan.timing["search"] = seconds_since(begin);
+  if (!problem.user.empty()) {
+    proof.statement = "no proof: functions of the user are not enclosed";
+    return found;
+  }
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
   proof = prove_solutions(options.prover, problem, formulation,
@@ -120,7 +126,6 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   state_what_was_missed(proof);
   bound_and_search_suspects(problem, formulation, options, search_from, found, proof);
   plan.solver_calls = found.solver_calls;
-  plan.timing["search"] = std::chrono::duration<double>(proof_begin - begin).count();
   plan.timing["proof"] = seconds_since(proof_begin);
   return found;
 }
@@ -160,6 +165,7 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.objective.value = best.value;
   plan.objective.terms = objective_terms(at, there, best.configuration);
   plan.objective.is_judged = best.is_judged;
+  for (const UserTerm& term : problem.user.terms) plan.objective.user_terms.push_back(term.name);
   const WorstCase worst = known ? *known : worst_case(at, there, best.configuration);
   plan.objective.worst_case = worst.value;
   plan.objective.worst_direction = worst.direction;

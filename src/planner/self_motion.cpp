@@ -23,7 +23,7 @@ Eigen::VectorXd walk(const CaptureProblem& problem, const Formulation& formulati
   Eigen::MatrixXd slope;
   formulation.objective_vector(from, y, slope);
   const bool keep_zero = problem.measure.kind == RiskMeasure::Nominal && y.norm() <= kZeroObjective;
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   const auto allowed = [&](const Eigen::VectorXd& at) {
     Candidate candidate;
     candidate.configuration = formulation.configuration(at);

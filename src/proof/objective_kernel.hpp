@@ -11,6 +11,8 @@
 #include <array>
 #include <vector>
 
+#include <stillbase/plan/quantities.hpp>
+
 #include "dynamics/rigid_inertia.hpp"
 #include "proof/articulated_forms.hpp"
 #include "proof/elimination.hpp"
@@ -64,10 +66,14 @@ class ImpactForms {
 
   /// Whether the objective asks for momenta of the robot as one body.
   bool needs_composite() const {
-    const auto asks = [](const ObjectiveTerm& term) {
-      return term.quantity == ObjectiveQuantity::BaseAngularMomentum ||
-             term.quantity == ObjectiveQuantity::TotalAngularMomentum ||
-             term.quantity == ObjectiveQuantity::BaseMomentum;
+    const auto asks = [this](const ObjectiveTerm& term) {
+      const std::vector<QuantityBlock> blocks = blocks_of(term);
+      return std::any_of(blocks.begin(), blocks.end(), [](const QuantityBlock& block) {
+        return block.part == ResponsePart::BaseAngularMomentum ||
+               block.part == ResponsePart::TotalAngularMomentum ||
+               block.part == ResponsePart::ReceivedLinearMomentum ||
+               block.part == ResponsePart::ReceivedAngularMomentum;
+      });
     };
     return std::any_of(problem_.objective.begin(), problem_.objective.end(), asks);
   }
@@ -118,8 +124,10 @@ class ImpactForms {
       }
     }
     for (const ObjectiveTerm& term : problem_.objective) {
-      if (term.quantity != ObjectiveQuantity::ImpulseMagnitude) continue;
-      gram_.constant += square(inverse_of(S(term.size)));
+      for (const QuantityBlock& block : blocks_of(term)) {
+        if (block.part != ResponsePart::Impulse) continue;
+        gram_.constant += square(S(block.map(0, 0)) * inverse_of(S(term.size)));
+      }
     }
     gram_.target_velocity = encounter_.contact.velocity;
     gram_.target_omega = encounter_.contact.omega;
@@ -138,47 +146,72 @@ class ImpactForms {
     return sum;
   }
 
+  std::vector<QuantityBlock> blocks_of(const ObjectiveTerm& term) const {
+    const QuantityRow& row = row_of(term.quantity);
+    // minimum_objection() refuses simulated ones.
+    return row.is_simulated() ? std::vector<QuantityBlock>()
+                              : row.blocks(term, problem_.where.robot);
+  }
+
   /// Of all terms that change with the wrench, with their sizes.
   std::vector<S> components(const Response& at) const {
     std::vector<S> out;
     for (const ObjectiveTerm& term : problem_.objective) {
       const S factor = inverse_of(S(term.size));
-      for_each_component(term, at, [&](const S& y) { out.push_back(y * factor); });
+      for (const QuantityBlock& block : blocks_of(term)) {
+        const auto use = [&](const S& y) {
+          out.push_back((block.divisor == 1 ? y : y / S(block.divisor)) * factor);
+        };
+        if (block.part == ResponsePart::JointRates) {
+          for_each_rate(at, [&](const S& rate) { use(times(block.map(0, 0), rate)); });
+        } else if (block.part != ResponsePart::Impulse) {  // which is the same for all wrenches
+          const Vector3<S> part = vector_part(block.part, at);
+          for (int i = 0; i < 3; ++i) use(row_times(block.map, i, part));
+        }
+      }
     }
     return out;
   }
 
-  /// The vector behind a term, per unit of impulse, without its size.
-  template <class Use>
-  void for_each_component(const ObjectiveTerm& term, const Response& at, const Use& use) const {
-    const Vector3<S> omega = at.base.template tail<3>();
-    switch (term.quantity) {
-      case ObjectiveQuantity::BaseAngularMomentum: {
-        const Vector3<S> base = Htilde_omega_ * omega;
-        for (int i = 0; i < 3; ++i) use(base[i]);
-        break;
-      }
-      case ObjectiveQuantity::BaseAngularVelocity:
-        for (int i = 0; i < 3; ++i) use(omega[i]);
-        break;
-      case ObjectiveQuantity::TotalAngularMomentum:
-        for (int i = 0; i < 3; ++i) use(at.total[i]);
-        break;
-      case ObjectiveQuantity::BaseMomentum: {
-        Vector6<S> momentum = Vector6<S>::Zero();
-        for (int i = 0; i < 6; ++i) momentum += arm_.composite.column(i) * at.base[i];
-        for (int i = 0; i < 3; ++i) use(momentum[i]);
-        for (int i = 3; i < 6; ++i) use(momentum[i] / S(term.length));
-        break;
-      }
-      case ObjectiveQuantity::ImpulseMagnitude:
-        break;  // the same for all wrenches
-      case ObjectiveQuantity::JointRateNorm:
-        for_each_rate(at, use);
-        break;
-      case ObjectiveQuantity::AttitudeTurned:
-        break;  // simulated: minimum_objection() refuses it
+  static S times(double factor, const S& x) { return factor == 1 ? x : S(factor) * x; }
+
+  /// Row i of a matrix times a vector, without the products with zero.
+  static S row_times(const Matrix3d& map, int i, const Vector3<S>& x) {
+    S sum = times(map(i, i), x[i]);
+    for (int j = 0; j < 3; ++j) {
+      if (j != i && map(i, j) != 0) sum += times(map(i, j), x[j]);
     }
+    return sum;
+  }
+
+  /// A part of three components, per unit of impulse.
+  Vector3<S> vector_part(ResponsePart part, const Response& at) const {
+    const Vector3<S> omega = at.base.template tail<3>();
+    const auto received = [&](int first) {
+      Vector3<S> momentum = Vector3<S>::Zero();
+      for (int i = 0; i < 6; ++i) {
+        momentum += arm_.composite.column(i).template segment<3>(first) * at.base[i];
+      }
+      return momentum;
+    };
+    switch (part) {
+      case ResponsePart::BaseVelocity:
+        return at.base.template head<3>();
+      case ResponsePart::BaseRate:
+        return omega;
+      case ResponsePart::BaseAngularMomentum:
+        return Htilde_omega_ * omega;
+      case ResponsePart::TotalAngularMomentum:
+        return at.total;
+      case ResponsePart::ReceivedLinearMomentum:
+        return received(0);
+      case ResponsePart::ReceivedAngularMomentum:
+        return received(3);
+      case ResponsePart::JointRates:
+      case ResponsePart::Impulse:
+        break;  // no vectors of three
+    }
+    return Vector3<S>::Zero();
   }
 
   /// Joint rates, outwards from the base.

@@ -148,7 +148,7 @@ class RatedCurve {
   std::vector<double> values_;
 };
 
-/// From end to end, at most kSpacing apart; of a closed curve the first one again at the end.
+/// From end to end, at most kSpacing apart; of a closed curve the first one is also the last.
 std::vector<Configuration> points_along(const Formulation& formulation,
                                         const SolutionCurve& curve) {
   constexpr double kSpacing = 0.09;  // as the crow flies it is a little more than the arc says

@@ -40,8 +40,8 @@ bool is_near(const Formulation& formulation, const std::vector<Eigen::VectorXd>&
 }
 
 /// The postures in which three successive joints change branch: (a, b, c) and (a + pi, -b, c + pi)
-/// turn a wrist, an elbow or a shoulder with meeting axes the same way. Of other arms they are just
-/// other places to start from.
+/// turn a wrist, an elbow or a shoulder with intersecting axes to the same pose. Of other arms they
+/// are just other places to start from.
 std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
                                             const Eigen::VectorXd& x) {
   const Configuration here = formulation.configuration(x);
@@ -60,9 +60,8 @@ std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
 
 class MinimaFinder {
  public:
-  MinimaFinder(const Formulation& formulation, const Measure& measure,
-               const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
-               MeasureMinima& out)
+  MinimaFinder(const Formulation& formulation, Measure& measure, const nlp::Optimizer& optimizer,
+               const nlp::OptimizeOptions& solve, MeasureMinima& out)
       : formulation_(formulation),
         measure_(measure),
         optimizer_(optimizer),
@@ -93,7 +92,7 @@ class MinimaFinder {
   }
 
   const Formulation& formulation_;
-  const Measure& measure_;
+  Measure& measure_;
   const nlp::Optimizer& optimizer_;
   const nlp::OptimizeOptions& solve_;
   MeasureMinima& out_;
@@ -101,7 +100,7 @@ class MinimaFinder {
 
 }  // namespace
 
-MeasureMinima measure_minima(const Formulation& formulation, const Measure& measure,
+MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
                              const std::vector<Eigen::VectorXd>& starts,
                              const MeasureSearchOptions& options) {

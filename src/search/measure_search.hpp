@@ -15,13 +15,14 @@ struct MeasureSearchOptions {
 };
 
 struct MeasureMinima {
-  std::vector<Eigen::VectorXd> points;  ///< on the constraints; repeated when reached again
+  std::vector<Eigen::VectorXd>
+      points;  ///< on the constraints; repeated when reached more than once
   int solver_calls = 0;
   bool stopped = false;
 };
 
 /// @param starts on the constraints to about 1e-3
-MeasureMinima measure_minima(const Formulation& formulation, const Measure& measure,
+MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
                              const std::vector<Eigen::VectorXd>& starts,
                              const MeasureSearchOptions& options);

@@ -7,7 +7,7 @@
 
 namespace stillbase {
 
-/// About the problem's measure of each point, 1/2 |y|^2 / unit^2: the largest over the predicted
+/// About the problem's measure of each point, 1/2 |y|^2 / unit^2: the largest over the nominal
 /// direction and eight on the rim of the cone; mean or tail mean over the first samples.
 Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formulation,
                        const std::vector<Eigen::VectorXd>& points);

@@ -25,9 +25,9 @@ constexpr int kKept = 16;           ///< they count where few starts are asked f
 constexpr double kSameStart = 0.1;  ///< rad between two of them
 constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
 
-/// The measure's value; nominal value and worst case are known already, to the last bit. Not worked
-/// out, of samples: the nominal value.
-double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
+/// The measure's value, from nominal value and worst case where these are the measure. The nominal
+/// value where the mean over samples is not known.
+double reported(Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
   switch (measure.kind()) {
     case RiskMeasure::Nominal:
       return nominal;
@@ -40,10 +40,9 @@ double reported(const Measure& measure, const Eigen::VectorXd& x, double nominal
   return std::isnan(value) ? nominal : value;
 }
 
-/// What the prediction alone would have chosen; see NominalOptimum. Empty when a limit came first.
+/// The best posture by the nominal value alone; see NominalOptimum. Empty when a limit came first.
 std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
-                                              const Formulation& formulation,
-                                              const Measure& measure,
+                                              const Formulation& formulation, Measure& measure,
                                               const std::vector<Solution>& solutions) {
   const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
   double lowest = kInfinity;
@@ -124,10 +123,10 @@ class Search {
       return projected(options_.more_starts[static_cast<std::size_t>(start - own_starts_)]);
     }
     ProjectionResult best = projected(drawn(start));
-    // Many random postures lead nowhere: another one costs far less than a solve from there.
-    for (int again = 1; again <= kMoreDraws && !isolated_ && best.violation > kOnConstraints;
-         ++again) {
-      const ProjectionResult trial = projected(drawn(start + again * own_starts_));
+    // Many random postures cannot be projected: another draw costs far less than a solve.
+    for (int draw = 1; draw <= kMoreDraws && !isolated_ && best.violation > kOnConstraints;
+         ++draw) {
+      const ProjectionResult trial = projected(drawn(start + draw * own_starts_));
       if (trial.violation < best.violation) best = trial;
     }
     return best;
@@ -184,7 +183,7 @@ class Search {
 
   /// What is still to be said of a solution takes hundreds of simulations where the objective is
   /// simulated: after a deadline or an interrupt what is known of the best one has to do. The best
-  /// by the measure, if that is known of any; else as predicted.
+  /// by the measure, if that is known of any; else by the nominal value.
   void keep_best_alone() {
     const auto is_ahead = [this](const Solution& a, const Solution& b) {
       const bool a_known = measure_.knows(a.x), b_known = measure_.knows(b.x);
@@ -195,7 +194,7 @@ class Search {
     if (best != solutions_.end()) solutions_ = {Solution(*best)};
   }
   /// By which candidates are ordered, of a point that the measure knows.
-  double rank_value(const Solution& solution) const {
+  double rank_value(const Solution& solution) {
     return measure_.is_nominal() ? measure_.worst_at(solution.x).value : measure_.value(solution.x);
   }
 
@@ -251,7 +250,7 @@ class Search {
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
     improve_prediction(minima);
-    // What the prediction alone would choose stays in the list: another choice when the minima
+    // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
     for (Solution& solution : solutions_) {
       const double value = measure_.value(solution.x);
@@ -261,8 +260,8 @@ class Search {
     solutions_ = std::move(minima);
   }
 
-  /// With few starts a minimum of the measure can be better as predicted than what they found: the
-  /// nominal problem is solved from there as well.
+  /// With few starts a minimum of the measure can have a lower nominal value than what they found:
+  /// the nominal problem is solved from there as well.
   void improve_prediction(const std::vector<Solution>& minima) {
     constexpr int kTimes = 3;
     constexpr double kClearly = 1e-7;  // of the objective's typical size
@@ -273,8 +272,8 @@ class Search {
       for (const Solution& solution : solutions_) lowest = std::min(lowest, size(solution));
       Solution from;
       for (const Solution& minimum : minima) {
-        const Solution predicted = judge(problem_, formulation_, minimum.x);
-        if (better(predicted, from)) from = predicted;
+        const Solution nominal = judge(problem_, formulation_, minimum.x);
+        if (better(nominal, from)) from = nominal;
       }
       if (!(from.violation <= kFeasibilityTolerance && size(from) < lowest - kClearly)) break;
       const Solution further = local_minimum(from.x);
@@ -288,7 +287,7 @@ class Search {
     }
   }
 
-  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) const {
+  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) {
     const double violation = largest_violation(problem_, formulation_, x);
     if (!(violation <= kFeasibilityTolerance)) return;
     keep_distinct(formulation_, {x, measure_.value(x), violation}, minima);
@@ -384,7 +383,7 @@ class Search {
   const CaptureProblem& problem_;
   const Formulation& formulation_;
   const SearchOptions& options_;
-  const Measure measure_;
+  Measure measure_;
   std::unique_ptr<nlp::Optimizer> optimizer_, rescuer_;
   nlp::OptimizeOptions solve_;
   const bool isolated_;

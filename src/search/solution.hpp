@@ -17,13 +17,13 @@ struct Solution {
   int family = -1;  ///< the curve that it is on
 };
 
-/// Largest violation of the constraints and, where it is not met though its rows are, of the case:
-/// rows along two columns of a coupling matrix of rank 2 say little of it where the two are nearly
-/// parallel.
+/// Largest violation of the constraints and, where its rows hold and the case does not, of the
+/// case: rows along two columns of a coupling matrix of rank 2 say little of it where the two are
+/// nearly parallel.
 double largest_violation(const CaptureProblem& problem, const Formulation& formulation,
                          const Eigen::VectorXd& x);
 
-/// Objective as predicted, which takes a simulation even where others were given up, and violation.
+/// Nominal objective, which takes a simulation even where others were given up, and violation.
 Solution judge(const CaptureProblem& problem, const Formulation& formulation,
                const Eigen::VectorXd& x);
 

@@ -17,7 +17,7 @@ constexpr double kExact = 1e-12;     ///< largest residual of a point, typical s
 constexpr double kOffTangent = 0.2;  ///< of a step, what Newton's method may move it sideways
 constexpr double kTurn = 0.97;       ///< least cosine between neighbouring tangents
 constexpr double kSamePoint = 1e-6;
-constexpr double kInside = 1e-12;  ///< an inequality that is met with equality
+constexpr double kInside = 1e-12;  ///< an inequality that holds with equality
 
 /// Newton's method within the plane through `x` normal to `normal`; empty: it did not converge.
 std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eigen::VectorXd& x,
@@ -151,8 +151,8 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
 
 Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x) {
   constexpr double kOther = 1;  // rad: far more than rounding, less than between the two
-  const Eigen::VectorXd again = formulation.variables(formulation.configuration(x));
-  return (again - x).norm() > kOther ? again : x;
+  const Eigen::VectorXd shortest = formulation.variables(formulation.configuration(x));
+  return (shortest - x).norm() > kOther ? shortest : x;
 }
 
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
@@ -180,7 +180,7 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.points.push_back({point.x, point.tangent, before + point.arc});
   }
   curve.is_complete = ahead.is_complete && back.is_complete;
-  // The way back was measured along the tangents at the other ends of its steps.
+  // The backward part was measured along the tangents at the other ends of its steps.
   for (std::size_t i = 1; i < curve.points.size(); ++i) {
     const CurvePoint& last = curve.points[i - 1];
     curve.points[i].arc = last.arc + last.tangent.dot(curve.points[i].x - last.x);

@@ -34,7 +34,7 @@ struct SolutionCurve {
 /// The same configuration with every turn of the base by half a turn at most.
 Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x);
 
-/// The curve through x, in both directions, until it closes or meets a bound or an inequality.
+/// The curve through x, in both directions, until it closes or reaches a bound or an inequality.
 /// @param x solution of the equations with vanishing objective, in shortest turns
 /// @return empty unless exactly one direction is open at x
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,

@@ -33,6 +33,7 @@ CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity
   }
   problem.objective = {alone};
   problem.measure = {};
+  problem.user.terms.clear();
   return problem;
 }
 
@@ -57,15 +58,17 @@ class LimitedProgram final : public nlp::Problem {
   }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     second_.evaluate(x, out);
-    first_.evaluate(x, first_here_);
-    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+    auto& of_first = out.workspace_as<nlp::Evaluation>();
+    first_.evaluate(x, of_first);
+    out.constraints = joined(out.constraints, of_first.objective / limit_);
     out.jacobian.conservativeResize(m_ + 1, x.size());
-    out.jacobian.row(m_) = first_here_.gradient.transpose() / limit_;
+    out.jacobian.row(m_) = of_first.gradient.transpose() / limit_;
   }
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     second_.evaluate_value(x, out);
-    first_.evaluate_value(x, first_here_);
-    out.constraints = joined(out.constraints, first_here_.objective / limit_);
+    auto& of_first = out.workspace_as<nlp::Evaluation>();
+    first_.evaluate_value(x, of_first);
+    out.constraints = joined(out.constraints, of_first.objective / limit_);
   }
   bool has_hessian() const override { return first_.has_hessian() && second_.has_hessian(); }
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
@@ -88,7 +91,6 @@ class LimitedProgram final : public nlp::Problem {
   const Formulation& second_;
   double limit_;
   int m_;
-  mutable nlp::Evaluation first_here_;
 };
 
 /// What is asked, and what every part of the search needs.
@@ -113,7 +115,7 @@ class FrontSearch {
   }
 
   void run() {
-    // The extremes, and the other good postures on the way to them as starts.
+    // The extremes, and the other good postures found with them as starts.
     for (const auto& [problem, formulation] :
          {std::pair(&first_problem_, &first_), std::pair(&second_problem_, &second_)}) {
       if (!points_.empty() && stopped()) break;

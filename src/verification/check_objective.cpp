@@ -70,6 +70,13 @@ void check_objective(const Context& context, ClaimList& claims) {
   const Situation& situation = context.situation;
   const ObjectiveValue& stated = context.plan.objective;
   const double tolerance = context.objective_tolerance();
+  if (!stated.user_terms.empty()) {
+    std::string names;
+    for (const std::string& term : stated.user_terms) names += " " + term;
+    claims.not_evaluated("objective_nominal", tolerance, "1",
+                         "not recomputed: the objective has terms of the user:" + names);
+    return;
+  }
   const std::string name = objective_name(problem), unit = objective_unit_name(problem);
 
   Objections objections;

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "formulation/constraints/rows_kernel.hpp"
+#include "formulation/formulation_parts.hpp"
+#include "formulation/objectives/jump_objective_kernel.hpp"
 #include "support/autodiff_kernel.hpp"
 #include "support/capture_problems.hpp"
 
@@ -89,22 +90,22 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
   for (int trial = 0; trial < 12; ++trial) {
     const CaptureProblem problem = rich_problem(random, trial);
     const Formulation formulation(problem);
-    const Formulation::Parts parts(problem);
+    const Formulation::Parts& parts = formulation.parts();
+    const CaptureModel& model = parts.model;
     const Eigen::VectorXd x = some_point(formulation, trial);
     const std::vector<Scenario> scenarios = draw_scenarios(problem);
     ScenarioEvaluation here;
     formulation.evaluate_scenarios(x, scenarios, true, here);
 
-    const Local<Dual> local = parts.localise<Dual>(independent_variables(x));
-    const PostureImpact<Dual> posture = parts.posture(local);
-    const double unit = formulation.objective_unit();
+    const Placement<Dual> placement = model.place<Dual>(independent_variables(x));
     for (std::size_t k = 0; k < scenarios.size(); ++k) {
       const int row = static_cast<int>(k);
-      const PostureImpact<Dual> at = parts.posture(local, scenarios[k]);
-      const Dual f = parts.objective(at, parts.impact(local, at, scenarios[k]));
+      const PostureImpact<Dual> posture = model.posture(placement, scenarios[k]);
+      const Dual f = parts.jump.objective(posture, model.impact(placement, posture, scenarios[k]),
+                                          parts.objective_unit);
       INFO("trial " << trial << ", scenario " << k);
-      CHECK(here.values[row] * unit * unit == Approx(f.value()).epsilon(1e-12));
-      CHECK(relative(here.gradients.row(row) * unit * unit, derivatives(f, x.size())) < 1e-11);
+      CHECK(here.values[row] == Approx(f.value()).epsilon(1e-12));
+      CHECK(relative(here.gradients.row(row), derivatives(f, x.size())) < 1e-11);
     }
     CHECK(formulation.evaluate_points({x}, scenarios)
               .row(0)
@@ -115,40 +116,93 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     CHECK(alone.values[0] == Approx(here.values[0]).epsilon(1e-12));
     CHECK(relative(alone.gradients.row(0), here.gradients.row(0)) < 1e-11);
 
-    const ScenarioImpact<Dual> hit = parts.impact(local, posture, parts.predicted());
-    REQUIRE(here.constraints.size() == static_cast<int>(parts.rows.size()));
-    for (std::size_t i = 0; i < parts.rows.size(); ++i) {
-      const Dual g = parts.value_of(parts.rows[i], local, posture, hit);
-      INFO("trial " << trial << ", row " << parts.rows[i].name);
-      CHECK(here.constraints[static_cast<int>(i)] == Approx(g.value()).margin(1e-12));
-      CHECK(relative(here.jacobian.row(static_cast<int>(i)), derivatives(g, x.size())) < 1e-11);
+    const auto& rows = parts.rows.kept;
+    REQUIRE(here.constraints.size() == static_cast<int>(rows.size()));
+    Eigen::MatrixXd jacobian(here.jacobian.rows(), x.size());
+    VectorX<Tangent> along = x.cast<Tangent>();
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      along[i].d = 1;
+      const auto at = model.place<Tangent>(along);
+      const auto posture = model.posture(at);
+      const auto impact = model.impact(at, posture, model.nominal);
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        const Tangent g = rows[k]->value({model, at, posture, impact});
+        INFO("trial " << trial << ", row " << rows[k]->name);
+        CHECK(here.constraints[static_cast<int>(k)] == Approx(g.v).margin(1e-12));
+        jacobian(static_cast<int>(k), i) = g.d;
+      }
+      along[i].d = 0;
+    }
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      INFO("trial " << trial << ", row " << rows[k]->name);
+      CHECK(relative(here.jacobian.row(row), jacobian.row(row)) < 1e-11);
     }
   }
 }
 
-TEST_CASE("the Hessian over scenarios and rows agrees with automatic differentiation") {
+TEST_CASE("the Hessian over scenarios agrees with automatic differentiation") {
   Random random(52);
   for (int trial = 0; trial < 8; ++trial) {
     const CaptureProblem problem = rich_problem(random, trial);
     const Formulation formulation(problem);
+    const Formulation::Parts& parts = formulation.parts();
     const Eigen::VectorXd x = some_point(formulation, trial);
     const std::vector<Scenario> scenarios = draw_scenarios(problem);
     Eigen::VectorXd weights(static_cast<int>(scenarios.size()));
     for (double& w : weights) w = random.normal();
-    Eigen::VectorXd multipliers(formulation.num_constraints());
-    for (double& m : multipliers) m = random.normal();
     Eigen::MatrixXd hessian;
-    formulation.scenario_hessian(x, scenarios, weights, multipliers, hessian);
+    formulation.scenario_hessian(x, scenarios, weights,
+                                 Eigen::VectorXd::Zero(formulation.num_constraints()), hessian);
 
-    const Formulation::Parts parts(problem);
-    const double unit = formulation.objective_unit();
-    const VectorX<Dual> gradient = parts.lagrangian_gradient<Dual>(
-        independent_variables(x), scenarios, weights / (unit * unit), multipliers);
+    const Placement<Dual> at = parts.model.place<Dual>(independent_variables(x));
+    VectorX<Dual> gradient = VectorX<Dual>::Zero(x.size()), part(x.size());
+    for (std::size_t k = 0; k < scenarios.size(); ++k) {
+      const PostureImpact<Dual> posture = parts.model.posture(at, scenarios[k]);
+      const auto impact = parts.model.impact(at, posture, scenarios[k]);
+      parts.model.compress_into(
+          at, parts.jump.gradient(parts.model, posture, impact, parts.objective_unit), part);
+      gradient += part * Dual(weights[static_cast<int>(k)]);
+    }
     Eigen::MatrixXd expected(x.size(), x.size());
     for (int i = 0; i < x.size(); ++i) expected.row(i) = derivatives(gradient[i], x.size());
     const double size = 1 + expected.cwiseAbs().maxCoeff();
     CHECK((hessian - expected).cwiseAbs().maxCoeff() / size < 1e-11);
     CHECK((expected - expected.transpose()).cwiseAbs().maxCoeff() / size < 1e-11);
+  }
+}
+
+TEST_CASE("the Hessian of every row is the change of its gradient") {
+  Random random(54);
+  for (int trial = 0; trial < 8; ++trial) {
+    const CaptureProblem problem = rich_problem(random, trial);
+    const Formulation formulation(problem);
+    const Eigen::VectorXd x = some_point(formulation, trial);
+    const auto jacobian = [&](Eigen::Index i, double step) {
+      ScenarioEvaluation at;
+      formulation.evaluate_scenarios(x + step * Eigen::VectorXd::Unit(x.size(), i), {}, true, at);
+      return at.jacobian;
+    };
+    // Central differences of fourth order.
+    constexpr double kStep = 1e-3;
+    std::vector<Eigen::MatrixXd> slopes;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      slopes.push_back((8 * (jacobian(i, kStep) - jacobian(i, -kStep)) -
+                        (jacobian(i, 2 * kStep) - jacobian(i, -2 * kStep))) /
+                       (12 * kStep));
+    }
+    for (int row = 0; row < formulation.num_constraints(); ++row) {
+      Eigen::MatrixXd hessian;
+      formulation.scenario_hessian(
+          x, {}, {}, Eigen::VectorXd::Unit(formulation.num_constraints(), row), hessian);
+      Eigen::MatrixXd expected(x.size(), x.size());
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        expected.col(i) = slopes[static_cast<std::size_t>(i)].row(row).transpose();
+      }
+      const double size = 1 + expected.cwiseAbs().maxCoeff();
+      INFO("trial " << trial << ", row " << row);
+      CHECK((hessian - expected).cwiseAbs().maxCoeff() / size < 1e-7);
+    }
   }
 }
 

@@ -6,7 +6,8 @@
 
 #include "collision/closed_forms.hpp"
 #include "collision/fcl_shape.hpp"
-#include "formulation/constraints/rows_kernel.hpp"
+#include "formulation/constraints/clearance_kernel.hpp"
+#include "formulation/formulation_parts.hpp"
 #include "support/capture_problems.hpp"
 
 namespace stillbase {
@@ -166,17 +167,20 @@ TEST_CASE("a margin counts the singular values of the generic rank only") {
   Random random(66);
   CaptureProblem problem = point_mass_problem(random_planar_robot(random, 3), {0.6, 0.8, 0});
   problem.constraints.coupling_singular_value_min = 1e-3;
-  const Formulation::Parts parts(problem);
-  CHECK(parts.coupling_rank == 1);
-  const Eigen::VectorXd x = parts.start_point(low_discrepancy_point(3, 3, 0));
-  const auto local = parts.localise<double>(x);
-  const auto posture = parts.posture(local);
-  const auto hit = parts.impact(local, posture, parts.predicted());
-  for (const Row& row : parts.rows) {
-    if (row.kind != RowKind::CouplingMargin) continue;
-    CHECK(parts.value_of(row, local, posture, hit) ==
+  const CaptureModel model(problem);
+  const auto at =
+      model.place<double>(model.layout.start_point(problem, low_discrepancy_point(3, 3, 0)));
+  const auto posture = model.posture(at);
+  const auto impact = model.impact(at, posture, model.nominal);
+  int margins = 0;
+  for (const auto& row : constraints_of(model).rows) {
+    if (row->name != "coupling_singular_value") continue;
+    ++margins;
+    // Of rank 1, the matrix of a planar robot has one singular value: the length of its row.
+    CHECK(row->value({model, at, posture, impact}) ==
           Approx(posture.tilde.Htilde_omegaphi.row(2).norm()).epsilon(1e-12));
   }
+  CHECK(margins == 1);
 }
 
 TEST_CASE("clearances that the problem leaves undefined are refused") {

@@ -134,7 +134,7 @@ TEST_CASE("expectation and CVaR are minimised, and the robust optimum is no nomi
     options.starts = 6;
     const SearchResult found = search(problem, formulation, options);
     REQUIRE_FALSE(found.candidates.empty());
-    const Measure measure(problem, formulation);
+    Measure measure(problem, formulation);
     const Eigen::VectorXd& x = found.points.front();
     CHECK(found.candidates.front().value == Approx(measure.reported(x)).epsilon(1e-12));
     CHECK(found.certificates.front().kkt_residual < 1e-6);

@@ -79,6 +79,12 @@ double ulp(double x) {
   return std::nextafter(std::abs(x), std::numeric_limits<double>::infinity()) - std::abs(x);
 }
 
+BatchObjective angular_momentum_alone() {
+  BatchObjective out;
+  out.add(ResponsePart::BaseAngularMomentum, 1);
+  return out;
+}
+
 struct Columns {
   ImpactBatchValues values;
   BatchObjectiveValues objective;
@@ -106,7 +112,7 @@ struct Columns {
     columns.total = values.total.data();
     columns.hand_inverse_mass = values.hand_inverse_mass.data();
     columns.p = values.p.data();
-    columns.objective = wanted;
+    set_objective(wanted, columns);
     columns.psi = objective.psi.data();
     columns.gradient = objective.gradient.data();
     columns.gradient_F = objective.gradient_F.data();
@@ -174,10 +180,18 @@ TEST_CASE("every width of register gives the values and gradients of one posture
     const RobotModel robot = random_robot(random, n, trial % 2 == 0);
     const ImpactResistance resistance = random_resistance(random, n);
     const ImpactBatch batch = random_batch(random, n, 1 + random.index(19), trial % 3 > 0);
-    const BatchObjective objective{trial % 4 == 0 ? 1.0 : 0.0, trial % 4 == 1 ? 1.0 : 0.3,
-                                   trial % 4 == 2 ? 1.0 : 0.2, trial % 5 == 0 ? 0.7 : 0.0,
-                                   trial % 5 <= 1 ? 0.4 : 0.0, trial % 7 <= 1 ? 0.6 : 0.0,
-                                   trial % 2 == 0 ? 0.5 : 0.0};
+    const std::array<double, kResponseParts> weights_of{
+        {trial % 3 == 0 ? 0.8 : 0.0, trial % 4 == 0 ? 1.0 : 0.0, trial % 4 == 1 ? 1.0 : 0.3,
+         trial % 4 == 2 ? 1.0 : 0.2, trial % 5 == 0 ? 0.7 : 0.0, trial % 5 <= 1 ? 0.4 : 0.0,
+         trial % 7 <= 1 ? 0.6 : 0.0, trial % 2 == 0 ? 0.5 : 0.0}};
+    BatchObjective objective;
+    for (std::size_t k = 0; k < kResponseParts; ++k) {
+      objective.add(static_cast<ResponsePart>(k), weights_of[k]);
+    }
+    const auto weight_of = [&weights_of](ResponsePart part) {
+      return weights_of[static_cast<std::size_t>(part)];
+    };
+
     for (const BatchKernel* kernel : batch_kernels()) {
       Columns got(batch, objective);
       kernel->run(robot, resistance, got.columns);
@@ -191,21 +205,26 @@ TEST_CASE("every width of register gives the values and gradients of one posture
                              batch.target_inverse_mass[i]);
         }
         ResponseWeights<double> weights;
-        weights.omega = objective.omega * p * p * response.omega();
-        weights.base = objective.base * p * p * response.base;
-        weights.total = objective.total * p * p * response.total;
+        const Vector3d velocity = response.d.Delta_Omega.head<3>();
+        weights.velocity = weight_of(ResponsePart::BaseVelocity) * p * p * velocity;
+        weights.omega = weight_of(ResponsePart::BaseRate) * p * p * response.omega();
+        weights.base = weight_of(ResponsePart::BaseAngularMomentum) * p * p * response.base;
+        weights.total = weight_of(ResponsePart::TotalAngularMomentum) * p * p * response.total;
         const Vector6d received = posture.inertia.H_b * response.d.Delta_Omega;
-        weights.momentum << objective.linear * p * p * received.head<3>(),
-            objective.angular * p * p * received.tail<3>();
-        weights.phidot = objective.joint_rates * p * p * response.d.Delta_phidot;
+        weights.momentum << weight_of(ResponsePart::ReceivedLinearMomentum) * p * p *
+                                received.head<3>(),
+            weight_of(ResponsePart::ReceivedAngularMomentum) * p * p * received.tail<3>();
+        weights.phidot = weight_of(ResponsePart::JointRates) * p * p * response.d.Delta_phidot;
         const double psi =
             p * p *
-            (objective.omega * response.omega().squaredNorm() +
-             objective.base * response.base.squaredNorm() +
-             objective.total * response.total.squaredNorm() +
-             objective.linear * received.head<3>().squaredNorm() +
-             objective.angular * received.tail<3>().squaredNorm() +
-             objective.joint_rates * response.d.Delta_phidot.squaredNorm() + objective.impulse) /
+            (weight_of(ResponsePart::BaseVelocity) * velocity.squaredNorm() +
+             weight_of(ResponsePart::BaseRate) * response.omega().squaredNorm() +
+             weight_of(ResponsePart::BaseAngularMomentum) * response.base.squaredNorm() +
+             weight_of(ResponsePart::TotalAngularMomentum) * response.total.squaredNorm() +
+             weight_of(ResponsePart::ReceivedLinearMomentum) * received.head<3>().squaredNorm() +
+             weight_of(ResponsePart::ReceivedAngularMomentum) * received.tail<3>().squaredNorm() +
+             weight_of(ResponsePart::JointRates) * response.d.Delta_phidot.squaredNorm() +
+             weight_of(ResponsePart::Impulse)) /
             2;
         if (trial % 3 > 0) {
           weights.hand_inverse_mass =
@@ -229,10 +248,15 @@ TEST_CASE("every width of register gives the values and gradients of one posture
         const double received_size = posture.inertia.H_b.norm() * speed;
         const double size =
             p * p *
-            ((objective.omega + objective.joint_rates) * speed * speed +
-             (objective.base + objective.total) * momentum * momentum +
-             (objective.linear + objective.angular) * received_size * received_size +
-             objective.impulse);
+            ((weight_of(ResponsePart::BaseRate) + weight_of(ResponsePart::JointRates)) * speed *
+                 speed +
+             (weight_of(ResponsePart::BaseAngularMomentum) +
+              weight_of(ResponsePart::TotalAngularMomentum)) *
+                 momentum * momentum +
+             (weight_of(ResponsePart::ReceivedLinearMomentum) +
+              weight_of(ResponsePart::ReceivedAngularMomentum)) *
+                 received_size * received_size +
+             weight_of(ResponsePart::Impulse));
         value.add(number(got.objective.psi[i] - psi), size, limit);
         gradient.add(JointVectord(got.objective.gradient.row(i)) - slope.phi,
                      std::max(size, slope.phi.cwiseAbs().maxCoeff()), limit);
@@ -269,7 +293,7 @@ TEST_CASE("on shipped robots packs differ by 1e-13, or by no more than inputs of
         return respond<double>(evaluate_posture<double>(other, resistance, phi), F);
       };
       for (const BatchKernel* kernel : batch_kernels()) {
-        Columns got(batch, {.base = 1});
+        Columns got(batch, angular_momentum_alone());
         kernel->run(robot, resistance, got.columns);
         double packs = 0, inputs = 0;
         for (Eigen::Index i = 0; i < batch.phi.rows(); ++i) {
@@ -298,7 +322,7 @@ TEST_CASE("a batch of any size takes robots of any size") {
     ImpactBatchValues values;
     BatchObjectiveValues objective;
     evaluate_postures(robot, free_joints, batch, values);
-    evaluate_objective(robot, free_joints, batch, {.base = 1}, true, objective);
+    evaluate_objective(robot, free_joints, batch, angular_momentum_alone(), true, objective);
     for (int i = 0; i < 11; ++i) {
       const auto response = respond<double>(
           evaluate_posture<double>(robot, free_joints, JointVectord(batch.phi.row(i))),
@@ -309,7 +333,7 @@ TEST_CASE("a batch of any size takes robots of any size") {
     }
     const Eigen::VectorXd with_gradients = objective.psi;
     const Eigen::MatrixXd untouched = objective.gradient;
-    evaluate_objective(robot, free_joints, batch, {.base = 1}, false, objective);
+    evaluate_objective(robot, free_joints, batch, angular_momentum_alone(), false, objective);
     CHECK(objective.psi == with_gradients);
     CHECK(objective.gradient == untouched);
   }

@@ -77,7 +77,7 @@ bool is_allowed(const CaptureProblem& problem, const Eigen::Quaterniond& orienta
 /// The least measure over many attitudes and random turns from the best of them.
 double least_measure(const CaptureProblem& problem, int starts) {
   const Formulation formulation(problem);
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   const auto value_at = [&](const Eigen::Quaterniond& orientation) {
     if (!is_allowed(problem, orientation)) return kInfinity;
     const Configuration at{problem.start, {problem.base.position, orientation}, 0};

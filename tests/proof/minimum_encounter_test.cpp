@@ -97,7 +97,7 @@ std::optional<Eigen::VectorXd> onto_equations(const Formulation& formulation, Ei
 
 /// The least measure that many configurations and random steps from the best of them have.
 double least_measure(const CaptureProblem& problem, const Formulation& formulation, int starts) {
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   std::optional<Eigen::VectorXd> best;
   double least = kInfinity;
   const auto look = [&](const Eigen::VectorXd& from) {

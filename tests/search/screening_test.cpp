@@ -34,7 +34,7 @@ TEST_CASE("screening gives the measure itself where few samples make it") {
   for (const RiskMeasure kind : {RiskMeasure::Expectation, RiskMeasure::Cvar}) {
     problem.measure.kind = kind;
     const Formulation formulation(problem);
-    const Measure measure(problem, formulation);
+    Measure measure(problem, formulation);
     const auto points = some_points(formulation, 11);
     const Eigen::VectorXd values = screen(problem, formulation, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -49,7 +49,7 @@ TEST_CASE("screening never judges a posture worse than its worst case over the c
   CaptureProblem problem = uncertain_problem(random);
   problem.measure.kind = RiskMeasure::WorstCase;
   const Formulation formulation(problem);
-  const Measure measure(problem, formulation);
+  Measure measure(problem, formulation);
   const auto points = some_points(formulation, 40);
   const Eigen::VectorXd values = screen(problem, formulation, points);
   double closest = 0;

@@ -31,11 +31,11 @@ struct Counter {
   long stop_at = -1;
   std::atomic<bool> flag = false;
 
-  std::vector<UserTerm> term() {
-    return {{"counter", "1", 1e9, [this](const Configuration&, const ImpactSummary&) {
-               if (++calls == stop_at) flag = true;
-               return 0.0;
-             }}};
+  UserTerm term() {
+    return {"counter", "1", 1e9, [this](const Configuration&, const ImpactSummary&) {
+                         if (++calls == stop_at) flag = true;
+                         return 0.0;
+                       }};
   }
 };
 
@@ -44,9 +44,10 @@ struct Run {
   long calls = 0, after_stop = 0;
 };
 
-Run stopped_run(const CaptureProblem& problem, long stop_at) {
+Run stopped_run(CaptureProblem problem, long stop_at) {
   Counter counter;
-  Formulation formulation(problem, counter.term());
+  problem.user.terms = {counter.term()};
+  Formulation formulation(problem);
   counter.calls = 0;
   counter.stop_at = stop_at;
   SearchOptions options;

@@ -6,34 +6,40 @@
 //   objective    1/2 |y|^2, y the chosen momentum or rate (norms are not differentiable at zero)
 //   constraints  hand equations, case equations reduced to independent rows, closing speed
 //
-// The only place where the impact model and the optimizers meet. The robot is at rest when it is
-// hit. Every evaluation with derivatives costs one evaluation of the model; an objective with
-// attitude_turned takes a simulation for every value and 2 N more for its derivatives (central
-// differences).
+// The only place where the impact model and the optimizers meet. The robot is at rest before the
+// impact. Every evaluation with derivatives costs one evaluation of the model. A simulated term of
+// the objective takes a simulation for every value and 2 N more for its derivatives.
+//
+// A Formulation does not change after construction (but for its counter, which is atomic): several
+// threads may evaluate one object, each with its own results and workspaces.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/encounter/encounter.hpp>
-#include <stillbase/impact/gradient.hpp>
+#include <stillbase/impact/batch.hpp>
 #include <stillbase/nlp/problem.hpp>
 
 namespace stillbase {
 
-/// A term of the objective from outside the library: |y| is joined by value / size.
-///
-/// `value` is called several times for every evaluation (central differences of step 1e-5 give its
-/// gradient, to about 1e-9 of its size) and must be twice differentiable in the configuration.
-struct UserTerm {
-  std::string name;
-  std::string unit;
-  double size = 1;  ///< value that counts as one, in `unit`, > 0
-  std::function<double(const Configuration&, const ImpactSummary&)> value;
+/// Why a constraint is not given to the optimizers.
+enum class Redundancy {
+  ZeroEverywhere,       ///< satisfied with a zero gradient everywhere: dropped
+  ByConstruction,       ///< holds where other constraints do: reported
+  CombinationOfOthers,  ///< linear combination of other equations everywhere: reported
+  ImpliedByOthers       ///< holds at every solution of the other equations: reported
 };
+
+struct RedundantRow {
+  std::string name;
+  Redundancy reason;
+};
+
+/// One line for each row: its name and why it is redundant.
+std::string to_string(const std::vector<RedundantRow>& rows);
 
 /// Scenarios and constraints at one point. Without derivatives the matrices stay as they are.
 struct ScenarioEvaluation {
@@ -41,6 +47,9 @@ struct ScenarioEvaluation {
   Eigen::MatrixXd gradients;  ///< K x N
   Eigen::VectorXd constraints;
   Eigen::MatrixXd jacobian;  ///< m x N
+  // Workspace of the evaluation.
+  ImpactBatch batch;
+  BatchObjectiveValues batch_values;
 };
 
 class Formulation final : public nlp::Problem {
@@ -48,7 +57,7 @@ class Formulation final : public nlp::Problem {
   /// @throws InputError when there are fewer free variables than independent equations (with the
   /// count), or when the problem's parts do not fit together (a simulated quantity without
   /// controller)
-  explicit Formulation(const CaptureProblem& problem, std::vector<UserTerm> user_terms = {});
+  explicit Formulation(const CaptureProblem& problem);
   ~Formulation() override;
 
   int num_variables() const override;
@@ -59,8 +68,8 @@ class Formulation final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
-  /// Exact: the lines of the gradient, differentiated forwards. Not with terms of the user, and not
-  /// when the turn of the base is simulated.
+  /// Exact: the lines of the gradient, differentiated forwards. Not with functions of the user, and
+  /// not with simulated terms.
   bool has_hessian() const override;
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;
@@ -77,7 +86,8 @@ class Formulation final : public nlp::Problem {
   void scenario_hessian(const Eigen::VectorXd& x, const std::vector<Scenario>& scenarios,
                         const Eigen::VectorXd& weights, const Eigen::VectorXd& multipliers,
                         Eigen::MatrixXd& out) const;
-  const std::vector<UserTerm>& user_terms() const;
+  /// What presolve found not to be needed by the optimizers.
+  const std::vector<RedundantRow>& redundant_rows() const;
   /// What encounters of all configurations have in common.
   const EncounterModel& encounter_model() const;
   Scenario predicted_scenario() const;  ///< the nominal encounter
@@ -87,8 +97,8 @@ class Formulation final : public nlp::Problem {
   /// Degrees of freedom that the equations leave.
   int freedom() const { return num_variables() - num_equations(); }
 
-  /// The vector y behind the objective, all terms of the problem below each other, divided by its
-  /// typical size, with its Jacobian (size of y x N). Terms of the user are not in it.
+  /// The vector y behind the objective, all terms below each other, divided by its typical size,
+  /// with its Jacobian (size of y x N).
   void objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                         Eigen::MatrixXd& jacobian) const;
   /// Typical size of y by which the objective is divided.
@@ -112,16 +122,18 @@ class Formulation final : public nlp::Problem {
   /// Evaluations of the model since construction.
   long evaluations() const;
 
-  /// From the stop on simulations are given up: what an objective with attitude_turned is worth is
-  /// NaN then, with its derivatives, and worst cases (robust.hpp) are what was seen of them. The
+  /// From the stop on simulations are given up: an objective with simulated terms is NaN then, with
+  /// its derivatives, and worst cases (robust.hpp) are the largest over the directions seen. The
   /// constraints take no simulation.
   void give_up_simulations_at(const StopCondition& stop);
   const StopCondition& simulations_stop() const;
 
+  /// For the files of this room.
   struct Parts;
+  const Parts& parts() const { return *parts_; }
 
  private:
-  void set_implied_rows_aside();
+  void remove_implied_rows();
   std::unique_ptr<Parts> parts_;
 };
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <stillbase/impact/gradient.hpp>
+#include <stillbase/impact/response_parts.hpp>
 
 namespace stillbase {
 
@@ -36,18 +37,8 @@ struct ImpactBatchValues {
 void evaluate_postures(const RobotModel& robot, const ImpactResistance& resistance,
                        const ImpactBatch& batch, ImpactBatchValues& out);
 
-/// Weights of psi = 1/2 p^2 (omega |Delta omega|^2 + base |base|^2 + total |total|^2
-///   + linear |P|^2 + angular |L|^2 + joint_rates |Delta phidot|^2 + impulse),
-/// all per unit of p inside; [P; L] = H_b Delta Omega is the momentum that the base receives (1).
-struct BatchObjective {
-  double omega = 0;
-  double base = 0;
-  double total = 0;
-  double linear = 0;
-  double angular = 0;
-  double joint_rates = 0;
-  double impulse = 0;
-};
+/// psi = 1/2 p^2 sum over the parts of part' G part, the parts per unit of p.
+using BatchObjective = PartMetrics;
 
 struct BatchObjectiveValues {
   Eigen::VectorXd psi;  ///< count

@@ -46,10 +46,11 @@ struct ImpactResponse {
 template <class S>
 ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F);
 
-/// Weights of psi = u_omega . Delta omega + u_base . base + u_total . total + s F' W_h F
-///                + u_momentum . H_b Delta Omega + u_phidot . Delta phidot.
+/// Weights of psi = u_velocity . Delta v + u_omega . Delta omega + u_base . base + u_total . total
+///                + s F' W_h F + u_momentum . H_b Delta Omega + u_phidot . Delta phidot.
 template <class S>
 struct ResponseWeights {
+  Vector3<S> velocity = Vector3<S>::Zero();
   Vector3<S> omega = Vector3<S>::Zero();
   Vector3<S> base = Vector3<S>::Zero();
   Vector3<S> total = Vector3<S>::Zero();

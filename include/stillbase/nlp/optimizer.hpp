@@ -57,7 +57,7 @@ enum class StopReason {
   Deadline,
   Interrupted,
   NonFinite,  ///< the model gave NaN or infinity at the start, or too often in a row
-  Stalled,    ///< the solver asked for the same point again and again, or left a violation as it is
+  Stalled,    ///< the solver asked for the same point many times, or left a violation as it is
   Certified,  ///< our own residuals are far below the tolerances
   Refused,    ///< nothing was run: see message
 };

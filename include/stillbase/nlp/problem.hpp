@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <any>
 #include <limits>
 
 #include <stillbase/core/constants.hpp>
@@ -23,13 +24,21 @@ struct Evaluation {
   Eigen::VectorXd gradient;     ///< df/dx (N)
   Eigen::VectorXd constraints;  ///< g (m)
   Eigen::MatrixXd jacobian;     ///< dg/dx (m x N)
+  /// Scratch memory of the problem, kept between calls; copies have their own.
+  std::any workspace;
+
+  /// The workspace as a T, a fresh one when it was none.
+  template <class T>
+  T& workspace_as() {
+    if (std::any_cast<T>(&workspace) == nullptr) workspace = T();
+    return *std::any_cast<T>(&workspace);
+  }
 };
 
-/// A problem. Every function is a pure function of its arguments: same x, same bytes. One object
-/// serves one thread at a time (its workspace may be mutable); run several starts on several
-/// objects. An evaluation may throw: the exception comes out of Optimizer::minimize with type and
-/// text. It may also return NaN or infinity where the model is not defined: such a point is
-/// refused.
+/// A problem. Every function is a pure function of its arguments: same x, same bytes, from any
+/// number of threads, each with its own Evaluation. An evaluation may throw: the exception comes
+/// out of Optimizer::minimize with type and text. It may also return NaN or infinity where the
+/// model is not defined: such a point is refused.
 class Problem {
  public:
   virtual ~Problem() = default;

@@ -33,7 +33,9 @@ struct ObjectiveValue {
   /// largest value over the directions that were looked at, the predicted one among them, and value
   /// is the same (of samples: the nominal value).
   bool is_judged = true;
-  std::map<std::string, double> terms;  ///< |y_i| as predicted, each in its own unit
+  std::map<std::string, double> terms;  ///< nominal |y_i|, each in its own unit
+  /// Names of the user's terms, of which `verify` knows no function.
+  std::vector<std::string> user_terms;
 };
 
 /// What the prediction alone would have chosen: the lowest nominal value; among equal ones (exact

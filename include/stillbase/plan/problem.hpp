@@ -11,6 +11,8 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/impact/contact.hpp>
 #include <stillbase/impact/joint_resistance.hpp>
+#include <stillbase/plan/quantities.hpp>
+#include <stillbase/plan/user_functions.hpp>
 #include <stillbase/robot/robot_model.hpp>
 #include <stillbase/target/prediction.hpp>
 #include <stillbase/target/target.hpp>
@@ -62,26 +64,6 @@ struct VariableSpec {
   /// Those that the planner may choose among; empty: `feature` is stated. `feature` is the one that
   /// is looked at, of a plan the chosen one.
   std::vector<std::string> features;
-};
-
-enum class ObjectiveQuantity {
-  BaseAngularMomentum,   ///< |Htilde_omega Delta omega|, N m s
-  BaseAngularVelocity,   ///< |Delta omega|, rad/s
-  TotalAngularMomentum,  ///< |Delta L_g|, N m s
-  BaseMomentum,          ///< |[P; L / length]|, [P; L] = H_b Delta Omega of (1), N s
-  ImpulseMagnitude,      ///< p, N s
-  JointRateNorm,         ///< |Delta phidot|, rad/s
-  /// Angle from the base's attitude at the impact to that `after` seconds later, rad, at most pi (a
-  /// whole turn is none); pi where the simulation breaks off.
-  AttitudeTurned
-};
-
-/// One of several quantities that are made small together: sum (|y_i| / size_i)^2.
-struct ObjectiveTerm {
-  ObjectiveQuantity quantity = ObjectiveQuantity::BaseAngularMomentum;
-  double size = 1;    ///< value that counts as one, in the unit of the quantity
-  double length = 1;  ///< BaseMomentum: m that turn angular into linear momentum
-  double after = 0;   ///< AttitudeTurned: s after the impact, under the first controller
 };
 
 /// What is minimised over the uncertainty set. All are measures of |y|^2, reported as a root.
@@ -281,6 +263,7 @@ struct CaptureProblem {
   SearchSpec search;
   ApproachSpec approach;
   PostImpactSpec post_impact;
+  UserFunctions user;  ///< in no file
 };
 
 }  // namespace stillbase

@@ -36,7 +36,7 @@ struct SearchResult {
   std::vector<Certificate> certificates;  ///< one per candidate
   std::vector<WorstCase> worst_cases;     ///< one per candidate
   std::vector<SolutionFamily> families;   ///< curves of zeros of the nominal value
-  /// The best of those that the prediction alone would have chosen.
+  /// The best by the nominal value alone.
   std::optional<NominalOptimum> nominal_optimum;
   std::vector<Eigen::VectorXd> points;  ///< variables of each candidate
   int starts = 0;                       ///< done
@@ -55,7 +55,7 @@ PlanStatus status_of(const Certificate& certificate);
 
 /// Where the objective is simulated and the formulation gives simulations up at the same stop, what
 /// is left to do after it takes a few of them: the best solution whose measure is known is
-/// returned, or the best one as predicted, with is_judged false and no certificate.
+/// returned, or the best by the nominal value, with is_judged false and no certificate.
 ///
 /// @throws std::invalid_argument for an optimizer that is not in the registry
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,

@@ -29,7 +29,7 @@ struct TradeOffOptions {
 /// A configuration that no other one known is better than in both quantities.
 struct TradeOffPoint {
   Configuration configuration;
-  double first = 0, second = 0;  ///< as predicted, in their own units
+  double first = 0, second = 0;  ///< nominal, in their own units
   double max_violation = 0;      ///< of the problem's constraints
   /// Of "least second, with the first at most as large as here"; infinite where it is not known: a
   /// limit or an interrupt came before the simulations that it takes.
@@ -43,7 +43,7 @@ struct TradeOff {
   std::map<std::string, long> solver_calls;
 };
 
-/// The front of two quantities, both as predicted, under the constraints of the problem. Its own
+/// The front of two nominal quantities under the constraints of the problem. Its own
 /// objective does not count, but for the time of attitude_turned, which has to be one of its terms.
 /// Each end is the best in one quantity of all that have the least of the other (to 1e-6 of it; to
 /// 1e-5 of its value at the other end where it can vanish).

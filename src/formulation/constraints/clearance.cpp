@@ -1,134 +1,99 @@
-#include "formulation/constraints/clearance.hpp"
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
-#include <stillbase/core/constants.hpp>
-#include <stillbase/core/rotation.hpp>
+// Distances between bodies at the contact.
+#include <stillbase/core/error.hpp>
 
 #include "formulation/constraints/clearance_kernel.hpp"
+#include "formulation/constraints/constraint.hpp"
 
 namespace stillbase {
 
 namespace {
 
-/// Shapes that come this close to a joint's origin count as reaching it, m.
-constexpr double kReachesJoint = 1e-6;
+/// Signed distance of a pair of shapes, m.
+class Clearance final : public ConstraintOf<Clearance> {
+ public:
+  Clearance(const ClearancePair& pair, const TargetPlacement& target, double least)
+      : ConstraintOf(pair.name, "m", least, kInfinity), pair_(pair), target_(target) {}
 
-std::optional<ClearanceShape> shape_of(int body, const std::string& name, const Pose& pose,
-                                       const Geometry& geometry) {
-  ClearanceShape out;
-  out.body = body;
-  out.name = name;
-  out.R = pose.orientation.toRotationMatrix();
-  out.p = pose.position;
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-    out.radius = sphere->radius;
-  } else if (const auto* capsule = std::get_if<Capsule>(&geometry)) {
-    out.radius = capsule->radius;
-    out.half.z() = capsule->length / 2;
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
-    out.radius = cylinder->radius;
-    out.half.z() = cylinder->length / 2;
-  } else if (const auto* box = std::get_if<Box>(&geometry)) {
-    out.is_box = true;
-    out.half = box->size / 2;
-  } else {
-    return std::nullopt;
+  template <class S>
+  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+    const Separation<S> found =
+        separate<S>(placed<S>(pair_.first, at), placed<S>(pair_.second, at));
+    if (gradient != nullptr) {
+      add_gradient_of_body<S>(pair_.first.body, found.normal, found.point, at, *gradient);
+      add_gradient_of_body<S>(pair_.second.body, -found.normal, found.point, at, *gradient);
+    }
+    return found.distance;
   }
-  return out;
-}
 
-bool reaches(const ClearanceShape& shape, const Vector3d& point) {
-  const Vector3d p = shape.R.transpose() * (point - shape.p);
-  if (shape.is_box) return box_distance(p, shape.half) <= kReachesJoint;
-  const Vector3d nearest(0, 0, std::clamp(p.z(), -shape.half.z(), shape.half.z()));
-  return (p - nearest).norm() - shape.radius <= kReachesJoint;
-}
-
-/// The shapes of a joint's child and parent overlap wherever the joint stands, looked at in 64
-/// positions of its range.
-bool overlap_always(const Joint& joint, const ClearanceShape& child, const ClearanceShape& parent) {
-  constexpr int kPositions = 64;
-  const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
-  const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
-  for (int i = 0; i < kPositions; ++i) {
-    const double phi = low + (high - low) * i / (kPositions - 1);
-    const Vector3d along(0, 0, phi);
-    const Matrix3d turn = joint.is_prismatic() ? Matrix3d(Matrix3d::Identity())
-                                               : rotation_exp(along).toRotationMatrix();
-    const Matrix3d R = joint.R * turn;
-    const Vector3d o =
-        joint.p + (joint.is_prismatic() ? Vector3d(joint.R * along) : Vector3d(Vector3d::Zero()));
-    const PlacedShape<double> a{&child, R * child.R, o + R * child.p};
-    const PlacedShape<double> b{&parent, parent.R, parent.p};
-    if (separate<double>(a, b).distance > 0) return false;
+ private:
+  /// A shape in B; the target lies with its contact at the hand.
+  template <class S>
+  PlacedShape<S> placed(const ClearanceShape& shape, const ConstraintPoint<S>& at) const {
+    const Kinematics<S>& kin = at.posture.kinematics;
+    Matrix3<S> R = Matrix3<S>::Identity();
+    Vector3<S> o = Vector3<S>::Zero();
+    if (shape.body >= 0) {
+      R = kin.R[static_cast<std::size_t>(shape.body)];
+      o = kin.o[static_cast<std::size_t>(shape.body)];
+    } else if (shape.body == kTargetBody) {
+      R = at.placement.contact.R_EB.transpose() * target_.R_ET.cast<S>();
+      o = kin.r_bh - R * target_.r.cast<S>();
+    }
+    const Matrix3<S> axes = R * shape.R.cast<S>();
+    return {&shape, axes, o + R * shape.p.cast<S>()};
   }
-  return true;
-}
 
-bool overlap_at_joint(const RobotModel& robot, const ClearanceShape& a, const ClearanceShape& b) {
-  const ClearanceShape& child = a.body > b.body ? a : b;
-  const ClearanceShape& parent = a.body > b.body ? b : a;
-  if (child.body < 0 || parent.body == kTargetBody) return false;
-  const Joint& joint = robot.joints[static_cast<std::size_t>(child.body)];
-  if (joint.parent != parent.body) return false;
-  const bool both_reach = reaches(child, Vector3d::Zero()) && reaches(parent, joint.p);
-  return both_reach || overlap_always(joint, child, parent);
-}
+  /// Of normal . (velocity of the body at a point).
+  template <class S>
+  void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& point,
+                            const ConstraintPoint<S>& at, ScalarGradient<S>& gradient) const {
+    const Kinematics<S>& kin = at.posture.kinematics;
+    if (body == kTargetBody) {
+      // It moves with the hand, but turns with the contact frame: against B's own rotation.
+      for (int k = 0; k < at.model.n(); ++k) {
+        const Vector3<S> column = at.posture.jacobian.J_phi.template block<3, 1>(0, k);
+        gradient.phi[k] += normal.dot(column);
+      }
+      at.model.template add_contact_turn<S>(at.placement.rates,
+                                            normal.cross(Vector3<S>(point - kin.r_bh)), gradient);
+      return;
+    }
+    const std::vector<Joint>& joints = at.model.problem.robot.joints;
+    for (int k = body; k != kBase; k = joints[static_cast<std::size_t>(k)].parent) {
+      const auto index = static_cast<std::size_t>(k);
+      const Vector3<S> z = kin.z(k);
+      const Vector3<S> lever = point - kin.o[index];
+      gradient.phi[k] += normal.dot(joints[index].is_prismatic() ? z : Vector3<S>(z.cross(lever)));
+    }
+  }
+
+  ClearancePair pair_;
+  TargetPlacement target_;
+};
 
 }  // namespace
 
-std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem) {
-  const RobotModel& robot = problem.robot;
-  struct Numbered {
-    int number;
-    bool is_obstacle;
-    ClearanceShape shape;
+void add_clearance(const CaptureModel& model, ConstraintSet& out) {
+  const CaptureProblem& problem = model.problem;
+  if (!problem.constraints.clearance) return;
+  const auto refuse = [&problem](const std::string& message) {
+    throw InputError(
+        {Finding{problem.source, 0, "clearance", "constraints.clearance: " + message}});
   };
-  std::vector<Numbered> shapes;
-  int number = 0;
-  const auto add = [&](int body, const std::string& name, const Pose& pose,
-                       const Geometry& geometry, bool is_obstacle, bool is_left_out) {
-    ++number;
-    const auto shape = shape_of(body, name, pose, geometry);
-    if (shape && !is_left_out) shapes.push_back({number, is_obstacle, *shape});
-  };
-  for (const CollisionShape& shape : robot.shapes) {
-    add(shape.body, shape.link, shape.pose, shape.geometry, false, false);
-  }
-  for (const Obstacle& obstacle : problem.obstacles) {
-    add(kBase, obstacle.name, obstacle.pose, obstacle.geometry, true,
-        obstacle.frame == Frame::Inertial);
-  }
-  if (problem.target) {
-    for (const TargetShape& shape : problem.target->shapes) {
-      add(kTargetBody, "target", shape.pose, shape.geometry, false, false);
+  const EncounterModel& encounter = model.encounter;
+  TargetPlacement target;
+  if (problem.target && !problem.target->shapes.empty()) {
+    if (encounter.follows_target() && encounter.hand_point) {
+      refuse("the target lies with its contact feature at the hand; leave hand.position out");
     }
-  }
-  const auto is_allowed = [&](const std::string& a, const std::string& b) {
-    return std::any_of(
-        problem.allowed_contacts.begin(), problem.allowed_contacts.end(), [&](const auto& pair) {
-          return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
-        });
-  };
-  std::vector<ClearancePair> out;
-  for (std::size_t j = 0; j < shapes.size(); ++j) {
-    for (std::size_t i = 0; i < j; ++i) {
-      const ClearanceShape& a = shapes[i].shape;
-      const ClearanceShape& b = shapes[j].shape;
-      const bool hand_meets_target = b.body == kTargetBody && a.body == robot.hand_body;
-      if (a.body == b.body || hand_meets_target || is_allowed(a.name, b.name)) continue;
-      if (!shapes[i].is_obstacle && !shapes[j].is_obstacle && overlap_at_joint(robot, a, b)) {
-        continue;
-      }
-      out.push_back({a, b,
-                     "clearance_" + std::to_string(shapes[i].number) + "_" +
-                         std::to_string(shapes[j].number) + "_" + a.name + "_" + b.name});
+    if (encounter.frame == ContactFrame::Base && model.layout.attitude_size > 0) {
+      refuse("with a direction stated in the base frame the attitude of the base must be fixed");
     }
+    target = target_placement(problem, encounter);
   }
-  return out;
+  for (const ClearancePair& pair : clearance_pairs(problem)) {
+    out.rows.push_back(std::make_unique<Clearance>(pair, target, *problem.constraints.clearance));
+  }
 }
 
 }  // namespace stillbase

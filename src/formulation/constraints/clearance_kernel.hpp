@@ -14,7 +14,7 @@
 #include <stillbase/core/types.hpp>
 
 #include "core/tangent.hpp"
-#include "formulation/constraints/clearance.hpp"
+#include "formulation/constraints/clearance_pairs.hpp"
 
 namespace stillbase {
 
@@ -34,7 +34,8 @@ struct Separation {
   Vector3<S> point;
 };
 
-namespace {
+/// Pairs of shapes in closed form.
+namespace closed_form {
 
 template <class S>
 Vector3d plain(const Vector3<S>& v) {
@@ -333,15 +334,15 @@ Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& s
   return out;
 }
 
-}  // namespace
+}  // namespace closed_form
 
 template <class S>
 Separation<S> separate(const PlacedShape<S>& first, const PlacedShape<S>& second) {
   const bool a = first.shape->is_box, b = second.shape->is_box;
-  if (a && b) return between_boxes(first, second);
-  if (!a && !b) return between_segments(first, second);
-  if (b) return segment_and_box(first, second);
-  Separation<S> out = segment_and_box(second, first);
+  if (a && b) return closed_form::between_boxes(first, second);
+  if (!a && !b) return closed_form::between_segments(first, second);
+  if (b) return closed_form::segment_and_box(first, second);
+  Separation<S> out = closed_form::segment_and_box(second, first);
   out.normal = -out.normal;
   return out;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/pack.hpp"
-#include "formulation/formulation_kernel.hpp"
 
 namespace stillbase {
 
@@ -16,34 +15,40 @@ double positive_part(double x) { return std::max(x, 0.0); }
 
 DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formulation,
                                const Configuration& at)
-    : problem(&p),
-      model(&formulation.encounter_model()),
-      encounter(encounter_at(*model, at)),
-      turns(turns_after_impact(p)),
-      user_terms(&formulation.user_terms()),
+    : DirectionModel(p, formulation, at, formulation.parts().jump,
+                     formulation.parts().differenced) {}
+
+DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formulation,
+                               const Configuration& at, const JumpObjective& jump,
+                               const DifferencedTerms& terms)
+    : problem(p),
+      model(formulation.encounter_model()),
+      encounter(encounter_at(model, at)),
+      differenced(terms),
       stop(formulation.simulations_stop()),
       configuration(at) {
-  const ImpactResistance resistance = prepare_resistance(p.resistance, p.robot.n());
+  const ImpactResistance& resistance = formulation.parts().model.resistance;
   const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
   Vector6d moment = Vector6d::Zero();
   moment.tail<3>() = encounter.F.tail<3>();
   const ImpactResponse<double> unit[4] = {
       respond<double>(posture, Vector6d::Unit(0)), respond<double>(posture, Vector6d::Unit(1)),
       respond<double>(posture, Vector6d::Unit(2)), respond<double>(posture, moment)};
+  const ImpactResponse<double> none = respond<double>(posture, Vector6d::Zero());
   Y.resize(0, 4);
-  for (const ObjectiveTerm& term : p.objective) {
-    JointVectord y[4];
-    for (int i = 0; i < 4; ++i) y[i] = term_quantity<double>(term, posture, unit[i]);
-    // The impulse itself is no linear image of the direction: 1 per unit, whatever it is.
-    if (term.quantity == ObjectiveQuantity::ImpulseMagnitude) {
-      for (int i = 0; i < 3; ++i) y[i].setZero();
+  for (const JumpObjective::Term& term : jump.terms()) {
+    // What a term is worth without an impulse (1 for the impulse itself) is no image of a
+    // direction: it counts once.
+    const JointVectord constant = JumpObjective::value(term, posture, none);
+    const Eigen::Index first = Y.rows(), rows = constant.size();
+    Y.conservativeResize(first + rows, 4);
+    for (int i = 0; i < 4; ++i) {
+      Y.col(i).tail(rows) = JumpObjective::value(term, posture, unit[i]);
+      if (i < 3) Y.col(i).tail(rows) -= constant;
     }
-    const Eigen::Index first = Y.rows();
-    Y.conservativeResize(first + y[0].size(), 4);
-    for (int i = 0; i < 4; ++i) Y.col(i).tail(y[i].size()) = y[i];
   }
   W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
-  const ContactTarget target = contact_target(*model, encounter.contact);
+  const ContactTarget target = contact_target(model, encounter.contact);
   W += target_inverse_inertia3(target);
   velocity = target.contact_velocity().head<3>();
   n = encounter.F.head<3>();
@@ -78,17 +83,17 @@ Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
 
 template <class S>
 S DirectionModel::square(const Vector3<S>& d) const {
-  S p(problem->impulse.magnitude);
-  if (!model->magnitude_is_given()) {
+  S p(problem.impulse.magnitude);
+  if (!model.magnitude_is_given()) {
     const Vector3d& v_t = velocity;
-    const S speed = !model->follows_target()
+    const S speed = !model.follows_target()
                         ? S(encounter.closing_speed)
                         : d[0] * S(v_t[0]) + d[1] * S(v_t[1]) + d[2] * S(v_t[2]);
     S inverse_mass(0);
     for (int i = 0; i < 3; ++i) {
       inverse_mass += d[i] * (S(W(i, 0)) * d[0] + S(W(i, 1)) * d[1] + S(W(i, 2)) * d[2]);
     }
-    p = S(1 + problem->impulse.restitution) * positive_part(speed) / inverse_mass;
+    p = S(1 + problem.impulse.restitution) * positive_part(speed) / inverse_mass;
   }
   S sum(0);
   for (Eigen::Index i = 0; i < Y.rows(); ++i) {
@@ -99,22 +104,15 @@ S DirectionModel::square(const Vector3<S>& d) const {
 }
 
 double DirectionModel::other_square(const Vector3d& d, const StopCondition& until) const {
-  const double speed = !model->follows_target() ? encounter.closing_speed : d.dot(velocity);
-  const double p = model->magnitude_is_given()
-                       ? problem->impulse.magnitude
-                       : (1 + problem->impulse.restitution) * positive_part(speed) / d.dot(W * d);
+  const double speed = !model.follows_target() ? encounter.closing_speed : d.dot(velocity);
+  const double p = model.magnitude_is_given()
+                       ? problem.impulse.magnitude
+                       : (1 + problem.impulse.restitution) * positive_part(speed) / d.dot(W * d);
   Vector6d F;
   F << d, encounter.F.tail<3>();
   const ImpactSummary impact =
-      summarize_impact(problem->robot, configuration.phi, problem->resistance, p * F, speed);
-  double sum = 0;
-  for (const TurnAfterImpact& turn : turns) {
-    sum += turn(configuration.phi, impact.Delta_Omega, impact.Delta_phidot, until).squaredNorm();
-  }
-  for (const UserTerm& term : *user_terms) {
-    sum += std::pow(term.value(configuration, impact) / term.size, 2);
-  }
-  return sum;
+      summarize_impact(problem.robot, configuration.phi, problem.resistance, p * F, speed);
+  return differenced.square(configuration, impact, until);
 }
 
 double DirectionModel::value(const Eigen::Vector2d& c) const {
@@ -153,8 +151,8 @@ bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,
     gradient += weight / x * g;
     hessian += weight / x * H - weight / (x * x) * (g * g.transpose());
   };
-  if (!model->magnitude_is_given()) {
-    if (model->follows_target()) {
+  if (!model.magnitude_is_given()) {
+    if (model.follows_target()) {
       const double speed = d.dot(velocity);
       if (!(speed > 0)) return false;
       add(2, speed, velocity, Matrix3d::Zero());

@@ -6,30 +6,30 @@
 
 #include <stillbase/formulation/formulation.hpp>
 
-#include "formulation/objectives/turn_after_impact.hpp"
+#include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
 
 struct DirectionModel {
-  static constexpr int kMaxRows = 3 + 3 + 3 + 6 + 1 + kMaxJoints;  // one term of each quantity
-
-  const CaptureProblem* problem;
-  const EncounterModel* model;
+  const CaptureProblem& problem;
+  const EncounterModel& model;
   Encounter<double> encounter;
   Vector3d velocity;  ///< of the target's contact point in B, where it decides the closing speed
-  /// y = p Y [d; 1]: all terms below each other, and what a stated moment adds.
-  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::ColMajor, kMaxRows, 4> Y;
+  /// y = p Y [d; 1]: all linear terms below each other, and what a stated moment adds.
+  Eigen::Matrix<double, Eigen::Dynamic, 4> Y;
   Matrix3d W;        ///< d' W d: inverse mass of hand and target together
-  Vector3d n, u, v;  ///< predicted direction and tangents
+  Vector3d n, u, v;  ///< nominal direction and tangents
   double half_angle = 0;
   bool planar = false;
-  // What may be any function of the direction: the simulated terms and those of the user.
-  std::vector<TurnAfterImpact> turns;
-  const std::vector<UserTerm>* user_terms;
-  StopCondition stop;  ///< of the simulations
+  const DifferencedTerms& differenced;  ///< functions of the direction that are known by values
+  StopCondition stop;                   ///< of the simulations
   Configuration configuration;
 
-  DirectionModel(const CaptureProblem& p, const Formulation& formulation, const Configuration& at);
+  DirectionModel(const CaptureProblem& problem, const Formulation& formulation,
+                 const Configuration& at);
+  /// With other terms than the formulation's. @param terms outlive the model
+  DirectionModel(const CaptureProblem& problem, const Formulation& formulation,
+                 const Configuration& at, const JumpObjective& jump, const DifferencedTerms& terms);
 
   /// Direction at angle |c| from n towards (c_1, c_2).
   Vector3d direction(const Eigen::Vector2d& c) const;
@@ -37,17 +37,17 @@ struct DirectionModel {
   Eigen::Vector2d coordinates(const Vector3d& d) const;
   /// The place itself, or the nearest on the cone's rim.
   Eigen::Vector2d project(Eigen::Vector2d c) const;
-  /// Minus infinity, less than anything, where simulations were given up; never of the predicted
+  /// Minus infinity, less than anything, where simulations were given up; never of the nominal
   /// direction.
   double value(const Eigen::Vector2d& c) const;
   /// Whether no value was given up so far.
-  bool is_complete() const { return turns.empty() || !stop.reached(); }
+  bool is_complete() const { return !differenced.is_simulated() || !stop.reached(); }
   /// Values along the directions, two at a time. Where it is not linear the places count, which the
   /// directions belong to.
   void values(const std::vector<Eigen::Vector2d>& places, const std::vector<Vector3d>& directions,
               std::vector<double>& values) const;
   /// Whether |y| is known in closed form: nothing simulated, nothing of the user's.
-  bool is_linear() const { return turns.empty() && user_terms->empty(); }
+  bool is_linear() const { return differenced.empty(); }
   /// Gradient and Hessian of ln |y|^2 over d, as if d were any vector. False where |y| is zero and
   /// where it is not linear.
   bool log_derivatives(const Vector3d& d, Vector3d& gradient, Matrix3d& hessian) const;

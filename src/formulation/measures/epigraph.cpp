@@ -47,21 +47,23 @@ Eigen::VectorXd EpigraphProgram::constraint_upper() const {
 
 void EpigraphProgram::evaluate_value(const Eigen::VectorXd& xs, nlp::Evaluation& out) const {
   const Eigen::Index n = xs.size() - 1;
-  formulation_.evaluate_scenarios(xs.head(n), scenarios_at(xs.head(n)), false, here_);
+  auto& here = out.workspace_as<ScenarioEvaluation>();
+  formulation_.evaluate_scenarios(xs.head(n), scenarios_at(xs.head(n)), false, here);
   out.objective = xs[n];
-  out.constraints = joined(here_.constraints, (xs[n] - here_.values.array() / scale_).matrix());
+  out.constraints = joined(here.constraints, (xs[n] - here.values.array() / scale_).matrix());
 }
 
 void EpigraphProgram::evaluate(const Eigen::VectorXd& xs, nlp::Evaluation& out) const {
   const Eigen::Index n = xs.size() - 1, m = formulation_.num_constraints(),
                      count = static_cast<Eigen::Index>(scenarios_.size());
-  formulation_.evaluate_scenarios(xs.head(n), scenarios_at(xs.head(n)), true, here_);
+  auto& here = out.workspace_as<ScenarioEvaluation>();
+  formulation_.evaluate_scenarios(xs.head(n), scenarios_at(xs.head(n)), true, here);
   out.objective = xs[n];
   out.gradient = Eigen::VectorXd::Unit(n + 1, n);
-  out.constraints = joined(here_.constraints, (xs[n] - here_.values.array() / scale_).matrix());
+  out.constraints = joined(here.constraints, (xs[n] - here.values.array() / scale_).matrix());
   out.jacobian.setZero(m + count, n + 1);
-  out.jacobian.topLeftCorner(m, n) = here_.jacobian;
-  out.jacobian.bottomLeftCorner(count, n) = here_.gradients / -scale_;
+  out.jacobian.topLeftCorner(m, n) = here.jacobian;
+  out.jacobian.bottomLeftCorner(count, n) = here.gradients / -scale_;
   out.jacobian.bottomRightCorner(count, 1).setOnes();
 }
 
@@ -78,8 +80,9 @@ void EpigraphProgram::lagrangian_hessian(const Eigen::VectorXd& xs, double /*sig
 }
 
 Eigen::VectorXd EpigraphProgram::lifted(const Eigen::VectorXd& x) const {
-  formulation_.evaluate_scenarios(x, scenarios_at(x), false, here_);
-  return joined(x, Eigen::VectorXd::Constant(1, here_.values.maxCoeff() / scale_));
+  ScenarioEvaluation here;
+  formulation_.evaluate_scenarios(x, scenarios_at(x), false, here);
+  return joined(x, Eigen::VectorXd::Constant(1, here.values.maxCoeff() / scale_));
 }
 
 }  // namespace stillbase

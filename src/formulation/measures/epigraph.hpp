@@ -44,7 +44,6 @@ class EpigraphProgram final : public nlp::Problem {
   std::vector<Scenario> scenarios_;
   double scale_;
   const CaptureProblem* follow_;
-  mutable ScenarioEvaluation here_;
 };
 
 }  // namespace stillbase

@@ -45,7 +45,7 @@ std::optional<double> Measure::level() const {
   return std::nullopt;
 }
 
-double Measure::value(const Eigen::VectorXd& x) const {
+double Measure::value(const Eigen::VectorXd& x) {
   if (is_nominal()) {
     nlp::Evaluation here;
     formulation_.evaluate_value(x, here);
@@ -64,14 +64,14 @@ double Measure::value(const Eigen::VectorXd& x) const {
   return *here.sampled;
 }
 
-double Measure::sampled_value(const Eigen::VectorXd& x) const {
+double Measure::sampled_value(const Eigen::VectorXd& x) {
   ScenarioEvaluation here;
   formulation_.evaluate_scenarios(x, samples_, false, here);
   if (here.values.hasNaN()) return kUnknown;
   return level() ? tail_mean(here.values, weights_, *level()).mean : weights_.dot(here.values);
 }
 
-WorstCase Measure::worst_at(const Eigen::VectorXd& x) const {
+WorstCase Measure::worst_at(const Eigen::VectorXd& x) {
   Known& here = known(x);
   if (here.worst) return *here.worst;
   const WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
@@ -79,12 +79,12 @@ WorstCase Measure::worst_at(const Eigen::VectorXd& x) const {
   return worst;
 }
 
-bool Measure::knows(const Eigen::VectorXd& x) const {
+bool Measure::knows(const Eigen::VectorXd& x) {
   const Known& here = known(x);
   return here.worst && (samples_.empty() || here.sampled);
 }
 
-Measure::Known& Measure::known(const Eigen::VectorXd& x) const {
+Measure::Known& Measure::known(const Eigen::VectorXd& x) {
   const auto at =
       std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
   if (at != known_.end()) return *at;
@@ -92,7 +92,7 @@ Measure::Known& Measure::known(const Eigen::VectorXd& x) const {
   return known_.back();
 }
 
-double Measure::reported(const Eigen::VectorXd& x) const {
+double Measure::reported(const Eigen::VectorXd& x) {
   const Configuration configuration = formulation_.configuration(x);
   if (is_nominal()) return nominal_value(problem_, formulation_, configuration);
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
@@ -104,19 +104,18 @@ double Measure::reported(const Eigen::VectorXd& x) const {
 
 MeasureSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
                                           const nlp::OptimizeOptions& options,
-                                          const Eigen::VectorXd& x0) const {
+                                          const Eigen::VectorXd& x0) {
   if (problem_.measure.kind == RiskMeasure::WorstCase) return exchange(optimizer, options, x0);
   return {x0, 0};
 }
 
 MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
-                                const nlp::OptimizeOptions& options,
-                                const Eigen::VectorXd& x0) const {
+                                const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   if (is_nominal()) return {optimizer.minimize(formulation_, x0, options).x, 1};
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     MeasureSolution first = follow(optimizer, options, x0);
     if (certify(first.x).kkt_residual <= options.optimality_tolerance) return first;
-    // The maxima have changed on the way: once more from cuts that hold everywhere.
+    // The set of maxima has changed: a second round from cuts that hold everywhere.
     const MeasureSolution nearer = exchange(optimizer, options, first.x);
     MeasureSolution second = follow(optimizer, options, nearer.x);
     const int calls = first.solver_calls + nearer.solver_calls + second.solver_calls;
@@ -135,8 +134,7 @@ std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
 }
 
 MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
-                                  const nlp::OptimizeOptions& options,
-                                  const Eigen::VectorXd& x0) const {
+                                  const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   constexpr int kRounds = 6;
   constexpr double kNear = 1e-2;  // the directions hardly turn any more
   nlp::OptimizeOptions rough = options;
@@ -163,8 +161,7 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
 }
 
 MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
-                                const nlp::OptimizeOptions& options,
-                                const Eigen::VectorXd& x0) const {
+                                const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   constexpr int kRounds = 6;
   constexpr double kWorthy = 0.25;    // of the worst |y|^2: smaller maxima do not count yet
   constexpr double kFinished = 1e-8;  // KKT residual
@@ -190,7 +187,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
   return out;
 }
 
-nlp::Certificate Measure::certify(const Eigen::VectorXd& x) const {
+nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
   const double size = value(x);
   // Of a measure that vanishes what is left is rounding: there is no less.

@@ -21,13 +21,13 @@ struct Place {
   double value;
 };
 
-/// Rings about the predicted direction, or a row in the wedge.
+/// Rings about the nominal direction, or a row in the wedge.
 std::vector<Place> scan(const DirectionModel& model) {
   // A direction that has to be simulated costs as much as all the others together.
-  const bool dear = !model.turns.empty();
-  const int rings = dear ? 3 : 12;
-  const int spokes = dear ? 12 : 36;
-  const int row = dear ? 17 : 97;  // a wedge is one-dimensional: finer for less
+  const bool is_simulated = model.differenced.is_simulated();
+  const int rings = is_simulated ? 3 : 12;
+  const int spokes = is_simulated ? 12 : 36;
+  const int row = is_simulated ? 17 : 97;  // a wedge is one-dimensional: finer for less
   const double alpha = model.half_angle;
   std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
   std::vector<Vector3d> directions = {model.n};
@@ -163,8 +163,8 @@ Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
 }
 
 /// The place at the end of a part of a step.
-Eigen::Vector2d gone(const DirectionModel& model, const Eigen::Vector2d& c, const Step& step,
-                     double part) {
+Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& c, const Step& step,
+                            double part) {
   const double angle = c.norm(), length = part * step.along.norm();
   const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
   if (step.on_rim) {
@@ -181,8 +181,8 @@ Eigen::Vector2d gone(const DirectionModel& model, const Eigen::Vector2d& c, cons
 
 Place climb_by_newton(const DirectionModel& model, Place place) {
   constexpr int kSteps = 50, kHalvings = 6;
-  constexpr double kNothing = 1e-10;  // rad: what is left changes the value by its square,
-  constexpr double kVisible = 1e-7;   // which drowns in rounding already here
+  constexpr double kNothing = 1e-10;  // rad: such a step ends the climb
+  constexpr double kVisible = 1e-7;   // rad: shorter steps change the value by less than rounding
   for (int i = 0; i < kSteps; ++i) {
     const Step step = newton_step(model, place.c);
     bool rose = false;
@@ -190,7 +190,7 @@ Place climb_by_newton(const DirectionModel& model, Place place) {
     for (int halving = 0; halving < kHalvings && !rose; ++halving, part /= 2) {
       const double length = part * step.along.norm();
       if (length < (halving == 0 ? kNothing : kVisible)) return place;
-      const Eigen::Vector2d c = gone(model, place.c, step, part);
+      const Eigen::Vector2d c = moved_along(model, place.c, step, part);
       const Place trial{c, model.value(c)};
       rose = trial.value > place.value;
       if (rose) place = trial;
@@ -218,7 +218,7 @@ Place refine(const DirectionModel& model, Place place) {
   }
   for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
   for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
-  // Hardly anything is left to do; where the parabolas failed, everything.
+  // Needed where the parabolas failed.
   for (const double step : {1e-5, 1e-7, 1e-9}) place = ascend(model, place, step);
   return place;
 }
@@ -226,7 +226,7 @@ Place refine(const DirectionModel& model, Place place) {
 /// The maxima over the cone, largest first.
 std::vector<Place> maxima(const DirectionModel& model) {
   const std::vector<Place> places = scan(model);
-  const std::size_t most = model.turns.empty() ? 6 : 3;
+  const std::size_t most = model.differenced.is_simulated() ? 3 : 6;
   // Places apart from each other, so that equal maxima are all found.
   std::vector<Place> seeds;
   while (seeds.size() < most) {
@@ -305,12 +305,13 @@ std::map<std::string, double> objective_terms(const CaptureProblem& problem,
                                               const Configuration& configuration) {
   std::map<std::string, double> out;
   CaptureProblem one = problem;
-  const std::vector<UserTerm> none;  // those of the user are no quantities
+  one.user = {};  // the user's terms are no quantities
   for (ObjectiveTerm term : problem.objective) {
     term.size = 1;
     one.objective = {term};
-    DirectionModel model(one, formulation, configuration);
-    model.user_terms = &none;
+    const JumpObjective jump(one);
+    const DifferencedTerms differenced(one);
+    const DirectionModel model(problem, formulation, configuration, jump, differenced);
     out[to_string(term.quantity)] = model.value(Eigen::Vector2d::Zero());
   }
   return out;

@@ -45,36 +45,38 @@ Eigen::VectorXd SampledProgram::constraint_upper() const {
 }
 
 void SampledProgram::evaluate_value(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const {
-  formulation_.evaluate_scenarios(xtz.head(n_), scenarios_, false, here_);
+  auto& here = out.workspace_as<ScenarioEvaluation>();
+  formulation_.evaluate_scenarios(xtz.head(n_), scenarios_, false, here);
   out.constraints.resize(num_constraints());
-  out.constraints.head(m_) = here_.constraints;
+  out.constraints.head(m_) = here.constraints;
   if (!level_) {
-    out.objective = weights_.dot(here_.values) / scale_;
+    out.objective = weights_.dot(here.values) / scale_;
     return;
   }
   const auto z = xtz.tail(count_);
   out.objective = xtz[n_] + weights_.dot(z) / (1 - *level_);
-  out.constraints.tail(count_) = (z.array() + xtz[n_] - here_.values.array() / scale_).matrix();
+  out.constraints.tail(count_) = (z.array() + xtz[n_] - here.values.array() / scale_).matrix();
 }
 
 void SampledProgram::evaluate(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const {
-  formulation_.evaluate_scenarios(xtz.head(n_), scenarios_, true, here_);
+  auto& here = out.workspace_as<ScenarioEvaluation>();
+  formulation_.evaluate_scenarios(xtz.head(n_), scenarios_, true, here);
   out.constraints.resize(num_constraints());
-  out.constraints.head(m_) = here_.constraints;
+  out.constraints.head(m_) = here.constraints;
   out.gradient.setZero(num_variables());
   out.jacobian.setZero(num_constraints(), num_variables());
-  out.jacobian.topLeftCorner(m_, n_) = here_.jacobian;
+  out.jacobian.topLeftCorner(m_, n_) = here.jacobian;
   if (!level_) {
-    out.objective = weights_.dot(here_.values) / scale_;
-    out.gradient = here_.gradients.transpose() * weights_ / scale_;
+    out.objective = weights_.dot(here.values) / scale_;
+    out.gradient = here.gradients.transpose() * weights_ / scale_;
     return;
   }
   const auto z = xtz.tail(count_);
   out.objective = xtz[n_] + weights_.dot(z) / (1 - *level_);
   out.gradient[n_] = 1;
   out.gradient.tail(count_) = weights_ / (1 - *level_);
-  out.constraints.tail(count_) = (z.array() + xtz[n_] - here_.values.array() / scale_).matrix();
-  out.jacobian.bottomLeftCorner(count_, n_) = here_.gradients / -scale_;
+  out.constraints.tail(count_) = (z.array() + xtz[n_] - here.values.array() / scale_).matrix();
+  out.jacobian.bottomLeftCorner(count_, n_) = here.gradients / -scale_;
   out.jacobian.block(m_, n_, count_, 1).setOnes();
   out.jacobian.bottomRightCorner(count_, count_).setIdentity();
 }
@@ -92,8 +94,9 @@ void SampledProgram::lagrangian_hessian(const Eigen::VectorXd& xtz, double sigma
 
 Eigen::VectorXd SampledProgram::lifted(const Eigen::VectorXd& x) const {
   if (!level_) return x;
-  formulation_.evaluate_scenarios(x, scenarios_, false, here_);
-  const Eigen::VectorXd f = here_.values / scale_;
+  ScenarioEvaluation here;
+  formulation_.evaluate_scenarios(x, scenarios_, false, here);
+  const Eigen::VectorXd f = here.values / scale_;
   Eigen::VectorXd out(num_variables());
   const double t = tail_mean(f, weights_, *level_).quantile;
   out << x, t, (f.array() - t).max(0).matrix();

@@ -38,7 +38,6 @@ class SampledProgram final : public nlp::Problem {
   double scale_;
   int n_, m_, count_;
   Eigen::VectorXd weights_;  ///< of the scenarios, sum 1
-  mutable ScenarioEvaluation here_;
 };
 
 /// The level's quantile t of values with weights (sum 1), and t + sum w max(f - t, 0) / (1 -

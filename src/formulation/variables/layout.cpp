@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/encounter/encounter.hpp>
 
 namespace stillbase {
 
@@ -68,6 +69,88 @@ Eigen::Matrix3Xd VariableLayout::attitude_rates(const CaptureProblem& problem,
 
 double VariableLayout::contact_time(const CaptureProblem& problem, const Eigen::VectorXd& x) const {
   return time < 0 ? problem.variables.contact_time_lower : x[time];
+}
+
+Eigen::VectorXd VariableLayout::variables(const CaptureProblem& problem,
+                                          const Configuration& configuration) const {
+  Eigen::VectorXd x(size);
+  const Eigen::Quaterniond& stated = problem.base.orientation;
+  const Eigen::Quaterniond& here = configuration.base.orientation;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    x[static_cast<int>(i)] = configuration.phi[joints[i]];
+  }
+  if (time >= 0) x[time] = configuration.contact_time;
+  if (attitude_size == 3) {
+    x.segment<3>(attitude) = rotation_log(stated.conjugate() * here);
+  } else if (attitude_size == 1) {
+    x[attitude] = rotation_log(here * stated.conjugate()).dot(problem.variables.base_attitude_axis);
+  }
+  return x;
+}
+
+Eigen::VectorXd VariableLayout::start_point(const CaptureProblem& problem,
+                                            const Eigen::VectorXd& u) const {
+  constexpr double kHalfTurn = 3.14159;  // rad: a limit beyond it is none
+  Eigen::VectorXd x(size);
+  for (int i = 0; i < size; ++i) {
+    double low = lower[i], high = upper[i];
+    if (!std::isfinite(low) || !std::isfinite(high)) {
+      low = std::isfinite(low) ? low : (std::isfinite(high) ? high - 2 * kPi : -kPi);
+      high = std::isfinite(high) ? high : low + 2 * kPi;
+    }
+    x[i] = low + u[i] * (high - low);
+  }
+  if (attitude_size == 3) {
+    const double limit = problem.variables.base_attitude_max;
+    const double a = u[attitude], b = u[attitude + 1], c = u[attitude + 2];
+    if (problem.variables.base_attitude == AttitudeFreedom::Cone) {
+      // The axis even over its cap, the roll even over a turn.
+      const Vector3d& axis = problem.variables.base_attitude_axis;
+      const auto [e_1, e_2] = tangent_basis(axis);
+      const double tilt = std::acos(1 - a * (1 - std::cos(limit)));
+      const Vector3d about = std::cos(2 * kPi * b) * e_1 + std::sin(2 * kPi * b) * e_2;
+      const Eigen::Quaterniond turn =
+          rotation_exp(tilt * about) * rotation_exp(kPi * (2 * c - 1) * axis);
+      const Eigen::Quaterniond& stated = problem.base.orientation;
+      x.segment<3>(attitude) = rotation_log(stated.conjugate() * turn * stated);
+    } else if (limit > kHalfTurn) {
+      // Uniform over rotations (Shoemake, Graphics Gems III, 1992).
+      const Eigen::Quaterniond q(
+          std::sqrt(a) * std::cos(2 * kPi * c), std::sqrt(1 - a) * std::sin(2 * kPi * b),
+          std::sqrt(1 - a) * std::cos(2 * kPi * b), std::sqrt(a) * std::sin(2 * kPi * c));
+      x.segment<3>(attitude) = rotation_log(q);
+    } else {
+      const double z = 2 * a - 1, r = std::sqrt(std::max(0.0, 1 - z * z));
+      x.segment<3>(attitude) =
+          limit * std::cbrt(c) * Vector3d(r * std::cos(2 * kPi * b), r * std::sin(2 * kPi * b), z);
+    }
+  }
+  return x;
+}
+
+double VariableLayout::distance(const CaptureProblem& problem, const Eigen::VectorXd& a,
+                                const Eigen::VectorXd& b) const {
+  const Eigen::VectorXd apart = normalised(problem, a - b);
+  double sum = 0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double d = apart[static_cast<int>(i)];
+    sum += d * d;
+  }
+  if (attitude_size > 0) {
+    const double angle = attitude_of(problem, a).angularDistance(attitude_of(problem, b));
+    sum += angle * angle;
+  }
+  if (time >= 0) sum += std::pow(a[time] - b[time], 2);
+  return std::sqrt(sum);
+}
+
+Eigen::VectorXd VariableLayout::normalised(const CaptureProblem& problem, Eigen::VectorXd x) const {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    double& angle = x[static_cast<int>(i)];
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(joints[i])];
+    if (joint.type == JointType::Continuous) angle = wrap_angle(angle);
+  }
+  return x;
 }
 
 }  // namespace stillbase

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <stillbase/core/rotation.hpp>
-#include <stillbase/plan/problem.hpp>
+#include <stillbase/plan/plan.hpp>
 
 namespace stillbase {
 
@@ -23,6 +23,18 @@ struct VariableLayout {
   /// Turn of B (rad, in B) per attitude variable, 3 x attitude_size.
   Eigen::Matrix3Xd attitude_rates(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
   double contact_time(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
+
+  /// The variables of a configuration.
+  Eigen::VectorXd variables(const CaptureProblem& problem,
+                            const Configuration& configuration) const;
+  /// A start point for u in [0,1)^N: joints within their limits (one turn for continuous ones),
+  /// attitudes uniform over rotations, times uniform.
+  Eigen::VectorXd start_point(const CaptureProblem& problem, const Eigen::VectorXd& u) const;
+  /// Distance on the configuration manifold: angles wrapped, rotations by their angle.
+  double distance(const CaptureProblem& problem, const Eigen::VectorXd& a,
+                  const Eigen::VectorXd& b) const;
+  /// Continuous angles wrapped to (-pi, pi].
+  Eigen::VectorXd normalised(const CaptureProblem& problem, Eigen::VectorXd x) const;
 };
 
 }  // namespace stillbase

@@ -5,26 +5,9 @@ namespace stillbase::io {
 
 namespace {
 
-Dimension dimension_of(ObjectiveQuantity quantity) {
-  switch (quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return Dimension::AngularImpulse;
-    case ObjectiveQuantity::BaseMomentum:
-    case ObjectiveQuantity::ImpulseMagnitude:
-      return Dimension::Impulse;
-    case ObjectiveQuantity::BaseAngularVelocity:
-    case ObjectiveQuantity::JointRateNorm:
-      return Dimension::AngularVelocity;
-    case ObjectiveQuantity::AttitudeTurned:
-      return Dimension::Angle;
-  }
-  return Dimension::None;
-}
-
 /// When the attitude is looked at: needed by that quantity, of no use to the others.
 void after_field(Table& t, ObjectiveTerm& term, const char* text) {
-  const bool turns = term.quantity == ObjectiveQuantity::AttitudeTurned;
+  const bool turns = row_of(term.quantity).needs_time;
   // Before the lower end the base has rotated by its rate times the time.
   t("after", Number(term.after, Dimension::Time, {.lower = 1e-3, .upper = 3600}), text,
     {.need = Need::Required,
@@ -39,11 +22,11 @@ static void fields(Table& t, ObjectiveTerm& term) {
   t("quantity", Word(term.quantity, objective_names()), "as above",
     {.need = Need::Required, .decides = true});
   const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("quantity");
-  t("size", Number(term.size, dimension_of(term.quantity), kSensible),
+  t("size", Number(term.size, dimension_of_unit(row_of(term.quantity).unit), kSensible),
     "value that counts as one, in the unit of the quantity", {.need = Need::Required});
   t("length", Number(term.length, Dimension::Length, kSensible),
     "`base_momentum` alone: converts angular into linear momentum",
-    {.is_used = is_unknown || term.quantity == ObjectiveQuantity::BaseMomentum,
+    {.is_used = is_unknown || row_of(term.quantity).needs_length,
      .owner = "base_momentum"});
   after_field(t, term, "as `objective.after`");
 }
@@ -81,7 +64,7 @@ void objective_fields(Table& t, CaptureProblem& problem) {
   std::vector<ObjectiveTerm>& terms = problem.objective;
   ObjectiveTerm& first = terms.front();
   const bool is_plain = terms.size() == 1 && first.size == 1 &&
-                        (first.length == 1 || first.quantity != ObjectiveQuantity::BaseMomentum);
+                        (first.length == 1 || !row_of(first.quantity).needs_length);
   if (t.states("terms", !is_plain)) {
     t("terms", maps_of(terms, {.least = 1, .unique_key = "quantity", .of = "{quantity: , size: }"}),
       "several quantities instead of one: the root of the sum of (value / size)^2 is made small",

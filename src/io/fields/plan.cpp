@@ -171,6 +171,11 @@ void objective_value_fields(Table& t, Plan& plan) {
       }
     }),
     "nominal value of each quantity", kNeeded);
+  t("user_terms",
+    WrittenIf(List(objective.user_terms, [](std::string& name, auto use) { use(Text(name)); }),
+              !objective.user_terms.empty()),
+    "terms that a user's program added to the objective; they are not recomputed",
+    {.without = "none"});
   t("nominal", Number(objective.nominal), "at the nominal direction", kNeeded);
   t("worst_case", Number(objective.worst_case), "over the cone", kNeeded);
   t("worst_direction", Vector(objective.worst_direction), "unit vector",

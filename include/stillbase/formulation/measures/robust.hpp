@@ -1,6 +1,6 @@
 // The worst case over a cone of impulse directions.
 //
-// Hand and posture fixed; the direction varies within the cone about the predicted one, and the
+// Hand and posture fixed; the direction varies within the cone about the nominal one, and the
 // impulse is recomputed by the contact law for every direction. The maximum can lie inside the
 // cone.
 #pragma once
@@ -17,7 +17,7 @@ struct WorstCase {
   double value = 0;                       ///< max |y| over the cone, in the objective's unit
   Vector3d direction = Vector3d::Zero();  ///< where, unit, in B
   /// False: simulations were given up before (Formulation::give_up_simulations_at); the largest
-  /// over the directions that were looked at, the predicted one among them.
+  /// over the directions seen, the nominal one among them.
   bool is_complete = true;
 };
 
@@ -40,13 +40,13 @@ std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation&
                                const Configuration& configuration,
                                const std::vector<Scenario>& from);
 
-/// Size of each term of the objective as predicted, by name, in its own unit. Its simulations are
+/// Nominal size of each term of the objective, by name, in its own unit. Its simulations are
 /// never given up.
 std::map<std::string, double> objective_terms(const CaptureProblem& problem,
                                               const Formulation& formulation,
                                               const Configuration& configuration);
 
-/// |y| at the predicted direction. Its simulations are never given up.
+/// |y| at the nominal direction. Its simulations are never given up.
 double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 

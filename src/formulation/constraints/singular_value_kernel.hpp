@@ -6,13 +6,33 @@
 // the vectors are undetermined count as still.
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 
 #include <stillbase/core/linear_algebra.hpp>
 
-#include "core/tangent.hpp"
+#include <stillbase/core/random.hpp>
+
+#include "formulation/constraints/constraint.hpp"
 
 namespace stillbase {
+
+/// Largest rank of a matrix over some postures: its rank almost everywhere.
+/// @param matrix_at of a PostureImpact<double>
+template <class MatrixAt>
+int generic_rank(const CaptureModel& model, const MatrixAt& matrix_at) {
+  constexpr int kSamples = 8;
+  constexpr double kZero = 1e-9;  // of the largest singular value
+  Random random(0);
+  int rank = 0;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    JointVectord phi(model.n());
+    for (int k = 0; k < model.n(); ++k) phi[k] = random.uniform(-3, 3);
+    const auto posture = evaluate_posture<double>(model.problem.robot, model.resistance, phi);
+    rank = std::max(rank, numerical_rank(singular_values(matrix_at(posture)), kZero));
+  }
+  return rank;
+}
 
 template <class S>
 struct SingularTriple {

@@ -1,4 +1,4 @@
-#include "formulation/objectives/turn_after_impact.hpp"
+#include "formulation/objectives/attitude_turned.hpp"
 
 #include <cmath>
 #include <limits>
@@ -27,7 +27,7 @@ Controller first_controller(const CaptureProblem& problem) {
 
 }  // namespace
 
-TurnAfterImpact::TurnAfterImpact(const CaptureProblem& problem, const ObjectiveTerm& term)
+AttitudeTurned::AttitudeTurned(const CaptureProblem& problem, const ObjectiveTerm& term)
     : robot_(problem.robot),
       resistance_(problem.resistance),
       controller_(first_controller(problem)),
@@ -43,9 +43,9 @@ TurnAfterImpact::TurnAfterImpact(const CaptureProblem& problem, const ObjectiveT
   options_.output_period = 0;
 }
 
-Vector3d TurnAfterImpact::operator()(const JointVectord& phi, const Vector6d& Delta_Omega,
-                                     const JointVectord& Delta_phidot,
-                                     const StopCondition& stop) const {
+Vector3d AttitudeTurned::operator()(const JointVectord& phi, const Vector6d& Delta_Omega,
+                                    const JointVectord& Delta_phidot,
+                                    const StopCondition& stop) const {
   const Vector3d broken = kPi / size_ * Vector3d::UnitX();
   // No gravity and no sensor of the attitude: the turn is the same from every attitude.
   PlantState state = state_at_rest(Pose{}, phi);
@@ -63,10 +63,10 @@ Vector3d TurnAfterImpact::operator()(const JointVectord& phi, const Vector6d& De
   return rotation_log(result.trace.back().state.base.orientation) / size_;
 }
 
-std::vector<TurnAfterImpact> turns_after_impact(const CaptureProblem& problem) {
-  std::vector<TurnAfterImpact> out;
+std::vector<AttitudeTurned> simulated_terms(const CaptureProblem& problem) {
+  std::vector<AttitudeTurned> out;
   for (const ObjectiveTerm& term : problem.objective) {
-    if (term.quantity == ObjectiveQuantity::AttitudeTurned) out.emplace_back(problem, term);
+    if (row_of(term.quantity).is_simulated()) out.emplace_back(problem, term);
   }
   return out;
 }

@@ -1,4 +1,4 @@
-#include "formulation/objectives/turn_after_impact.hpp"
+#include "formulation/objectives/attitude_turned.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -203,7 +203,7 @@ TEST_CASE("a simulation that breaks off counts as half a turn") {
   const CaptureProblem problem = planar_problem();
   ObjectiveTerm term = problem.objective[0];
   term.size = 2;
-  const TurnAfterImpact turn(problem, term);
+  const AttitudeTurned turn(problem, term);
   const JointVectord phi = JointVectord::Zero(2), rates = JointVectord::Constant(2, 1e20);
   CHECK(turn(phi, Vector6d::Zero(), rates, {}).norm() == Approx(M_PI / 2).epsilon(1e-14));
   CHECK(turn(phi, Vector6d::Zero(), JointVectord::Constant(2, std::nan("")), {}).norm() ==

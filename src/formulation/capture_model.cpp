@@ -1,0 +1,41 @@
+// The kernel on double.
+#include "formulation/capture_model.hpp"
+
+#include <stillbase/core/error.hpp>
+
+#include "formulation/capture_model_kernel.hpp"
+
+namespace stillbase {
+
+STILLBASE_INSTANTIATE_CAPTURE_MODEL(double);
+
+CaptureModel::CaptureModel(const CaptureProblem& p)
+    : problem(p),
+      layout(p),
+      resistance(prepare_resistance(p.resistance, p.robot.n())),
+      encounter(encounter_model(p)),
+      nominal(nominal_scenario(encounter)) {
+  if (layout.size > 0) return;
+  throw InputError(
+      {Finding{p.source, 0, "no-variables", "variables: nothing is free to be planned"}});
+}
+
+Configuration CaptureModel::configuration(const Eigen::VectorXd& x) const {
+  Configuration out;
+  out.phi = layout.joint_positions(problem, x);
+  out.base = problem.base;
+  out.base.orientation = layout.attitude_of(problem, x);
+  out.contact_time = layout.contact_time(problem, x);
+  out.feature = problem.variables.feature;
+  const bool follows = problem.variables.base_position != PositionFreedom::Fixed;
+  const std::optional<Vector3d>& stated = encounter.hand_point;
+  const bool stated_in_N = stated && encounter.hand_frame == Frame::Inertial;
+  if (follows && (encounter.hand_follows_target() || stated_in_N)) {
+    const Vector3d point = stated ? *stated : place<double>(x).contact.point;
+    const auto kinematics = compute_kinematics<double>(problem.robot, out.phi);
+    out.base.position = point - out.base.orientation * kinematics.r_bh;
+  }
+  return out;
+}
+
+}  // namespace stillbase

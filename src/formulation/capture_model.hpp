@@ -1,0 +1,117 @@
+// What all objectives and constraints of a problem share: robot and target placed at a point of the
+// search, the impact of a scenario there, and how gradients reach the variables.
+//
+// Everything is a function of the point alone. The lines are in capture_model_kernel.hpp, for any
+// number type S: double gives values and gradients, Tangent the derivatives of gradients.
+#pragma once
+
+#include <stillbase/encounter/encounter.hpp>
+#include <stillbase/impact/gradient.hpp>
+
+#include "formulation/variables/layout.hpp"
+
+namespace stillbase {
+
+template <class S>
+using VectorX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
+
+/// The variables: all joints, three of the attitude, the contact time.
+template <class S>
+using VariableVector = Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints + 4, 1>;
+
+/// Gradient of a scalar over joints, rotation of the base (rad, in B) and contact time.
+template <class S>
+struct ScalarGradient {
+  JointVector<S> phi;
+  Vector3<S> theta = Vector3<S>::Zero();
+  S t = S(0);
+  explicit ScalarGradient(int n) : phi(JointVector<S>::Zero(n)) {}
+};
+
+/// Base, joints and target at one x.
+template <class S>
+struct Placement {
+  VariableVector<S> x;
+  JointVector<S> phi;
+  S time;
+  Matrix3<S> R_NB;
+  Matrix3<S> attitude_rates;     ///< rotation of B (in B) per attitude variable, one per column
+  ContactKinematics<S> contact;  ///< nominal
+  ContactRates<S> rates;         ///< of it
+};
+
+/// The impact of one scenario at one posture.
+template <class S>
+struct ScenarioImpact {
+  Encounter<S> encounter;
+  ContactRates<S> rates;
+  S closing_speed_rate = S(0);  ///< per s of contact time, m/s^2
+  ImpactResponse<S> response;   ///< to a unit impulse
+  S p = S(0);                   ///< impulse, N s
+};
+
+struct CaptureModel {
+  CaptureProblem problem;
+  VariableLayout layout;
+  ImpactResistance resistance;
+  EncounterModel encounter;
+  Scenario nominal;
+
+  /// @throws InputError as encounter_model(), or when nothing is free
+  explicit CaptureModel(const CaptureProblem& p);
+
+  int n() const { return problem.robot.n(); }
+  Configuration configuration(const Eigen::VectorXd& x) const;
+
+  template <class S>
+  Placement<S> place(const VectorX<S>& x) const;
+  template <class S>
+  PostureImpact<S> posture(const Placement<S>& at) const;
+  /// The same with the joints displaced by the scenario's errors.
+  template <class S>
+  PostureImpact<S> posture(const Placement<S>& at, const Scenario& scenario) const;
+  /// What of the impact does not depend on the posture; response and p are not set.
+  template <class S>
+  ScenarioImpact<S> encounter_of(const Placement<S>& at, const Scenario& scenario) const;
+  template <class S>
+  ScenarioImpact<S> impact(const Placement<S>& at, const PostureImpact<S>& posture,
+                           const Scenario& scenario) const;
+
+  /// Gradient of a function of the response to a unit impulse.
+  template <class S>
+  ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture,
+                                    const ScenarioImpact<S>& impact,
+                                    const ResponseWeights<S>& weights) const;
+  /// Gradient of psi(p y): the weights of y per unit impulse, along_p = p d psi / dp acts through
+  /// the contact law.
+  template <class S>
+  ScalarGradient<S> scaled_gradient(const PostureImpact<S>& posture,
+                                    const ScenarioImpact<S>& impact, ResponseWeights<S> weights,
+                                    const S& along_p) const;
+  /// d value / d(rotation of B relative to the contact frame): over base attitude and time.
+  template <class S>
+  void add_contact_turn(const ContactRates<S>& rates, const Vector3<S>& g,
+                        ScalarGradient<S>& gradient) const;
+  /// d value / dF acts through the rotation of B, in which F is fixed to the contact frame.
+  template <class S>
+  void add_wrench_turn(const ScenarioImpact<S>& impact, const Vector6<S>& by_F,
+                       ScalarGradient<S>& gradient) const;
+  /// along_p = p d value / dp acts through the closing speed's change in time.
+  template <class S>
+  void add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,
+                      ScalarGradient<S>& gradient) const;
+
+  /// A gradient over the variables, into a vector or a row of a matrix (N).
+  template <class S, class Out>
+  void compress_into(const Placement<S>& at, const ScalarGradient<S>& gradient, Out&& out) const {
+    for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+      out[static_cast<int>(i)] = gradient.phi[layout.joints[i]];
+    }
+    for (int i = 0; i < layout.attitude_size; ++i) {
+      out[layout.attitude + i] = at.attitude_rates.col(i).dot(gradient.theta);
+    }
+    if (layout.time >= 0) out[layout.time] = gradient.t;
+  }
+};
+
+}  // namespace stillbase

@@ -1,0 +1,150 @@
+// The lines of capture_model.hpp, for any number type.
+#pragma once
+
+#include "encounter/encounter_kernel.hpp"
+#include "formulation/capture_model.hpp"
+#include "formulation/variables/rotation_kernel.hpp"
+
+namespace stillbase {
+
+template <class S>
+Placement<S> CaptureModel::place(const VectorX<S>& x) const {
+  Placement<S> out;
+  out.x = x;
+  out.phi = problem.start.template cast<S>();
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    out.phi[layout.joints[i]] = x[static_cast<int>(i)];
+  }
+  out.time = layout.time < 0 ? S(problem.variables.contact_time_lower) : x[layout.time];
+  const Matrix3<S> stated = problem.base.orientation.toRotationMatrix().cast<S>();
+  out.R_NB = stated;
+  if (layout.attitude_size == 1) {
+    const Vector3<S> axis = problem.variables.base_attitude_axis.cast<S>();
+    out.R_NB = rotation_matrix<S>(axis * x[layout.attitude]) * stated;
+    out.attitude_rates.col(0) = out.R_NB.transpose() * axis;
+  } else if (layout.attitude_size == 3) {
+    const Vector3<S> a = x.template segment<3>(layout.attitude);
+    out.R_NB = stated * rotation_matrix<S>(a);
+    out.attitude_rates = right_jacobian<S>(a);
+  }
+  out.contact = contact_kinematics<S>(encounter, out.R_NB, out.time);
+  out.rates = contact_rates<S>(encounter, out.R_NB, out.contact);
+  return out;
+}
+
+template <class S>
+PostureImpact<S> CaptureModel::posture(const Placement<S>& at) const {
+  return evaluate_posture<S>(problem.robot, resistance, at.phi);
+}
+
+template <class S>
+PostureImpact<S> CaptureModel::posture(const Placement<S>& at, const Scenario& scenario) const {
+  if (scenario.joint_offset.size() == 0) return posture(at);
+  const JointVector<S> phi = at.phi + scenario.joint_offset.template cast<S>();
+  return evaluate_posture<S>(problem.robot, resistance, phi);
+}
+
+template <class S>
+ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>& at,
+                                             const Scenario& scenario) const {
+  ScenarioImpact<S> out;
+  if (scenario.time_offset != 0 && encounter.follows_target()) {
+    const S time = at.time + S(scenario.time_offset);
+    const ContactKinematics<S> contact = contact_kinematics<S>(encounter, at.R_NB, time);
+    out.rates = contact_rates<S>(encounter, at.R_NB, contact);
+    out.encounter = encounter_along<S>(encounter, contact, scenario);
+  } else {
+    out.rates = at.rates;
+    out.encounter = encounter_along<S>(encounter, at.contact, scenario);
+  }
+  out.closing_speed_rate =
+      closing_speed_rate<S>(encounter, out.encounter.contact, out.rates, scenario);
+  return out;
+}
+
+template <class S>
+ScenarioImpact<S> CaptureModel::impact(const Placement<S>& at, const PostureImpact<S>& posture,
+                                       const Scenario& scenario) const {
+  ScenarioImpact<S> out = encounter_of<S>(at, scenario);
+  out.response = respond<S>(posture, out.encounter.F);
+  if (encounter.magnitude_is_given()) {
+    out.p = S(encounter.magnitude);
+  } else if (out.encounter.closing_speed > S(0)) {
+    out.p = out.encounter.closing_speed * S(1 + scenario.restitution) /
+            (out.response.hand_inverse_mass + S(out.encounter.target_inverse_mass));
+  }
+  return out;
+}
+
+template <class S>
+void CaptureModel::add_contact_turn(const ContactRates<S>& rates, const Vector3<S>& g,
+                                    ScalarGradient<S>& gradient) const {
+  if (encounter.frame != ContactFrame::Base) gradient.theta += g;
+  gradient.t += g.dot(rates.omega_EB);
+}
+
+template <class S>
+void CaptureModel::add_wrench_turn(const ScenarioImpact<S>& impact, const Vector6<S>& by_F,
+                                   ScalarGradient<S>& gradient) const {
+  // Turning B by theta (in B) changes the wrench in B by F x theta.
+  const Vector6<S>& F = impact.encounter.F;
+  const Vector3<S> by_f = by_F.template head<3>(), by_t = by_F.template tail<3>();
+  const Vector3<S> f = F.template head<3>(), t = F.template tail<3>();
+  add_contact_turn<S>(impact.rates, by_f.cross(f) + by_t.cross(t), gradient);
+}
+
+template <class S>
+void CaptureModel::add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,
+                                  ScalarGradient<S>& gradient) const {
+  const S& speed = impact.encounter.closing_speed;
+  if (encounter.magnitude_is_given() || !(speed > S(0))) return;
+  gradient.t += along_p / speed * impact.closing_speed_rate;
+}
+
+template <class S>
+ScalarGradient<S> CaptureModel::impact_gradient(const PostureImpact<S>& posture,
+                                                const ScenarioImpact<S>& impact,
+                                                const ResponseWeights<S>& weights) const {
+  const auto raw = response_gradient<S>(problem.robot, posture, impact.response, weights);
+  ScalarGradient<S> out(n());
+  out.phi = raw.phi;
+  add_wrench_turn<S>(impact, raw.F, out);
+  return out;
+}
+
+template <class S>
+ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
+                                                const ScenarioImpact<S>& impact,
+                                                ResponseWeights<S> weights,
+                                                const S& along_p) const {
+  // p = (1+e) v_n / (F' W_h F + n' W_t n), along_p = p d psi / d p.
+  if (!encounter.magnitude_is_given() && impact.p > S(0)) {
+    weights.hand_inverse_mass =
+        -along_p / (impact.response.hand_inverse_mass + S(impact.encounter.target_inverse_mass));
+  }
+  ScalarGradient<S> out = impact_gradient<S>(posture, impact, weights);
+  add_speed_rate<S>(impact, along_p, out);
+  return out;
+}
+
+/// The member templates on S, instantiated.
+#define STILLBASE_INSTANTIATE_CAPTURE_MODEL(S)                                                  \
+  template Placement<S> CaptureModel::place(const VectorX<S>&) const;                           \
+  template PostureImpact<S> CaptureModel::posture(const Placement<S>&) const;                   \
+  template PostureImpact<S> CaptureModel::posture(const Placement<S>&, const Scenario&) const;  \
+  template ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>&, const Scenario&)   \
+      const;                                                                                    \
+  template ScenarioImpact<S> CaptureModel::impact(const Placement<S>&, const PostureImpact<S>&, \
+                                                  const Scenario&) const;                       \
+  template ScalarGradient<S> CaptureModel::impact_gradient(                                     \
+      const PostureImpact<S>&, const ScenarioImpact<S>&, const ResponseWeights<S>&) const;      \
+  template ScalarGradient<S> CaptureModel::scaled_gradient(                                     \
+      const PostureImpact<S>&, const ScenarioImpact<S>&, ResponseWeights<S>, const S&) const;   \
+  template void CaptureModel::add_contact_turn(const ContactRates<S>&, const Vector3<S>&,       \
+                                               ScalarGradient<S>&) const;                       \
+  template void CaptureModel::add_wrench_turn(const ScenarioImpact<S>&, const Vector6<S>&,      \
+                                              ScalarGradient<S>&) const;                        \
+  template void CaptureModel::add_speed_rate(const ScenarioImpact<S>&, const S&,                \
+                                             ScalarGradient<S>&) const
+
+}  // namespace stillbase

@@ -1,0 +1,39 @@
+// An axis of the base within a cone about its stated direction.
+#include <cmath>
+
+#include "formulation/constraints/constraint.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// Cosine of the angle of the base's axis from its direction in N.
+class AttitudeCone final : public ConstraintOf<AttitudeCone> {
+ public:
+  explicit AttitudeCone(double half_angle)
+      : ConstraintOf("base_attitude_cone", "1", std::cos(half_angle), kInfinity) {}
+
+  template <class S>
+  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+    const CaptureProblem& problem = at.model.problem;
+    const Vector3d& axis = problem.variables.base_attitude_axis;
+    const Vector3<S> wanted = axis.cast<S>();
+    const Vector3<S> in_base =
+        Vector3d(problem.base.orientation.conjugate() * axis).template cast<S>();
+    const Matrix3<S>& R_NB = at.placement.R_NB;
+    if (gradient != nullptr) {
+      gradient->theta = in_base.cross(Vector3<S>(R_NB.transpose() * wanted));
+    }
+    return wanted.dot(Vector3<S>(R_NB * in_base));
+  }
+};
+
+}  // namespace
+
+void add_attitude_cone(const CaptureModel& model, ConstraintSet& out) {
+  const VariableSpec& variables = model.problem.variables;
+  if (variables.base_attitude != AttitudeFreedom::Cone) return;
+  out.rows.push_back(std::make_unique<AttitudeCone>(variables.base_attitude_max));
+}
+
+}  // namespace stillbase

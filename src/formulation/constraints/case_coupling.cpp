@@ -1,0 +1,108 @@
+// Cases G3 and C2: the impulse leaves no coupling angular momentum Htilde_omegaphi Delta phidot.
+#include <stillbase/core/random.hpp>
+#include <stillbase/dynamics/reaction_null_space.hpp>
+
+#include "formulation/constraints/constraint.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// Component i in B of the coupling part per unit of impulse, m, = 0.
+class CaseCoupling final : public ConstraintOf<CaseCoupling> {
+ public:
+  explicit CaseCoupling(int i)
+      : ConstraintOf("case_coupling_" + std::to_string(i + 1), "m", 0, 0), i_(i) {
+    needs_impact = is_of_case = true;
+  }
+
+  template <class S>
+  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+    if (gradient != nullptr) {
+      ResponseWeights<S> weights;
+      weights.total[i_] = S(1);
+      weights.base = -weights.total;
+      *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
+    }
+    return at.impact.response.coupling()[i_];
+  }
+
+ private:
+  int i_;
+};
+
+/// The coupling part along column k of the coupling matrix, per unit of impulse, = 0.
+class CouplingColumn final : public ConstraintOf<CouplingColumn> {
+ public:
+  explicit CouplingColumn(int k)
+      : ConstraintOf("case_coupling_column_" + std::to_string(k + 1), "kg m^3", 0, 0), k_(k) {
+    needs_impact = is_of_case = true;
+  }
+
+  template <class S>
+  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+    const Vector3<S> column = at.posture.tilde.Htilde_omegaphi.col(k_);
+    const Vector3<S> coupling = at.impact.response.coupling();
+    if (gradient != nullptr) {
+      ResponseWeights<S> weights;
+      weights.total = column;
+      weights.base = -column;
+      *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
+      gradient->phi +=
+          coupling_column_gradient<S>(at.model.problem.robot, at.posture, k_, coupling);
+    }
+    return column.dot(coupling);
+  }
+
+ private:
+  int k_;
+};
+
+/// Columns of the coupling matrix that span its range almost everywhere.
+std::vector<int> spanning_columns(const CaptureModel& model) {
+  constexpr int kSamples = 8;
+  Random random(0);
+  int rank = 0;
+  std::vector<int> columns;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    JointVectord phi(model.n());
+    for (int k = 0; k < model.n(); ++k) phi[k] = random.uniform(-3, 3);
+    const auto posture = evaluate_posture<double>(model.problem.robot, model.resistance, phi);
+    Matrix3Xd A = posture.tilde.Htilde_omegaphi;
+    for (int k = 0; k < model.n(); ++k) {
+      if (posture.factor.locked[static_cast<std::size_t>(k)]) A.col(k).setZero();
+    }
+    const ReactionNullSpace space = compute_reaction_null_space(A);
+    if (space.rank <= rank) continue;
+    rank = space.rank;
+    columns.clear();
+    Matrix3Xd kept(3, 0);
+    for (int k = 0; k < model.n() && static_cast<int>(columns.size()) < rank; ++k) {
+      Matrix3Xd trial(3, kept.cols() + 1);
+      trial << kept, A.col(k);
+      if (compute_reaction_null_space(trial).rank == trial.cols()) {
+        kept = trial;
+        columns.push_back(k);
+      }
+    }
+  }
+  return columns;
+}
+
+}  // namespace
+
+void add_case_coupling(const CaptureModel& model, ConstraintSet& out) {
+  const CaseConstraint wanted = model.problem.constraints.impact_case;
+  if (wanted != CaseConstraint::G3 && wanted != CaseConstraint::C2) return;
+  // The coupling part lies in the range of the coupling matrix. Of rank 2, three components depend
+  // on each other: rows along two columns replace them. Where these columns are nearly parallel
+  // they determine little, so the components are reported.
+  const std::vector<int> columns = spanning_columns(model);
+  const bool has_rows_along_columns = columns.size() == 2;
+  Constraints& components = has_rows_along_columns ? out.implied : out.rows;
+  for (int i = 0; i < 3; ++i) components.push_back(std::make_unique<CaseCoupling>(i));
+  if (!has_rows_along_columns) return;
+  for (const int k : columns) out.rows.push_back(std::make_unique<CouplingColumn>(k));
+}
+
+}  // namespace stillbase

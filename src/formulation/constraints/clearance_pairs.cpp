@@ -1,0 +1,134 @@
+#include "formulation/constraints/clearance_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/rotation.hpp>
+
+#include "formulation/constraints/clearance_kernel.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// Shapes that come this close to a joint's origin count as reaching it, m.
+constexpr double kReachesJoint = 1e-6;
+
+std::optional<ClearanceShape> shape_of(int body, const std::string& name, const Pose& pose,
+                                       const Geometry& geometry) {
+  ClearanceShape out;
+  out.body = body;
+  out.name = name;
+  out.R = pose.orientation.toRotationMatrix();
+  out.p = pose.position;
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    out.radius = sphere->radius;
+  } else if (const auto* capsule = std::get_if<Capsule>(&geometry)) {
+    out.radius = capsule->radius;
+    out.half.z() = capsule->length / 2;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
+    out.radius = cylinder->radius;
+    out.half.z() = cylinder->length / 2;
+  } else if (const auto* box = std::get_if<Box>(&geometry)) {
+    out.is_box = true;
+    out.half = box->size / 2;
+  } else {
+    return std::nullopt;
+  }
+  return out;
+}
+
+bool reaches(const ClearanceShape& shape, const Vector3d& point) {
+  const Vector3d p = shape.R.transpose() * (point - shape.p);
+  if (shape.is_box) return closed_form::box_distance(p, shape.half) <= kReachesJoint;
+  const Vector3d nearest(0, 0, std::clamp(p.z(), -shape.half.z(), shape.half.z()));
+  return (p - nearest).norm() - shape.radius <= kReachesJoint;
+}
+
+/// The shapes of a joint's child and parent overlap wherever the joint stands, looked at in 64
+/// positions of its range.
+bool overlap_always(const Joint& joint, const ClearanceShape& child, const ClearanceShape& parent) {
+  constexpr int kPositions = 64;
+  const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
+  const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
+  for (int i = 0; i < kPositions; ++i) {
+    const double phi = low + (high - low) * i / (kPositions - 1);
+    const Vector3d along(0, 0, phi);
+    const Matrix3d turn = joint.is_prismatic() ? Matrix3d(Matrix3d::Identity())
+                                               : rotation_exp(along).toRotationMatrix();
+    const Matrix3d R = joint.R * turn;
+    const Vector3d o =
+        joint.p + (joint.is_prismatic() ? Vector3d(joint.R * along) : Vector3d(Vector3d::Zero()));
+    const PlacedShape<double> a{&child, R * child.R, o + R * child.p};
+    const PlacedShape<double> b{&parent, parent.R, parent.p};
+    if (separate<double>(a, b).distance > 0) return false;
+  }
+  return true;
+}
+
+bool overlap_at_joint(const RobotModel& robot, const ClearanceShape& a, const ClearanceShape& b) {
+  const ClearanceShape& child = a.body > b.body ? a : b;
+  const ClearanceShape& parent = a.body > b.body ? b : a;
+  if (child.body < 0 || parent.body == kTargetBody) return false;
+  const Joint& joint = robot.joints[static_cast<std::size_t>(child.body)];
+  if (joint.parent != parent.body) return false;
+  const bool both_reach = reaches(child, Vector3d::Zero()) && reaches(parent, joint.p);
+  return both_reach || overlap_always(joint, child, parent);
+}
+
+}  // namespace
+
+std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem) {
+  const RobotModel& robot = problem.robot;
+  struct Numbered {
+    int number;
+    bool is_obstacle;
+    ClearanceShape shape;
+  };
+  std::vector<Numbered> shapes;
+  int number = 0;
+  const auto add = [&](int body, const std::string& name, const Pose& pose,
+                       const Geometry& geometry, bool is_obstacle, bool is_left_out) {
+    ++number;
+    const auto shape = shape_of(body, name, pose, geometry);
+    if (shape && !is_left_out) shapes.push_back({number, is_obstacle, *shape});
+  };
+  for (const CollisionShape& shape : robot.shapes) {
+    add(shape.body, shape.link, shape.pose, shape.geometry, false, false);
+  }
+  for (const Obstacle& obstacle : problem.obstacles) {
+    add(kBase, obstacle.name, obstacle.pose, obstacle.geometry, true,
+        obstacle.frame == Frame::Inertial);
+  }
+  if (problem.target) {
+    for (const TargetShape& shape : problem.target->shapes) {
+      add(kTargetBody, "target", shape.pose, shape.geometry, false, false);
+    }
+  }
+  const auto is_allowed = [&](const std::string& a, const std::string& b) {
+    return std::any_of(
+        problem.allowed_contacts.begin(), problem.allowed_contacts.end(), [&](const auto& pair) {
+          return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+        });
+  };
+  std::vector<ClearancePair> out;
+  for (std::size_t j = 0; j < shapes.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const ClearanceShape& a = shapes[i].shape;
+      const ClearanceShape& b = shapes[j].shape;
+      const bool hand_meets_target = b.body == kTargetBody && a.body == robot.hand_body;
+      if (a.body == b.body || hand_meets_target || is_allowed(a.name, b.name)) continue;
+      if (!shapes[i].is_obstacle && !shapes[j].is_obstacle && overlap_at_joint(robot, a, b)) {
+        continue;
+      }
+      out.push_back({a, b,
+                     "clearance_" + std::to_string(shapes[i].number) + "_" +
+                         std::to_string(shapes[j].number) + "_" + a.name + "_" + b.name});
+    }
+  }
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,104 @@
+// One constraint of the nonlinear program, and the set of those that a problem asks for.
+//
+// Each constraint is one file of this folder: a class with name, unit, bounds, and one template
+// that gives value and gradient for any number type, and a function that adds it to the set where
+// the problem asks for it. registry.cpp lists these functions.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/tangent.hpp"
+#include "formulation/capture_model.hpp"
+
+namespace stillbase {
+
+/// What constraints are functions of.
+template <class S>
+struct ConstraintPoint {
+  const CaptureModel& model;
+  const Placement<S>& placement;
+  const PostureImpact<S>& posture;
+  const ScenarioImpact<S>& impact;  ///< nominal; set for constraints that need it
+};
+
+using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+
+/// lower <= value <= upper.
+class Constraint {
+ public:
+  std::string name;
+  std::string unit;
+  double lower, upper;
+  bool needs_impact = false;
+  /// An equation of the impact case: presolve asks whether others imply it.
+  bool is_of_case = false;
+
+  Constraint(std::string its_name, std::string its_unit, double lowest, double highest)
+      : name(std::move(its_name)), unit(std::move(its_unit)), lower(lowest), upper(highest) {}
+  virtual ~Constraint() = default;
+
+  bool is_equation() const { return lower == upper; }
+
+  virtual double value(const ConstraintPoint<double>& at) const = 0;
+  virtual Tangent value(const ConstraintPoint<Tangent>& at) const = 0;
+  /// @param gradient over the variables (N)
+  virtual double value_and_gradient(const ConstraintPoint<double>& at,
+                                    GradientRow gradient) const = 0;
+  /// out += multiplier * gradient.
+  virtual void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
+                            VectorX<Tangent>& out) const = 0;
+  /// Whether add_gradient() is exact.
+  virtual bool has_hessian() const { return true; }
+};
+
+/// A constraint from one template of class Own:
+///   template <class S> S evaluate(const ConstraintPoint<S>&, ScalarGradient<S>* gradient) const
+/// returns the value and, unless it is null, fills the gradient, which is zero before.
+template <class Own>
+class ConstraintOf : public Constraint {
+ public:
+  using Constraint::Constraint;
+
+  double value(const ConstraintPoint<double>& at) const override {
+    return own().template evaluate<double>(at, nullptr);
+  }
+  Tangent value(const ConstraintPoint<Tangent>& at) const override {
+    return own().template evaluate<Tangent>(at, nullptr);
+  }
+  double value_and_gradient(const ConstraintPoint<double>& at, GradientRow row) const override {
+    ScalarGradient<double> gradient(at.model.n());
+    const double value = own().template evaluate<double>(at, &gradient);
+    at.model.compress_into(at.placement, gradient, row);
+    return value;
+  }
+  void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
+                    VectorX<Tangent>& out) const override {
+    ScalarGradient<Tangent> gradient(at.model.n());
+    own().template evaluate<Tangent>(at, &gradient);
+    VectorX<Tangent> row(out.size());
+    at.model.compress_into(at.placement, gradient, row);
+    out += row * Tangent(multiplier);
+  }
+
+ private:
+  const Own& own() const { return static_cast<const Own&>(*this); }
+};
+
+using Constraints = std::vector<std::unique_ptr<Constraint>>;
+
+struct ConstraintSet {
+  Constraints rows;      ///< for the optimizers
+  Constraints implied;   ///< hold where the rows do: reported
+  Constraints reported;  ///< change with no variable: reported
+};
+
+/// All that the problem asks for, in the order of the registry.
+/// @throws InputError for constraints that the problem leaves undefined
+ConstraintSet constraints_of(const CaptureModel& model);
+
+/// Names of the axes in names of constraints.
+inline constexpr const char* kAxisNames[3] = {"x", "y", "z"};
+
+}  // namespace stillbase

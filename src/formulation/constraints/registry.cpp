@@ -1,0 +1,33 @@
+#include "formulation/constraints/constraint.hpp"
+
+namespace stillbase {
+
+using AddConstraints = void(const CaptureModel&, ConstraintSet&);
+
+AddConstraints add_hand_position, add_station_box, add_hand_axis, add_hand_pose, add_case_total,
+    add_case_base, add_case_coupling, add_joint_rate, add_coupling_margin, add_jacobian_margin,
+    add_clearance, add_closing_speed, add_attitude_cone, add_attitude_angle;
+
+ConstraintSet constraints_of(const CaptureModel& model) {
+  static constexpr AddConstraints* kConstraints[] = {
+      add_hand_position,    // hand at the contact feature or at a stated point
+      add_station_box,      // base position that puts it there within a box
+      add_hand_axis,        // approach axis against the direction
+      add_hand_pose,        // all three axes of the hand
+      add_case_total,       // cases C, C1, C2: no angular momentum of the system
+      add_case_base,        // case G2: none of the base
+      add_case_coupling,    // cases G3, C2: no coupling angular momentum
+      add_joint_rate,       // joint rates right after the impact
+      add_coupling_margin,  // least singular value of the coupling matrix
+      add_jacobian_margin,  // least singular value of the generalized Jacobian
+      add_clearance,        // distances between bodies
+      add_closing_speed,    // of hand and target
+      add_attitude_cone,    // base axis within its cone
+      add_attitude_angle    // base attitude within an angle
+  };
+  ConstraintSet out;
+  for (AddConstraints* const add : kConstraints) add(model, out);
+  return out;
+}
+
+}  // namespace stillbase

@@ -1,0 +1,56 @@
+#include "formulation/constraints/user_constraint.hpp"
+
+#include <stdexcept>
+
+#include "formulation/objectives/differenced_terms.hpp"
+
+namespace stillbase {
+
+namespace {
+
+class UserRow final : public Constraint {
+ public:
+  explicit UserRow(UserConstraint constraint)
+      : Constraint(constraint.name, constraint.unit, constraint.lower, constraint.upper),
+        function_(std::move(constraint.value)) {
+    needs_impact = true;
+  }
+
+  double value(const ConstraintPoint<double>& at) const override {
+    return function_(at.model.configuration(at.placement.x),
+                     summarize_scenario(at.model, at.placement, at.impact, at.model.nominal));
+  }
+  double value_and_gradient(const ConstraintPoint<double>& at, GradientRow row) const override {
+    const Eigen::VectorXd x = at.placement.x;
+    const auto value_at = [&](const Eigen::VectorXd& other) {
+      const auto placement = at.model.place<double>(other);
+      const auto posture = at.model.posture(placement);
+      return value(
+          {at.model, placement, posture, at.model.impact(placement, posture, at.model.nominal)});
+    };
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      row[i] = difference_along(at.model.layout, x, i, value_at);
+    }
+    return value(at);
+  }
+  bool has_hessian() const override { return false; }
+  Tangent value(const ConstraintPoint<Tangent>&) const override { return no_derivative(); }
+  void add_gradient(const ConstraintPoint<Tangent>&, double, VectorX<Tangent>&) const override {
+    no_derivative();
+  }
+
+ private:
+  [[noreturn]] Tangent no_derivative() const {
+    throw std::logic_error(name + ": a user's constraint has no exact second derivatives");
+  }
+
+  UserFunction function_;
+};
+
+}  // namespace
+
+std::unique_ptr<Constraint> user_constraint(UserConstraint constraint) {
+  return std::make_unique<UserRow>(std::move(constraint));
+}
+
+}  // namespace stillbase
