@@ -17,7 +17,7 @@ AfterContact after_latch(const ContactCase& subject, const ContactChoice& choice
   result.robot = latched.robot;
   result.is_held = latched.impulse.status == ContactStatus::Hit;
   result.latch_impulse = latched.impulse.Fbar;
-  // The controller knows of the target what it is told.
+  // The controller knows the target as `target_scale` states it.
   if (result.is_held && (options.controller_robot || choice.target_scale != 1)) {
     RobotModel known = options.controller_robot.value_or(subject.robot);
     if (choice.target_scale > 0) {
@@ -78,14 +78,14 @@ AfterContact through_compliant_contact(const ContactCase& subject, const Contact
 AfterContact simulate_after_contact(const ContactCase& subject, const ContactChoice& choice,
                                     const Controller& controller,
                                     const SimulationOptions& options) {
-  const bool meets = subject.impulse > 0 && subject.closing_speed > 0;
+  const bool is_contact = subject.impulse > 0 && subject.closing_speed > 0;
   if (choice.model != ContactModel::Jump && !subject.target) {
     throw std::invalid_argument("this model of the contact needs a target");
   }
-  if (meets && choice.model == ContactModel::Latch) {
+  if (is_contact && choice.model == ContactModel::Latch) {
     return after_latch(subject, choice, controller, options);
   }
-  if (meets && choice.model == ContactModel::Compliant) {
+  if (is_contact && choice.model == ContactModel::Compliant) {
     return through_compliant_contact(subject, choice, controller, options);
   }
   AfterContact result;

@@ -6,7 +6,7 @@
 namespace stillbase {
 namespace {
 
-/// No robot turns or flies that fast; a larger number means that the integration has failed.
+/// Larger numbers mean that the integration has failed.
 constexpr double kLargestState = 1e12;
 
 /// dq/dt = 1/2 q (0, omega) on the quaternion as integrated, whatever its length: see simulate.hpp.

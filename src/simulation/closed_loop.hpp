@@ -29,7 +29,7 @@ void normalise_attitude(StateVector& x, int n);
 /// Finite, and not so large that products of its elements would leave the range of numbers.
 bool is_bounded(const StateVector& x);
 
-/// Gets to see every step: state, terms of (3) and command (after limits) at its beginning.
+/// Observes every step: state, terms of (3) and command (after limits) at its beginning.
 class StepObserver {
  public:
   virtual ~StepObserver() = default;
@@ -41,7 +41,7 @@ class StepObserver {
   virtual void stop_met(double t, int joint, LimitKind kind, double rate) = 0;
 };
 
-/// What a joint does between two events.
+/// State of a joint between two events.
 enum class JointMode : unsigned char {
   Moves,
   Sticks,   ///< held by Coulomb friction
@@ -64,15 +64,15 @@ class ClosedLoop {
   /// @param observer may be null
   void derivative(double t, const StateVector& x, StateVector& dxdt, StepObserver* observer);
 
-  /// True when something has to change before the motion can go on from x: a joint beyond its stop,
-  /// at rest, pulled off, or the contact begins or ends.
+  /// True when the equations change at x: a joint beyond its stop, at rest or pulled off it, or the
+  /// begin or end of the contact.
   bool has_event(double t, const StateVector& x);
   /// Makes the changes: impulses of stops, modes of joints, contact.
-  /// @return false when they do not come to an end
+  /// @return false when there are too many at one instant
   bool handle_events(double t, StateVector& x, StepObserver& observer);
 
   const ContactHistory& contact() const { return contact_; }
-  /// The run was asked to end with the first contact, and it has ended.
+  /// Whether the run has to end with the first contact, and this is over.
   bool is_over() const {
     return encounter_ != nullptr && encounter_->end_with_contact && contact_.contacts > 0 &&
            contact_.phase != ContactPhase::Touching;

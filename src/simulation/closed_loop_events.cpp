@@ -10,7 +10,7 @@ namespace {
 /// A joint that would leave its stop more slowly than this rests there, rad/s (m/s): without it, a
 /// joint pressed against a stop would rebound without end.
 constexpr double kRestRate = 1e-5;
-/// Rate into a stop below which nothing is left to turn around.
+/// Rate into a stop below which it is not reversed.
 constexpr double kNoRate = 1e-12;
 /// Part of the friction torque by which more than it is needed before a joint slips: keeps rounding
 /// from releasing a joint that just came to rest.

@@ -1,4 +1,4 @@
-// What the runs with and without a target share.
+// Shared by the runs with and without a target.
 #pragma once
 
 #include "simulation/integrators.hpp"

@@ -1,4 +1,4 @@
-// What the controller gets to know: the state some control periods ago, with errors.
+// Measurement of the state: some control periods old, with errors.
 #pragma once
 
 #include <deque>

@@ -167,10 +167,11 @@ SimulationResult simulate_impact(const RobotModel& robot, const JointResistance&
   SimulationResult first = simulate_post_impact(robot, resistance, before, controller, lead);
   if (first.status != SimulationStatus::Finished) return first;
 
-  SimulationOptions rest = options;
-  rest.start_time = options.start_time + lead_time;
+  SimulationOptions after_impact = options;
+  after_impact.start_time = options.start_time + lead_time;
   const PlantState after = state_after_impact(robot, resistance, first.trace.back().state, Fbar);
-  SimulationResult second = simulate_post_impact(robot, resistance, after, controller, rest);
+  SimulationResult second =
+      simulate_post_impact(robot, resistance, after, controller, after_impact);
   second.trace.insert(second.trace.begin(), first.trace.begin(), first.trace.end());
   return second;
 }

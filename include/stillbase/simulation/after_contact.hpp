@@ -1,9 +1,8 @@
-// The motion from the meeting of hand and target on, by whichever model of the contact is asked
-// for.
+// The motion from the contact of hand and target on, by one of the models of the contact.
 //
 // Assumptions: the robot waits in its posture; the contact point is the origin of the hand frame. A
 // compliant contact begins one control period (10 ms at most) before time zero, on which the target
-// flies on evenly, so that both bodies touch at time zero. A latch closes at time zero.
+// moves uniformly, so that both bodies touch at time zero. A latch closes at time zero.
 #pragma once
 
 #include <stillbase/impact/contact.hpp>
@@ -12,7 +11,7 @@
 
 namespace stillbase {
 
-/// What the hand meets.
+/// The target at the contact.
 struct MetTarget {
   TargetBody body;
   TargetPlantState state;  ///< at the contact, where its contact point is at the hand
@@ -47,11 +46,11 @@ struct AfterContact {
   Vector6d latch_impulse = Vector6d::Zero();  ///< Latch: on the hand, [f; t] in B, N s, N m s
 };
 
-/// Runs the case from the contact to the horizon. Nothing is met (impulse zero): the robot goes on
-/// as `after`.
+/// Runs the case from the contact to the horizon. Without a contact (impulse zero) the robot
+/// continues from `after`.
 /// @param options its controller's robot is that without a target; start_time must be zero
 /// @throws InputError when sizes or options make no sense, std::invalid_argument when the model
-///   needs a target and there is none, or a compliant contact is asked to leave less than
+///   needs a target and there is none, or a compliant contact has to leave less than
 ///   kLeastRestitution
 [[nodiscard]] AfterContact simulate_after_contact(const ContactCase& subject,
                                                   const ContactChoice& choice,

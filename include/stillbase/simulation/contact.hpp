@@ -1,7 +1,7 @@
 // A contact that takes time: hand and target as two moving bodies with a spring-damper between
 // them. It checks the instantaneous jump (PHYSICS section 3) by a model that knows nothing of it.
 //
-// Assumptions: the contact point is the origin of the hand frame and meets the plane through the
+// Assumptions: the contact point is the origin of the hand frame and touches the plane through the
 // target's contact point with the target's outward normal n; one contact point, no moment there.
 // Gap g = n . (hand - contact point); while it is closed (g < 0)
 //   f_n = max(0, -k g - d dg/dt) on the hand along n, the opposite on the target, and tangentially
@@ -78,7 +78,7 @@ HandLoad contact_load(const CompliantContact& contact, const TargetPlantState& t
 inline constexpr double kLeastRestitution = 1e-3;
 double contact_damping(double restitution, double stiffness, double effective_mass);
 
-/// What the contact did.
+/// The run and its contact.
 struct EncounterResult {
   SimulationResult simulation;
   ContactHistory contact;

@@ -20,7 +20,7 @@ enum class ControllerKind {
   JointDampingLiteral,  ///< (19) as printed
   Rns,                  ///< (24) without its last term
   RnsDamped,            ///< (24)
-  RnsHandback           ///< (24), then the momentum goes to the base's wheels, bit by bit
+  RnsHandback           ///< (24), then the momentum is transferred to the base's wheels
 };
 
 /// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped", "rns_handback".
@@ -48,7 +48,7 @@ struct Controller {
   /// is an exponential with this rate, so it has to be slow beside K_omega.
   double K_handback = 1;
   /// Adds the torque that the model's joint friction takes: viscous phidot + coulomb
-  /// tanh(phidot / friction_transition_rate). The tanh keeps it from chattering about rest.
+  /// tanh(phidot / friction_transition_rate). The tanh avoids chattering about zero rate.
   bool friction_compensation = false;
   double friction_transition_rate = 0.01;  ///< rad/s or m/s, > 0
 };
@@ -81,7 +81,7 @@ Vector3d thruster_torque(const BaseThrusters& thrusters, const PlantTerms& terms
 /// leaves in the base what the arm could only carry by spinning.
 double momentum_edge(const Controller& controller, double sigma_max, double L_g);
 
-/// What the arm can do for the base: the angular coupling matrix A = Htilde_omegaphi in its
+/// How much base momentum the arm can take: the angular coupling matrix A = Htilde_omegaphi in its
 /// singular directions U (in B), sigma descending.
 struct MomentumTransfer {
   Matrix3d U;        ///< columns: directions of base angular momentum
@@ -101,7 +101,7 @@ struct MomentumTransfer {
 MomentumTransfer compute_momentum_transfer(const Controller& controller,
                                            const Matrix3Xd& Htilde_omegaphi, const Vector3d& L_g);
 
-/// Joint torques that the controller asks for (n), before any limit, N m or N.
+/// Joint torques that the controller commands (n), before any limit, N m or N.
 ///
 /// none: 0.
 /// joint_damping: tau = -Hhat_phi K_phi phidot + chat, so phi'' = -K_phi phidot by (18).
@@ -114,7 +114,7 @@ MomentumTransfer compute_momentum_transfer(const Controller& controller,
 ///   this is (24).
 ///   Differs from (22): which prints K_omega where K_phi is meant.
 ///   Differs from (21): whose text puts a hat on the H_phi of the last term; a tilde is right.
-///   Differs from (24): where A loses rank, (24) asks for a dot_omega that the arm cannot give
+///   Differs from (24): where A loses rank, (24) demands a dot_omega that the arm cannot give
 ///   and so disturbs the directions that it can. Here the wanted Htilde_omega dot_omega +
 ///   ctilde_omega is projected onto the range of A (damped near the edge, see MomentumTransfer);
 ///   (18) then takes the dot_omega that really comes. Angular momentum along a lost direction u
@@ -138,7 +138,8 @@ struct ControlCommand {
 ///     phi'' = -A^+ (Htilde_omega dot_omega + ctilde_omega - t_b) - P_RNSomega K_phi phidot,
 ///     t_b = u - omega x h_w (h_w the wheels' momentum),
 ///   (9) with the moment t_b on the base, so that the base stays as still as under rns_damped while
-///   A phidot and with it the joint rates run out. A full wheel leaves the rest in the arm.
+///   A phidot and with it the joint rates run out. A full wheel leaves the remaining momentum in
+///   the arm.
 /// @param elapsed s since the impact
 ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
                                const RobotModel& robot, const PlantTerms& terms,

@@ -11,7 +11,7 @@ struct LatchedRobot {
   RobotModel robot;        ///< robot and target as one, attach_target()
   PlantState state;        ///< right after the latch
   Pose hand_target;        ///< T in the hand frame, as it is held
-  ContactImpulse impulse;  ///< on the hand; `robot` is the target's only when it is a hit
+  ContactImpulse impulse;  ///< on the hand; `robot` is the target's only when its status is Hit
 };
 
 /// The rigid latch of the contact laws: all six relative velocities of hand and target vanish, and

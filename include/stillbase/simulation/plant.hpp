@@ -57,7 +57,7 @@ struct PlantAcceleration {
 PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& F_b,
                                        const JointVectord& tau, const std::vector<bool>& held = {});
 
-/// What holds a joint: the torque beside tau with which (3) gives this acceleration,
+/// Torque that holds a joint: beside tau, with which (3) gives this acceleration,
 ///   r = H_bphi' dot Omega + H_phi phi'' + c_phi - tau (n). Zero for joints that are not held.
 JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,
                             const JointVectord& tau);

@@ -18,7 +18,7 @@ Controller controller_of(ControllerKind kind, const Spec& spec) {
   return controller;
 }
 
-/// What the controller takes a robot for; empty: for what it is.
+/// The controller's model of a robot; empty: the robot itself.
 template <class Spec>
 std::optional<RobotModel> controller_robot_of(const Spec& spec, const RobotModel& robot) {
   const auto& model = spec.model;

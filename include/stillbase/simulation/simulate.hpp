@@ -1,18 +1,18 @@
 // Closed-loop simulation of the post-impact phase: plant, controller, integrator, limits.
 //
 // Rotation. The attitude is integrated as a quaternion, dq/dt = 1/2 q (0, omega), and brought back
-// to unit length after every step. That equation is linear in q, so a wrong length never turns the
-// frame, and bringing back moves q by no more than the step's own error: a method of order 4 stays
-// of order 4 (projection methods; Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
-// Base and joint velocities do not depend on the pose at all.
+// to unit length after every step. That equation is linear in q, so a wrong length never rotates
+// the frame, and bringing back moves q by no more than the step's own error: a method of order 4
+// stays of order 4 (projection methods; Hairer, Lubich, Wanner, Geometric Numerical Integration,
+// IV.4). Base and joint velocities do not depend on the pose at all.
 //
-// Stops and friction. A joint that meets its stop gets its rate turned around, times a restitution,
+// Stops and friction. A joint that reaches its stop has its rate reversed, times a restitution,
 // by an impulse between its two bodies; without rebound it rests there until it is pulled off.
 // Coulomb friction is stick-slip, not smoothed: a joint that comes to rest sticks (its acceleration
 // is zero, not small) for as long as no more than the friction torque is needed to hold it. A
 // smoothed law would let joints creep and make the equation stiff. The instants at which a joint
-// meets a stop, sticks, slips or leaves are located within the integrator's step by bisection, and
-// the step ends there.
+// reaches a stop, sticks, slips or leaves are located within the integrator's step by bisection,
+// and the step ends there.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ enum class IntegratorKind {
   Fehlberg78  ///< Runge-Kutta-Fehlberg 7(8), adaptive; the cheapest one for tight tolerances
 };
 
-/// What the controller gets to know. Errors are independent and normal, drawn at each control
+/// Measurement of the state. Errors are independent and normal, drawn at each control
 /// instant from (seed, stream); sampled control only.
 struct Sensors {
   double base_rate_error = 0;       ///< rad/s, standard deviation per axis
@@ -55,7 +55,7 @@ struct SimulationOptions {
   double relative_tolerance = 1e-10;  ///< adaptive, per step
   double absolute_tolerance = 1e-12;  ///< adaptive, per step, in SI units
   /// s between evaluations of the controller, held in between; counted from start_time. 0:
-  /// evaluated wherever the integrator asks (continuous control).
+  /// evaluated at each stage of the integrator (continuous control).
   double control_period = 0.01;
   double start_time = 0;        ///< s
   double horizon = 10;          ///< s after start_time
@@ -64,14 +64,14 @@ struct SimulationOptions {
   /// A drive that turns at its max_velocity or faster gives no torque in that direction.
   bool rate_limits = true;
   bool joint_stops = true;      ///< enforced; false: passing one is reported only
-  double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, turned around
+  double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
   bool friction = false;        ///< viscous and Coulomb friction of the model
   BaseWheels wheels;            ///< off by default
   BaseThrusters thrusters;      ///< off by default
   BaseWrench base_wrench;       ///< empty: none
   Sensors sensors;              ///< exact by default
-  /// What the controller takes the robot for (same joints); empty: for what it is. Rotor inertia is
-  /// known to it.
+  /// The controller's model of the robot (same joints); empty: the robot itself. It knows the
+  /// rotor inertia.
   std::optional<RobotModel> controller_robot;
   long max_steps = 100'000'000;  ///< of the integrator, failed tries included
   StopCondition stop;
@@ -108,7 +108,7 @@ struct TraceSample {
 enum class LimitKind { Torque, Rate, LowerStop, UpperStop };
 std::string to_string(LimitKind kind);
 
-/// A joint meets one of its limits for the first time.
+/// The first time that a joint reaches one of its limits.
 struct LimitEvent {
   int joint = 0;
   LimitKind kind = LimitKind::Torque;
@@ -117,7 +117,7 @@ struct LimitEvent {
   double time = 0;
 };
 
-/// What came of the run. Extremes are taken over the integrator's steps.
+/// Result of the run. Extremes are taken over the integrator's steps.
 struct SimulationSummary {
   double peak_base_rate = 0;       ///< max |omega|, rad/s
   double residual_base_rate = 0;   ///< |omega| at the end, rad/s
@@ -158,8 +158,8 @@ struct SimulationResult {
 
 /// Runs the closed loop from a state right after the impact (or any other state).
 ///
-/// @param resistance its rotor inertia stays in plant and controller; the rest ended with the
-/// impact
+/// @param resistance its rotor inertia stays in plant and controller; servo and locks ended with
+/// the impact
 /// @throws InputError when sizes or options make no sense.
 [[nodiscard]] SimulationResult simulate_post_impact(const RobotModel& robot,
                                                     const JointResistance& resistance,
