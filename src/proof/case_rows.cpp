@@ -129,8 +129,6 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
 
 template std::vector<Dual> evaluate_rows(const ZeroProblem&, const std::vector<Row>&,
                                          std::span<const Dual>);
-template std::vector<Quadratic<1>> evaluate_rows(const ZeroProblem&, const std::vector<Row>&,
-                                                 std::span<const Quadratic<1>>);
 template std::vector<Quadratic<2>> evaluate_rows(const ZeroProblem&, const std::vector<Row>&,
                                                  std::span<const Quadratic<2>>);
 template std::vector<Quadratic<3>> evaluate_rows(const ZeroProblem&, const std::vector<Row>&,

@@ -1,7 +1,6 @@
 #include "proof/dense.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 
 namespace stillbase::proof {
 
@@ -17,12 +16,6 @@ Eigen::MatrixXd inverse_cholesky_factor(const Eigen::MatrixXd& M) {
 
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& M, const Eigen::VectorXd& b) {
   return M.ldlt().solve(b);
-}
-
-NewtonStep newton_step(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner> svd(
-      J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return {svd.solve(f), svd.singularValues()};
 }
 
 }  // namespace stillbase::proof

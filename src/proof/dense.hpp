@@ -12,10 +12,4 @@ Eigen::MatrixXd inverse_cholesky_factor(const Eigen::MatrixXd& M);
 /// M^-1 b of a symmetric matrix.
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& M, const Eigen::VectorXd& b);
 
-/// The step of least length that solves J step = f in least squares, and singular values of J.
-struct NewtonStep {
-  Eigen::VectorXd step, singular_values;
-};
-NewtonStep newton_step(const Eigen::MatrixXd& J, const Eigen::VectorXd& f);
-
 }  // namespace stillbase::proof

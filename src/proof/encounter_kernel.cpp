@@ -117,8 +117,6 @@ EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const
 }
 
 template EncounterRange<Dual> encounter_over(const VariableEncounter&, std::span<const Dual>);
-template EncounterRange<Quadratic<1>> encounter_over(const VariableEncounter&,
-                                                     std::span<const Quadratic<1>>);
 template EncounterRange<Quadratic<2>> encounter_over(const VariableEncounter&,
                                                      std::span<const Quadratic<2>>);
 template EncounterRange<Quadratic<3>> encounter_over(const VariableEncounter&,

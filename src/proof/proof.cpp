@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "proof/case_rows.hpp"
-#include "proof/dense.hpp"
 #include "proof/domain.hpp"
 #include "proof/enclose.hpp"
 #include "proof/side_conditions.hpp"
@@ -82,7 +82,16 @@ class RowSystem final : public System<N> {
   void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const override { fill(x, f); }
   bool evaluate(const std::array<Quadratic<N>, N>& x,
                 std::array<Quadratic<N>, N>& f) const override {
-    fill(x, f);
+    if constexpr (N == 1) {
+      // As forms of two variables, the second of which does not occur: one type less to compile.
+      std::array<Quadratic<2>, 1> wide{x[0].c()};
+      wide[0].coefficient[1] = x[0].a(0);
+      const Quadratic<2> row = evaluate_rows<Quadratic<2>>(problem_, rows_, wide).front();
+      f[0].coefficient = {row.c(), row.a(0), row.q(0, 0)};
+      f[0].r = row.r;
+    } else {
+      fill(x, f);
+    }
     return true;
   }
   bool excludes(const Box<N>& box) const override { return kept_over(box) == Kept::No; }
@@ -113,6 +122,7 @@ struct SurveyOptions {
   int starts = 48;      ///< of Newton's steps
   int max_steps = 30;
   double longest_step = 0.5;  ///< rad
+  double pivot = 1e-15;       ///< pivots below this part of the largest count as zero
   double solved = 1e-11;      ///< residual of the scaled rows
   double rank = 1e-7;         ///< singular values below this part of the largest count as zero
   int enough = 4;             ///< solutions of deficient rank that decide
@@ -191,17 +201,17 @@ int rank_at_solutions(const RowSystem<N>& system, const Box<N>& domain) {
         for (int j = 0; j < N; ++j) J(i, j) = middle(values[i].d[j]);
       }
       if (!f.allFinite() || !J.allFinite()) break;
-      const NewtonStep newton = newton_step(J, f);
       if (f.norm() < options.solved) {
         if (system.excludes(here)) break;
-        const Eigen::VectorXd& sigma = newton.singular_values;
-        rank = std::max(rank, static_cast<int>((sigma.array() > options.rank * sigma[0]).count()));
+        const Eigen::VectorXd sigma = singular_values(J);
+        rank = std::max(rank, numerical_rank(sigma, options.rank));
         if (rank == N) return rank;
         ++found;
         break;
       }
-      const double most = newton.step.cwiseAbs().maxCoeff();
-      x -= newton.step * (most > options.longest_step ? options.longest_step / most : 1);
+      const Eigen::VectorXd move = least_norm_solution(J, f, options.pivot);
+      const double most = move.cwiseAbs().maxCoeff();
+      x -= move * (most > options.longest_step ? options.longest_step / most : 1);
     }
   }
   return rank;

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/rotation.hpp>
 
 namespace stillbase::proof {
@@ -172,8 +171,8 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
     const Vector3d L = body.inertia * w;
     constant_rate_ =
         w.cross(L).norm() <= 8 * std::numeric_limits<double>::epsilon() * w.norm() * L.norm();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> moments(body.inertia, Eigen::EigenvaluesOnly);
-    between = (1 / moments.eigenvalues()[0] + 1 / moments.eigenvalues()[2]) / 2;
+    const Vector3d moments = principal_moments(body.inertia);
+    between = (1 / moments[0] + 1 / moments[2]) / 2;
   }
 
   const RoundUpward upward;
