@@ -34,10 +34,10 @@ JSON Schema of every file.)";
 
 int run_tool(int argc, const char* const* argv) {
   const ProgramText program{"stillbase", STILLBASE_VERSION, kAbout, kFooter};
-  const std::vector<Command> commands{
-      check_command(),  inspect_command(),  analyze_command(), plan_command(),   simulate_command(),
-      verify_command(), audit_command(), campaign_command(), bench_command(),
-      report_command(), schema_command()};
+  const std::vector<Command> commands{check_command(),  inspect_command(),  analyze_command(),
+                                      plan_command(),   simulate_command(), verify_command(),
+                                      audit_command(),  campaign_command(), bench_command(),
+                                      report_command(), schema_command()};
   try {
     return run_command_line(program, commands, argc, argv);
   } catch (const InputError& error) {

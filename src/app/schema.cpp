@@ -58,16 +58,17 @@ int write_schema(const SchemaRequest& request) {
 
 Command schema_command() {
   auto request = std::make_shared<SchemaRequest>();
-  return {"schema", "the JSON Schema of a file format, for editors and programs",
-          std::vector<Option>{
-              {"format", "FORMAT",
-               "problem, target, state, campaign, suite, plan, verification, ...; "
-               "without it a list of all",
-               &request->name},
-              {"--fields", "", "the fields of all files that people write, and of plans, as Markdown",
-               &request->fields}} +
-              output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
-          [request] { return write_schema(*request); }};
+  return {
+      "schema", "the JSON Schema of a file format, for editors and programs",
+      std::vector<Option>{
+          {"format", "FORMAT",
+           "problem, target, state, campaign, suite, plan, verification, ...; "
+           "without it a list of all",
+           &request->name},
+          {"--fields", "", "the fields of all files that people write, and of plans, as Markdown",
+           &request->fields}} +
+          output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
+      [request] { return write_schema(*request); }};
 }
 
 }  // namespace stillbase::app

@@ -17,9 +17,9 @@ namespace {
 
 /// The turn of the base is simulated for every posture that the search looks at.
 void check_turn(MapReader& map, const CaptureProblem& problem) {
-  const auto term = std::find_if(
-      problem.objective.begin(), problem.objective.end(),
-      [](const ObjectiveTerm& t) { return row_of(t.quantity).is_simulated(); });
+  const auto term =
+      std::find_if(problem.objective.begin(), problem.objective.end(),
+                   [](const ObjectiveTerm& t) { return row_of(t.quantity).is_simulated(); });
   if (term == problem.objective.end()) return;
   const auto refuse = [&](const char* rule, const std::string& what) {
     map.context().add(map.line_of("objective"), rule,

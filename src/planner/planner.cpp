@@ -114,8 +114,8 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   }
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
-  proof = prove_solutions(options.prover, problem, formulation,
-                          half_of_remaining_time(options.stop));
+  proof =
+      prove_solutions(options.prover, problem, formulation, half_of_remaining_time(options.stop));
   match_candidates(problem, found, proof);
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());

@@ -16,7 +16,7 @@ std::optional<ContactFeature> feature_of(const CaptureProblem& problem);
 
 /// Motion of the target from `first_time` (s) on, which may be far before the contact. With a
 /// stated impulse direction the target comes along it and touches the hand at the contact time;
-/// otherwise it moves as predicted. Empty without a target.
+/// otherwise it follows its nominal motion. Empty without a target.
 /// @throws std::invalid_argument when it cannot be predicted over that time
 std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
                                           const Configuration& configuration,

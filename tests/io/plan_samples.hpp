@@ -49,10 +49,9 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   impact.rank = 1;
   impact.closing_speed = 0.7;
   impact.resistance = plan.problem.resistance;
-  plan.objective = {
-      "base_angular_momentum", "N m s",   0.1 + 0.2, 0.5,
-      random.unit_vector(),    0.1 + 0.2, true,      {{"base_angular_momentum", 0.3}},
-      {"term of a user"}};
+  plan.objective = {"base_angular_momentum", "N m s",   0.1 + 0.2, 0.5,
+                    random.unit_vector(),    0.1 + 0.2, true,      {{"base_angular_momentum", 0.3}},
+                    {"term of a user"}};
   plan.nominal_optimum = {{random_joints(random, n), random_pose(random), 0.7}, 1e-17, 0.9, 0.8};
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},

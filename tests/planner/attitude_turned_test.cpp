@@ -3,10 +3,10 @@
 #include <atomic>
 #include <cmath>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 #include "verification/objective.hpp"

@@ -1,8 +1,8 @@
 // Case G3 where the coupling matrix has rank 2: its rows are those along two columns.
 #include <catch2/catch.hpp>
 
-#include <stillbase/planner/planner.hpp>
 #include <stillbase/audit/audit.hpp>
+#include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 

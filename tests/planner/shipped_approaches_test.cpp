@@ -6,11 +6,11 @@
 #include <ctime>
 #include <filesystem>
 
+#include <stillbase/audit/audit.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
-#include <stillbase/audit/audit.hpp>
 
 #include "support/shipped_problem.hpp"
 

@@ -33,9 +33,9 @@ struct Counter {
 
   UserTerm term() {
     return {"counter", "1", 1e9, [this](const Configuration&, const ImpactSummary&) {
-                         if (++calls == stop_at) flag = true;
-                         return 0.0;
-                       }};
+              if (++calls == stop_at) flag = true;
+              return 0.0;
+            }};
   }
 };
 

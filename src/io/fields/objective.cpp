@@ -26,8 +26,7 @@ static void fields(Table& t, ObjectiveTerm& term) {
     "value that counts as one, in the unit of the quantity", {.need = Need::Required});
   t("length", Number(term.length, Dimension::Length, kSensible),
     "`base_momentum` alone: converts angular into linear momentum",
-    {.is_used = is_unknown || row_of(term.quantity).needs_length,
-     .owner = "base_momentum"});
+    {.is_used = is_unknown || row_of(term.quantity).needs_length, .owner = "base_momentum"});
   after_field(t, term, "as `objective.after`");
 }
 

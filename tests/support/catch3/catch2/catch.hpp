@@ -1,5 +1,5 @@
-// Catch2 3 under the name that Catch2 2 has for its header. tests/CMakeLists.txt puts this folder on
-// the include path where it finds version 3.
+// Catch2 3 under the name that Catch2 2 has for its header. tests/CMakeLists.txt puts this folder
+// on the include path where it finds version 3.
 #pragma once
 
 #include <string>
