@@ -21,6 +21,19 @@ double sinc(double t) { return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t; }
 
 }  // namespace
 
+Pose Pose::operator*(const Pose& other) const {
+  return {orientation * other.position + position, (orientation * other.orientation).normalized()};
+}
+
+Vector3d Pose::operator*(const Vector3d& point) const { return orientation * point + position; }
+
+Pose Pose::inverse() const {
+  const Eigen::Quaterniond q = orientation.conjugate();
+  return {-(q * position), q};
+}
+
+bool Pose::is_finite() const { return position.allFinite() && orientation.coeffs().allFinite(); }
+
 Eigen::Quaterniond rotation_exp(const Vector3d& a) {
   const double half_angle = 0.5 * a.norm();
   Eigen::Quaterniond q;

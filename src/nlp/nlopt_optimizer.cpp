@@ -165,7 +165,7 @@ void set_tolerances(nlopt_opt opt) {
   nlopt_set_param(opt, "dual_maxeval", 300);
 }
 
-constexpr const char* kTuning =
+constexpr const char* kNloptTuning =
     "ftol_rel 1e-15, xtol_rel 1e-11, xtol_abs 1e-12, vector_storage 20, dual_maxeval 300; in an "
     "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9; sequential quadratic "
     "programming starts again with a first step of 0.1 when a violation does not fall any more";
@@ -198,7 +198,7 @@ class NloptOptimizer final : public Optimizer {
                    .stochastic = row.stochastic,
                    .min_variables = row.min_variables,
                    .library = library_version(),
-                   .tuning = kTuning}),
+                   .tuning = kNloptTuning}),
         row_(row) {}
 
  private:

@@ -9,14 +9,14 @@
 namespace stillbase::nlp {
 namespace {
 
-constexpr const char* kName = "random-search";
+constexpr const char* kRandomSearch = "random-search";
 // From a far point, Newton's method either converges within about ten steps or not at all.
-constexpr int kRestorationSteps = 12;
+constexpr int kStepsToFeasible = 12;
 
 class RandomSearch final : public Optimizer {
  public:
   RandomSearch()
-      : Optimizer({.name = kName,
+      : Optimizer({.name = kRandomSearch,
                    .about = "low-discrepancy points moved onto the constraints, the best counts",
                    .global = true,
                    .stochastic = true}) {}
@@ -32,7 +32,7 @@ class RandomSearch final : public Optimizer {
       if (e == nullptr) continue;
       Evaluation at_x = *e;
       restore(monitor, monitor.constraint_lower(), monitor.constraint_upper(),
-              0.1 * options.feasibility_tolerance, kRestorationSteps, x, at_x);
+              0.1 * options.feasibility_tolerance, kStepsToFeasible, x, at_x);
     }
     return {0, "ran until it was stopped", ""};
   }
@@ -40,10 +40,10 @@ class RandomSearch final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> random_search_names() { return {kName}; }
+std::vector<std::string> random_search_names() { return {kRandomSearch}; }
 
 std::unique_ptr<Optimizer> make_random_search(std::string_view name) {
-  return name == kName ? std::make_unique<RandomSearch>() : nullptr;
+  return name == kRandomSearch ? std::make_unique<RandomSearch>() : nullptr;
 }
 
 }  // namespace stillbase::nlp

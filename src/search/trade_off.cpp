@@ -18,7 +18,7 @@ namespace stillbase {
 namespace {
 
 constexpr std::size_t kStartsOfAKind = 6;
-constexpr int kDrawn = 8;  ///< postures to start from, per start of the search
+constexpr int kDrawnPerStart = 8;  ///< postures to start from, per start of the search
 /// What counts as having the least of a quantity: so near to it, relative to that value, and, as
 /// the square of a quantity has no gradient at zero that could hold it there, relative to its value
 /// at the other end.
@@ -134,7 +134,7 @@ class FrontSearch {
       }
     }
     // A front may jump from one family of postures to another: starts from everywhere.
-    for (int draw = 0; draw < kDrawn * options_.starts && !stopped(); ++draw) {
+    for (int draw = 0; draw < kDrawnPerStart * options_.starts && !stopped(); ++draw) {
       const Eigen::VectorXd x0 = second_.start_point(
           low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
       const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);

@@ -22,18 +22,12 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< R_AB, unit norm
 
   /// T_AC = T_AB * T_BC.
-  Pose operator*(const Pose& other) const {
-    return {orientation * other.position + position,
-            (orientation * other.orientation).normalized()};
-  }
+  Pose operator*(const Pose& other) const;
   /// A point of B in the components of A.
-  Vector3d operator*(const Vector3d& point) const { return orientation * point + position; }
+  Vector3d operator*(const Vector3d& point) const;
   /// T_BA.
-  Pose inverse() const {
-    const Eigen::Quaterniond q = orientation.conjugate();
-    return {-(q * position), q};
-  }
-  bool is_finite() const { return position.allFinite() && orientation.coeffs().allFinite(); }
+  Pose inverse() const;
+  bool is_finite() const;
 };
 
 /// exp of a rotation vector (rad): the rotation by |a| about a.
