@@ -7,6 +7,7 @@
 #include "approach/effort.hpp"
 #include "approach/problems.hpp"
 #include "approach/shipped_robot.hpp"
+#include "support/dense.hpp"
 
 using namespace stillbase;
 using namespace stillbase::test;
@@ -36,7 +37,7 @@ double kinetic_energy(const CaptureProblem& problem, const JointMotion& motion) 
   Eigen::VectorXd u = Eigen::VectorXd::Zero(6 + n);
   u.tail(n) = motion.phidot;
   if (problem.approach.base != BaseMode::Held) {
-    u.head(6) = -H.topLeftCorner(6, 6).ldlt().solve(H.topRightCorner(6, n) * motion.phidot);
+    u.head(6) = -test::solve(H.topLeftCorner(6, 6), H.topRightCorner(6, n) * motion.phidot);
   }
   double energy = u.dot(H * u) / 2;
   if (problem.resistance.model == ResistanceModel::RotorInertia) {

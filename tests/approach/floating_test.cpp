@@ -8,6 +8,7 @@
 #include "approach/base_motion.hpp"
 #include "approach/problems.hpp"
 #include "approach/shipped_robot.hpp"
+#include "support/dense.hpp"
 
 using namespace stillbase;
 using namespace stillbase::test;
@@ -34,7 +35,7 @@ Vector6d still_momentum_twist(const RobotModel& robot, const Eigen::VectorXd& ph
   state.phi = phi;
   state.phidot = Eigen::VectorXd::Zero(phi.size());
   const Eigen::MatrixXd H = reference::compute(robot, state).H;
-  return -H.topLeftCorner(6, 6).ldlt().solve(H.topRightCorner(6, phi.size()) * phidot);
+  return -test::solve(H.topLeftCorner(6, 6), H.topRightCorner(6, phi.size()) * phidot);
 }
 
 /// Classical Runge-Kutta on position and rotation matrix, re-orthogonalised: plain and independent.

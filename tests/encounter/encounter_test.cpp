@@ -12,6 +12,7 @@
 
 #include "encounter/encounter_kernel.hpp"
 #include "support/capture_problems.hpp"
+#include "support/dense.hpp"
 
 namespace stillbase {
 namespace {
@@ -34,7 +35,7 @@ Matrix3d attitude(const Configuration& at) { return at.base.orientation.toRotati
 /// Velocity of the contact point along n after a unit impulse along n, from the balance of
 /// momentum and of angular momentum about the centroid.
 double point_speed_per_impulse(const TargetBody& body, const Vector3d& r, const Vector3d& n) {
-  const Vector3d omega = body.inertia.ldlt().solve(r.cross(n));
+  const Vector3d omega = test::solve(body.inertia, r.cross(n));
   return n.dot(n / body.mass + omega.cross(r));
 }
 

@@ -13,6 +13,7 @@
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "support/dense.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -263,8 +264,7 @@ TEST_CASE("generalized Jacobian and coupling measures bound what joint rates do 
     CHECK((jacobian.linear_manipulability > 0) == (n >= 3));
 
     const auto d = reference::compute(p.robot, {p.phi, {}, {}});
-    const Eigen::MatrixXd X =
-        -d.H.topLeftCorner(6, 6).ldlt().solve(Eigen::MatrixXd(d.H.topRightCorner(6, n)));
+    const Eigen::MatrixXd X = -test::solve(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, n));
     const Eigen::MatrixXd Jhat = d.J.rightCols(n) + d.J.leftCols(6) * X;
     // Sums of squares of singular values are squared Frobenius norms.
     CHECK(std::abs(jacobian.all.norm() - Jhat.norm()) <= 1e-11 * Jhat.norm());
@@ -274,7 +274,7 @@ TEST_CASE("generalized Jacobian and coupling measures bound what joint rates do 
     if (n >= 3) {
       const Eigen::MatrixXd Jv = Jhat.topRows(3);
       CHECK(std::abs(jacobian.linear_manipulability -
-                     std::sqrt((Jv * Jv.transpose()).determinant())) <=
+                     std::sqrt(test::determinant(Jv * Jv.transpose()))) <=
             1e-8 * std::pow(Jv.norm(), 3));
       CHECK(coupling.hand_rank == 3);
     }
@@ -285,8 +285,7 @@ TEST_CASE("generalized Jacobian and coupling measures bound what joint rates do 
       CHECK((X.bottomRows(3) * rates).norm() <= coupling.rotation_per_rate[0] * (1 + 1e-11));
       // The least joint rates for their hand velocity: those in the row space.
       const Eigen::MatrixXd Jv = Jhat.topRows(3);
-      const Eigen::VectorXd least =
-          Jv.completeOrthogonalDecomposition().solve(Eigen::VectorXd(Jv * rates));
+      const Eigen::VectorXd least = test::least_squares(Jv, Jv * rates);
       CHECK((X.bottomRows(3) * least).norm() <=
             coupling.rotation_per_hand[0] * (Jv * least).norm() * (1 + 1e-8));
     }

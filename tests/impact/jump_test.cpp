@@ -1,12 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include <Eigen/Cholesky>
 
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 #include <stillbase/dynamics/reaction_null_space.hpp>
 #include <stillbase/impact/gradient.hpp>
 
+#include "support/dense.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -47,13 +47,11 @@ TEST_CASE("the jump solves (6), and (12), (13), (14) give the same") {
     CHECK(joint_row.norm() < 1e-10);
     // (12)
     const HatInertia<double> hat = compute_hat_inertia(H, p.at.jacobian);
-    const Eigen::VectorXd by_hat = Eigen::MatrixXd(hat.Hhat_phi)
-                                       .llt()
-                                       .solve(Eigen::VectorXd(hat.Jhat_phi.transpose() * p.Fbar));
+    const Eigen::VectorXd by_hat = test::solve(hat.Hhat_phi, hat.Jhat_phi.transpose() * p.Fbar);
     CHECK((by_hat - jump.Delta_phidot).norm() < 1e-9 * (1 + by_hat.norm()));
     // (13)
     const Vector6d by_13 =
-        H.H_b.llt().solve(p.at.jacobian.R_bh.transpose() * p.Fbar - H.H_bphi * by_hat);
+        test::solve(H.H_b, p.at.jacobian.R_bh.transpose() * p.Fbar - H.H_bphi * by_hat);
     CHECK((by_13 - jump.Delta_Omega).norm() < 1e-9 * (1 + by_13.norm()));
     // (14), (15)
     const Vector3d by_B = base_reaction_matrix(p.at.factor, p.at.jacobian) * p.Fbar;
@@ -134,7 +132,7 @@ TEST_CASE("locked joints make the robot one rigid body") {
                                           std::vector<bool>(static_cast<std::size_t>(n), true));
     const auto jump = compute_jump(factor, p.at.jacobian, p.Fbar);
     CHECK(jump.Delta_phidot.norm() == 0);
-    const Vector6d rigid = p.at.inertia.H_b.llt().solve(p.at.jacobian.R_bh.transpose() * p.Fbar);
+    const Vector6d rigid = test::solve(p.at.inertia.H_b, p.at.jacobian.R_bh.transpose() * p.Fbar);
     CHECK((jump.Delta_Omega - rigid).norm() < 1e-11 * (1 + rigid.norm()));
   }
 }

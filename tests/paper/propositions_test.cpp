@@ -13,6 +13,7 @@
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "support/dense.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -62,7 +63,7 @@ ReactionNullSpace null_space(const Posture& p) {
 /// Base velocity of a robot with zero momentum.
 Vector6d base_velocity(const reference::Dynamics& d, const VectorXd& phidot) {
   const auto n = phidot.size();
-  return d.H.topLeftCorner(6, 6).ldlt().solve(VectorXd(-d.H.topRightCorner(6, n) * phidot));
+  return test::solve(d.H.topLeftCorner(6, 6), -d.H.topRightCorner(6, n) * phidot);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include <Eigen/LU>
 
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/search/search.hpp>
 
 #include "support/capture_problems.hpp"
+#include "support/dense.hpp"
 
 namespace stillbase {
 namespace {
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector2d> dense_newton(const RobotModel& robot, const Vector3
             (c2_residual(robot, phi + h, direction) - c2_residual(robot, phi - h, direction)) /
             2e-6;
       }
-      Eigen::Vector2d step = -J.fullPivLu().solve(r);
+      Eigen::Vector2d step = -test::solve(J, r);
       if (!step.allFinite()) break;
       if (step.norm() > 0.3) step *= 0.3 / step.norm();
       phi += step;
