@@ -5,6 +5,7 @@
 
 #include <stillbase/audit/audit.hpp>
 #include <stillbase/impact/summary.hpp>
+#include <stillbase/reference/reference.hpp>
 
 #include "verification/example_plans.hpp"
 
