@@ -42,6 +42,10 @@ Eigen::Quaterniond rotation_exp(const Vector3d& a) {
   return q.normalized();
 }
 
+Eigen::Quaterniond rotation_between(const Vector3d& from, const Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
 Vector3d rotation_log(const Eigen::Quaterniond& q) {
   // q and -q are the same rotation: the one with w >= 0 has its half angle in [0, pi/2].
   const double w = std::abs(q.w());

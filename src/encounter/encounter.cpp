@@ -74,7 +74,7 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
   if (hand.orientation) out.stated_hand_axes = hand.orientation->toRotationMatrix();
   out.hand_frame = hand.frame;
   out.hand_axes = rotation_exp(out.n * hand.roll).toRotationMatrix() *
-                  Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -out.n).toRotationMatrix();
+                  rotation_between(hand.approach_axis, -out.n).toRotationMatrix();
   out.approach_axis = hand.approach_axis;
   return out;
 }

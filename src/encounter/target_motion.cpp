@@ -36,7 +36,7 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, cons
   Vector3d contact_point = Vector3d::Zero();  // in T
   if (!problem.variables.feature.empty()) {
     const ContactFeature& feature = chosen_feature(problem);
-    state.pose.orientation = Eigen::Quaterniond::FromTwoVectors(feature.normal, n);
+    state.pose.orientation = rotation_between(feature.normal, n);
     contact_point = state.pose.orientation * feature.point;
   } else {
     double radius = 0;

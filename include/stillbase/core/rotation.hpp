@@ -36,6 +36,10 @@ Eigen::Quaterniond rotation_exp(const Vector3d& a);
 /// Rotation vector of q, norm in [0, pi].
 Vector3d rotation_log(const Eigen::Quaterniond& q);
 
+/// The shortest rotation that takes one direction to another; neither is zero. Of opposite
+/// directions one of the half turns.
+Eigen::Quaterniond rotation_between(const Vector3d& from, const Vector3d& to);
+
 /// J_r(a) of SO(3): exp(a + da) = exp(a) exp(J_r(a) da) to first order.
 Matrix3d rotation_right_jacobian(const Vector3d& a);
 
