@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/simulation/model_check.hpp>
-
 #include "app/exit_code.hpp"
 #include "io/json.hpp"
 
@@ -23,38 +21,25 @@ std::vector<double> stiffnesses() {
   return list;
 }
 
-ModelCheckCase model_check_of(const ContactCase& subject, double friction) {
+/// The case with a restitution that a spring-damper can leave.
+ContactCase checked_case(ContactCase subject) {
   if (!subject.target || !(subject.impulse > 0) || !(subject.closing_speed > 0)) {
     throw CommandLineError("--contact-table: needs a target that closes in on the hand by a law");
   }
   if (subject.resistance.model == ResistanceModel::Locked) {
     throw CommandLineError("--contact-table: a contact that takes time knows no locked joints");
   }
-  ModelCheckCase check;
-  check.robot = subject.robot;
-  check.before = subject.before;
-  check.resistance = subject.resistance;
-  check.target.mass = subject.target->body.mass;
-  check.target.inertia = subject.target->body.inertia;
-  check.target_state = subject.target->state;
-  const auto kinematics = compute_kinematics<double>(subject.robot, subject.before.phi);
-  const Vector3d hand_N = subject.before.base * Vector3d(kinematics.r_bh);
-  const Pose& pose = check.target_state.pose;
-  check.point_T = pose.orientation.conjugate() * Vector3d(hand_N - pose.position);
-  check.normal_T = pose.orientation.conjugate() * subject.normal_N;
-  check.restitution = std::max(subject.restitution, kLeastRestitution);
-  check.friction = friction;
-  return check;
+  subject.restitution = std::max(subject.restitution, kLeastRestitution);
+  return subject;
 }
 
-std::string words(const ContactCase& subject, const ModelCheckCase& check,
-                  const std::vector<ModelCheckRow>& rows) {
+std::string words(const ContactCase& subject, const std::vector<ModelCheckRow>& rows) {
   const std::string model = to_string(subject.resistance.model);
   std::string text = fmt::format(
       "spring-damper contact against the instantaneous impact: joints {}, restitution {:g}, "
       "closing "
       "at {:.4g} m/s\n",
-      model, check.restitution, subject.closing_speed);
+      model, subject.restitution, subject.closing_speed);
   text +=
       "  stiffness    duration  peak force  impulse off  velocity off  off if joints free  "
       "momentum off\n";
@@ -79,16 +64,16 @@ std::string words(const ContactCase& subject, const ModelCheckCase& check,
 
 }  // namespace
 
-std::string contact_table(const ContactCase& subject, double friction, bool as_json,
+std::string contact_table(const ContactCase& stated, double friction, bool as_json,
                           const StopCondition& stop) {
-  const ModelCheckCase check = model_check_of(subject, friction);
+  const ContactCase subject = checked_case(stated);
   std::vector<ModelCheckRow> rows;
   try {
-    rows = check_stiffness(check, stiffnesses(), stop);
+    rows = check_stiffness(subject, friction, stiffnesses(), stop);
   } catch (const std::invalid_argument& error) {
     throw CommandLineError(std::string("--contact-table: ") + error.what());
   }
-  if (!as_json) return words(subject, check, rows);
+  if (!as_json) return words(subject, rows);
   Json list = Json::array();
   for (const ModelCheckRow& row : rows) {
     // A contact that is not over says nothing.
@@ -106,7 +91,7 @@ std::string contact_table(const ContactCase& subject, double friction, bool as_j
   return io::pretty({{"format", "stillbase.contact_table"},
                      {"version", 1},
                      {"joint_resistance", to_string(subject.resistance.model)},
-                     {"restitution", check.restitution},
+                     {"restitution", subject.restitution},
                      {"closing_speed", subject.closing_speed},
                      {"friction", friction},
                      {"rows", list}});

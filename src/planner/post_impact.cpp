@@ -7,7 +7,6 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/encounter/target_motion.hpp>
-#include <stillbase/simulation/settings.hpp>
 
 #include "planner/contact_case.hpp"
 
@@ -60,27 +59,27 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
 }
 
 AfterContact simulate_post_impact(const CaptureProblem& problem, const Configuration& configuration,
-                                  const ImpactSummary& impact, const std::string& controller,
+                                  const ImpactSummary& impact, const std::string& name,
                                   const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
-  const auto kind = controller_from_name(controller);
-  if (!kind) {
-    throw std::invalid_argument(fmt::format("controller {}: unknown; there are {}", controller,
+  const auto controller = controller_of(spec, name);
+  if (!controller) {
+    throw std::invalid_argument(fmt::format("controller {}: unknown; there are {}", name,
                                             fmt::join(controller_names(), ", ")));
   }
   SimulationOptions options = plant_options_of(spec, problem.robot);
   options.integrator = IntegratorKind::Fehlberg78;
   options.stop = stop;
-  return simulate_after_contact(contact_case(problem, configuration, impact),
-                                contact_choice_of(spec), controller_of(*kind, spec), options);
+  return simulate_after_contact(contact_case(problem, configuration, impact), spec, *controller,
+                                options);
 }
 
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
   if (spec.controllers.empty()) return "";
-  const auto kind = controller_from_name(spec.controllers.front());
-  if (!kind) return "no controller " + spec.controllers.front();
+  const auto controller = chosen_controller(spec);
+  if (!controller) return "no controller " + spec.controllers.front();
   SimulationOptions options = plant_options_of(spec, problem.robot);
   options.integrator = IntegratorKind::Dopri5;
   options.relative_tolerance = 1e-8;
@@ -88,8 +87,7 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   options.output_period = spec.horizon;
   options.stop = stop;
   const ContactCase subject = contact_case(problem, configuration, impact);
-  const AfterContact run =
-      simulate_after_contact(subject, contact_choice_of(spec), controller_of(*kind, spec), options);
+  const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
   const SimulationResult& result = run.simulation;
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 // Assumptions: rigid bodies, a tree with parents before children, everything in base frame B.
-// Nothing here is fast and nothing is shared with the other implementation of the dynamics.
+// Not written for speed, and without any code of the other implementation of the dynamics.
 
 namespace stillbase::reference {
 namespace {

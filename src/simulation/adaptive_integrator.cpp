@@ -1,4 +1,4 @@
-// The only place that knows Boost.odeint.
+// The only file that uses Boost.odeint.
 #include <algorithm>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
@@ -25,8 +25,8 @@ class AdaptiveIntegrator final : public Integrator {
 
  protected:
   SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                        StepObserver& observer) override {
-    loop.derivative(t, x, dydt_, &observer);
+                        Recorder& recorder) override {
+    loop.derivative(t, x, dydt_, &recorder);
     numbers_.assign(x.data(), x.data() + x.size());
     const SimulationStatus status = one_step(system(loop), t, t1);
     if (status == SimulationStatus::Finished) take(numbers_, x, loop);
@@ -73,7 +73,7 @@ class AdaptiveIntegrator final : public Integrator {
       const double t_before = t;
       ++steps_;
       const bool accepted = stepper_.try_step(system, numbers_, t, dt) == odeint::success;
-      // A step cut short by t1 says little about the next one: keep the longer proposal.
+      // A step cut short by t1 does not predict the next one: keep the longer proposal.
       step_ = accepted && last ? std::max(step_, dt) : dt;
       const Eigen::Map<const Eigen::VectorXd> reached(numbers_.data(),
                                                       static_cast<Eigen::Index>(numbers_.size()));

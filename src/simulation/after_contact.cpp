@@ -1,29 +1,76 @@
 #include <stillbase/simulation/after_contact.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/rotation.hpp>
 
 namespace stillbase {
 namespace {
 
-AfterContact after_latch(const ContactCase& subject, const ContactChoice& choice,
+Vector3d hand_of(const ContactCase& subject) {
+  return subject.before.base * compute_kinematics(subject.robot, subject.before.phi).r_bh;
+}
+
+/// The instantaneous impact of the case by a contact law.
+ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
+                         const JointResistance& resistance) {
+  const PlantState& before = subject.before;
+  const MetTarget& target = *subject.target;
+  const Eigen::Quaterniond R_BN = before.base.orientation.conjugate();
+  const Matrix3d R_BT = (R_BN * target.state.pose.orientation).toRotationMatrix();
+  ContactTarget body;  // in B
+  body.mass = target.body.mass;
+  body.inertia = R_BT * target.body.inertia * R_BT.transpose();
+  body.r = R_BN * Vector3d(hand_of(subject) - target.state.pose.position);
+  body.velocity = R_BN * target.state.velocity;
+  body.angular_velocity = R_BT * target.state.angular_velocity;
+  Contact contact;
+  contact.law = law;
+  if (law != ContactLaw::Latch) contact.restitution = subject.restitution;
+  contact.n = R_BN * subject.normal_N;
+  return apply_contact(subject.robot, before.phi, before.Omega, before.phidot, resistance, contact,
+                       body);
+}
+
+/// @param damping empty: leaves the case's restitution
+EncounterPlant compliant_plant(const ContactCase& subject, double stiffness,
+                               const std::optional<double>& damping, double friction,
+                               double effective_mass) {
+  const MetTarget& target = *subject.target;
+  const Eigen::Quaterniond R_TN = target.state.pose.orientation.conjugate();
+  EncounterPlant plant;
+  plant.mass = target.body.mass;
+  plant.inertia = target.body.inertia;
+  plant.contact.stiffness = stiffness;
+  plant.contact.damping =
+      damping ? *damping : contact_damping(subject.restitution, stiffness, effective_mass);
+  plant.contact.friction = friction;
+  plant.contact.point = R_TN * Vector3d(hand_of(subject) - target.state.pose.position);
+  plant.contact.normal = R_TN * subject.normal_N;
+  if (subject.resistance.model == ResistanceModel::Servo) {
+    plant.servo = {subject.resistance.stiffness, subject.resistance.damping};
+    plant.servo_posture = subject.before.phi;
+  }
+  return plant;
+}
+
+AfterContact after_latch(const ContactCase& subject, const PostImpactSpec& spec,
                          const Controller& controller, SimulationOptions options) {
-  const LatchedRobot latched =
-      latch_target(subject.robot, subject.resistance, subject.before, subject.target->body,
-                   subject.target->state, subject.normal_N);
+  const LatchedRobot latched = latch_target(subject);
   AfterContact result;
   result.robot = latched.robot;
   result.is_held = latched.impulse.status == ContactStatus::Hit;
   result.latch_impulse = latched.impulse.Fbar;
-  // The controller knows the target as `target_scale` states it.
-  if (result.is_held && (options.controller_robot || choice.target_scale != 1)) {
+  // The controller's model has the target scaled by `target_mass_scale`.
+  if (result.is_held && (options.controller_robot || spec.model.target_mass_scale != 1)) {
     RobotModel known = options.controller_robot.value_or(subject.robot);
-    if (choice.target_scale > 0) {
+    if (spec.model.target_mass_scale > 0) {
       TargetBody body = subject.target->body;
-      body.mass *= choice.target_scale;
-      body.inertia *= choice.target_scale;
+      body.mass *= spec.model.target_mass_scale;
+      body.inertia *= spec.model.target_mass_scale;
       known = attach_target(known, body, latched.hand_target);
     }
     options.controller_robot = known;
@@ -33,31 +80,15 @@ AfterContact after_latch(const ContactCase& subject, const ContactChoice& choice
   return result;
 }
 
-AfterContact through_compliant_contact(const ContactCase& subject, const ContactChoice& choice,
+AfterContact through_compliant_contact(const ContactCase& subject, const ContactSpec& contact,
                                        const Controller& controller, SimulationOptions options) {
-  const MetTarget& target = *subject.target;
   const double effective_mass =
       subject.impulse / ((1 + subject.restitution) * subject.closing_speed);
-  EncounterPlant plant;
-  plant.mass = target.body.mass;
-  plant.inertia = target.body.inertia;
-  plant.contact.stiffness = choice.stiffness;
-  plant.contact.damping =
-      choice.damping ? *choice.damping
-                     : contact_damping(subject.restitution, choice.stiffness, effective_mass);
-  plant.contact.friction = choice.friction;
-  const Kinematics<double> kinematics = compute_kinematics(subject.robot, subject.before.phi);
-  const Vector3d hand_N = subject.before.base * kinematics.r_bh;
-  const Eigen::Quaterniond R_TN = target.state.pose.orientation.conjugate();
-  plant.contact.point = R_TN * Vector3d(hand_N - target.state.pose.position);
-  plant.contact.normal = R_TN * subject.normal_N;
-  if (subject.resistance.model == ResistanceModel::Servo) {
-    plant.servo = {subject.resistance.stiffness, subject.resistance.damping};
-    plant.servo_posture = subject.before.phi;
-  }
+  const EncounterPlant plant = compliant_plant(subject, contact.stiffness, contact.damping,
+                                               contact.friction, effective_mass);
 
   const double lead = std::min(options.control_period, 0.01);
-  TargetPlantState start = target.state;
+  TargetPlantState start = subject.target->state;
   start.pose.position -= lead * start.velocity;
   const Vector3d turn = -lead * start.angular_velocity;
   start.pose.orientation =
@@ -73,26 +104,127 @@ AfterContact through_compliant_contact(const ContactCase& subject, const Contact
   return result;
 }
 
+/// Generalised velocity [Omega; phidot].
+Eigen::VectorXd velocity(const Vector6d& Omega, const JointVectord& phidot) {
+  Eigen::VectorXd x(6 + phidot.size());
+  x << Omega, phidot;
+  return x;
+}
+
 }  // namespace
 
-AfterContact simulate_after_contact(const ContactCase& subject, const ContactChoice& choice,
+LatchedRobot latch_target(const ContactCase& subject) {
+  const PlantState& before = subject.before;
+  const MetTarget& target = *subject.target;
+  const Kinematics<double> kinematics = compute_kinematics(subject.robot, before.phi);
+  const Pose hand_N = before.base * Pose{kinematics.r_bh, Eigen::Quaterniond(kinematics.R_hand)};
+  const ContactOutcome outcome = apply_law(subject, ContactLaw::Latch, subject.resistance);
+  const Pose hand_target = hand_N.inverse() * target.state.pose;
+  LatchedRobot latched{subject.robot, before, hand_target, outcome.impulse};
+  if (outcome.impulse.status != ContactStatus::Hit) return latched;
+  latched.robot = attach_target(subject.robot, target.body, hand_target);
+  latched.state.Omega = outcome.after.Omega;
+  latched.state.phidot = outcome.after.phidot;
+  const Vector3d shift = base_shift(subject.robot, target.body, hand_target);
+  latched.state.base.position += before.base.orientation * shift;
+  latched.state.Omega.head<3>() += Vector3d(outcome.after.Omega.tail<3>()).cross(shift);
+  return latched;
+}
+
+AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
                                     const Controller& controller,
                                     const SimulationOptions& options) {
   const bool is_contact = subject.impulse > 0 && subject.closing_speed > 0;
-  if (choice.model != ContactModel::Jump && !subject.target) {
+  if (spec.contact.model != ContactModel::Jump && !subject.target) {
     throw std::invalid_argument("this model of the contact needs a target");
   }
-  if (is_contact && choice.model == ContactModel::Latch) {
-    return after_latch(subject, choice, controller, options);
+  if (is_contact && spec.contact.model == ContactModel::Latch) {
+    return after_latch(subject, spec, controller, options);
   }
-  if (is_contact && choice.model == ContactModel::Compliant) {
-    return through_compliant_contact(subject, choice, controller, options);
+  if (is_contact && spec.contact.model == ContactModel::Compliant) {
+    return through_compliant_contact(subject, spec.contact, controller, options);
   }
   AfterContact result;
   result.robot = subject.robot;
   result.simulation =
       simulate_post_impact(subject.robot, subject.resistance, subject.after, controller, options);
   return result;
+}
+
+std::vector<ModelCheckRow> check_stiffness(const ContactCase& subject, double friction,
+                                           const std::vector<double>& stiffness,
+                                           const StopCondition& stop) {
+  const RobotModel& robot = subject.robot;
+  const JointResistance& resistance = subject.resistance;
+  const bool servo = resistance.model == ResistanceModel::Servo;
+  if (resistance.model == ResistanceModel::Locked) {
+    throw std::invalid_argument("a compliant contact does not take locked joints");
+  }
+  const JointVectord rotors = added_plant_inertia(resistance, robot.n());
+  const InertiaMatrices<double> inertia = PlantTerms(robot, rotors, subject.before).inertia;
+  Eigen::MatrixXd H(6 + robot.n(), 6 + robot.n());
+  H << inertia.H_b, inertia.H_bphi, inertia.H_bphi.transpose(), inertia.H_phi;
+  const Eigen::VectorXd x0 = velocity(subject.before.Omega, subject.before.phidot);
+  const auto energy_norm = [&](const Eigen::VectorXd& x) { return std::sqrt(x.dot(H * x)); };
+
+  const JointResistance without_servo = servo ? JointResistance{} : resistance;
+  const ContactOutcome rigid = apply_law(subject, ContactLaw::Frictionless, without_servo);
+  if (rigid.impulse.status != ContactStatus::Hit) {
+    throw std::invalid_argument("hand and target do not close in");
+  }
+  const ContactOutcome bare = apply_law(subject, ContactLaw::Frictionless, {});
+  const double effective_mass =
+      rigid.impulse.Fbar.norm() / ((1 + subject.restitution) * rigid.impulse.closing_speed);
+
+  std::vector<ModelCheckRow> rows;
+  for (const double k : stiffness) {
+    EncounterPlant plant = compliant_plant(subject, k, std::nullopt, friction, effective_mass);
+    plant.end_with_contact = true;
+    SimulationOptions options;
+    options.integrator = IntegratorKind::Fehlberg78;
+    const double half_period = std::sqrt(effective_mass / k) * kPi;
+    options.horizon = 20 * half_period;  // a soft, damped contact takes longer than half a period
+    options.step = half_period / 50;
+    options.control_period = 0;
+    options.output_period = half_period / 100;
+    options.joint_stops = false;
+    options.relative_tolerance = 1e-12;
+    options.absolute_tolerance = 1e-15;
+    options.stop = stop;
+    const EncounterResult run = simulate_encounter(
+        robot, without_servo, subject.before, subject.target->state, plant, Controller{}, options);
+
+    ModelCheckRow row;
+    row.stiffness = k;
+    row.ended = run.simulation.status == SimulationStatus::Finished && run.contact.contacts > 0 &&
+                run.contact.phase != ContactPhase::Touching;
+    row.duration = run.contact.first_end - run.contact.first_begin;
+    for (const TraceSample& sample : run.simulation.trace) {
+      row.peak_force = std::max(row.peak_force, sample.contact_force.norm());
+    }
+    JointResistance formula = resistance;
+    if (servo) formula.contact_duration = row.duration;
+    const ContactOutcome jump =
+        servo ? apply_law(subject, ContactLaw::Frictionless, formula) : rigid;
+    const PlantState& end = run.simulation.trace.back().state;
+    const Eigen::VectorXd found = velocity(end.Omega, end.phidot) - x0;
+    const auto difference = [&](const ContactOutcome& outcome) {
+      const Eigen::VectorXd x = velocity(outcome.after.Omega, outcome.after.phidot) - x0;
+      return energy_norm(found - x) / energy_norm(x);
+    };
+    row.velocity_error = difference(jump);
+    row.free_error = difference(bare);
+    const double impulse = run.impulse_N.norm(), law = jump.impulse.Fbar.norm();
+    row.impulse_error = std::abs(impulse - law) / law;
+    row.momentum_error = run.momentum_error;
+    const Eigen::VectorXd x1 = velocity(end.Omega, end.phidot);
+    const Vector3d& w = run.target_end.angular_velocity;
+    row.kinetic_energy_after = 0.5 * x1.dot(H * x1) +
+                               0.5 * plant.mass * run.target_end.velocity.squaredNorm() +
+                               0.5 * w.dot(plant.inertia * w);
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 }  // namespace stillbase

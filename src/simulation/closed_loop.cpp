@@ -9,7 +9,7 @@ namespace {
 /// Larger numbers mean that the integration has failed.
 constexpr double kLargestState = 1e12;
 
-/// dq/dt = 1/2 q (0, omega) on the quaternion as integrated, whatever its length: see simulate.hpp.
+/// dq/dt = 1/2 q (0, omega) on the quaternion as integrated, of any length: see simulate.hpp.
 Eigen::Vector4d quaternion_rate(const StateVector& x, Eigen::Index at, const Vector3d& omega) {
   const Eigen::Quaterniond q(x[at + 3], x[at], x[at + 1], x[at + 2]);
   return 0.5 * (q * Eigen::Quaterniond(0, omega.x(), omega.y(), omega.z())).coeffs();
@@ -76,6 +76,24 @@ bool is_bounded(const StateVector& x) {
   return x.allFinite() && x.lpNorm<Eigen::Infinity>() < kLargestState;
 }
 
+Sensing::Sensing(const SensorSpec& sensors, double control_period)
+    : sensors_(sensors),
+      is_exact_(sensors.are_exact()),
+      delay_(is_exact_ ? 0 : static_cast<std::size_t>(std::lround(sensors.delay / control_period))),
+      random_(sensors.seed, sensors.stream) {}
+
+PlantState Sensing::measure(const PlantState& state) {
+  PlantState measured = state;
+  for (int i = 3; i < 6; ++i) measured.Omega[i] += sensors_.base_rate_error * random_.normal();
+  for (Eigen::Index k = 0; k < state.phi.size(); ++k) {
+    measured.phi[k] += sensors_.joint_position_error * random_.normal();
+    measured.phidot[k] += sensors_.joint_rate_error * random_.normal();
+  }
+  delayed_.push_back(std::move(measured));
+  if (delayed_.size() > delay_ + 1) delayed_.pop_front();
+  return delayed_.front();
+}
+
 ClosedLoop::ClosedLoop(const RobotModel& robot, const JointVectord& rotor_inertia,
                        const Controller& controller, const SimulationOptions& options,
                        const EncounterPlant* encounter)
@@ -120,7 +138,7 @@ void ClosedLoop::command(const PlantState& state, const PlantTerms& terms, doubl
 void ClosedLoop::limit(const JointVectord& phidot) {
   saturated_ = false;
   for (int k = 0; k < n(); ++k) {
-    const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+    const Joint& joint = robot_.joints[k];
     double& tau = command_.tau[k];
     const bool is_fast = std::abs(phidot[k]) >= joint.max_velocity;
     if (options_.rate_limits && is_fast && tau * phidot[k] > 0) tau = 0;
@@ -128,12 +146,12 @@ void ClosedLoop::limit(const JointVectord& phidot) {
     if (std::abs(tau) > joint.max_effort) saturated_ = true;
     tau = std::clamp(tau, -joint.max_effort, joint.max_effort);
   }
-  const double most = options_.wheels.torque_max;
+  const double most = options_.wheels.torque;
   command_.wheel_torque = command_.wheel_torque.cwiseMax(-most).cwiseMin(most);
 }
 
 double ClosedLoop::coulomb(int k) const {
-  return options_.friction ? robot_.joints[static_cast<std::size_t>(k)].coulomb_friction : 0;
+  return options_.friction ? robot_.joints[k].coulomb_friction : 0;
 }
 
 ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantState& state,
@@ -141,9 +159,9 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
   Load load{Vector6d::Zero(), command_.tau};
   if (options_.friction) {
     for (int k = 0; k < n(); ++k) {
-      const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+      const Joint& joint = robot_.joints[k];
       load.tau[k] -= joint.viscous_friction * state.phidot[k];
-      load.tau[k] -= joint.coulomb_friction * slides_[static_cast<std::size_t>(k)];
+      load.tau[k] -= joint.coulomb_friction * slides_[k];
     }
   }
   if (options_.wheels.exist()) {
@@ -171,21 +189,20 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
   return load;
 }
 
-void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt,
-                            StepObserver* observer) {
+void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, Recorder* recorder) {
   const PlantState state = unpack(x, n());
   const PlantTerms& terms = terms_at(x, state);
   if (options_.control_period <= 0) {
     command(state, terms, t - options_.start_time);
     limit(state.phidot);
   }
-  if (observer != nullptr) {
+  if (recorder != nullptr) {
     if (encounter_ != nullptr) {
       const bool touches = contact_.phase == ContactPhase::Touching;
-      observer->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
+      recorder->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
                                                               : Vector3d(Vector3d::Zero()));
     }
-    observer->observe(t, state, terms, command_, saturated_);
+    recorder->observe(t, state, terms, command_, saturated_);
   }
 
   const Load forces = load(t, x, state, terms);

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <optional>
 
+#include <stillbase/core/random.hpp>
 #include <stillbase/simulation/contact.hpp>
-#include <stillbase/simulation/simulate.hpp>
 
-#include "simulation/sensing.hpp"
+#include "simulation/recorder.hpp"
 
 namespace stillbase {
 
@@ -29,16 +30,21 @@ void normalise_attitude(StateVector& x, int n);
 /// Finite, and not so large that products of its elements would leave the range of numbers.
 bool is_bounded(const StateVector& x);
 
-/// Observes every step: state, terms of (3) and command (after limits) at its beginning.
-class StepObserver {
+/// Measurement of the state: some control periods old, with errors.
+class Sensing {
  public:
-  virtual ~StepObserver() = default;
-  virtual void observe(double t, const PlantState& state, const PlantTerms& terms,
-                       const ControlCommand& command, bool saturated) = 0;
-  /// Before observe(), in runs with a target.
-  virtual void observe_target(const TargetPlantState& target, const Vector3d& contact_force) = 0;
-  /// A joint runs into an enforced stop with this rate.
-  virtual void stop_met(double t, int joint, LimitKind kind, double rate) = 0;
+  /// @param control_period s, > 0 unless the sensors are exact
+  Sensing(const SensorSpec& sensors, double control_period);
+  bool is_exact() const { return is_exact_; }
+  /// The measurement of a control instant. Before the first delayed one arrives it is the first.
+  PlantState measure(const PlantState& state);
+
+ private:
+  SensorSpec sensors_;
+  bool is_exact_;
+  std::size_t delay_;  ///< control periods
+  Random random_;
+  std::deque<PlantState> delayed_;
 };
 
 /// State of a joint between two events.
@@ -61,15 +67,15 @@ class ClosedLoop {
   /// A control instant: measures and commands, and holds the command until the next one. Nothing to
   /// do under continuous control.
   void sample(double t, const StateVector& x);
-  /// @param observer may be null
-  void derivative(double t, const StateVector& x, StateVector& dxdt, StepObserver* observer);
+  /// @param recorder may be null
+  void derivative(double t, const StateVector& x, StateVector& dxdt, Recorder* recorder);
 
   /// True when the equations change at x: a joint beyond its stop, at rest or pulled off it, or the
   /// begin or end of the contact.
   bool has_event(double t, const StateVector& x);
   /// Makes the changes: impulses of stops, modes of joints, contact.
   /// @return false when there are too many at one instant
-  bool handle_events(double t, StateVector& x, StepObserver& observer);
+  bool handle_events(double t, StateVector& x, Recorder& recorder);
 
   const ContactHistory& contact() const { return contact_; }
   /// Whether the run has to end with the first contact, and this is over.
@@ -83,17 +89,26 @@ class ClosedLoop {
     Vector6d F_b;
     JointVectord tau;
   };
+  /// What happens to a moving joint at a state.
+  enum class JointEvent { None, LowerStop, UpperStop, Sticks };
+  /// The held joint whose holding torque exceeds its limit most; joint -1: none.
+  struct Overload {
+    int joint = -1;
+    double torque = 0;  ///< that would hold it, N m (N)
+  };
   const PlantTerms& terms_at(const StateVector& x, const PlantState& state);
   void command(const PlantState& state, const PlantTerms& terms, double elapsed);
   void limit(const JointVectord& phidot);
   Load load(double t, const StateVector& x, const PlantState& state, const PlantTerms& terms);
   HandLoad hand_load(const StateVector& x, const PlantState& state, const PlantTerms& terms) const;
-  bool handle_one_event(double t, StateVector& x, StepObserver& observer);
-  bool handle_contact(double t, StateVector& x);
-  bool release_one(double t, StateVector& x);
+  JointEvent event_of(int k, const PlantState& state) const;
+  Overload overload(double t, const StateVector& x, const PlantState& state);
+  ContactPhase next_phase(const HandLoad& hand) const;
+  bool handle_one_event(double t, StateVector& x, Recorder& recorder);
+  bool handle_contact(double t, const StateVector& x);
+  bool release_one(double t, const StateVector& x);
   void classify(const PlantState& state, bool first);
   void hold(int k, JointMode mode);
-  bool any_held() const { return !held_.empty(); }
   double coulomb(int k) const;
 
   const RobotModel& robot_;
@@ -112,5 +127,15 @@ class ClosedLoop {
   std::optional<PlantTerms> terms_;  ///< of terms_x_; computed once per state
   StateVector terms_x_;
 };
+
+/// Refuses what cannot be run, with all findings at once.
+/// @throws InputError
+void check_simulation(const RobotModel& robot, const JointResistance& resistance,
+                      const PlantState& initial, const Controller& controller,
+                      const SimulationOptions& options);
+
+/// From x at options.start_time over the horizon; x and t end where the run ended.
+SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
+                          const Controller& controller, const SimulationOptions& options);
 
 }  // namespace stillbase

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 #include "simulation/closed_loop.hpp"
 
 namespace stillbase {
@@ -21,28 +23,26 @@ signed char sign_of(double x) { return static_cast<signed char>((x > 0) - (x < 0
 }  // namespace
 
 void ClosedLoop::hold(int k, JointMode mode) {
-  const std::size_t i = static_cast<std::size_t>(k);
-  mode_[i] = mode;
+  mode_[k] = mode;
   if (mode != JointMode::Moves) {
-    slides_[i] = 0;
-    if (held_.empty()) held_.assign(static_cast<std::size_t>(n()), false);
-    held_[i] = true;
+    slides_[k] = 0;
+    if (held_.empty()) held_.assign(n(), false);
+    held_[k] = true;
     return;
   }
   if (held_.empty()) return;
-  held_[i] = false;
+  held_[k] = false;
   if (std::find(held_.begin(), held_.end(), true) == held_.end()) held_.clear();
 }
 
-/// After the rates have jumped (or at the start): what moves, slides; what rests under friction
-/// sticks until release_one() says otherwise.
+/// After a jump of the rates, or at the start: moving joints slide; joints at rest under friction
+/// stick until release_one() releases them.
 void ClosedLoop::classify(const PlantState& state, bool first) {
   for (int k = 0; k < n(); ++k) {
-    const std::size_t i = static_cast<std::size_t>(k);
     const double rate = state.phidot[k];
-    if (mode_[i] != JointMode::Moves && rate != 0) hold(k, JointMode::Moves);
-    if (mode_[i] != JointMode::Moves || !(coulomb(k) > 0)) continue;
-    slides_[i] = sign_of(rate);
+    if (mode_[k] != JointMode::Moves && rate != 0) hold(k, JointMode::Moves);
+    if (mode_[k] != JointMode::Moves || !(coulomb(k) > 0)) continue;
+    slides_[k] = sign_of(rate);
     if (rate == 0 && first) hold(k, JointMode::Sticks);
   }
 }
@@ -57,144 +57,126 @@ HandLoad ClosedLoop::hand_load(const StateVector& x, const PlantState& state,
   return contact_load(encounter_->contact, target, hand, hand_velocity);
 }
 
-bool ClosedLoop::has_event(double t, const StateVector& x) {
-  const PlantState state = unpack(x, n());
-  for (int k = 0; k < n(); ++k) {
-    const std::size_t i = static_cast<std::size_t>(k);
-    if (mode_[i] != JointMode::Moves) continue;
-    const Joint& joint = robot_.joints[i];
-    const double rate = state.phidot[k];
-    if (options_.joint_stops && state.phi[k] < joint.lower && rate < -kNoRate) return true;
-    if (options_.joint_stops && state.phi[k] > joint.upper && rate > kNoRate) return true;
-    if (slides_[i] * rate < 0) return true;
+ClosedLoop::JointEvent ClosedLoop::event_of(int k, const PlantState& state) const {
+  if (mode_[k] != JointMode::Moves) return JointEvent::None;
+  const Joint& joint = robot_.joints[k];
+  const double rate = state.phidot[k];
+  if (options_.joint_stops && state.phi[k] < joint.lower && rate < -kNoRate) {
+    return JointEvent::LowerStop;
   }
-  if (!any_held() && encounter_ == nullptr) return false;
-  const PlantTerms& terms = terms_at(x, state);
-  if (any_held()) {
-    const Load forces = load(t, x, state, terms);
-    const PlantAcceleration motion = compute_acceleration(terms, forces.F_b, forces.tau, held_);
-    const JointVectord needed = holding_torque(terms, motion, forces.tau);
-    for (int k = 0; k < n(); ++k) {
-      const JointMode mode = mode_[static_cast<std::size_t>(k)];
-      const double most = coulomb(k);
-      if (mode == JointMode::Sticks && std::abs(needed[k]) > most * (1 + kSlipSlack)) return true;
-      // A stop pushes, and friction may help to stay.
-      if (mode == JointMode::AtLower && needed[k] < -most * (1 + kSlipSlack)) return true;
-      if (mode == JointMode::AtUpper && needed[k] > most * (1 + kSlipSlack)) return true;
-    }
+  if (options_.joint_stops && state.phi[k] > joint.upper && rate > kNoRate) {
+    return JointEvent::UpperStop;
   }
-  if (encounter_ == nullptr) return false;
-  const HandLoad hand = hand_load(x, state, terms);
-  switch (contact_.phase) {
-    case ContactPhase::Apart:
-      return hand.gap < 0;
-    case ContactPhase::Touching:
-      return hand.normal_force < 0 && hand.gap_rate > 0;
-    case ContactPhase::Leaving:
-      return hand.gap > 0;
-  }
-  return false;
+  return slides_[k] * rate < 0 ? JointEvent::Sticks : JointEvent::None;
 }
 
-bool ClosedLoop::handle_contact(double t, StateVector& x) {
-  if (encounter_ == nullptr) return false;
-  const PlantState state = unpack(x, n());
-  const HandLoad hand = hand_load(x, state, terms_at(x, state));
-  ContactPhase next = contact_.phase;
-  if (contact_.phase == ContactPhase::Apart && hand.gap < 0) {
-    next = ContactPhase::Touching;
-    if (contact_.contacts++ == 0) contact_.first_begin = t;
-  } else if (contact_.phase == ContactPhase::Touching && hand.normal_force < 0 &&
-             hand.gap_rate > 0) {
-    next = ContactPhase::Leaving;
-    if (contact_.contacts == 1) {
-      contact_.first_end = t;
-      contact_.first_separation_speed = hand.gap_rate;
-    }
-  } else if (contact_.phase == ContactPhase::Leaving && hand.gap > 0) {
-    next = ContactPhase::Apart;
-  }
-  const bool changes = next != contact_.phase;
-  contact_.phase = next;
-  return changes;
-}
-
-/// Releases the held joint that needs most beyond what holds it.
-bool ClosedLoop::release_one(double t, StateVector& x) {
-  if (!any_held()) return false;
-  const PlantState state = unpack(x, n());
+ClosedLoop::Overload ClosedLoop::overload(double t, const StateVector& x, const PlantState& state) {
+  Overload worst;
+  if (held_.empty()) return worst;
   const PlantTerms& terms = terms_at(x, state);
   const Load forces = load(t, x, state, terms);
   const PlantAcceleration motion = compute_acceleration(terms, forces.F_b, forces.tau, held_);
   const JointVectord needed = holding_torque(terms, motion, forces.tau);
-  int worst = -1;
   double most_beyond = 0;
   for (int k = 0; k < n(); ++k) {
-    const JointMode mode = mode_[static_cast<std::size_t>(k)];
-    const double allowed = coulomb(k) * (1 + kSlipSlack);
-    double beyond = -1;
-    if (mode == JointMode::Sticks) beyond = std::abs(needed[k]) - allowed;
-    if (mode == JointMode::AtLower) beyond = -needed[k] - allowed;
-    if (mode == JointMode::AtUpper) beyond = needed[k] - allowed;
-    if (beyond > most_beyond) {
-      worst = k;
-      most_beyond = beyond;
-    }
+    // A stop pushes in one direction, and friction adds to it.
+    double torque = -kInfinity;
+    if (mode_[k] == JointMode::Sticks) torque = std::abs(needed[k]);
+    if (mode_[k] == JointMode::AtLower) torque = -needed[k];
+    if (mode_[k] == JointMode::AtUpper) torque = needed[k];
+    const double beyond = torque - coulomb(k) * (1 + kSlipSlack);
+    if (!(beyond > most_beyond)) continue;
+    worst = {k, needed[k]};
+    most_beyond = beyond;
   }
-  if (worst < 0) return false;
-  hold(worst, JointMode::Moves);
-  // It goes where the missing torque lets it go.
-  if (coulomb(worst) > 0) {
-    slides_[static_cast<std::size_t>(worst)] = static_cast<signed char>(-sign_of(needed[worst]));
+  return worst;
+}
+
+ContactPhase ClosedLoop::next_phase(const HandLoad& hand) const {
+  switch (contact_.phase) {
+    case ContactPhase::Apart:
+      return hand.gap < 0 ? ContactPhase::Touching : ContactPhase::Apart;
+    case ContactPhase::Touching:
+      return hand.normal_force < 0 && hand.gap_rate > 0 ? ContactPhase::Leaving
+                                                        : ContactPhase::Touching;
+    case ContactPhase::Leaving:
+      break;
+  }
+  return hand.gap > 0 ? ContactPhase::Apart : ContactPhase::Leaving;
+}
+
+bool ClosedLoop::has_event(double t, const StateVector& x) {
+  const PlantState state = unpack(x, n());
+  for (int k = 0; k < n(); ++k) {
+    if (event_of(k, state) != JointEvent::None) return true;
+  }
+  if (overload(t, x, state).joint >= 0) return true;
+  return encounter_ != nullptr &&
+         next_phase(hand_load(x, state, terms_at(x, state))) != contact_.phase;
+}
+
+bool ClosedLoop::handle_contact(double t, const StateVector& x) {
+  if (encounter_ == nullptr) return false;
+  const PlantState state = unpack(x, n());
+  const HandLoad hand = hand_load(x, state, terms_at(x, state));
+  const ContactPhase next = next_phase(hand);
+  if (next == contact_.phase) return false;
+  contact_.phase = next;
+  if (next == ContactPhase::Touching && contact_.contacts++ == 0) contact_.first_begin = t;
+  if (next == ContactPhase::Leaving && contact_.contacts == 1) {
+    contact_.first_end = t;
+    contact_.first_separation_speed = hand.gap_rate;
   }
   return true;
 }
 
-bool ClosedLoop::handle_one_event(double t, StateVector& x, StepObserver& observer) {
+bool ClosedLoop::release_one(double t, const StateVector& x) {
+  const Overload worst = overload(t, x, unpack(x, n()));
+  if (worst.joint < 0) return false;
+  hold(worst.joint, JointMode::Moves);
+  // It moves in the direction of the missing torque.
+  if (coulomb(worst.joint) > 0) {
+    slides_[worst.joint] = static_cast<signed char>(-sign_of(worst.torque));
+  }
+  return true;
+}
+
+bool ClosedLoop::handle_one_event(double t, StateVector& x, Recorder& recorder) {
   PlantState state = unpack(x, n());
-  const auto keep = [&] {
-    const bool has_target = encounter_ != nullptr;
-    x = has_target ? pack(state, unpack_target(x, n())) : pack(state);
-  };
   for (int k = 0; k < n(); ++k) {
-    const std::size_t i = static_cast<std::size_t>(k);
-    const Joint& joint = robot_.joints[i];
+    const JointEvent event = event_of(k, state);
+    if (event == JointEvent::None) continue;
     const double rate = state.phidot[k];
-    const bool below = state.phi[k] < joint.lower && rate < -kNoRate;
-    const bool above = state.phi[k] > joint.upper && rate > kNoRate;
-    if (options_.joint_stops && mode_[i] == JointMode::Moves && (below || above)) {
-      observer.stop_met(t, k, below ? LimitKind::LowerStop : LimitKind::UpperStop, rate);
-      const double rebound = -options_.stop_restitution * rate;
-      const bool rests = std::abs(rebound) < kRestRate;
-      // A hit moves the other joints, at rest or not; mere settling must not wake them, or joints
-      // at their stops would push each other without end.
-      const bool settles = std::abs(rate) < kRestRate;
-      impose_joint_rate(terms_at(x, state), k, rests ? 0 : rebound,
-                        settles ? held_ : std::vector<bool>(), state);
-      if (rests) hold(k, below ? JointMode::AtLower : JointMode::AtUpper);
-      classify(state, false);
-      keep();
-      return true;
-    }
-    if (mode_[i] == JointMode::Moves && slides_[i] * rate < 0) {
+    if (event == JointEvent::Sticks) {
       impose_joint_rate(terms_at(x, state), k, 0, held_, state);
       hold(k, JointMode::Sticks);
-      classify(state, false);
-      keep();
-      return true;
+    } else {
+      const bool is_lower = event == JointEvent::LowerStop;
+      recorder.stop_met(t, k, is_lower ? LimitKind::LowerStop : LimitKind::UpperStop, rate);
+      const double rebound = -options_.stop_restitution * rate;
+      const bool stays = std::abs(rebound) < kRestRate;
+      // A hit moves the other joints, held or not. A slow one must not release them, or joints at
+      // their stops would push each other without end.
+      const bool is_slow = std::abs(rate) < kRestRate;
+      impose_joint_rate(terms_at(x, state), k, stays ? 0 : rebound,
+                        is_slow ? held_ : std::vector<bool>(), state);
+      if (stays) hold(k, is_lower ? JointMode::AtLower : JointMode::AtUpper);
     }
+    classify(state, false);
+    x = encounter_ != nullptr ? pack(state, unpack_target(x, n())) : pack(state);
+    return true;
   }
   return handle_contact(t, x) || release_one(t, x);
 }
 
-bool ClosedLoop::handle_events(double t, StateVector& x, StepObserver& observer) {
+bool ClosedLoop::handle_events(double t, StateVector& x, Recorder& recorder) {
   if (!has_started_) {
     has_started_ = true;
     classify(unpack(x, n()), true);
   }
   const int most = 50 * (n() + 2);
   for (int i = 0; i < most; ++i) {
-    if (!handle_one_event(t, x, observer)) return true;
+    if (!handle_one_event(t, x, recorder)) return true;
   }
   return false;
 }

@@ -65,7 +65,7 @@ JointVectord compensated_friction(const Controller& controller, const RobotModel
                                   const JointVectord& phidot) {
   JointVectord torque(phidot.size());
   for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    const Joint& joint = robot.joints[k];
     torque[k] = joint.viscous_friction * phidot[k] +
                 joint.coulomb_friction * std::tanh(phidot[k] / controller.friction_transition_rate);
   }
@@ -73,17 +73,17 @@ JointVectord compensated_friction(const Controller& controller, const RobotModel
 }
 
 /// u of rns_handback: against L_g, as hard as the gain says and the wheels can.
-Vector3d handback_torque(const Controller& controller, const BaseWheels& wheels,
+Vector3d handback_torque(const Controller& controller, const WheelSpec& wheels,
                          const PlantTerms& terms, const PlantState& state) {
   const Momentum<double> momentum =
       compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
   Vector3d u = -controller.K_handback * momentum.L_g;
   for (int i = 0; i < 3; ++i) {
-    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum_max;
+    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum;
     if (is_full && state.wheel_momentum[i] * u[i] < 0) u[i] = 0;  // dh_w/dt = -u
   }
   const double most = u.lpNorm<Eigen::Infinity>();
-  return most > wheels.torque_max ? Vector3d(u * (wheels.torque_max / most)) : u;
+  return most > wheels.torque ? Vector3d(u * (wheels.torque / most)) : u;
 }
 
 }  // namespace
@@ -111,6 +111,24 @@ std::vector<std::string> controller_names() {
 bool is_reaction_null_space_control(ControllerKind kind) {
   return kind == ControllerKind::Rns || kind == ControllerKind::RnsDamped ||
          kind == ControllerKind::RnsHandback;
+}
+
+std::optional<Controller> controller_of(const PostImpactSpec& spec, std::string_view name) {
+  const auto kind = controller_from_name(name);
+  if (!kind) return std::nullopt;
+  Controller controller;
+  controller.kind = *kind;
+  controller.K_omega = spec.K_omega;
+  controller.K_phi = spec.K_phi;
+  controller.handback_start = spec.handback_start;
+  controller.K_handback = spec.handback_gain;
+  controller.friction_compensation = spec.model.friction_scale > 0;
+  return controller;
+}
+
+std::optional<Controller> chosen_controller(const PostImpactSpec& spec) {
+  if (spec.controllers.empty()) return std::nullopt;
+  return controller_of(spec, spec.controllers.front());
 }
 
 JointVectord MomentumTransfer::joint_rates(const Matrix3Xd& A, const Vector3d& b) const {
@@ -155,15 +173,15 @@ JointVectord control_torque(const Controller& controller, const RobotModel& robo
   return joint_torque(controller, robot, terms, state, Vector3d::Zero());
 }
 
-Vector3d thruster_torque(const BaseThrusters& thrusters, const PlantTerms& terms,
+Vector3d thruster_torque(const ThrusterSpec& thrusters, const PlantTerms& terms,
                          const PlantState& state) {
   const Vector3d omega = state.Omega.tail<3>();
   if (!thrusters.exist() || omega.norm() < thrusters.dead_band) return Vector3d::Zero();
   const Vector3d wanted = -thrusters.gain * (terms.tilde.Htilde_omega * omega);
-  return wanted.cwiseMax(-thrusters.torque_max).cwiseMin(thrusters.torque_max);
+  return wanted.cwiseMax(-thrusters.torque).cwiseMin(thrusters.torque);
 }
 
-ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
+ControlCommand control_command(const Controller& controller, const WheelSpec& wheels,
                                const RobotModel& robot, const PlantTerms& terms,
                                const PlantState& state, double elapsed) {
   ControlCommand command;

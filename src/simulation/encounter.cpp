@@ -5,7 +5,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/simulation/contact.hpp>
 
-#include "simulation/run.hpp"
+#include "simulation/closed_loop.hpp"
 
 namespace stillbase {
 namespace {

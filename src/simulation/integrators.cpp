@@ -1,21 +1,23 @@
 #include "simulation/integrators.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace stillbase {
 
 SimulationStatus Integrator::advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                                     StepObserver& observer) {
+                                     Recorder& recorder) {
   restart();
-  if (!loop.handle_events(t, x, observer)) return SimulationStatus::StepLimit;
+  if (!loop.handle_events(t, x, recorder)) return SimulationStatus::StepLimit;
   while (t < t1) {
     const StateVector from = x;
     const double t_from = t;
-    const SimulationStatus status = step(loop, x, t, t1, observer);
+    const SimulationStatus status = step(loop, x, t, t1, recorder);
     if (status != SimulationStatus::Finished) return status;
     if (!loop.has_event(t, x)) continue;
     cut_at_event(loop, from, t_from, x, t);
-    if (!loop.handle_events(t, x, observer)) return SimulationStatus::StepLimit;
+    if (!loop.handle_events(t, x, recorder)) return SimulationStatus::StepLimit;
     restart();
     if (loop.is_over()) return SimulationStatus::Finished;
   }
@@ -42,6 +44,60 @@ void Integrator::cut_at_event(ClosedLoop& loop, const StateVector& from, double 
   }
   x = at_high;
   t = t_from + high;
+}
+
+namespace {
+
+class Rk4Integrator final : public Integrator {
+ public:
+  explicit Rk4Integrator(const SimulationOptions& options) : Integrator(options) {}
+
+ protected:
+  SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
+                        Recorder& recorder) override {
+    const SimulationStatus status = check_stop(options_, steps_);
+    if (status != SimulationStatus::Finished) return status;
+    // The allowance keeps rounding of the interval from making two steps of one.
+    const double count = std::max(1.0, std::ceil((t1 - t) / options_.step - 1e-6));
+    const double h = (t1 - t) / count;
+    StateVector y = x;
+    rk4_step(loop, t, h, y, &recorder);
+    ++steps_;
+    if (!is_bounded(y)) return SimulationStatus::Diverged;
+    x = y;
+    t = count > 1 ? t + h : t1;
+    return SimulationStatus::Finished;
+  }
+  void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) override {
+    rk4_step(loop, t, h, x, nullptr);
+  }
+};
+
+}  // namespace
+
+void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* recorder) {
+  StateVector k1, k2, k3, k4;
+  StateVector y = x;
+  loop.derivative(t, y, k1, recorder);
+  y = x + 0.5 * h * k1;
+  loop.derivative(t + 0.5 * h, y, k2, nullptr);
+  y = x + 0.5 * h * k2;
+  loop.derivative(t + 0.5 * h, y, k3, nullptr);
+  y = x + h * k3;
+  loop.derivative(t + h, y, k4, nullptr);
+  x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  normalise_attitude(x, loop.n());
+}
+
+std::unique_ptr<Integrator> make_rk4_integrator(const SimulationOptions& options) {
+  return std::make_unique<Rk4Integrator>(options);
+}
+
+SimulationStatus check_stop(const SimulationOptions& options, long steps) {
+  if (options.stop.is_interrupted()) return SimulationStatus::Interrupted;
+  if (options.stop.is_late()) return SimulationStatus::TimeLimit;
+  if (steps >= options.max_steps) return SimulationStatus::StepLimit;
+  return SimulationStatus::Finished;
 }
 
 }  // namespace stillbase

@@ -9,24 +9,24 @@ namespace stillbase {
 
 /// One classical Runge-Kutta step of the closed loop, attitude brought back to unit length. Does
 /// not allocate.
-void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, StepObserver* observer);
+void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* recorder);
 
 /// Takes the state from one instant to another, event by event.
 class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// From t to t1. The observer sees the beginning of every step, not t1 itself. On any status but
-  /// Finished x is the last good state and t its time.
+  /// From t to t1. The recorder observes the beginning of every step, not t1 itself. On any status
+  /// but Finished x is the last good state and t its time.
   SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                           StepObserver& observer);
+                           Recorder& recorder);
   long steps() const { return steps_; }
 
  protected:
   explicit Integrator(const SimulationOptions& options) : options_(options) {}
   /// One accepted step, not beyond t1; on any status but Finished x and t stay.
   virtual SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
-                                StepObserver& observer) = 0;
+                                Recorder& recorder) = 0;
   /// One step of exactly h, without error control: h is part of a step that was accepted.
   virtual void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) = 0;
   /// The derivative may have changed since the last step.

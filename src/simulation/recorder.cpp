@@ -76,7 +76,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
   if (saturated) {
     for (int k = 0; k < robot_.n(); ++k) {
-      const double limit = robot_.joints[static_cast<std::size_t>(k)].max_effort;
+      const double limit = robot_.joints[k].max_effort;
       if (std::abs(tau[k]) >= limit) note(k, LimitKind::Torque, t);
     }
   }
@@ -133,7 +133,7 @@ void Recorder::watch_lost_momentum(const PlantTerms& terms, const Momentum<doubl
 
 void Recorder::watch_limits(double t, const PlantState& state) {
   for (int k = 0; k < robot_.n(); ++k) {
-    const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+    const Joint& joint = robot_.joints[k];
     if (std::abs(state.phidot[k]) > joint.max_velocity) note(k, LimitKind::Rate, t);
     if (watch_stops_) watch_stops(k, t, state);
   }
@@ -153,7 +153,7 @@ void Recorder::stop_met(double t, int joint, LimitKind kind, double rate) {
 }
 
 void Recorder::watch_stops(int k, double t, const PlantState& state) {
-  const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+  const Joint& joint = robot_.joints[k];
   const auto passed = [&](double sign, double stop, LimitKind kind) {
     const double y1 = sign * (state.phi[k] - stop);
     if (!(y1 > 0)) return;

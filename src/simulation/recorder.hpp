@@ -1,22 +1,25 @@
 // Watches a run: extremes, limits, trace.
 #pragma once
 
-#include "simulation/closed_loop.hpp"
+#include <stillbase/simulation/simulate.hpp>
 
 namespace stillbase {
 
-class Recorder final : public StepObserver {
+class Recorder {
  public:
-  /// @param watch_stops false: enforced stops are told by stop_met()
+  /// @param watch_stops false: stops are enforced, stop_met() reports them
   Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops);
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
+  /// A step begins: state, terms of (3) and command after limits.
   void observe(double t, const PlantState& state, const PlantTerms& terms,
-               const ControlCommand& command, bool saturated) override;
-  void observe_target(const TargetPlantState& target, const Vector3d& contact_force) override;
-  void stop_met(double t, int joint, LimitKind kind, double rate) override;
-  /// Ends the run: hands over what was seen, the last observed state being the end.
+               const ControlCommand& command, bool saturated);
+  /// Before observe(), in runs with a target.
+  void observe_target(const TargetPlantState& target, const Vector3d& contact_force);
+  /// A joint runs into an enforced stop with this rate.
+  void stop_met(double t, int joint, LimitKind kind, double rate);
+  /// Ends the run at the last observed state and hands over its result.
   SimulationResult take(SimulationStatus status, long steps);
 
  private:

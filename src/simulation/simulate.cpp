@@ -4,9 +4,45 @@
 #include <cmath>
 #include <stillbase/core/error.hpp>
 
-#include "simulation/run.hpp"
+#include "simulation/integrators.hpp"
 
 namespace stillbase {
+
+namespace {
+
+/// The controller's model of a robot; empty: the robot itself.
+std::optional<RobotModel> controller_robot_of(const ControllerModelSpec& model,
+                                              const RobotModel& robot) {
+  const bool knows_friction = model.friction_scale == 0 || model.friction_scale == 1;
+  if (model.base_mass_scale == 1 && model.arm_mass_scale == 1 && knows_friction) return {};
+  RobotModel known = robot;
+  const auto scale = [](Body& body, double factor) {
+    body.mass *= factor;
+    body.inertia *= factor;
+  };
+  scale(known.base, model.base_mass_scale);
+  for (Body& body : known.bodies) scale(body, model.arm_mass_scale);
+  for (Joint& joint : known.joints) {
+    joint.viscous_friction *= model.friction_scale;
+    joint.coulomb_friction *= model.friction_scale;
+  }
+  return known;
+}
+
+}  // namespace
+
+SimulationOptions plant_options_of(const PostImpactSpec& spec, const RobotModel& robot) {
+  SimulationOptions options;
+  options.control_period = spec.control_period;
+  options.horizon = spec.horizon;
+  options.friction = spec.joint_friction;
+  options.stop_restitution = spec.stop_restitution;
+  options.wheels = spec.wheels;
+  options.thrusters = spec.thrusters;
+  options.sensors = spec.sensor;
+  options.controller_robot = controller_robot_of(spec.model, robot);
+  return options;
+}
 
 void check_simulation(const RobotModel& robot, const JointResistance& resistance,
                       const PlantState& initial, const Controller& controller,
@@ -15,6 +51,8 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
   const auto require = [&](bool holds, const char* rule, const char* message) {
     if (!holds) findings.push_back({"simulation", 0, rule, message});
   };
+  // !(x > 0) refuses NaN too.
+  const auto is_size = [](double x) { return x >= 0 && std::isfinite(x); };
   const int n = robot.n();
   const bool sizes = initial.phi.size() == n && initial.phidot.size() == n;
   require(sizes, "state-size", "joint positions and rates need one number per joint");
@@ -25,40 +63,33 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
           "the base orientation must be a unit quaternion");
   require(resistance.model != ResistanceModel::RotorInertia || resistance.rotor_inertia.size() == n,
           "rotor-inertia", "rotor inertia needs one number per joint");
-  // !(x > 0) refuses NaN too.
-  require(controller.K_omega >= 0 && std::isfinite(controller.K_omega) && controller.K_phi >= 0 &&
-              std::isfinite(controller.K_phi),
-          "gain", "gains must be finite and not negative");
+  require(is_size(controller.K_omega) && is_size(controller.K_phi), "gain",
+          "gains must be finite and not negative");
   require(controller.rank_edge > 1e-7 && controller.rank_edge < 1, "rank-edge",
           "must lie between 1e-7 and 1");
   require(controller.joint_rate_edge > 0, "joint-rate-edge", "must be above zero");
   require(options.step > 0 && std::isfinite(options.step), "step", "must be finite and above zero");
   require(options.relative_tolerance > 0 && options.absolute_tolerance > 0, "tolerance",
           "must be above zero");
-  require(options.control_period >= 0 && std::isfinite(options.control_period), "control-period",
+  require(is_size(options.control_period), "control-period", "must be finite and not negative");
+  require(is_size(options.output_period), "output-period", "must be finite and not negative");
+  require(is_size(options.horizon) && std::isfinite(options.start_time), "horizon",
           "must be finite and not negative");
-  require(options.output_period >= 0 && std::isfinite(options.output_period), "output-period",
-          "must be finite and not negative");
-  require(
-      options.horizon >= 0 && std::isfinite(options.horizon) && std::isfinite(options.start_time),
-      "horizon", "must be finite and not negative");
   require(controller.friction_transition_rate > 0, "friction-transition-rate",
           "must be above zero");
-  require(controller.K_handback >= 0 && std::isfinite(controller.K_handback) &&
-              controller.handback_start >= 0,
-          "handback", "gain and start must be finite and not negative");
+  require(is_size(controller.K_handback) && controller.handback_start >= 0, "handback",
+          "gain and start must be finite and not negative");
   require(options.stop_restitution >= 0 && options.stop_restitution < 1, "stop-restitution",
           "must lie in [0, 1)");
-  const BaseWheels& wheels = options.wheels;
-  require(wheels.torque_max >= 0 && std::isfinite(wheels.torque_max) && wheels.momentum_max >= 0,
-          "wheels", "torque and momentum must be numbers, not negative");
-  const BaseThrusters& thrusters = options.thrusters;
-  require(thrusters.torque_max >= 0 && std::isfinite(thrusters.torque_max) && thrusters.gain >= 0 &&
-              std::isfinite(thrusters.gain) && thrusters.dead_band >= 0,
+  const WheelSpec& wheels = options.wheels;
+  require(is_size(wheels.torque) && wheels.momentum >= 0, "wheels",
+          "torque and momentum must be numbers, not negative");
+  const ThrusterSpec& thrusters = options.thrusters;
+  require(is_size(thrusters.torque) && is_size(thrusters.gain) && thrusters.dead_band >= 0,
           "thrusters", "torque, gain and dead band must be numbers, not negative");
-  const Sensors& sensors = options.sensors;
+  const SensorSpec& sensors = options.sensors;
   require(sensors.base_rate_error >= 0 && sensors.joint_position_error >= 0 &&
-              sensors.joint_rate_error >= 0 && sensors.delay >= 0 && std::isfinite(sensors.delay),
+              sensors.joint_rate_error >= 0 && is_size(sensors.delay),
           "sensors", "errors and delay must be finite and not negative");
   const double periods = sensors.delay / options.control_period;
   require(sensors.are_exact() || options.control_period > 0, "sensors",
@@ -94,33 +125,14 @@ class Ticks {
 }  // namespace
 
 std::string to_string(SimulationStatus status) {
-  switch (status) {
-    case SimulationStatus::Finished:
-      return "finished";
-    case SimulationStatus::Interrupted:
-      return "interrupted";
-    case SimulationStatus::TimeLimit:
-      return "time_limit";
-    case SimulationStatus::StepLimit:
-      return "step_limit";
-    case SimulationStatus::Diverged:
-      return "diverged";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"finished", "interrupted", "time_limit", "step_limit",
+                                    "diverged"};
+  return kNames[static_cast<int>(status)];
 }
 
 std::string to_string(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::Torque:
-      return "torque";
-    case LimitKind::Rate:
-      return "rate";
-    case LimitKind::LowerStop:
-      return "lower_stop";
-    case LimitKind::UpperStop:
-      return "upper_stop";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"torque", "rate", "lower_stop", "upper_stop"};
+  return kNames[static_cast<int>(kind)];
 }
 
 SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
@@ -141,7 +153,7 @@ SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const Rob
     if (end - next < 1e-9 * (next - t)) next = end;
     status = integrator->advance(loop, x, t, next, recorder);
   }
-  // The last state, whatever ended the run.
+  // The last state, after any end of the run.
   recorder.record_next();
   StateVector unused;
   loop.derivative(t, x, unused, &recorder);

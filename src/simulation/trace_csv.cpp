@@ -5,6 +5,71 @@
 namespace stillbase {
 namespace {
 
+using Sample = const TraceSample&;
+using Values = Eigen::VectorXd;
+
+enum class Per { Run, Quaternion, Axis, Joint };
+
+/// Columns of one quantity.
+struct Quantity {
+  Per per;
+  const char *name, *unit;
+  Values (*values)(Sample);
+  const char* prismatic_unit = "";
+};
+
+const Quantity kQuantities[] = {
+    {Per::Run, "time", "s", [](Sample s) -> Values { return Values::Constant(1, s.time); }},
+    {Per::Axis, "base_position", "m", [](Sample s) -> Values { return s.state.base.position; }},
+    {Per::Quaternion, "base_orientation", "",
+     [](Sample s) -> Values {
+       const Eigen::Quaterniond& q = s.state.base.orientation;
+       return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+     }},
+    {Per::Axis, "base_velocity", "m_per_s",
+     [](Sample s) -> Values { return s.state.Omega.head<3>(); }},
+    {Per::Axis, "base_rate", "rad_per_s",
+     [](Sample s) -> Values { return s.state.Omega.tail<3>(); }},
+    {Per::Joint, "position", "rad", [](Sample s) -> Values { return s.state.phi; }, "m"},
+    {Per::Joint, "rate", "rad_per_s", [](Sample s) -> Values { return s.state.phidot; }, "m_per_s"},
+    {Per::Joint, "rate_rns", "rad_per_s", [](Sample s) -> Values { return s.rns; }, "m_per_s"},
+    {Per::Joint, "rate_orthogonal", "rad_per_s", [](Sample s) -> Values { return s.orthogonal; },
+     "m_per_s"},
+    {Per::Joint, "torque", "Nm", [](Sample s) -> Values { return s.tau; }, "N"},
+    {Per::Axis, "angular_momentum_base", "Nms", [](Sample s) -> Values { return s.base; }},
+    {Per::Axis, "angular_momentum_coupling", "Nms", [](Sample s) -> Values { return s.coupling; }},
+    {Per::Axis, "angular_momentum_total", "Nms", [](Sample s) -> Values { return s.total; }},
+    {Per::Axis, "angular_momentum_total_inertial", "Nms",
+     [](Sample s) -> Values { return s.total_N; }},
+    {Per::Axis, "linear_momentum_inertial", "Ns", [](Sample s) -> Values { return s.P_N; }},
+    {Per::Run, "kinetic_energy", "J",
+     [](Sample s) -> Values { return Values::Constant(1, s.kinetic_energy); }},
+    {Per::Axis, "wheel_torque", "Nm", [](Sample s) -> Values { return s.wheel_torque; }},
+    {Per::Axis, "wheel_momentum", "Nms", [](Sample s) -> Values { return s.state.wheel_momentum; }},
+    {Per::Axis, "thruster_torque", "Nm", [](Sample s) -> Values { return s.thruster_torque; }},
+    {Per::Axis, "contact_force_inertial", "N", [](Sample s) -> Values { return s.contact_force; }},
+};
+
+std::vector<std::string> column_names(const Quantity& quantity, const RobotModel& robot) {
+  const std::string name = quantity.name, unit = std::string("_") + quantity.unit;
+  switch (quantity.per) {
+    case Per::Run:
+      return {name + unit};
+    case Per::Quaternion:
+      return {name + "_w", name + "_x", name + "_y", name + "_z"};
+    case Per::Axis:
+      return {name + "_x" + unit, name + "_y" + unit, name + "_z" + unit};
+    case Per::Joint:
+      break;
+  }
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) {
+    names.push_back(fmt::format("{}_{}_{}", joint.name, name,
+                                joint.is_prismatic() ? quantity.prismatic_unit : quantity.unit));
+  }
+  return names;
+}
+
 /// A CSV field: quoted when the joint's name makes it necessary.
 std::string quoted(const std::string& name) {
   if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
@@ -16,88 +81,21 @@ std::string quoted(const std::string& name) {
   return text + '"';
 }
 
-class Header {
- public:
-  void add(const std::string& name) {
-    if (!text_.empty()) text_ += ',';
-    text_ += quoted(name);
-  }
-  void add_vector(const std::string& name, const std::string& unit) {
-    for (const char* axis : {"x", "y", "z"}) add(name + "_" + axis + "_" + unit);
-  }
-  /// One column per joint; prismatic joints have the second unit.
-  void add_joints(const RobotModel& robot, const std::string& name, const std::string& revolute,
-                  const std::string& prismatic) {
-    for (const Joint& joint : robot.joints) {
-      add(joint.name + "_" + name + "_" + (joint.is_prismatic() ? prismatic : revolute));
-    }
-  }
-  std::string text() const { return text_ + "\n"; }
-
- private:
-  std::string text_;
-};
-
-std::string header(const RobotModel& robot) {
-  Header h;
-  h.add("time_s");
-  h.add_vector("base_position", "m");
-  for (const char* part : {"w", "x", "y", "z"}) h.add(std::string("base_orientation_") + part);
-  h.add_vector("base_velocity", "m_per_s");
-  h.add_vector("base_rate", "rad_per_s");
-  h.add_joints(robot, "position", "rad", "m");
-  h.add_joints(robot, "rate", "rad_per_s", "m_per_s");
-  h.add_joints(robot, "rate_rns", "rad_per_s", "m_per_s");
-  h.add_joints(robot, "rate_orthogonal", "rad_per_s", "m_per_s");
-  h.add_joints(robot, "torque", "Nm", "N");
-  h.add_vector("angular_momentum_base", "Nms");
-  h.add_vector("angular_momentum_coupling", "Nms");
-  h.add_vector("angular_momentum_total", "Nms");
-  h.add_vector("angular_momentum_total_inertial", "Nms");
-  h.add_vector("linear_momentum_inertial", "Ns");
-  h.add("kinetic_energy_J");
-  h.add_vector("wheel_torque", "Nm");
-  h.add_vector("wheel_momentum", "Nms");
-  h.add_vector("thruster_torque", "Nm");
-  h.add_vector("contact_force_inertial", "N");
-  return h.text();
-}
-
-/// Shortest text that reads back to the same number; every field but the first has its comma.
-template <class Numbers>
-void append(std::string& text, const Numbers& numbers) {
-  for (Eigen::Index i = 0; i < numbers.size(); ++i) {
-    fmt::format_to(std::back_inserter(text), ",{}", numbers[i]);
-  }
-}
-
 }  // namespace
 
 std::string trace_csv(const RobotModel& robot, const std::vector<TraceSample>& trace) {
-  std::string text = header(robot);
+  std::string text;
+  for (const Quantity& quantity : kQuantities) {
+    for (const std::string& name : column_names(quantity, robot)) text += quoted(name) + ',';
+  }
+  text.back() = '\n';
   for (const TraceSample& sample : trace) {
-    const PlantState& state = sample.state;
-    const Eigen::Quaterniond& q = state.base.orientation;
-    text += fmt::format("{}", sample.time);
-    append(text, state.base.position);
-    append(text, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()));
-    append(text, state.Omega);
-    append(text, state.phi);
-    append(text, state.phidot);
-    append(text, sample.rns);
-    append(text, sample.orthogonal);
-    append(text, sample.tau);
-    append(text, sample.base);
-    append(text, sample.coupling);
-    append(text, sample.total);
-    append(text, sample.total_N);
-    append(text, sample.P_N);
-    text += fmt::format(",{}", sample.kinetic_energy);
-    append(text, sample.wheel_torque);
-    append(text, state.wheel_momentum);
-    append(text, sample.thruster_torque);
-    append(text, sample.contact_force);
-    text += '\n';
+    // Shortest text that reads back to the same number.
+    for (const Quantity& quantity : kQuantities) {
+      for (const double x : quantity.values(sample))
+        fmt::format_to(std::back_inserter(text), "{},", x);
+    }
+    text.back() = '\n';
   }
   return text;
 }

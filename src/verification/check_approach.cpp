@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "verification/base_motion.hpp"
 #include "verification/checks.hpp"
 #include "verification/clearance.hpp"
+#include "verification/path_motion.hpp"
 
 namespace stillbase::verification {
 namespace {

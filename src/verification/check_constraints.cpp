@@ -129,7 +129,7 @@ class KnownConstraints {
     const CaptureProblem& problem = situation_.problem;
     const auto rates = situation_.response.impact(situation_.impulse()).Delta_phidot;
     for (int k = 0; k < problem.robot.n(); ++k) {
-      const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+      const Joint& joint = problem.robot.joints[k];
       const double rate = joint_rate_limit(problem, k);
       add("joint_rate_" + joint.name, -rate, rate, rates[k]);
       const double margin =

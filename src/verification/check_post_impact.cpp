@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/simulation/settings.hpp>
-
 #include "verification/checks.hpp"
 #include "verification/contact_case.hpp"
 
@@ -134,8 +132,8 @@ void judge_motion(const Context& context, const ControllerReport& report,
 std::optional<AfterContact> simulate(const Context& context, const ContactCase& subject,
                                      ControllerReport& report) {
   const PostImpactSpec& spec = context.problem.post_impact;
-  const auto kind = controller_from_name(report.controller);
-  if (!kind) {
+  const auto controller = controller_of(spec, report.controller);
+  if (!controller) {
     report.detail = "no controller of this name";
     return std::nullopt;
   }
@@ -146,8 +144,7 @@ std::optional<AfterContact> simulate(const Context& context, const ContactCase& 
   options.output_period = spec.horizon / 20;
   options.stop = context.options.stop;
   try {
-    AfterContact run = simulate_after_contact(subject, contact_choice_of(spec),
-                                              controller_of(*kind, spec), options);
+    AfterContact run = simulate_after_contact(subject, spec, *controller, options);
     const SimulationResult& result = run.simulation;
     const Drift drift = run.encounter ? pair_drift(context.problem, result.trace)
                                       : momentum_drift(context, run.robot, result.trace);

@@ -9,15 +9,6 @@
 namespace stillbase::verification {
 namespace {
 
-/// Velocity of the hand per impulse at it, 6x6.
-Matrix6d hand_response(const PostureResponse& response) {
-  Matrix6d W;
-  for (int i = 0; i < 6; ++i) {
-    W.col(i) = response.dynamics.J * velocity_jump(response.impact(Vector6d::Unit(i)));
-  }
-  return W;
-}
-
 /// Velocity [v; omega] of the target's contact point per impulse [f; t] there: the force moves the
 /// centroid and rotates the body about it.
 Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& event) {
@@ -56,7 +47,7 @@ void check_jump(const Context& context, ClaimList& claims) {
   const Vector3d n = event.n;
   const Vector6d Fbar = context.situation.impulse();
   const double closing = closing_speed(problem, event, n);
-  const double hand = n.dot((hand_response(context.situation.response) * Fbar).head<3>());
+  const double hand = n.dot((context.situation.response.W * Fbar).head<3>());
   const double target = closing - n.dot((target_response(problem, event) * Fbar).head<3>());
   const double separation = hand - target;
   claims.at_least("target_fate", separation, problem.impulse.restitution * closing, 1e-9 * closing,
@@ -103,8 +94,7 @@ void check_latch(const Context& context, const AfterContact& run, ClaimList& cla
   Vector6d V_t;
   V_t << *event.velocity, omega;
   const Matrix6d W_t = target_response(problem, event);
-  const Vector6d Fbar =
-      reference::solve_definite(hand_response(context.situation.response) + W_t, V_t);
+  const Vector6d Fbar = reference::solve_definite(context.situation.response.W + W_t, V_t);
   const Vector6d target_after = V_t - W_t * Fbar;
 
   const PlantState& start = run.simulation.trace.front().state;

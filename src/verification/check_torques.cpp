@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "verification/base_motion.hpp"
 #include "verification/checks.hpp"
+#include "verification/path_motion.hpp"
 
 namespace stillbase::verification {
 namespace {

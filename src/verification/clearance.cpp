@@ -8,7 +8,7 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 
-#include "verification/base_motion.hpp"
+#include "verification/path_motion.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -25,8 +25,7 @@ Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd&
     kinematics.o[k] = poses[k].position;
     kinematics.c[k] = poses[k] * robot.bodies[k].centroid;
   }
-  const Pose hand_body =
-      robot.hand_body == kBase ? Pose{} : poses[static_cast<std::size_t>(robot.hand_body)];
+  const Pose hand_body = robot.hand_body == kBase ? Pose{} : poses[robot.hand_body];
   kinematics.R_hand = hand_body.orientation.toRotationMatrix() * robot.R_hand;
   kinematics.r_bh = hand_body * robot.p_hand;
   return kinematics;

@@ -42,7 +42,7 @@ ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* moti
 double largest_fraction(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
   double fraction = 0;
   for (int k = 0; k < robot.n(); ++k) {
-    const double most = robot.joints[static_cast<std::size_t>(k)].*limit;
+    const double most = robot.joints[k].*limit;
     if (std::isfinite(most) && peaks(k) > 0) fraction = std::max(fraction, peaks(k) / most);
   }
   return fraction;

@@ -77,8 +77,7 @@ double joint_rate_limit(const CaptureProblem& problem, int joint) {
   const ConstraintSpec& wanted = problem.constraints;
   if (wanted.joint_rate_max.size() == problem.robot.n()) return wanted.joint_rate_max[joint];
   if (!wanted.joint_rate_scale) return kInfinity;
-  return problem.robot.joints[static_cast<std::size_t>(joint)].max_velocity *
-         *wanted.joint_rate_scale;
+  return problem.robot.joints[joint].max_velocity * *wanted.joint_rate_scale;
 }
 
 double coupling_singular_value(const PostureResponse& response) {
@@ -101,7 +100,7 @@ ContactShapes::ContactShapes(const CaptureProblem& problem, const Configuration&
     : problem_(problem) {
   const std::vector<Pose> bodies = reference::body_poses(problem.robot, at.phi);
   for (const CollisionShape& shape : problem.robot.shapes) {
-    const Pose body = shape.body == kBase ? Pose{} : bodies[static_cast<std::size_t>(shape.body)];
+    const Pose body = shape.body == kBase ? Pose{} : bodies[shape.body];
     shapes_.push_back({shape.body, shape.link, false, body * shape.pose, &shape.geometry});
   }
   const Pose N = at.base.inverse();
@@ -160,7 +159,7 @@ bool ContactShapes::must_be_apart(int i, int j) const {
 bool ContactShapes::are_neighbours(int i, int j) const {
   const auto is_parent = [&](const Shape& parent, const Shape& child) {
     return child.body >= 0 && !parent.is_obstacle &&
-           problem_.robot.joints[static_cast<std::size_t>(child.body)].parent == parent.body;
+           problem_.robot.joints[child.body].parent == parent.body;
   };
   const Shape &a = shape(i), &b = shape(j);
   return is_parent(a, b) || is_parent(b, a);
@@ -182,7 +181,7 @@ MarginNumbers margin_numbers(const Situation& situation) {
       const double excess = std::abs(rates[k]) - joint_rate_limit(problem, k);
       if (excess <= out.rate_excess) continue;
       out.rate_excess = excess;
-      out.fastest = problem.robot.joints[static_cast<std::size_t>(k)].name;
+      out.fastest = problem.robot.joints[k].name;
     }
   }
   if (wanted.coupling_singular_value_min > 0) {

@@ -27,7 +27,8 @@ class ContactShapes {
 
   /// Signed distance of two shapes, m: by a search along the segment of a sphere or capsule (a
   /// cylinder counts as the capsule about it), between boxes the widest gap along a separating
-  /// axis. Empty for numbers that do not exist and for shapes that no constraint looks at.
+  /// axis. Empty for numbers out of range and for shapes that no
+  /// constraint is about.
   std::optional<double> distance(int i, int j) const;
   /// Whether a clearance applies to these two. Neighbours in the tree are left out: some of them
   /// overlap by construction.

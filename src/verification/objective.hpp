@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "verification/recomputation.hpp"
-#include "verification/worst_direction.hpp"
 
 namespace stillbase::verification {
 
@@ -17,8 +16,7 @@ struct TermCase {
   const RobotModel* planned;  ///< robot that the controller was made for; null: the problem's
 };
 
-/// What this room knows of an objective quantity: its own formula, written apart from the
-/// planner's.
+/// The formula of this room for an objective quantity, written apart from the planner's.
 struct QuantityRecord {
   ObjectiveQuantity quantity;
   /// The quantity is size^power: the size grows with the impulse, the power is 1 or 2.
@@ -56,6 +54,24 @@ double scale_along(const Situation& situation, const Vector3d& d);
 /// Largest relative error of a stated nominal objective: two integrations of one motion agree less
 /// well than two evaluations of one formula.
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance);
+
+struct WorstDirection {
+  double value = 0;
+  Vector3d direction = Vector3d::Zero();
+};
+
+/// The direction of a cone about n (unit) at this angle from n and this azimuth; in a wedge n
+/// rotated about the plane's normal (unit) by the angle. rad
+Vector3d cone_direction(const Vector3d& n, const std::optional<Vector3d>& plane_normal,
+                        double angle, double azimuth);
+
+/// @param n axis of the cone, unit
+/// @param half_angle rad
+/// @param plane_normal unit; with it the cone is the wedge that n sweeps when rotated about it
+/// @param samples directions before the refinement
+WorstDirection worst_over_cone(const std::function<double(const Vector3d&)>& value,
+                               const Vector3d& n, double half_angle,
+                               const std::optional<Vector3d>& plane_normal, int samples);
 
 /// Largest objective over the problem's cone of directions.
 /// @param samples directions before the local refinement

@@ -59,7 +59,7 @@ std::optional<TargetMotion> target_motion(const CaptureProblem& problem,
     state.linear_velocity = problem.impulse.closing_speed * n;
     Vector3d to_contact = Vector3d::Zero();
     if (const auto feature = feature_of(problem)) {
-      state.pose.orientation = Eigen::Quaterniond::FromTwoVectors(feature->normal, n);
+      state.pose.orientation = rotation_between(feature->normal, n);
       to_contact = state.pose.orientation * feature->point;
     } else {
       double radius = 0;
@@ -126,8 +126,7 @@ std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& probl
   }
   // Zero roll is the shortest rotation in the frame E that the normal is given in.
   const auto against = [&hand](const Eigen::Quaterniond& R_NE, const Vector3d& n_E) {
-    return R_NE * rotation_exp(hand.roll * n_E) *
-           Eigen::Quaterniond::FromTwoVectors(hand.approach_axis, -n_E);
+    return R_NE * rotation_exp(hand.roll * n_E) * rotation_between(hand.approach_axis, -n_E);
   };
   if (event.feature) {
     return against(event.R_NT, event.R_NT.conjugate() * event.feature->normal);
@@ -173,7 +172,7 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
   for (int i = 0; i < 6; ++i) {
     const reference::Impact unit = response.impact(Vector6d::Unit(i));
     response.B.col(i) = unit.Delta_Omega.tail<3>();
-    if (i < 3) response.W.col(i) = response.dynamics.J.topRows(3) * velocity_jump(unit);
+    response.W.col(i) = response.dynamics.J * velocity_jump(unit);
   }
   return response;
 }
@@ -188,7 +187,7 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
     return Fbar;
   }
   const double v_n = closing_speed(problem, event, d);
-  double inverse_mass = d.dot(response.W * d) + 1 / problem.target->mass;
+  double inverse_mass = d.dot(response.W.topLeftCorner<3, 3>() * d) + 1 / problem.target->mass;
   if (impulse.source == ImpulseSource::RigidBody) {
     inverse_mass += turning_inverse_mass(event.target_inertia, event.r, d);
   }
@@ -234,8 +233,7 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
   }
   if (!(closing_speed > 0)) return Vector6d::Zero();
   double inverse_mass =
-      unit.dot(Vector6d(response.dynamics.J * velocity_jump(response.impact(unit)))) +
-      1 / (problem.target->mass * scenario.target_mass_factor);
+      unit.dot(response.W * unit) + 1 / (problem.target->mass * scenario.target_mass_factor);
   if (impulse.source == ImpulseSource::RigidBody) {
     inverse_mass += turning_inverse_mass(problem.target->inertia, r, scenario.direction) /
                     scenario.target_inertia_factor;

@@ -59,7 +59,7 @@ struct PostureResponse {
   reference::Dynamics dynamics;      ///< at rest
   Eigen::VectorXd added_inertia;     ///< n
   std::vector<bool> locked;          ///< n or empty
-  Matrix3d W = Matrix3d::Zero();     ///< hand velocity per force impulse, 1/kg
+  Matrix6d W = Matrix6d::Zero();     ///< hand velocity [v; omega] per impulse [f; t] at the hand
   Eigen::Matrix<double, 3, 6> B;     ///< Delta omega = B Fbar
   Vector3d r_gh = Vector3d::Zero();  ///< system centroid to hand, in B, m
 

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include <stillbase/core/random.hpp>
-#include <stillbase/simulation/settings.hpp>
 
 #include "verification/contact_case.hpp"
 #include "verification/objective.hpp"
@@ -33,9 +32,9 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
                     const Perturbations& sizes, ContactCase subject, std::uint64_t seed, int trial,
                     const StopCondition& stop, TrialOutcome& outcome) {
   const PostImpactSpec& spec = truth.post_impact;
-  const auto kind = controller_from_name(spec.controllers.front());
-  if (!kind) throw std::invalid_argument("no controller " + spec.controllers.front());
-  // The controller knows the robot of the plan, as far as the problem lets it.
+  const auto controller = chosen_controller(spec);
+  if (!controller) throw std::invalid_argument("no controller " + spec.controllers.front());
+  // The controller's model is the robot of the plan, with the errors that the problem states.
   const RobotModel& planned = nominal.problem.robot;
   SimulationOptions options = plant_options_of(spec, planned);
   options.step = std::min(0.01, spec.control_period);
@@ -54,9 +53,8 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
   // Streams of the sensors are apart from those that draw the trials.
   options.sensors.stream = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(trial);
   options.stop = stop;
-  const Controller controller = controller_of(*kind, spec);
   const SimulationResult run =
-      simulate_after_contact(subject, contact_choice_of(spec), controller, options).simulation;
+      simulate_after_contact(subject, spec, *controller, options).simulation;
   const SimulationSummary& summary = run.summary;
   outcome.finished = run.status == SimulationStatus::Finished;
   outcome.residual_base_rate = summary.residual_base_rate;
@@ -115,7 +113,7 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   // The contact at that time, its direction rotated as the nominal one was.
   if (nominal.motion && !truth.impulse.direction) at.contact_time += later;
   ContactEvent event = contact_event(truth, nominal.target(), at);
-  const Eigen::Quaterniond deviation = Eigen::Quaterniond::FromTwoVectors(base_n, direction);
+  const Eigen::Quaterniond deviation = rotation_between(base_n, direction);
   const Vector3d d = (deviation * event.n).normalized();
   truth.impulse.closing_speed *= 1 + faster;
   truth.impulse.magnitude *= 1 + faster;
@@ -193,8 +191,7 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   const auto work = [&] {
     for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
       try {
-        outcomes[static_cast<std::size_t>(i)] =
-            verification::run_trial(nominal, sizes, seed, first + i, stop);
+        outcomes[i] = verification::run_trial(nominal, sizes, seed, first + i, stop);
       } catch (...) {
         const std::lock_guard lock(failure_mutex);
         if (!failure) failure = std::current_exception();

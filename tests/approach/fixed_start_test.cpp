@@ -3,7 +3,7 @@
 
 #include "approach/problems.hpp"
 #include "approach/shipped_robot.hpp"
-#include "verification/base_motion.hpp"
+#include "verification/path_motion.hpp"
 
 using namespace stillbase;
 using namespace stillbase::test;

@@ -6,7 +6,7 @@
 #include "approach/null_tracker.hpp"
 #include "approach/problems.hpp"
 #include "approach/shipped_robot.hpp"
-#include "verification/base_motion.hpp"
+#include "verification/path_motion.hpp"
 
 using namespace stillbase;
 using namespace stillbase::test;

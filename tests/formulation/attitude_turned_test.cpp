@@ -5,7 +5,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/search/trade_off.hpp>
-#include <stillbase/simulation/settings.hpp>
+#include <stillbase/simulation/simulate.hpp>
 
 #include "formulation/measures/epigraph.hpp"
 #include "formulation/measures/sampled_program.hpp"
@@ -63,9 +63,9 @@ TEST_CASE("the turn in an objective is the one that another integrator finds fro
       const double p = impulse_magnitude(model, encounter, response.hand_inverse_mass);
       const PlantState after = state_after_impact(problem.robot, problem.resistance,
                                                   state_at_rest(at.base, at.phi), p * encounter.F);
-      const SimulationResult run = simulate_post_impact(
-          problem.robot, problem.resistance, after,
-          controller_of(controller_from_name(controller).value(), problem.post_impact), options);
+      const SimulationResult run =
+          simulate_post_impact(problem.robot, problem.resistance, after,
+                               chosen_controller(problem.post_impact).value(), options);
       REQUIRE(run.status == SimulationStatus::Finished);
       const double turned = nominal_value(problem, formulation, at);
       INFO(controller << " " << i << ": " << turned);

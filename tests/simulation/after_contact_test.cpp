@@ -69,8 +69,8 @@ SimulationOptions short_run(double horizon) {
   return options;
 }
 
-AfterContact run(const ContactCase& subject, const ContactChoice& choice, double horizon) {
-  return simulate_after_contact(subject, choice, {}, short_run(horizon));
+AfterContact run(const ContactCase& subject, const PostImpactSpec& spec, double horizon) {
+  return simulate_after_contact(subject, spec, {}, short_run(horizon));
 }
 
 }  // namespace
@@ -80,10 +80,10 @@ TEST_CASE("a stiff compliant contact leaves the robot as the jump does", "[simul
   const AfterContact jump = run(subject, {}, 0.05);
   double before = 1;
   for (const double stiffness : {1e6, 1e7, 1e8}) {
-    ContactChoice choice;
-    choice.model = ContactModel::Compliant;
-    choice.stiffness = stiffness;
-    const AfterContact contact = run(subject, choice, 0.05);
+    PostImpactSpec spec;
+    spec.contact.model = ContactModel::Compliant;
+    spec.contact.stiffness = stiffness;
+    const AfterContact contact = run(subject, spec, 0.05);
     REQUIRE(contact.encounter);
     REQUIRE(contact.encounter->contact.contacts == 1);
     CHECK(contact.encounter->separation_speed ==
@@ -100,11 +100,11 @@ TEST_CASE("a stiff compliant contact leaves the robot as the jump does", "[simul
 
 TEST_CASE("friction of the contact changes what the target leaves", "[simulation]") {
   const ContactCase subject = random_case(0.5);
-  ContactChoice choice;
-  choice.model = ContactModel::Compliant;
-  const AfterContact smooth = run(subject, choice, 0.2);
-  choice.friction = 0.5;
-  const AfterContact rough = run(subject, choice, 0.2);
+  PostImpactSpec spec;
+  spec.contact.model = ContactModel::Compliant;
+  const AfterContact smooth = run(subject, spec, 0.2);
+  spec.contact.friction = 0.5;
+  const AfterContact rough = run(subject, spec, 0.2);
   CHECK(rough.encounter->momentum_error < 1e-8);
   CHECK((rough.encounter->impulse_N - smooth.encounter->impulse_N).norm() >
         0.01 * smooth.encounter->impulse_N.norm());
@@ -116,9 +116,9 @@ TEST_CASE("a latch holds the target, and a controller that knows nothing of it d
   Controller rns;
   rns.kind = ControllerKind::RnsDamped;
   rns.joint_rate_edge = 100;
-  ContactChoice choice;
-  choice.model = ContactModel::Latch;
-  const AfterContact held = simulate_after_contact(subject, choice, rns, short_run(2));
+  PostImpactSpec spec;
+  spec.contact.model = ContactModel::Latch;
+  const AfterContact held = simulate_after_contact(subject, spec, rns, short_run(2));
   CHECK(held.is_held);
   double mass = 0, mass_held = held.robot.base.mass;
   mass += subject.robot.base.mass + 40;
@@ -126,8 +126,8 @@ TEST_CASE("a latch holds the target, and a controller that knows nothing of it d
   for (const Body& body : held.robot.bodies) mass_held += body.mass;
   CHECK(mass_held == Approx(mass));
   CHECK(held.simulation.summary.relative_momentum_drift < 1e-9);
-  choice.target_scale = 0;
-  const AfterContact unknown = simulate_after_contact(subject, choice, rns, short_run(2));
+  spec.model.target_mass_scale = 0;
+  const AfterContact unknown = simulate_after_contact(subject, spec, rns, short_run(2));
   CHECK(unknown.simulation.summary.attitude_turned > 1.5 * held.simulation.summary.attitude_turned);
 }
 
@@ -135,13 +135,13 @@ TEST_CASE("nothing is met: the robot goes on as it was", "[simulation]") {
   ContactCase subject = random_case(0);
   subject.impulse = 0;
   subject.after = subject.before;
-  ContactChoice choice;
-  choice.model = ContactModel::Latch;
-  const AfterContact run_on = run(subject, choice, 0.1);
+  PostImpactSpec spec;
+  spec.contact.model = ContactModel::Latch;
+  const AfterContact run_on = run(subject, spec, 0.1);
   CHECK_FALSE(run_on.is_held);
   CHECK(run_on.simulation.summary.peak_base_rate == 0);
   subject.target.reset();
-  CHECK_THROWS_AS(run(subject, choice, 0.1), std::invalid_argument);
+  CHECK_THROWS_AS(run(subject, spec, 0.1), std::invalid_argument);
 }
 
 TEST_CASE("thrusters brake the base, keep their limit and are accounted for", "[simulation]") {

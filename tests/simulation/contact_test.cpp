@@ -2,28 +2,40 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stillbase/impact/contact_impulse.hpp>
-#include <stillbase/simulation/latch.hpp>
-#include <stillbase/simulation/model_check.hpp>
+#include <stillbase/simulation/after_contact.hpp>
 
 #include "simulation/robots.hpp"
 
 namespace stillbase::test {
 namespace {
 
+/// A body whose point r_T touches the hand of a robot with its outward normal n_T.
+struct Touch {
+  Vector3d r_T = Vector3d(0.2, 0.1, -0.15), n_T = Vector3d(1, 2, -1).normalized();
+};
+
+/// Puts the target of a case to the hand.
+void touch(ContactCase& subject, const Touch& at) {
+  const Vector3d hand =
+      subject.before.base * compute_kinematics(subject.robot, subject.before.phi).r_bh;
+  Pose& pose = subject.target->state.pose;
+  pose.position = hand - pose.orientation * at.r_T;
+  subject.normal_N = pose.orientation * at.n_T;
+}
+
 /// A tumbling body in front of the hand of a robot.
-ModelCheckCase tumbling(const RobotModel& robot, const JointVectord& phi, double restitution) {
-  ModelCheckCase subject;
+ContactCase tumbling(const RobotModel& robot, const JointVectord& phi, double restitution) {
+  ContactCase subject;
   subject.robot = robot;
   subject.before = state_at_rest(Pose(), phi);
   subject.restitution = restitution;
-  subject.target.mass = 50;
-  subject.target.inertia = Vector3d(3, 4, 5).asDiagonal();
-  subject.normal_T = Vector3d(1, 2, -1).normalized();
-  subject.point_T = Vector3d(0.2, 0.1, -0.15);
-  subject.target_state.pose.orientation = rotation_exp(Vector3d(0.3, -0.2, 0.5));
-  const Vector3d n = subject.target_state.pose.orientation * subject.normal_T;
-  subject.target_state.velocity = 0.05 * n + Vector3d(0.004, -0.003, 0.002);
-  subject.target_state.angular_velocity = Vector3d(0.02, 0.05, -0.03);
+  MetTarget& target = subject.target.emplace();
+  target.body.mass = 50;
+  target.body.inertia = Vector3d(3, 4, 5).asDiagonal();
+  target.state.pose.orientation = rotation_exp(Vector3d(0.3, -0.2, 0.5));
+  touch(subject, {});
+  target.state.velocity = 0.05 * subject.normal_N + Vector3d(0.004, -0.003, 0.002);
+  target.state.angular_velocity = Vector3d(0.02, 0.05, -0.03);
   return subject;
 }
 
@@ -35,8 +47,8 @@ TEST_CASE("stiffer and stiffer, the compliant contact becomes the instantaneous 
   const RobotModel robot = random_robot(random, 6, false);
   const PlantState posture = random_state(random, 6, 0);
   for (const double restitution : {0.2, 1.0}) {
-    const ModelCheckCase subject = tumbling(robot, posture.phi, restitution);
-    const std::vector<ModelCheckRow> rows = check_stiffness(subject, {1e4, 1e6, 1e8, 1e10});
+    const ContactCase subject = tumbling(robot, posture.phi, restitution);
+    const std::vector<ModelCheckRow> rows = check_stiffness(subject, 0, {1e4, 1e6, 1e8, 1e10});
     for (std::size_t i = 0; i < rows.size(); ++i) {
       INFO(restitution << " " << rows[i].stiffness << " " << rows[i].velocity_error);
       REQUIRE(rows[i].ended);
@@ -53,10 +65,9 @@ TEST_CASE("friction at the contact takes energy and leaves the momentum of the p
           "[simulation]") {
   Random random(7, 3);
   const RobotModel robot = random_robot(random, 5, false);
-  ModelCheckCase subject = tumbling(robot, random_state(random, 5, 0).phi, 0.5);
-  const ModelCheckRow smooth = check_stiffness(subject, {1e7})[0];
-  subject.friction = 0.3;
-  const ModelCheckRow rough = check_stiffness(subject, {1e7})[0];
+  const ContactCase subject = tumbling(robot, random_state(random, 5, 0).phi, 0.5);
+  const ModelCheckRow smooth = check_stiffness(subject, 0, {1e7})[0];
+  const ModelCheckRow rough = check_stiffness(subject, 0.3, {1e7})[0];
   CHECK(rough.momentum_error < 1e-9);
   CHECK(rough.kinetic_energy_after < smooth.kinetic_energy_after);
 }
@@ -64,26 +75,27 @@ TEST_CASE("friction at the contact takes energy and leaves the momentum of the p
 TEST_CASE("rotor inertia is the same in a contact of any duration", "[simulation]") {
   Random random(7, 4);
   const RobotModel robot = random_robot(random, 6, false);
-  ModelCheckCase subject = tumbling(robot, random_state(random, 6, 0).phi, 0.3);
+  ContactCase subject = tumbling(robot, random_state(random, 6, 0).phi, 0.3);
   subject.resistance.model = ResistanceModel::RotorInertia;
   subject.resistance.rotor_inertia = JointVectord::Constant(6, 2.0);
-  const std::vector<ModelCheckRow> rows = check_stiffness(subject, {1e6, 1e8, 1e10});
+  const std::vector<ModelCheckRow> rows = check_stiffness(subject, 0, {1e6, 1e8, 1e10});
   CHECK(rows.back().velocity_error < 1e-4);
 }
 
 TEST_CASE("the servo formula holds for short contacts and a free joint for shorter ones",
           "[simulation]") {
   const RobotModel robot = planar_two_link('A');
-  ModelCheckCase subject = tumbling(robot, JointVectord::Zero(2), 0.5);
+  ContactCase subject = tumbling(robot, JointVectord::Zero(2), 0.5);
   subject.before.phi << -80 * kDegree, 160 * kDegree;
-  subject.target_state.pose.orientation = Eigen::Quaterniond::Identity();
-  subject.normal_T = Vector3d(-1, 0, 0);
-  subject.target_state.velocity = Vector3d(-0.5, 0, 0);
-  subject.target_state.angular_velocity.setZero();
+  TargetPlantState& target = subject.target->state;
+  target.pose.orientation = Eigen::Quaterniond::Identity();
+  target.velocity = Vector3d(-0.5, 0, 0);
+  target.angular_velocity.setZero();
+  touch(subject, {.n_T = Vector3d(-1, 0, 0)});
   subject.resistance.model = ResistanceModel::Servo;
   subject.resistance.stiffness = JointVectord::Constant(2, 500.0);
   subject.resistance.damping = JointVectord::Constant(2, 50.0);
-  const std::vector<ModelCheckRow> rows = check_stiffness(subject, {1e4, 1e6, 1e8});
+  const std::vector<ModelCheckRow> rows = check_stiffness(subject, 0, {1e4, 1e6, 1e8});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     INFO(rows[i].duration << " servo " << rows[i].velocity_error << " free " << rows[i].free_error);
     CHECK(rows[i].velocity_error < rows[i].free_error);
@@ -107,20 +119,24 @@ TEST_CASE("the damping of a contact leaves the restitution asked for", "[simulat
 TEST_CASE("after a latch robot and target are one, momentum included", "[simulation]") {
   Random random(7, 5);
   const RobotModel robot = random_robot(random, 6, false);
-  const PlantState before = random_state(random, 6, 0.1);
-  TargetBody target;
+  ContactCase subject;
+  subject.robot = robot;
+  subject.before = random_state(random, 6, 0.1);
+  subject.target.emplace();
+  const PlantState& before = subject.before;
+  TargetBody& target = subject.target->body;
   target.name = "client";
   target.mass = 40;
   target.inertia = Vector3d(2, 3, 4).asDiagonal();
-  TargetPlantState motion;
+  TargetPlantState& motion = subject.target->state;
   motion.pose.orientation = rotation_exp(Vector3d(0.1, 0.4, -0.2));
   motion.angular_velocity = Vector3d(0.05, -0.02, 0.03);
   const Kinematics<double> kinematics = compute_kinematics(robot, before.phi);
   const Vector3d hand = before.base * kinematics.r_bh;
   motion.pose.position = hand - Vector3d(0.3, 0.1, 0.2);
-  const Vector3d n(1, 0, 0);
+  subject.normal_N = Vector3d(1, 0, 0);
   motion.velocity = Vector3d(2, 0.02, 0.01);  // fast enough to close in on any hand
-  const LatchedRobot latched = latch_target(robot, {}, before, target, motion, n);
+  const LatchedRobot latched = latch_target(subject);
   REQUIRE(latched.impulse.status == ContactStatus::Hit);
 
   const auto momentum = [](const RobotModel& model, const PlantState& state, Vector3d& angular) {

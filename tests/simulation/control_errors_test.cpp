@@ -43,7 +43,7 @@ TEST_CASE("rns_handback gives the momentum to the wheels and the arm comes to re
   const RobotModel robot = planar_two_link('A');
   const PlantState state = struck(robot);
   SimulationOptions options = options_for(40);
-  options.wheels.torque_max = 2;
+  options.wheels.torque = 2;
   const SimulationResult result =
       simulate_post_impact(robot, {}, state, controller(ControllerKind::RnsHandback), options);
   REQUIRE(result.status == SimulationStatus::Finished);
@@ -93,7 +93,7 @@ TEST_CASE("the SPART arm under every controller keeps its torques finite", "[sim
   const PlantState state = struck(robot);
   for (const std::string& name : controller_names()) {
     SimulationOptions options = options_for(5);
-    options.wheels.torque_max = 0.5;
+    options.wheels.torque = 0.5;
     const SimulationResult result =
         simulate_post_impact(robot, {}, state, controller(*controller_from_name(name)), options);
     INFO(name);

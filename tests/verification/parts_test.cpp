@@ -2,10 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include "../reference/random_state.hpp"
-#include "verification/base_motion.hpp"
+#include "verification/path_motion.hpp"
 #include "verification/claim_list.hpp"
-#include "verification/joint_motion.hpp"
-#include "verification/worst_direction.hpp"
+#include "verification/objective.hpp"
 
 using namespace stillbase;
 using namespace stillbase::verification;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <stillbase/core/constants.hpp>
-#include <stillbase/impact/contact.hpp>
 #include <stillbase/impact/joint_resistance.hpp>
+#include <stillbase/plan/post_impact.hpp>
 #include <stillbase/plan/quantities.hpp>
 #include <stillbase/plan/user_functions.hpp>
 #include <stillbase/robot/robot_model.hpp>
@@ -181,59 +181,6 @@ struct ApproachSpec {
   PathPolish polish = PathPolish::None;
   /// ReactionNull: the base may turn by this much, rad; 0.1 deg.
   double attitude_tolerance = 0.0017453292519943296;
-};
-
-/// How hand and target meet in the simulation.
-struct ContactSpec {
-  ContactModel model = ContactModel::Jump;
-  double stiffness = 1e5;         ///< Compliant: N/m
-  std::optional<double> damping;  ///< Compliant: N s/m; empty: leaves the problem's restitution
-  double friction = 0;            ///< Compliant: Coulomb coefficient
-};
-
-/// What the controller gets to know: independent normal errors at each control instant.
-struct SensorSpec {
-  double base_rate_error = 0;       ///< rad/s, standard deviation per axis
-  double joint_position_error = 0;  ///< rad or m
-  double joint_rate_error = 0;      ///< rad/s or m/s
-  double delay = 0;                 ///< s, a whole number of control periods
-  std::uint64_t seed = 1;
-};
-
-/// The controller's model of the robot, relative to the robot.
-struct ControllerModelSpec {
-  double base_mass_scale = 1;    ///< on mass and inertia of the base
-  double arm_mass_scale = 1;     ///< on mass and inertia of the arm's bodies
-  double target_mass_scale = 1;  ///< Latch: on those of the target; 0: it does not know of it
-  double friction_scale = 0;     ///< part of the robot file's joint friction that it compensates
-};
-
-/// Attitude thrusters of the base: moment -gain Htilde_omega omega, cut at `torque` per axis.
-struct ThrusterSpec {
-  double torque = 0;     ///< N m per axis of B; 0: there are none
-  double gain = 1;       ///< 1/s
-  double dead_band = 0;  ///< rad/s, off while |omega| is below
-};
-
-/// Gains and horizon of the post-impact phase, and what counts as success.
-struct PostImpactSpec {
-  std::vector<std::string> controllers;  ///< names as in the file; the first is the plan's choice
-  double K_omega = 7;                    ///< 1/s
-  double K_phi = 5;                      ///< 1/s
-  double control_period = 0.01;          ///< s
-  double horizon = 10;                   ///< s after the impact
-  bool joint_friction = false;           ///< the plant has the robot file's joint friction
-  double stop_restitution = 0;           ///< of the joint stops, [0, 1)
-  double wheel_torque = 0;               ///< N m per axis of B; 0: the base has no wheels
-  double wheel_momentum = 1e6;           ///< N m s per axis that the wheels can hold
-  double handback_start = 2;             ///< s after the impact; rns_handback
-  double handback_gain = 1;              ///< 1/s; rns_handback
-  ContactSpec contact;
-  SensorSpec sensor;
-  ControllerModelSpec model;
-  ThrusterSpec thrusters;
-  double residual_base_rate_max = 0;  ///< rad/s at the horizon under the chosen controller
-  double attitude_change_max = 0;     ///< rad over the horizon under the chosen controller
 };
 
 struct CaptureProblem {

@@ -5,9 +5,9 @@
 // moves uniformly, so that both bodies touch at time zero. A latch closes at time zero.
 #pragma once
 
-#include <stillbase/impact/contact.hpp>
+#include <stillbase/impact/attach_target.hpp>
+#include <stillbase/impact/contact_impulse.hpp>
 #include <stillbase/simulation/contact.hpp>
-#include <stillbase/simulation/latch.hpp>
 
 namespace stillbase {
 
@@ -29,14 +29,6 @@ struct ContactCase {
   std::optional<MetTarget> target;        ///< needed for all but ContactModel::Jump
 };
 
-struct ContactChoice {
-  ContactModel model = ContactModel::Jump;
-  double stiffness = 1e5;         ///< Compliant: N/m
-  std::optional<double> damping;  ///< Compliant: N s/m; empty: leaves the case's restitution
-  double friction = 0;            ///< Compliant
-  double target_scale = 1;  ///< Latch: mass and inertia of the target in the controller's model
-};
-
 struct AfterContact {
   SimulationResult simulation;
   RobotModel robot;  ///< of the simulation: with the target when it is held
@@ -48,13 +40,53 @@ struct AfterContact {
 
 /// Runs the case from the contact to the horizon. Without a contact (impulse zero) the robot
 /// continues from `after`.
+/// @param spec its contact, and the target in the controller's model
 /// @param options its controller's robot is that without a target; start_time must be zero
 /// @throws InputError when sizes or options make no sense, std::invalid_argument when the model
 ///   needs a target and there is none, or a compliant contact has to leave less than
 ///   kLeastRestitution
 [[nodiscard]] AfterContact simulate_after_contact(const ContactCase& subject,
-                                                  const ContactChoice& choice,
+                                                  const PostImpactSpec& spec,
                                                   const Controller& controller,
                                                   const SimulationOptions& options);
+
+struct LatchedRobot {
+  RobotModel robot;        ///< robot and target as one, attach_target()
+  PlantState state;        ///< right after the latch
+  Pose hand_target;        ///< T in the hand frame, as it is held
+  ContactImpulse impulse;  ///< on the hand; `robot` has the target only when its status is Hit
+};
+
+/// The rigid latch of the contact laws: all six relative velocities of hand and target vanish, and
+/// the target stays. Momentum of the pair is that of the new robot; its matrices, reaction null
+/// space and controllers include the target.
+/// @param subject its `before` may move; of its contact law only the normal is used
+/// @throws std::invalid_argument for a point mass or a target without mass
+LatchedRobot latch_target(const ContactCase& subject);
+
+/// A compliant contact beside the instantaneous impact.
+struct ModelCheckRow {
+  double stiffness = 0;   ///< of the contact, N/m
+  bool ended = false;     ///< the contact was over in time
+  double duration = 0;    ///< s
+  double peak_force = 0;  ///< N
+  /// Generalised velocity after the contact against that of the jump (6) with the resistance model
+  /// of the case, the servo's with the duration found: |difference| in the norm of kinetic energy,
+  /// relative to the jump itself.
+  double velocity_error = 0;
+  double free_error = 0;            ///< the same against the jump with free joints, no rotors
+  double impulse_error = 0;         ///< normal impulse against the contact law's, relative
+  double momentum_error = 0;        ///< of robot and target, see EncounterResult
+  double kinetic_energy_after = 0;  ///< of robot and target, J
+};
+
+/// One row per stiffness (N/m). Damping follows from the restitution; a servo's stiffness and
+/// damping act during the contact.
+/// @param subject `after`, `impulse` and `closing_speed` are not used
+/// @param friction of the compliant contact; the jump has none
+/// @throws InputError, std::invalid_argument as simulate_encounter() and contact_damping()
+std::vector<ModelCheckRow> check_stiffness(const ContactCase& subject, double friction,
+                                           const std::vector<double>& stiffness,
+                                           const StopCondition& stop = {});
 
 }  // namespace stillbase

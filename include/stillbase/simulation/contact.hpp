@@ -1,5 +1,5 @@
 // A contact that takes time: hand and target as two moving bodies with a spring-damper between
-// them. It checks the instantaneous jump (PHYSICS section 3) by a model that knows nothing of it.
+// them. An independent model to check the instantaneous jump by (PHYSICS section 3).
 //
 // Assumptions: the contact point is the origin of the hand frame and touches the plane through the
 // target's contact point with the target's outward normal n; one contact point, no moment there.
@@ -70,8 +70,7 @@ HandLoad contact_load(const CompliantContact& contact, const TargetPlantState& t
 
 /// The damping d with which the spring-damper leaves Newton's restitution e between two bodies with
 /// effective mass m: d = 2 zeta sqrt(k m), zeta from x'' + 2 zeta x' + x = 0, x(0) = 0, x'(0) = 1,
-/// up to the instant at which x + 2 zeta x' = 0, where x' = -e. A spring-damper always leaves a
-/// little:
+/// up to the instant at which x + 2 zeta x' = 0, where x' = -e. e is never zero:
 /// @param restitution e in [kLeastRestitution, 1]
 /// @param effective_mass 1 / (n' W_h n + n' W_t n), kg
 /// @throws std::invalid_argument outside that range

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stillbase/plan/post_impact.hpp>
 #include <stillbase/simulation/plant.hpp>
 
 namespace stillbase {
@@ -26,7 +27,7 @@ enum class ControllerKind {
 /// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped", "rns_handback".
 std::string to_string(ControllerKind kind);
 
-/// The controller with this name; nothing when there is none.
+/// The controller with this name; empty: there is none.
 std::optional<ControllerKind> controller_from_name(std::string_view name);
 
 /// Every name, in the order of the enumeration.
@@ -39,7 +40,7 @@ struct Controller {
   ControllerKind kind = ControllerKind::None;
   double K_omega = 7;  ///< 1/s, the paper's
   double K_phi = 5;    ///< 1/s, the paper's; joint_damping_literal reads it as N m s/rad (N s/m)
-  /// Where the arm loses its grip on a direction of base momentum (singular value sigma of the
+  /// Where the arm cannot take over a direction of base momentum (singular value sigma of the
   /// angular coupling matrix), the direction is given up gradually, see momentum_edge().
   double rank_edge = 1e-4;     ///< sigma relative to the largest one
   double joint_rate_edge = 3;  ///< joint rate that carrying L_g would take, |L_g| / sigma, rad/s
@@ -53,26 +54,16 @@ struct Controller {
   double friction_transition_rate = 0.01;  ///< rad/s or m/s, > 0
 };
 
-/// Reaction wheels of the base, one per axis of B. Off by default: the paper has none.
-struct BaseWheels {
-  double torque_max = 0;            ///< N m per axis
-  double momentum_max = kInfinity;  ///< N m s per axis; a full wheel takes no more
-  bool exist() const { return torque_max > 0; }
-};
-
-/// Attitude thrusters of the base, one pair per axis of B. Off by default: the paper has none.
-struct BaseThrusters {
-  double torque_max = 0;  ///< N m per axis
-  double gain = 1;        ///< 1/s
-  double dead_band = 0;   ///< rad/s; they are off while |omega| is below
-  bool exist() const { return torque_max > 0; }
-};
-
 /// Moment of the thrusters on the base, in B, N m: -gain Htilde_omega omega, each axis cut at
-/// torque_max; zero within the dead band. They brake the base alone: what the arm holds of the
+/// `torque`; zero within the dead band. They brake the base alone: what the arm holds of the
 /// momentum stays there until a controller gives it back.
-Vector3d thruster_torque(const BaseThrusters& thrusters, const PlantTerms& terms,
+Vector3d thruster_torque(const ThrusterSpec& thrusters, const PlantTerms& terms,
                          const PlantState& state);
+
+/// The controller with this name and the gains of a problem; empty: there is none.
+std::optional<Controller> controller_of(const PostImpactSpec& spec, std::string_view name);
+/// That of the first name, the plan's choice; empty: there is none.
+std::optional<Controller> chosen_controller(const PostImpactSpec& spec);
 
 /// The singular value below which a direction is given up:
 /// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first only keeps numbers finite (real
@@ -141,7 +132,7 @@ struct ControlCommand {
 ///   A phidot and with it the joint rates run out. A full wheel leaves the remaining momentum in
 ///   the arm.
 /// @param elapsed s since the impact
-ControlCommand control_command(const Controller& controller, const BaseWheels& wheels,
+ControlCommand control_command(const Controller& controller, const WheelSpec& wheels,
                                const RobotModel& robot, const PlantTerms& terms,
                                const PlantState& state, double elapsed);
 

@@ -32,20 +32,7 @@ enum class IntegratorKind {
   Fehlberg78  ///< Runge-Kutta-Fehlberg 7(8), adaptive; the cheapest one for tight tolerances
 };
 
-/// Measurement of the state. Errors are independent and normal, drawn at each control
-/// instant from (seed, stream); sampled control only.
-struct Sensors {
-  double base_rate_error = 0;       ///< rad/s, standard deviation per axis
-  double joint_position_error = 0;  ///< rad or m
-  double joint_rate_error = 0;      ///< rad/s or m/s
-  double delay = 0;                 ///< s, a whole number of control periods
-  std::uint64_t seed = 0, stream = 0;
-  bool are_exact() const {
-    return base_rate_error <= 0 && joint_position_error <= 0 && joint_rate_error <= 0 && delay <= 0;
-  }
-};
-
-/// A disturbance that no controller knows of: wrench on the base [force; moment about the base
+/// A disturbance that no controller measures: wrench on the base [force; moment about the base
 /// centroid] in B at time t.
 using BaseWrench = std::function<Vector6d(double t, const PlantState& state)>;
 
@@ -66,10 +53,10 @@ struct SimulationOptions {
   bool joint_stops = true;      ///< enforced; false: passing one is reported only
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
   bool friction = false;        ///< viscous and Coulomb friction of the model
-  BaseWheels wheels;            ///< off by default
-  BaseThrusters thrusters;      ///< off by default
+  WheelSpec wheels;             ///< off by default
+  ThrusterSpec thrusters;       ///< off by default
   BaseWrench base_wrench;       ///< empty: none
-  Sensors sensors;              ///< exact by default
+  SensorSpec sensors;           ///< exact by default
   /// The controller's model of the robot (same joints); empty: the robot itself. It knows the
   /// rotor inertia.
   std::optional<RobotModel> controller_robot;
@@ -77,11 +64,15 @@ struct SimulationOptions {
   StopCondition stop;
 };
 
+/// Control period, horizon, friction, stops, wheels, thrusters, sensors and the controller's model
+/// of the robot as a problem states them; all else has its default.
+SimulationOptions plant_options_of(const PostImpactSpec& spec, const RobotModel& robot);
+
 enum class SimulationStatus {
   Finished,
   Interrupted,  ///< by StopCondition::interrupted
   TimeLimit,    ///< by StopCondition::deadline
-  StepLimit,    ///< max_steps, or the adaptive step fell to nothing
+  StepLimit,    ///< max_steps, or the adaptive step fell below rounding
   Diverged      ///< a state beyond all bounds; the last good one ends the trace
 };
 std::string to_string(SimulationStatus status);
@@ -139,7 +130,7 @@ struct SimulationSummary {
   /// control (zero otherwise).
   double peak_lost_momentum = 0;               ///< N m s
   Vector3d lost_momentum = Vector3d::Zero();   ///< at the end, in B, N m s
-  Vector3d lost_direction = Vector3d::Zero();  ///< its unit vector; zero when nothing is lost
+  Vector3d lost_direction = Vector3d::Zero();  ///< its unit vector; zero without a loss
   int lowest_rank = 3;             ///< least number of directions that the arm fully reaches
   std::vector<LimitEvent> limits;  ///< by time; the first of each kind and joint
   int stop_hits = 0;               ///< times that a joint ran into an enforced stop

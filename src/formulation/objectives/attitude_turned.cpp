@@ -6,7 +6,6 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
-#include <stillbase/simulation/settings.hpp>
 
 namespace stillbase {
 
@@ -15,14 +14,12 @@ namespace {
 constexpr double kLargestStep = 0.01;  ///< s
 
 Controller first_controller(const CaptureProblem& problem) {
-  const PostImpactSpec& spec = problem.post_impact;
-  std::optional<ControllerKind> kind;
-  if (!spec.controllers.empty()) kind = controller_from_name(spec.controllers.front());
-  if (!kind) {
+  const auto controller = chosen_controller(problem.post_impact);
+  if (!controller) {
     throw InputError({{problem.source, 0, "missing-key",
                        "objective: attitude_turned needs post_impact.controllers"}});
   }
-  return controller_of(*kind, spec);
+  return *controller;
 }
 
 }  // namespace

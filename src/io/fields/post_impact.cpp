@@ -113,9 +113,9 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "`model.friction_scale` says what the controllers know of it");
   t("stop_restitution", Number(spec.stop_restitution, {.lower = 0, .upper = 0.99}),
     "part of its rate that a joint keeps, reversed, at its stop");
-  t("wheel_torque", Number(spec.wheel_torque, Dimension::Moment, kNonNegative),
+  t("wheel_torque", Number(spec.wheels.torque, Dimension::Moment, kNonNegative),
     "of the base's reaction wheels, per axis of B; 0: there are none");
-  t("wheel_momentum", Number(spec.wheel_momentum, Dimension::AngularImpulse, kNonNegative),
+  t("wheel_momentum", Number(spec.wheels.momentum, Dimension::AngularImpulse, kNonNegative),
     "that they can hold, per axis");
   t("handback_start", Number(spec.handback_start, Dimension::Time, kNonNegative),
     "`rns_handback`: after the impact; `rns_damped` until then");

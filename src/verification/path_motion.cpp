@@ -1,4 +1,4 @@
-#include "verification/base_motion.hpp"
+#include "verification/path_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,42 @@
 #include <stillbase/reference/reference.hpp>
 
 namespace stillbase::verification {
+
+HermiteSegment::HermiteSegment(const Approach& approach, std::size_t i)
+    : t0_(approach.times[i]),
+      h_(approach.times[i + 1] - approach.times[i]),
+      a_(approach.joint_positions[i]),
+      b_(approach.joint_velocities[i]) {
+  const Eigen::VectorXd step = approach.joint_positions[i + 1] - approach.joint_positions[i];
+  const Eigen::VectorXd v1 = approach.joint_velocities[i + 1];
+  c_ = (3 * step / h_ - 2 * b_ - v1) / h_;
+  d_ = (b_ + v1 - 2 * step / h_) / (h_ * h_);
+}
+
+HermiteSegment::Extremes HermiteSegment::extremes() const {
+  const Eigen::VectorXd first = position(0), last = position(h_);
+  Extremes e{first.cwiseMin(last), first.cwiseMax(last),
+             velocity(0).cwiseAbs().cwiseMax(velocity(h_).cwiseAbs()),
+             acceleration(0).cwiseAbs().cwiseMax(acceleration(h_).cwiseAbs())};
+  for (Eigen::Index k = 0; k < a_.size(); ++k) {
+    auto look_at = [&](double s) {
+      if (!(s > 0 && s < h_)) return;
+      const double phi = position(s)(k);
+      e.lowest(k) = std::min(e.lowest(k), phi);
+      e.highest(k) = std::max(e.highest(k), phi);
+    };
+    // velocity b + 2 c s + 3 d s^2 = 0, in the form that does not cancel.
+    const double q = -(
+        c_(k) + std::copysign(std::sqrt(std::max(0.0, c_(k) * c_(k) - 3 * d_(k) * b_(k))), c_(k)));
+    if (d_(k) != 0) look_at(q / (3 * d_(k)));
+    if (q != 0) look_at(b_(k) / q);
+    if (d_(k) != 0) {
+      const double s = -c_(k) / (3 * d_(k));  // acceleration zero: extreme rate
+      if (s > 0 && s < h_) e.rate(k) = std::max(e.rate(k), std::abs(velocity(s)(k)));
+    }
+  }
+  return e;
+}
 
 Vector6d drifting_base_velocity(const RobotModel& robot, const Eigen::VectorXd& phi,
                                 const Eigen::VectorXd& phidot) {
@@ -37,7 +73,7 @@ Pose moved(Pose pose, const PoseRate& rate, double h) {
 Pose drifted_base(const RobotModel& robot, const HermiteSegment& segment, double s0, double s1,
                   const Pose& from, double max_travel) {
   const double rate = segment.extremes().rate.maxCoeff();
-  // Near rest few steps would do by travel, but the rate changes: at least four per segment.
+  // At low rates the travel asks for few steps although the rate changes: at least four.
   const double most = std::max((s1 - s0) * rate / max_travel, 4 * (s1 - s0) / segment.duration());
   const int steps = std::max(1, static_cast<int>(std::ceil(most)));
   const double h = (s1 - s0) / steps;

@@ -1,0 +1,81 @@
+// The phase after the impact as a problem states it: contact, controllers, sensors and actuators.
+// Plain data that problems and simulations share.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/impact/contact.hpp>
+
+namespace stillbase {
+
+/// Contact of hand and target in the simulation.
+struct ContactSpec {
+  ContactModel model = ContactModel::Jump;
+  double stiffness = 1e5;         ///< Compliant: N/m
+  std::optional<double> damping;  ///< Compliant: N s/m; empty: leaves the problem's restitution
+  double friction = 0;            ///< Compliant: Coulomb coefficient
+};
+
+/// Measurement of the state. Errors are independent and normal, drawn at each control instant from
+/// (seed, stream); sampled control only.
+struct SensorSpec {
+  double base_rate_error = 0;       ///< rad/s, standard deviation per axis
+  double joint_position_error = 0;  ///< rad or m
+  double joint_rate_error = 0;      ///< rad/s or m/s
+  double delay = 0;                 ///< s, a whole number of control periods
+  std::uint64_t seed = 1;
+  std::uint64_t stream = 0;  ///< in no file
+  bool are_exact() const {
+    return base_rate_error <= 0 && joint_position_error <= 0 && joint_rate_error <= 0 && delay <= 0;
+  }
+};
+
+/// The controller's model of the robot, relative to the robot.
+struct ControllerModelSpec {
+  double base_mass_scale = 1;    ///< on mass and inertia of the base
+  double arm_mass_scale = 1;     ///< on mass and inertia of the arm's bodies
+  double target_mass_scale = 1;  ///< Latch: on those of the target; 0: the model has no target
+  double friction_scale = 0;     ///< fraction of the robot file's joint friction to compensate
+};
+
+/// Reaction wheels of the base, one per axis of B. Off by default: the paper has none.
+struct WheelSpec {
+  double torque = 0;            ///< N m per axis; 0: there are none
+  double momentum = kInfinity;  ///< N m s per axis; a full wheel takes no more
+  bool exist() const { return torque > 0; }
+};
+
+/// Attitude thrusters of the base, one pair per axis of B: moment -gain Htilde_omega omega, cut at
+/// `torque` per axis. Off by default: the paper has none.
+struct ThrusterSpec {
+  double torque = 0;     ///< N m per axis; 0: there are none
+  double gain = 1;       ///< 1/s
+  double dead_band = 0;  ///< rad/s; they are off while |omega| is below
+  bool exist() const { return torque > 0; }
+};
+
+/// Gains and horizon of the post-impact phase, and its criteria of success.
+struct PostImpactSpec {
+  std::vector<std::string> controllers;  ///< names as in the file; the first is the plan's choice
+  double K_omega = 7;                    ///< 1/s
+  double K_phi = 5;                      ///< 1/s
+  double control_period = 0.01;          ///< s
+  double horizon = 10;                   ///< s after the impact
+  bool joint_friction = false;           ///< the plant has the robot file's joint friction
+  double stop_restitution = 0;           ///< of the joint stops, [0, 1)
+  WheelSpec wheels{.torque = 0, .momentum = 1e6};
+  double handback_start = 2;  ///< s after the impact; rns_handback
+  double handback_gain = 1;   ///< 1/s; rns_handback
+  ContactSpec contact;
+  SensorSpec sensor;
+  ControllerModelSpec model;
+  ThrusterSpec thrusters;
+  double residual_base_rate_max = 0;  ///< rad/s at the horizon under the chosen controller
+  double attitude_change_max = 0;     ///< rad over the horizon under the chosen controller
+};
+
+}  // namespace stillbase
