@@ -98,43 +98,27 @@ std::optional<double> least_of_solutions(const Proof& proof,
   return least;
 }
 
-/// Name of the measure in the statement of a bound.
-std::string measure_words(RiskMeasure kind) {
-  switch (kind) {
-    case RiskMeasure::Nominal:
-      return "a predicted ";
-    case RiskMeasure::WorstCase:
-      return "a worst case";
-    case RiskMeasure::Expectation:
-      return "an expected ";
-    case RiskMeasure::Cvar:
-      return "a CVaR of ";
-  }
-  return "";
-}
-
 /// Words, boxes and gap of the bound. @return the least measure of the candidates
 double check_bound_statement(const Context& context, double bound, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
+  const ProofStatement statement = read_statement(proof);
   Objections objections;
-  const std::string has = " has " + measure_words(context.problem.measure.kind);
-  objections.demand(proof.statement.find("no posture" + has) != std::string::npos ||
-                        proof.statement.find("no configuration" + has) != std::string::npos,
+  objections.demand(statement.bounded == context.problem.measure.kind,
                     "the statement does not say what is bounded");
-  objections.demand(
-      proof.statement.compare(0, 6, "proven") == 0 || proof.status == ProofStatus::Undecided,
-      "the statement does not begin with 'proven'");
+  objections.demand(statement.is_proven || proof.status == ProofStatus::Undecided,
+                    "the statement does not begin with 'proven'");
   objections.demand(proof.boxes > 0, "no box was examined");
   bool is_gap = false;
   double least = plan.objective.value;
   for (const Candidate& candidate : plan.candidates) {
     if (!(candidate.max_violation <= context.options.constraint_tolerance)) continue;
     least = std::min(least, candidate.value);
-    is_gap = is_gap || (proof.gap && *proof.gap == candidate.value - bound);
+    const double gap = candidate.value - bound;
+    is_gap = is_gap || (proof.gap && std::abs(*proof.gap - gap) <= kGapRounding * bound);
   }
   objections.demand(is_gap, "the gap is that of no candidate");
-  objections.demand(!proof.gap || least - bound <= *proof.gap,
+  objections.demand(!proof.gap || least - bound <= *proof.gap + kGapRounding * bound,
                     "a candidate is nearer to the bound than the gap");
   claims.none_wrong("proof_bound_statement", objections, "words, boxes and gap of the bound fit");
   return least;
@@ -153,7 +137,7 @@ void check_bound(const Context& context, ClaimList& claims) {
 
   const AllowedConfigurations configurations(context);
   const bool counts_case = context.problem.constraints.impact_case != CaseConstraint::None &&
-                           proof.statement.find("the case") == std::string::npos;
+                           !read_statement(proof).leaves_out_case;
   const std::optional<double> found = counts_case ? least_of_solutions(proof, configurations)
                                                   : search_below(context, configurations);
   if (!found) return;  // a random search does not reach so few configurations

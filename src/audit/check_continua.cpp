@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "audit/checks.hpp"
-#include "audit/recount.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
@@ -34,7 +33,7 @@ class Place {
     double sum = (other.rotation_near(rotation_) - rotation_).squaredNorm() +
                  std::pow(other.time_ - time_, 2);
     for (int k = 0; k < phi_.size(); ++k) {
-      const Joint& joint = problem_->robot.joints[static_cast<std::size_t>(k)];
+      const Joint& joint = problem_->robot.joints[k];
       const double d = other.phi_[k] - phi_[k];
       sum += std::pow(joint.type == JointType::Continuous ? std::remainder(d, 2 * kPi) : d, 2);
     }
@@ -68,8 +67,8 @@ std::vector<double> distances_to_limits(const Situation& situation) {
     out.push_back(std::min(std::abs(x - lower), std::abs(x - upper)));
   };
   for (int k = 0; k < problem.robot.n(); ++k) {
-    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
-    if (!free.joints[static_cast<std::size_t>(k)] || joint.type == JointType::Continuous) continue;
+    const Joint& joint = problem.robot.joints[k];
+    if (!free.joints[k] || joint.type == JointType::Continuous) continue;
     between(at.phi[k], joint.lower + wanted.joint_limit_margin,
             joint.upper - wanted.joint_limit_margin);
   }

@@ -3,21 +3,15 @@
 // independent search from many starts looks for solutions outside the boxes.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <fmt/format.h>
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
-#include "audit/recount.hpp"
 
 namespace stillbase::audit {
 namespace {
-
-/// Whether the solutions are the postures at which the nominal objective vanishes; otherwise the
-/// equations alone leave single postures.
-bool are_zeros(const Proof& proof) {
-  return proof.statement.find("at which the objective is zero") != std::string::npos;
-}
 
 bool has_index(const std::vector<Candidate>& candidates, int c) {
   return c >= 0 && c < static_cast<int>(candidates.size());
@@ -30,7 +24,7 @@ double residual_at(const Context& context, const Configuration& at) {
   double residual =
       std::max(hand_residual(situation),
                case_residuals(context.problem, situation.response, situation.impulse()).wanted);
-  if (are_zeros(context.plan.certificate.proof)) {
+  if (read_statement(context.plan.certificate.proof).are_zeros) {
     const Vector3d& n = situation.event.n;
     residual = std::max(residual, objective_along(situation, n) / scale_along(situation, n));
   }
@@ -42,30 +36,31 @@ void check_statement(const Plan& plan, ClaimList& claims) {
   const Proof& proof = plan.certificate.proof;
   Objections objections;
   const bool complete = proof.status == ProofStatus::Complete;
-  const std::string begin = complete ? "proven" : "not decided";
-  objections.demand(proof.statement.compare(0, begin.size(), begin) == 0,
-                    "the statement does not begin with '" + begin + "'");
-  const std::string count = fmt::format(": {} solution", proof.solutions.size());
-  objections.demand(proof.solutions.empty() || proof.statement.find(count) != std::string::npos,
-                    "the statement does not count the enclosed solutions");
+  const ProofStatement statement = read_statement(proof);
+  objections.demand(
+      complete ? statement.is_proven : statement.is_undecided,
+      fmt::format("the statement does not begin with '{}'", complete ? "proven" : "not decided"));
+  objections.demand(
+      proof.solutions.empty() || statement.solutions == static_cast<int>(proof.solutions.size()),
+      "the statement does not count the enclosed solutions");
   objections.demand(complete == proof.undecided.empty(), "undecided boxes do not fit the status");
   objections.demand(
       proof.boxes >= static_cast<long>(proof.solutions.size() + proof.undecided.size()),
       "fewer boxes were examined than are listed");
   const bool is_bound = proof.lower_bound && *proof.lower_bound > 0;  // see check_bound()
   if (!is_bound) {
-    objections.demand(!proof.lower_bound ||
-                          (*proof.lower_bound == 0 && are_zeros(proof) && !proof.solutions.empty()),
+    objections.demand(!proof.lower_bound || (*proof.lower_bound == 0 && statement.are_zeros &&
+                                             !proof.solutions.empty()),
                       "the lower bound of a zero is zero");
     std::optional<double> least;
     for (const int c : proof.candidates) {
       if (!has_index(plan.candidates, c) || !proof.lower_bound) continue;
-      const double gap =
-          plan.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
+      const double gap = plan.candidates[c].objective - *proof.lower_bound;
       least = least ? std::min(*least, gap) : gap;
     }
     objections.demand(
-        least.has_value() == proof.gap.has_value() && (!least || *least == *proof.gap),
+        least.has_value() == proof.gap.has_value() &&
+            (!least || std::abs(*least - *proof.gap) <= kGapRounding * std::abs(*least)),
         "the gap is not that of the best candidate");
   }
   claims.none_wrong("proof_statement", objections, "words, counts, lower bound and gap fit");
@@ -99,6 +94,30 @@ void check_completeness(const Context& context, const FreeVariables& variables,
 }
 
 }  // namespace
+
+ProofStatement read_statement(const Proof& proof) {
+  const std::string& text = proof.statement;
+  const auto says = [&](const std::string& words) { return text.find(words) != std::string::npos; };
+  ProofStatement out;
+  out.is_proven = text.rfind("proven", 0) == 0;
+  out.is_undecided = text.rfind("not decided", 0) == 0;
+  int count = 0, end = -1;
+  const std::size_t colon = std::min(text.find(": "), text.size());
+  if (std::sscanf(text.c_str() + colon, ": %d solution%n", &count, &end) == 1 && end > 0) {
+    out.solutions = count;
+  }
+  out.are_zeros = says("at which the objective is zero");
+  for (const auto& [kind, words] : {std::pair{RiskMeasure::Nominal, "a predicted "},
+                                    {RiskMeasure::WorstCase, "a worst case"},
+                                    {RiskMeasure::Expectation, "an expected "},
+                                    {RiskMeasure::Cvar, "a CVaR of "}}) {
+    for (const char* place : {"no posture has ", "no configuration has "}) {
+      if (says(std::string(place) + words)) out.bounded = kind;
+    }
+  }
+  out.leaves_out_case = says("the case");
+  return out;
+}
 
 void check_proof(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;

@@ -20,6 +20,22 @@ void check_continua(const Context& context, ClaimList& claims);
 /// measure only the nominal optimum: its own minima may be on curves that no start reached.
 std::vector<std::string> unlisted_curves(const Context& context);
 
+/// What the statement of a proof says, read from its words.
+struct ProofStatement {
+  bool is_proven = false;        ///< begins with "proven"
+  bool is_undecided = false;     ///< begins with "not decided"
+  std::optional<int> solutions;  ///< number of the enclosed ones
+  /// The solutions are the configurations at which the nominal objective vanishes; otherwise the
+  /// equations alone leave single configurations.
+  bool are_zeros = false;
+  std::optional<RiskMeasure> bounded;  ///< measure of the lower bound
+  bool leaves_out_case = false;        ///< the bound does not count the wanted case
+};
+ProofStatement read_statement(const Proof& proof);
+
+/// Largest error of a stated gap, relative to the values that it is a difference of.
+inline constexpr double kGapRounding = 1e-12;
+
 /// The enclosed solutions and the candidates are the same; no check without a proof.
 void check_proof(const Context& context, ClaimList& claims);
 
@@ -29,5 +45,26 @@ void check_bound(const Context& context, ClaimList& claims);
 
 /// List of the candidates, counts and status of the search, certificate.
 void check_search_record(const Context& context, ClaimList& claims);
+
+/// A search for the solutions of a small problem, apart from the planner's and from its proof:
+/// Gauss-Newton by `reference` from evenly spread starts.
+struct Recount {
+  std::string not_done;  ///< why the problem is not small enough; empty: it is
+  /// The equations leave freedom, so the objective's zeros were searched.
+  bool asks_for_zero = false;
+  std::vector<Configuration> solutions;  ///< distinct; base position as stated
+  int starts = 0;
+};
+
+/// Isolated configurations within the bounds that satisfy the hand's equations, the wanted case and
+/// the inequalities, among them limits on rates, singular values and clearances. Where the
+/// equations leave freedom, the objective is zero as well. For problems with one to three variables
+/// among joints, base angle about an axis and time.
+Recount search_solutions(const Context& context);
+
+/// Whether a configuration is on a self-motion curve of zeros of the nominal objective: the
+/// equations leave freedom, and together with the zero one direction. True only where this is
+/// certain, and only for objectives of one angular quantity.
+bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at);
 
 }  // namespace stillbase::audit

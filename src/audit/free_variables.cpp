@@ -25,8 +25,8 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
   std::vector<double> low, high;
   const double margin = problem.constraints.joint_limit_margin;
   for (int k = 0; k < problem.robot.n(); ++k) {
-    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
-    if (!variables.joints[static_cast<std::size_t>(k)]) continue;
+    const Joint& joint = problem.robot.joints[k];
+    if (!variables.joints[k]) continue;
     const bool wraps = joint.type == JointType::Continuous;
     joints_.push_back(k);
     wraps_.push_back(wraps);
@@ -146,7 +146,7 @@ Eigen::VectorXd FreeVariables::middle_of(const JointBox& box) const {
 bool FreeVariables::holds(const JointBox& box, const Configuration& at) const {
   for (int k = 0; k < problem_.robot.n(); ++k) {
     double apart = at.phi[k] - (box.lower[k] + box.upper[k]) / 2;
-    if (problem_.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
+    if (problem_.robot.joints[k].type == JointType::Continuous) {
       apart = wrapped(apart);
     }
     if (!(beyond(apart, box.lower[k], box.upper[k]) <= kNear)) return false;
@@ -171,7 +171,7 @@ double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& 
   double largest = 0;
   for (int i = 0; i < size(); ++i) {
     const double d = a[i] - b[i];
-    largest = std::max(largest, std::abs(wraps_[static_cast<std::size_t>(i)] ? wrapped(d) : d));
+    largest = std::max(largest, std::abs(wraps_[i] ? wrapped(d) : d));
   }
   return largest;
 }
@@ -179,7 +179,7 @@ double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& 
 bool FreeVariables::bring_inside(Eigen::VectorXd& x) const {
   bool is_inside = true;
   for (int i = 0; i < size(); ++i) {
-    if (wraps_[static_cast<std::size_t>(i)]) x[i] = wrapped(x[i]);
+    if (wraps_[i]) x[i] = wrapped(x[i]);
     if (vector_ >= 0 && i >= vector_ && i < vector_ + 3) continue;
     is_inside = is_inside && x[i] >= lower[i] && x[i] <= upper[i];
   }

@@ -1,10 +1,9 @@
-#include "audit/recount.hpp"
-
 #include <algorithm>
 
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
+#include "audit/checks.hpp"
 #include "audit/equations.hpp"
 
 namespace stillbase::audit {
