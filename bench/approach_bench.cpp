@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/proof/proof.hpp>
 
 #include "planner/approach_stage.hpp"
 #include "planner/candidates.hpp"
@@ -56,7 +57,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
   options.max_candidates = problem.search.max_candidates;
   SearchResult found = search(problem, formulation, options);
   for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
-  const Proof proof = prove_solutions(registered_prover(), problem, formulation, {});
+  const Proof proof = prove_solutions(default_prover(), problem, formulation, {});
 
   std::vector<double> seconds;
   double hand = 0, angle = 0, turn = 0;
@@ -87,6 +88,9 @@ bool measure(const CaptureProblem& problem, int seeds) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef STILLBASE_WITH_PROOF
+  stillbase::enable_proofs();
+#endif
   int seeds = 20;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/proof/proof.hpp>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -59,4 +60,9 @@ int run_tool(int argc, const char* const* argv) {
 
 }  // namespace stillbase::app
 
-int main(int argc, char** argv) { return stillbase::app::run_tool(argc, argv); }
+int main(int argc, char** argv) {
+#ifdef STILLBASE_WITH_PROOF
+  stillbase::enable_proofs();
+#endif
+  return stillbase::app::run_tool(argc, argv);
+}

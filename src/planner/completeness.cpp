@@ -87,7 +87,7 @@ Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
                       const Formulation& formulation, const StopCondition& stop) {
   if (!prover) {
     Proof out;
-    out.statement = "no proof: built without stillbase::proof";
+    out.statement = "no proof: nothing was proven, the program has no prover (stillbase::proof)";
     return out;
   }
   ProofOptions options;

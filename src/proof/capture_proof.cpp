@@ -1,6 +1,8 @@
 // Which proof belongs to which capture problem.
 #include <algorithm>
 
+#include <stillbase/proof/minimum.hpp>
+
 #include "proof/zero_problem.hpp"
 
 namespace stillbase {
@@ -57,6 +59,11 @@ Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   if (vanishing.status == ProofStatus::NotApplicable) return out;
   if (!vanishing.solutions.empty()) vanishing.lower_bound = 0;
   return vanishing;
+}
+
+void enable_proofs() {
+  static constexpr Prover prover{prove, minimum_objection, prove_minimum};
+  use_prover(prover);
 }
 
 }  // namespace stillbase

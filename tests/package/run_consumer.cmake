@@ -25,8 +25,12 @@ execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build --config ${CO
 find_program(consumer consumer PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
 execute_process(COMMAND ${consumer} COMMAND_ERROR_IS_FATAL ANY)
 
-# Both read problems/ from the working directory.
-foreach(program IN ITEMS readme example)
+# All read problems/ from the working directory. The library of proofs may be left out of a build.
+set(programs readme example without_proof)
+if(EXISTS ${WORK_DIR}/prefix/include/stillbase/proof)
+  list(APPEND programs with_proof)
+endif()
+foreach(program IN LISTS programs)
   find_program(${program} ${program} PATHS ${WORK_DIR}/build ${WORK_DIR}/build/${CONFIG} REQUIRED NO_DEFAULT_PATH)
   execute_process(COMMAND ${${program}} WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase
     COMMAND_ERROR_IS_FATAL ANY)

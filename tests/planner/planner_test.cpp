@@ -40,6 +40,21 @@ TEST_CASE(
   CHECK(plan.approach.status == ApproachStatus::Found);
 }
 
+TEST_CASE("a planner without a prover says that nothing was proven") {
+  CaptureProblem problem = shipped("planar_two_link_c2_a");
+  problem.approach.enabled = false;
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(problem, options);
+  const Proof& proof = plan.certificate.proof;
+  CHECK(plan.candidates.size() == 8);
+  CHECK(proof.statement ==
+        "no proof: nothing was proven, the program has no prover (stillbase::proof)");
+  CHECK(proof.status == ProofStatus::NotApplicable);
+  CHECK(proof.boxes == 0);
+  CHECK_FALSE(proof.lower_bound.has_value());
+}
+
 TEST_CASE("what the search missed is found by the proof and becomes a candidate") {
   CaptureProblem problem = shipped("planar_two_link_c2_a");
   problem.search.starts = 1;

@@ -61,9 +61,10 @@ struct Prover {
                                 const MinimumOptions&) = nullptr;
 };
 
-/// The prover of this program: that of stillbase::proof where it is linked, else null.
-const Prover* registered_prover();
-/// Called once, before main().
-void register_prover(const Prover& prover);
+/// The prover that planners use by default; null until use_prover() is called.
+const Prover* default_prover();
+/// To be called before the first plan, e.g. at the beginning of main(): see enable_proofs() of
+/// stillbase/proof/proof.hpp.
+void use_prover(const Prover& prover);
 
 }  // namespace stillbase

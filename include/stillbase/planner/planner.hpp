@@ -35,8 +35,8 @@ struct PlannerOptions {
   /// Candidates are good when their objective is at most this factor times the best one's, >= 1:
   /// the approach goes for all of them at once.
   double goal_factor = 1.1;
-  /// Proves what the search found; null: plans say that there is no proof.
-  const Prover* prover = registered_prover();
+  /// Proves what the search found; null: plans say that nothing was proven.
+  const Prover* prover = default_prover();
   int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
   double neighbour_distance = 0.3;  ///< rad: candidates nearer than that mostly fail together
   double improvement = 1e-6;        ///< relative: smaller differences of the measure do not count

@@ -34,4 +34,8 @@ namespace stillbase {
 /// @throws InputError as encounter_model()
 Proof prove(const CaptureProblem& problem, const ProofOptions& options = {});
 
+/// Makes the functions of this library the prover of all planners of this program. Linking the
+/// library alone does not: a static library is not asked for what nobody calls.
+void enable_proofs();
+
 }  // namespace stillbase
