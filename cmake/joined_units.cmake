@@ -10,7 +10,7 @@ set(STILLBASE_OWN_UNITS
   simulation/simulate_test
   core/linear_algebra dynamics/inertia encounter/encounter encounter/target_motion
   formulation/capture_model_tangent
-  proof/bound proof/case_rows proof/encounter_kernel proof/enclose proof/minimum proof/spin
+  proof/bound proof/case_rows proof/enclose proof/minimum proof/spin proof/variable_encounter
   reference/reference target/prediction target/target verification/recomputation
   verification/trials)
 

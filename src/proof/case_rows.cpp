@@ -7,7 +7,6 @@
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/jump_kernel.hpp"
 #include "proof/elimination.hpp"
-#include "proof/hand_rows.hpp"
 #include "proof/taylor.hpp"
 
 namespace stillbase::proof {
@@ -98,15 +97,6 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
   for (const Row& row : rows) {
     S value(0.0);
     switch (row.kind) {
-      case RowKind::HandPosition:
-        value = kin.r_bh[row.index] - at.hand_point[row.index];
-        break;
-      case RowKind::HandAxis:
-        value = axis_along<S>(encounter, at, kin.R_hand, row.direction);
-        break;
-      case RowKind::HandPose:
-        value = axes_error<S>(encounter, at, kin.R_hand, row.index);
-        break;
       case RowKind::Total: {
         const Vector3<S> direction = row.direction.cast<S>();
         value = encounter.is_fixed() ? direction.dot(L) : Vector3<S>(at.R_BE() * direction).dot(L);
@@ -121,10 +111,26 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
       case RowKind::Coupling:
         value = joint_part->row_times(row.index, torque_beside_total());
         break;
+      default:
+        value = kinematic_value<S>(row, encounter, at, kin.r_bh, kin.R_hand);
     }
     out.push_back(value * S(1 / row.scale));
   }
   return out;
+}
+
+Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x) {
+  if (problem.inequalities.empty()) return Kept::Yes;
+  const EncounterRange<Dual> at = encounter_over<Dual>(problem.encounter, x);
+  const Kinematics<Dual> kin = compute_kinematics<Dual>(problem.robot, at.phi);
+  Kept all = Kept::Yes;
+  for (const Row& row : problem.inequalities) {
+    const Interval value =
+        kinematic_value<Dual>(row, problem.encounter, at, kin.r_bh, kin.R_hand).v;
+    if (value.upper() < row.lower || value.lower() > row.upper) return Kept::No;
+    if (!(value.lower() >= row.lower && value.upper() <= row.upper)) all = Kept::Open;
+  }
+  return all;
 }
 
 template std::vector<Dual> evaluate_rows(const ZeroProblem&, const std::vector<Row>&,

@@ -14,38 +14,6 @@
 
 namespace stillbase::proof {
 
-/// A product of N intervals.
-template <int N>
-struct Box {
-  std::array<Interval, N> side;
-  Interval& operator[](int i) { return side[static_cast<std::size_t>(i)]; }
-  const Interval& operator[](int i) const { return side[static_cast<std::size_t>(i)]; }
-};
-
-/// The widest side.
-template <int N>
-double width_of(const Box<N>& X) {
-  double widest = 0;
-  for (const Interval& x : X.side) widest = std::fmax(widest, width_of(x));
-  return widest;
-}
-
-template <int N>
-bool is_inside(const Box<N>& A, const Box<N>& B) {
-  for (int i = 0; i < N; ++i) {
-    if (!is_inside(A[i], B[i])) return false;
-  }
-  return true;
-}
-
-template <int N>
-bool is_disjoint(const Box<N>& A, const Box<N>& B) {
-  for (int i = 0; i < N; ++i) {
-    if (is_disjoint(A[i], B[i])) return true;
-  }
-  return false;
-}
-
 /// f: R^N -> R^N as an enclosure of its values and derivatives over boxes.
 template <int N>
 class System {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <boost/numeric/interval.hpp>
 #include <cfenv>
 #include <cmath>
@@ -71,6 +72,38 @@ inline const Interval kPi(3.141592653589793, 3.1415926535897936);  // neighbours
 /// 1e5: there the argument reduction would cost digits.
 Interval sine(const Interval& x);
 Interval cosine(const Interval& x);
+
+/// A product of N intervals.
+template <int N>
+struct Box {
+  std::array<Interval, N> side;
+  Interval& operator[](int i) { return side[static_cast<std::size_t>(i)]; }
+  const Interval& operator[](int i) const { return side[static_cast<std::size_t>(i)]; }
+};
+
+/// The widest side.
+template <int N>
+double width_of(const Box<N>& X) {
+  double widest = 0;
+  for (const Interval& x : X.side) widest = std::fmax(widest, width_of(x));
+  return widest;
+}
+
+template <int N>
+bool is_inside(const Box<N>& A, const Box<N>& B) {
+  for (int i = 0; i < N; ++i) {
+    if (!is_inside(A[i], B[i])) return false;
+  }
+  return true;
+}
+
+template <int N>
+bool is_disjoint(const Box<N>& A, const Box<N>& B) {
+  for (int i = 0; i < N; ++i) {
+    if (is_disjoint(A[i], B[i])) return true;
+  }
+  return false;
+}
 
 /// What Eigen's fixed products ask of a number type, with the costs of reading, adding and
 /// multiplying. Nothing here compares or takes square roots.

@@ -5,49 +5,54 @@
 #include <cmath>
 #include <numeric>
 
-#include "proof/bound.hpp"
-#include "proof/domain.hpp"
-#include "proof/hand_rows.hpp"
+#include "proof/case_rows.hpp"
 #include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
-#include "proof/side_conditions.hpp"
 
 namespace stillbase::proof {
 
 namespace {
 
-/// All values of the variables; those that are not needed stay at zero.
+/// The values of a variable in a box of the plan.
+Interval side_of(const Variable& variable, const JointBox& place, double time_unit) {
+  switch (variable.kind) {
+    case VariableKind::Joint:
+      return Interval(place.lower[variable.joint], place.upper[variable.joint]);
+    case VariableKind::BaseAngle:
+      return Interval(place.base_angle.value().lower, place.base_angle.value().upper);
+    case VariableKind::Time:
+      return Interval(place.contact_time.value().lower, place.contact_time.value().upper) /
+             Interval(time_unit);
+    case VariableKind::BaseParameter:
+      break;  // no boxes of the plan have them
+  }
+  return Interval(-1, 1);
+}
+
+/// All values of the variables, by as much wider as the planner's may be off; those that are not
+/// needed stay at zero.
 template <int N>
 std::vector<Box<N>> domain_of(const MinimumProblem& problem) {
   const VariableEncounter& model = problem.where.encounter;
   const Interval slack(-problem.tolerances.feasible, problem.tolerances.feasible);
-  const Interval time_slack = slack / Interval(model.time_unit);
   std::vector<Box<N>> out;
+  const auto widen = [&](Box<N>& box, std::size_t i) {
+    const bool is_time = model.variables[i].kind == VariableKind::Time;
+    box.side[i] += is_time ? slack / Interval(model.time_unit) : slack;
+  };
   for (const JointBox& place : problem.places) {
-    Box<N> box;
-    for (std::size_t i = 0; i < model.free.size(); ++i) {
-      const int k = model.free[i];
-      box.side[i] = Interval(place.lower[k], place.upper[k]) + slack;
+    Box<N>& box = out.emplace_back();
+    for (std::size_t i = 0; i < model.variables.size(); ++i) {
+      box.side[i] = side_of(model.variables[i], place, model.time_unit);
+      widen(box, i);
     }
-    if (model.attitude_is_free) {
-      const Ends& ends = place.base_angle.value();
-      box[model.attitude_index()] = Interval(ends.lower, ends.upper) + slack;
-    }
-    if (model.time_is_free) {
-      const Ends& ends = place.contact_time.value();
-      box[model.time_index()] =
-          Interval(ends.lower, ends.upper) / Interval(model.time_unit) + time_slack;
-    }
-    out.push_back(box);
   }
   if (!out.empty()) return out;
-  std::array<bool, N> periodic;
-  Box<N> box = domain_of<N>(problem.where.robot, model, periodic);
-  for (int i = 0; i < model.num_variables(); ++i) {
-    if (periodic[static_cast<std::size_t>(i)]) continue;
-    box[i] += model.time_is_free && i == model.time_index() ? time_slack : slack;
+  Box<N>& box = out.emplace_back(domain_of<N>(model));
+  for (std::size_t i = 0; i < model.variables.size(); ++i) {
+    if (!model.variables[i].is_periodic) widen(box, i);
   }
-  return {box};
+  return out;
 }
 
 /// Weights of the worst impulses, their squares ordered by `squares`: of sum one, each at most its
@@ -93,56 +98,40 @@ class ImpactProgram final : public Program<N> {
     const EncounterRange<S> at = encounter_over<S>(where.encounter, x);
     const ImpactForms<N> forms(problem_, basis_, at);
     add_equations(at, forms, equations);
-    add_inequalities(at, forms, equations);
     measure(forms, values);
   }
 
  private:
   bool is_excluded(const std::array<Form<N>, N>& x) const {
-    if (problem_.where.side_conditions.empty()) return false;
     std::array<Dual, N> box;
     for (std::size_t i = 0; i < N; ++i) box[i] = Dual(x[i].range());
-    return keeps_side_conditions(problem_.where, box) == Kept::No;
+    return keeps_inequalities(problem_.where, box) == Kept::No;
   }
 
   void add_equations(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
                      std::vector<Form<N>>& equations) const {
-    const ZeroProblem& where = problem_.where;
-    const VariableEncounter& encounter = where.encounter;
-    const auto add = [&](Form<N> off) {
+    const VariableEncounter& encounter = problem_.where.encounter;
+    const auto is_of_axes = [](const Row& row) { return row.kind != RowKind::HandPosition; };
+    const std::vector<Row>& rows = problem_.where.hand_equations;
+    Matrix3<Form<N>> R_hand;
+    if (std::any_of(rows.begin(), rows.end(), is_of_axes)) R_hand = forms.hand_axes();
+    for (const Row& row : rows) {
+      Form<N> off = kinematic_value(row, encounter, at, forms.hand(), R_hand);
       off.r += problem_.tolerances.feasible;
-      if (encounter.time_is_free) off.r += problem_.tolerances.integrated;
+      if (encounter.has(VariableKind::Time)) off.r += problem_.tolerances.integrated;
       equations.push_back(off);
-    };
-    for (int i = 0; i < 3; ++i) {
-      if (where.has_hand_point) add(forms.hand()[i] - at.hand_point[i]);
-      if (where.has_hand_axes) add(axes_error(encounter, at, forms.hand_axes(), i));
     }
-    if (!where.has_hand_axis) return;
-    add(axis_along(encounter, at, forms.hand_axes(), encounter.u));
-    add(axis_along(encounter, at, forms.hand_axes(), encounter.v));
-  }
-
-  /// A value that has to be between bounds which cut the box, as an equation with a remainder.
-  void add_inequalities(const EncounterRange<Form<N>>& at, const ImpactForms<N>& forms,
-                        std::vector<Form<N>>& equations) const {
-    const auto add = [&](const SideCondition& side, const Form<N>& value) {
+    // A value that has to be between bounds which cut the box, as an equation with a remainder.
+    for (const Row& row : problem_.where.inequalities) {
+      if (row.kind == RowKind::HandAxis || row.kind == RowKind::HandAxisAlong) continue;
+      const Form<N> value = kinematic_value(row, encounter, at, forms.hand(), R_hand);
       const Interval range = value.range();
-      const double lower = std::fmax(side.lower, range.lower());
-      const double upper = std::fmin(side.upper, range.upper());
+      const double lower = std::fmax(row.lower, range.lower());
+      const double upper = std::fmin(row.upper, range.upper());
       const bool cuts = lower > range.lower() || upper < range.upper();
-      if (!value.is_bounded() || !cuts) return;
+      if (!value.is_bounded() || !cuts) continue;
       // The range is rounded outwards: an end that is just outside of it cuts nothing off.
       equations.push_back(value - Form<N>::any(Interval(std::fmin(lower, upper), upper)));
-    };
-    for (const SideCondition& side : problem_.where.side_conditions) {
-      if (side.kind == SideKind::ClosingSpeed) add(side, at.closing_speed);
-      if (side.kind == SideKind::TurnSize) add(side, at.turn_size_squared);
-      if (side.kind == SideKind::BaseTilt) add(side, tilt_cosine(problem_.where.encounter, at));
-      if (side.kind == SideKind::BasePosition) {
-        const Vector3<Form<N>> r_bh = at.R_NB * forms.hand();
-        add(side, at.contact_point[side.index] - r_bh[side.index]);
-      }
     }
   }
 
@@ -190,8 +179,8 @@ class ImpactProgram final : public Program<N> {
 };
 
 template <int N>
-BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
-                     const std::function<double(const Eigen::VectorXd& x)>& value_at) {
+Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
+            const std::function<double(const Eigen::VectorXd& x)>& value_at) {
   const MinimumTolerances& tolerances = problem.tolerances;
   const double cut = best * (1 + tolerances.best_value), goal = best * (1 - options.relative_gap);
   const ImpactProgram<N> program(problem, best);
@@ -212,15 +201,13 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
       return value * value;
     };
   }
-  const Bound found = bound_below<N>(program, domain_of<N>(problem), search);
-  BoundedMinimum out;
-  out.boxes = found.boxes;
-  out.limit_reached = found.limit_reached;
-  out.nothing_as_good = found.nothing_below_cut;
-  for (const Eigen::VectorXd& x : found.suspects) out.suspects.push_back(x.head(used));
-  if (found.lower > 0) {  // the root is rounded up
-    out.lower_bound = std::nextafter(
-        std::nextafter(std::sqrt(found.lower), 0.0) * (1 - tolerances.unit_vector), 0.0);
+  Bound out = bound_below<N>(program, domain_of<N>(problem), search);
+  for (Eigen::VectorXd& x : out.suspects) x.conservativeResize(used);
+  if (out.lower > 0) {  // the root is rounded up
+    out.lower = std::nextafter(
+        std::nextafter(std::sqrt(out.lower), 0.0) * (1 - tolerances.unit_vector), 0.0);
+  } else {
+    out.lower = 0;
   }
   return out;
 }
@@ -229,9 +216,8 @@ BoundedMinimum bound(const MinimumProblem& problem, double best, const MinimumOp
 
 int max_minimum_joints() { return kMaxJointsOf<Form<2>>; }
 
-BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
-                             const MinimumOptions& options,
-                             const std::function<double(const Eigen::VectorXd& x)>& value_at) {
+Bound bound_minimum(const MinimumProblem& problem, double best, const MinimumOptions& options,
+                    const std::function<double(const Eigen::VectorXd& x)>& value_at) {
   const VariableEncounter& encounter = problem.where.encounter;
   assert(problem.where.robot.n() <= max_minimum_joints());
   assert(!problem.impulses.empty() && best > 0);

@@ -6,12 +6,13 @@
 
 #include <stillbase/proof/minimum.hpp>
 
+#include "proof/bound.hpp"
 #include "proof/zero_problem.hpp"
 
 namespace stillbase::proof {
 
 /// An impulse on the hand. Everything is stated in the frame E in which the direction is constant
-/// (encounter_kernel.hpp).
+/// (stillbase/encounter/encounter.hpp).
 struct ImpulseCase {
   Vector6d F = Vector6d::Zero();  ///< wrench on the hand per unit of impulse, in E
   double weight = 1;              ///< in a mean
@@ -59,22 +60,13 @@ struct MinimumProblem {
 MinimumProblem minimum_problem(const CaptureProblem& problem,
                                const std::vector<Scenario>& scenarios);
 
-struct BoundedMinimum {
-  double lower_bound = 0;  ///< of the measure, rounded down
-  bool nothing_as_good =
-      false;  ///< no configuration reaches the best known value, which is wrong then
-  bool limit_reached = false;  ///< of boxes or by the stop condition
-  long boxes = 0;
-  std::vector<Eigen::VectorXd> suspects;  ///< values of the encounter's variables
-};
-
+/// Of the measure; suspects are values of the encounter's variables.
 /// @param best value of the best configuration known, > 0: nothing above it is examined
 /// @pre at most max_minimum_joints() joints, one to three variables, an enclosure of the target's
 /// motion that is valid
 /// @param value_at the measure where the encounter's variables are x; may be empty
-BoundedMinimum bound_minimum(const MinimumProblem& problem, double best,
-                             const MinimumOptions& options = {},
-                             const std::function<double(const Eigen::VectorXd& x)>& value_at = {});
+Bound bound_minimum(const MinimumProblem& problem, double best, const MinimumOptions& options = {},
+                    const std::function<double(const Eigen::VectorXd& x)>& value_at = {});
 int max_minimum_joints();
 
 }  // namespace stillbase::proof

@@ -1,13 +1,16 @@
+// Which proof belongs to which capture problem, and the zeros of its equations enclosed.
+#include <stillbase/proof/proof.hpp>
+
 #include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
+#include <stillbase/proof/minimum.hpp>
+
 #include "proof/case_rows.hpp"
-#include "proof/domain.hpp"
 #include "proof/enclose.hpp"
-#include "proof/side_conditions.hpp"
 
 namespace stillbase::proof {
 namespace {
@@ -20,7 +23,7 @@ std::string counted(int count, const std::string& what) {
 
 Proof not_applicable(const std::string& reason) {
   Proof out;
-  out.statement = reason;
+  out.statement = "no proof: " + reason;
   return out;
 }
 
@@ -34,17 +37,8 @@ std::pair<Vector3d, Vector3d> normals_of(const Vector3d& f) {
 
 /// All equations, those that may vanish identically included.
 std::vector<Row> all_rows(const ZeroProblem& problem) {
-  std::vector<Row> rows;
+  std::vector<Row> rows = problem.hand_equations;
   const VariableEncounter& encounter = problem.encounter;
-  const auto add_three = [&](RowKind kind) {
-    for (int i = 0; i < 3; ++i) rows.push_back({kind, i, Vector3d::Zero(), 1});
-  };
-  if (problem.has_hand_point) add_three(RowKind::HandPosition);
-  if (problem.has_hand_axis) {
-    rows.push_back({RowKind::HandAxis, 0, encounter.u, 1});
-    rows.push_back({RowKind::HandAxis, 1, encounter.v, 1});
-  }
-  if (problem.has_hand_axes) add_three(RowKind::HandPose);
   const CaseConstraint wanted = problem.impact_case;
   bool total =
       wanted == CaseConstraint::C || wanted == CaseConstraint::C1 || wanted == CaseConstraint::C2;
@@ -62,14 +56,18 @@ std::vector<Row> all_rows(const ZeroProblem& problem) {
     const bool is_fixed = encounter.is_fixed();
     const Vector3d f = is_fixed ? Vector3d(encounter.stated.F.head<3>()) : encounter.n;
     const auto [u, v] = normals_of(f);
-    rows.push_back({RowKind::Total, 0, u, 1});
-    rows.push_back({RowKind::Total, 1, v, 1});
+    rows.push_back({RowKind::Total, 0, u});
+    rows.push_back({RowKind::Total, 1, v});
     const bool has_moment =
         is_fixed ? !encounter.stated.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
-    if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized(), 1});
+    if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized()});
   }
-  if (base) add_three(RowKind::Base);
-  if (coupling) add_three(total ? RowKind::CouplingAtZeroTotal : RowKind::Coupling);
+  for (int i = 0; i < 3; ++i) {
+    if (base) rows.push_back({RowKind::Base, i});
+    if (coupling) {
+      rows.push_back({total ? RowKind::CouplingAtZeroTotal : RowKind::Coupling, i});
+    }
+  }
   return rows;
 }
 
@@ -96,12 +94,11 @@ class RowSystem final : public System<N> {
   }
   bool excludes(const Box<N>& box) const override { return kept_over(box) == Kept::No; }
 
-  /// Whether the side conditions hold over a box.
+  /// Whether the inequalities hold over a box.
   Kept kept_over(const Box<N>& box) const {
-    if (problem_.side_conditions.empty()) return Kept::Yes;
     std::array<Dual, N> x;
     for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Dual(box[i]);
-    return keeps_side_conditions(problem_, x);
+    return keeps_inequalities(problem_, x);
   }
 
  private:
@@ -139,8 +136,7 @@ struct Survey {
 template <int N>
 Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
   const SurveyOptions options;
-  std::array<bool, N> periodic;
-  const Box<N> domain = domain_of<N>(problem.robot, problem.encounter, periodic);
+  const Box<N> domain = domain_of<N>(problem.encounter);
   std::vector<double> size(rows.size(), 0);
   std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
   for (int sample = 0; sample < options.samples; ++sample) {
@@ -220,28 +216,28 @@ int rank_at_solutions(const RowSystem<N>& system, const Box<N>& domain) {
 /// Something other than a joint that the equations do not depend on; empty: nothing.
 template <int N>
 std::string idle_variable(const VariableEncounter& encounter, const Survey<N>& survey) {
-  const auto is_idle = [&](bool is_free, int index) {
-    return is_free && !survey.matters[static_cast<std::size_t>(index)];
-  };
-  if (is_idle(encounter.attitude_is_free, encounter.attitude_index())) return "the base attitude";
-  if (is_idle(encounter.time_is_free, encounter.time_index())) return "the contact time";
+  for (std::size_t i = 0; i < N; ++i) {
+    const VariableKind kind = encounter.variables[i].kind;
+    if (survey.matters[i] || kind == VariableKind::Joint) continue;
+    return kind == VariableKind::Time ? "the contact time" : "the base attitude";
+  }
   return "";
 }
 
 template <int N>
 JointBox joint_box(const VariableEncounter& encounter, const Box<N>& box) {
   JointBox out{encounter.start, encounter.start, {}, {}};
-  for (std::size_t i = 0; i < encounter.free.size(); ++i) {
-    out.lower[encounter.free[i]] = box.side[i].lower();
-    out.upper[encounter.free[i]] = box.side[i].upper();
-  }
-  if (encounter.attitude_is_free) {
-    const Interval& angle = box[encounter.attitude_index()];
-    out.base_angle = Ends{angle.lower(), angle.upper()};
-  }
-  if (encounter.time_is_free) {
-    const Interval& time = box[encounter.time_index()];
-    out.contact_time = Ends{time.lower() * encounter.time_unit, time.upper() * encounter.time_unit};
+  for (std::size_t i = 0; i < N; ++i) {
+    const Variable& variable = encounter.variables[i];
+    const double lower = box.side[i].lower(), upper = box.side[i].upper();
+    if (variable.kind == VariableKind::Joint) {
+      out.lower[variable.joint] = lower;
+      out.upper[variable.joint] = upper;
+    } else if (variable.kind == VariableKind::BaseAngle) {
+      out.base_angle = Ends{lower, upper};
+    } else if (variable.kind == VariableKind::Time) {
+      out.contact_time = Ends{lower * encounter.time_unit, upper * encounter.time_unit};
+    }
   }
   return out;
 }
@@ -263,7 +259,7 @@ WithinLimits judged(const JointBox& box, const ProofOptions& options) {
 std::string statement_of(const ZeroProblem& problem, const Proof& proof, bool limit_reached,
                          int beyond_limits) {
   const auto count = [](std::size_t number) { return static_cast<int>(number); };
-  const bool only_limits = problem.encounter.is_fixed() && problem.side_conditions.empty();
+  const bool only_limits = problem.encounter.is_fixed() && problem.inequalities.empty();
   const std::string solutions = counted(count(proof.solutions.size()), "solution") + " enclosed";
   std::string out;
   if (!proof.undecided.empty()) {
@@ -295,23 +291,22 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
   const Survey<N> survey = survey_of<N>(problem, all_rows(problem));
   const std::vector<Row>& rows = survey.rows;
   if (static_cast<int>(rows.size()) != N) {
-    return not_applicable("no proof: " + counted(static_cast<int>(rows.size()), "equation") +
-                          " for " + counted(N, variable) +
-                          ", so the solutions are not isolated points");
+    return not_applicable("" + counted(static_cast<int>(rows.size()), "equation") + " for " +
+                          counted(N, variable) + ", so the solutions are not isolated points");
   }
   const std::string idle = idle_variable(encounter, survey);
   if (!idle.empty()) {
-    return not_applicable("no proof: no equation depends on " + idle +
+    return not_applicable("no equation depends on " + idle +
                           ", so the solutions are not isolated points");
   }
   std::array<bool, N> periodic;
-  const Box<N> domain = domain_of<N>(problem.robot, encounter, periodic);
+  for (std::size_t i = 0; i < N; ++i) periodic[i] = encounter.variables[i].is_periodic;
+  const Box<N> domain = domain_of<N>(encounter);
   const RowSystem<N> system(problem, rows);
   const int rank = rank_at_solutions<N>(system, domain);
   if (rank >= 0 && rank < N) {
-    return not_applicable("no proof: where they hold, " + counted(N, "equation") +
-                          " say as much as " + std::to_string(rank) +
-                          ", so the solutions are not isolated points");
+    return not_applicable("where they hold, " + counted(N, "equation") + " say as much as " +
+                          std::to_string(rank) + ", so the solutions are not isolated points");
   }
   const Enclosure<N> found = enclose_zeros<N>(
       system, domain, periodic,
@@ -339,17 +334,21 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
   return out;
 }
 
-}  // namespace
-
+/// Every zero of the equations that keeps the inequalities within the bounds of the variables.
+/// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of
+/// which holds exactly one; Undecided: every solution is in one of them or in one of `undecided`;
+/// NotApplicable: the equations are not as many as the variables
+/// @pre the base attitude is fixed or free about one axis: other rotations have two parameter
+/// vectors on the surface of the ball
 Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options) {
   const RobotModel& robot = problem.robot;
   const VariableEncounter& encounter = problem.encounter;
   if (robot.n() > kMaxJointsInProof) {
-    return not_applicable("no proof: the robot has more than " + std::to_string(kMaxJointsInProof) +
+    return not_applicable("the robot has more than " + std::to_string(kMaxJointsInProof) +
                           " joints");
   }
   if (encounter.spin && !encounter.spin->is_valid()) {
-    return not_applicable("no proof: the target tumbles too often until the contact");
+    return not_applicable("the target tumbles too often until the contact");
   }
   const RoundUpward upward;
   switch (encounter.num_variables()) {
@@ -360,10 +359,66 @@ Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options)
     case 3:
       return enclose<3>(problem, options);
     default:
-      return not_applicable(std::string("no proof: it takes one to three free ") +
+      return not_applicable(std::string("it takes one to three free ") +
                             (encounter.is_fixed() ? "joints" : "variables") + ", here are " +
                             std::to_string(encounter.num_variables()));
   }
 }
 
+/// Why a problem cannot be proven; empty: it can.
+std::string objection(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  const AttitudeFreedom attitude = variables.base_attitude;
+  if (attitude != AttitudeFreedom::Cone && attitude != AttitudeFreedom::Free) return "";
+  const auto joints = std::count(variables.joints.begin(), variables.joints.end(), true);
+  const bool time = variables.contact_time_upper > variables.contact_time_lower;
+  if (joints > 0 || time) {
+    return "it takes one to three free variables, here are " +
+           std::to_string(joints + 3 + (time ? 1 : 0));
+  }
+  return "the base attitude is free about more than one axis";
+}
+
+/// Whether the objective is one angular quantity, whose zeros are equations without division.
+bool is_angular(const std::vector<ObjectiveTerm>& objective) {
+  if (objective.size() != 1) return false;
+  switch (objective.front().quantity) {
+    case ObjectiveQuantity::BaseAngularMomentum:
+    case ObjectiveQuantity::BaseAngularVelocity:
+    case ObjectiveQuantity::TotalAngularMomentum:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
 }  // namespace stillbase::proof
+
+namespace stillbase {
+
+Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
+  const std::string reason = proof::objection(problem);
+  if (!reason.empty()) return proof::not_applicable(reason);
+  proof::ZeroProblem zeros = proof::zero_problem(problem);
+  if (zeros.has_limits && !options.judge) {
+    return proof::not_applicable(
+        "nobody judges the limits on rates, singular values or clearances");
+  }
+  Proof out = proof::enclose_solutions(zeros, options);
+  if (out.status != ProofStatus::NotApplicable) return out;
+  // The equations leave freedom: enclose where the nominal objective vanishes.
+  if (!proof::is_angular(problem.objective)) return out;
+  zeros.zero = problem.objective.front().quantity;
+  Proof vanishing = proof::enclose_solutions(zeros, options);
+  if (vanishing.status == ProofStatus::NotApplicable) return out;
+  if (!vanishing.solutions.empty()) vanishing.lower_bound = 0;
+  return vanishing;
+}
+
+void enable_proofs() {
+  static constexpr Prover prover{prove, minimum_objection, prove_minimum};
+  use_prover(prover);
+}
+
+}  // namespace stillbase

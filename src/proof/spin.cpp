@@ -9,12 +9,6 @@
 namespace stillbase::proof {
 namespace {
 
-constexpr int kTerms = 16;             // of a step: (0.1)^16 is below the rounding
-constexpr double kTurnPerStep = 0.1;   // a h
-constexpr int kTermsOverSpan = 8;      // about the middle of a span
-constexpr double kWorthExpanding = 2;  // a r beyond which the sum says less than |R_ij| <= 1
-constexpr double kMaxSteps = 20000;
-constexpr double kMaxApart = 1e-7;  // of an attitude: solutions could hardly be told apart
 // Lengths of L and of R's rows are kept but for the rounding of the points that steps begin at.
 constexpr double kSlack = 1.001;
 constexpr double kSqrtTwoTimesNorm = 2.5;  // > sqrt(2) times the Frobenius norm of R
@@ -131,9 +125,10 @@ struct Turning {
   Matrix3<Dual> R, rate;
 };
 
-/// exp([omega x] dt) and its derivative. @param omega not zero
+/// exp([omega x] dt) and its derivative.
 Turning turning(const Vector3<Dual>& omega, const Interval& dt) {
   const Interval speed = length(omega);
+  if (speed.upper() == 0) return {Matrix3<Dual>::Identity(), Matrix3<Dual>::Zero()};
   Matrix3<Dual> K = skew<Dual>(omega);
   for (int i = 0; i < 9; ++i) K.data()[i] /= Dual(speed);
   const Matrix3<Dual> K2 = K * K;
@@ -158,18 +153,19 @@ int axis_of_symmetry(const Matrix3d& I) {
 }  // namespace
 
 SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower,
-                             double upper)
-    : start_(estimate.time), lower_(lower), upper_(upper) {
+                             double upper, const SpinOptions& options)
+    : options_(options), start_(estimate.time), lower_(lower), upper_(upper) {
   const Eigen::Quaterniond q = estimate.pose.orientation.normalized();
   R_0_ = q.toRotationMatrix();
   const bool turns =
       !body.is_point_mass && !body.inertia.isZero(0) && !estimate.angular_velocity.isZero(0);
+  bool has_constant_rate = true;
   double between = 0;  // smallest and largest moment, inverted
   if (turns) {
     // Constant up to rounding: as the planner decides it.
     const Vector3d w = q.conjugate() * estimate.angular_velocity;
     const Vector3d L = body.inertia * w;
-    constant_rate_ =
+    has_constant_rate =
         w.cross(L).norm() <= 8 * std::numeric_limits<double>::epsilon() * w.norm() * L.norm();
     const Vector3d moments = principal_moments(body.inertia);
     between = (1 / moments[0] + 1 / moments[2]) / 2;
@@ -177,22 +173,24 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
 
   const RoundUpward upward;
   omega_0_.setZero();
-  if (!turns) return;
+  nutation_.setZero();
   const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
-  omega_0_ = R_0.transpose() * Vector3<Dual>(estimate.angular_velocity.cast<Dual>());
-  rate_ = length(omega_0_).upper();
-  if (constant_rate_) return;
+  if (turns) {
+    omega_0_ = R_0.transpose() * Vector3<Dual>(estimate.angular_velocity.cast<Dual>());
+    rate_ = length(omega_0_).upper();
+  }
+  precession_ = omega_0_;
+  if (has_constant_rate) return;
   I_ = body.inertia.cast<Dual>();
-  symmetry_ = axis_of_symmetry(body.inertia);
-  if (symmetry_ >= 0) {
-    const double across = body.inertia((symmetry_ + 1) % 3, (symmetry_ + 1) % 3);
-    const double along = body.inertia(symmetry_, symmetry_);
-    nutation_.setZero();
-    nutation_[symmetry_] = omega_0_[symmetry_] * (Dual(along) - Dual(across)) / Dual(across);
+  const int symmetry = axis_of_symmetry(body.inertia);
+  if (symmetry >= 0) {
+    const double across = body.inertia((symmetry + 1) % 3, (symmetry + 1) % 3);
+    const double along = body.inertia(symmetry, symmetry);
+    nutation_[symmetry] = omega_0_[symmetry] * (Dual(along) - Dual(across)) / Dual(across);
     precession_ = omega_0_ + nutation_;
     if (length(nutation_).lower() > 0) return;
-    symmetry_ = -1;
   }
+  has_closed_form_ = false;
   J_ = inverse_of(I_);
   const State start{I_ * omega_0_, R_0};
   momentum_ = kSlack * length(start.L).upper();
@@ -200,31 +198,44 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   Matrix3<Dual> spread = J_;
   for (int i = 0; i < 3; ++i) spread(i, i) -= Dual(between);
   parting_ = norm_bound(spread) * momentum_;
-  step_ = kTurnPerStep / rate_;
+  step_ = options_.turn_per_step / rate_;
   if (upper > start_) is_valid_ = march(start, upper, ahead_);
   if (lower < start_) is_valid_ = is_valid_ && march(start, lower, behind_);
 }
 
-void SpinEnclosure::expand(const State& at, int terms, std::vector<Vector3<Dual>>& L,
-                           std::vector<Matrix3<Dual>>& R, std::vector<Vector3<Dual>>& omega) const {
-  L.assign(1, at.L);
-  R.assign(1, at.R);
-  omega.assign(1, Vector3<Dual>(J_ * at.L));
+SpinEnclosure::Coefficients SpinEnclosure::expand(const Matrix3<Dual>& R,
+                                                  const Vector3<Dual>& first, int terms) const {
+  Coefficients out{{R}, {first}, {}};
+  if (!has_closed_form_) {
+    out.L = {first};
+    out.omega = {J_ * first};
+  }
   for (int k = 0; k + 1 < terms; ++k) {
-    Vector3<Dual> L_next = Vector3<Dual>::Zero();
+    const Dual divisor(static_cast<double>(k + 1));
+    Vector3<Dual> next = Vector3<Dual>::Zero();
     Matrix3<Dual> R_next = Matrix3<Dual>::Zero();
     for (int j = 0; j <= k; ++j) {
       const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k - j);
-      L_next += L[a].cross(omega[b]);
-      R_next += R[a] * skew<Dual>(omega[b]);
+      if (!has_closed_form_) next += out.L[a].cross(out.omega[b]);
+      R_next += out.R[a] * skew<Dual>(out.omega[b]);
     }
-    const Dual divisor(static_cast<double>(k + 1));
-    for (int i = 0; i < 3; ++i) L_next[i] /= divisor;
+    if (has_closed_form_) next = nutation_.cross(out.omega.back());
+    for (int i = 0; i < 3; ++i) next[i] /= divisor;
     for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
-    L.push_back(L_next);
-    R.push_back(R_next);
-    omega.push_back(J_ * L_next);
+    out.R.push_back(R_next);
+    if (!has_closed_form_) out.L.push_back(next);
+    out.omega.push_back(has_closed_form_ ? next : Vector3<Dual>(J_ * next));
   }
+  return out;
+}
+
+SpinEnclosure::State SpinEnclosure::sum_of(const Node& node, const Interval& s, double apart_L,
+                                           double apart_R) const {
+  const double remainder = power(rate_ * magnitude(s), options_.terms);
+  State out{sum_at(node.at.L, s), sum_at(node.at.R, s)};
+  widen(out.L, momentum_ * remainder + apart_L);
+  widen(out.R, kSlack * remainder + apart_R);
+  return out;
 }
 
 bool SpinEnclosure::march(const State& start, double end, std::vector<Node>& nodes) const {
@@ -232,29 +243,25 @@ bool SpinEnclosure::march(const State& start, double end, std::vector<Node>& nod
   State point = start;
   double apart_L = to_middle(point.L), apart_R = to_middle(point.R);
   double time = start_;
-  std::vector<Vector3<Dual>> omega;
   for (int steps = 0; direction * (end - time) > 0; ++steps) {
-    if (steps > kMaxSteps) return false;
+    if (steps > options_.max_steps) return false;
     const double next = time + direction * step_;
     const Interval h = Interval(next) - Interval(time);
-    const double length_h = magnitude(h);
     Node node;
     node.time = time;
-    expand(point, kTerms, node.L, node.R, omega);
-    const double x = parting_ * length_h;  // at most kTurnPerStep: exp(x) <= 1 + x + x^2
+    node.at = expand(point.R, point.L, options_.terms);
+    // At most turn_per_step: exp(x) <= 1 + x + x^2.
+    const double x = parting_ * magnitude(h);
     node.apart_L = apart_L * (1 + x + x * x);
-    node.apart_R = apart_R + length_h * kSqrtTwoTimesNorm * (norm_bound(J_) * node.apart_L);
-    const double remainder = power(rate_ * length_h, kTerms);
-    point = {sum_at(node.L, h), sum_at(node.R, h)};
-    widen(point.L, momentum_ * remainder);
-    widen(point.R, kSlack * remainder);
+    node.apart_R = apart_R + magnitude(h) * kSqrtTwoTimesNorm * (norm_bound(J_) * node.apart_L);
+    point = sum_of(node, h, 0, 0);
     apart_L = node.apart_L + to_middle(point.L);
     apart_R = node.apart_R + to_middle(point.R);
     bool keeps_length = length(point.L).upper() <= momentum_;
     for (int i = 0; i < 3; ++i) {
       keeps_length = keeps_length && length(Vector3<Dual>(point.R.row(i))).upper() <= kSlack;
     }
-    if (!keeps_length || !(apart_R <= kMaxApart)) return false;
+    if (!keeps_length || !(apart_R <= options_.max_apart)) return false;
     // The steps before the span are needed no more.
     const bool reached = direction > 0 ? next >= lower_ : next <= upper_;
     if (reached) nodes.push_back(std::move(node));
@@ -273,29 +280,11 @@ SpinEnclosure::State SpinEnclosure::at_instant(double time) const {
   };
   while (i > 0 && !lies_before(i)) --i;
   while (i + 1 < nodes.size() && lies_before(i + 1)) ++i;
-  const Node& node = nodes[i];
-  const Interval s = Interval(time) - Interval(node.time);
-  const double remainder = power(rate_ * magnitude(s), kTerms);
-  State out{sum_at(node.L, s), sum_at(node.R, s)};
-  widen(out.L, momentum_ * remainder + node.apart_L);
-  widen(out.R, kSlack * remainder + node.apart_R);
-  return out;
+  const Interval s = Interval(time) - Interval(nodes[i].time);
+  return sum_of(nodes[i], s, nodes[i].apart_L, nodes[i].apart_R);
 }
 
-SpinRange SpinEnclosure::over_constant_rate(const Interval& time) const {
-  SpinRange out;
-  out.R = R_0_.cast<Dual>();
-  out.R_rate.setZero();
-  out.omega = omega_0_;
-  out.omega_rate.setZero();
-  if (rate_ == 0) return out;
-  const Turning turn = turning(omega_0_, time - start_);
-  out.R_rate = out.R * turn.rate;
-  out.R = out.R * turn.R;
-  return out;
-}
-
-SpinRange SpinEnclosure::over_symmetric_body(const Interval& time) const {
+SpinRange SpinEnclosure::closed_form(const Interval& time) const {
   const Interval dt = time - start_;
   const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
   const Turning outer = turning(precession_, dt);
@@ -309,81 +298,52 @@ SpinRange SpinEnclosure::over_symmetric_body(const Interval& time) const {
   return out;
 }
 
-SpinRange SpinEnclosure::over_any_time() const {
-  SpinRange out;
-  fill(out.R, kSlack);
-  fill(out.R_rate, kSlack * rate_);
-  fill(out.omega, rate_);
-  fill(out.omega_rate, rate_ * rate_);
-  return out;
-}
-
 SpinRange SpinEnclosure::over(const Interval& time) const {
-  if (constant_rate_) return over_constant_rate(time);
-  if (symmetry_ >= 0) return over_symmetric_body(time);
-  SpinRange out = over_any_time();
+  if (has_closed_form_) return closed_form(time);
+  SpinRange out;
   const double c = middle(time);
   const double r = std::fmax(magnitude(time - c), 0);
   const double x = rate_ * r;
+  // For the values, their rates, and the same of omega: bounds that hold at any time.
+  const std::array<double, 4> any_time{kSlack, kSlack * rate_, rate_, rate_ * rate_};
+  const auto bound_all = [&](const auto& bound) {
+    bound(out.R, any_time[0]);
+    bound(out.R_rate, any_time[1]);
+    bound(out.omega, any_time[2]);
+    bound(out.omega_rate, any_time[3]);
+  };
   const bool is_inside = time.lower() >= lower_ && time.upper() <= upper_;
-  if (!is_inside || !(x <= kWorthExpanding)) return out;
-  std::vector<Vector3<Dual>> L, omega;
-  std::vector<Matrix3<Dual>> R;
-  expand(at_instant(c), kTermsOverSpan, L, R, omega);
-  sum_over(R, r, out.R, out.R_rate);
-  sum_over(omega, r, out.omega, out.omega_rate);
+  if (!is_inside || !(x <= options_.worth_expanding)) {
+    bound_all([](auto& M, double bound) { fill(M, bound); });
+    return out;
+  }
+  const int terms = options_.terms_over_span;
+  const State state = at_instant(c);
+  const Coefficients at = expand(state.R, state.L, terms);
+  sum_over(at.R, r, out.R, out.R_rate);
+  sum_over(at.omega, r, out.omega, out.omega_rate);
   // Remainders: coefficients of R, omega at any time are at most rate^k, rate^(k+1).
-  const double last = power(x, kTermsOverSpan),
-               before = kTermsOverSpan * power(x, kTermsOverSpan - 1);
+  const double last = power(x, terms), before = terms * power(x, terms - 1);
   widen(out.R, kSlack * last);
   widen(out.R_rate, kSlack * (rate_ * before));
   widen(out.omega, rate_ * last);
   widen(out.omega_rate, rate_ * (rate_ * before));
-  cut(out.R, kSlack);
-  cut(out.R_rate, kSlack * rate_);
-  cut(out.omega, rate_);
-  cut(out.omega_rate, rate_ * rate_);
+  bound_all([](auto& M, double bound) { cut(M, bound); });
   return out;
 }
 
-/// Coefficients of the motion that passes through `at`, for every motion that does.
-void SpinEnclosure::expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Dual>>& R,
-                                  std::vector<Vector3<Dual>>& omega) const {
-  if (!constant_rate_ && symmetry_ < 0) {
-    std::vector<Vector3<Dual>> L;
-    expand({I_ * at.omega, at.R}, terms, L, R, omega);
-    return;
-  }
-  R.assign(1, at.R);
-  omega.assign(1, at.omega);
-  for (int k = 0; k + 1 < terms; ++k) {
-    const Dual divisor(static_cast<double>(k + 1));
-    Vector3<Dual> omega_next = Vector3<Dual>::Zero();
-    if (!constant_rate_) omega_next = nutation_.cross(omega[static_cast<std::size_t>(k)]);
-    Matrix3<Dual> R_next = Matrix3<Dual>::Zero();
-    for (int j = 0; j <= k; ++j) {
-      R_next += R[static_cast<std::size_t>(j)] * skew<Dual>(omega[static_cast<std::size_t>(k - j)]);
-    }
-    for (int i = 0; i < 3; ++i) omega_next[i] /= divisor;
-    for (int i = 0; i < 9; ++i) R_next.data()[i] /= divisor;
-    omega.push_back(omega_next);
-    R.push_back(R_next);
-  }
-}
-
 SpinSeries SpinEnclosure::series(double about, const Interval& time) const {
-  constexpr std::size_t kTermsOfSeries = SpinSeries::kTerms;
+  const auto expand_from = [this](const SpinRange& at) {
+    const Vector3<Dual> first = has_closed_form_ ? at.omega : Vector3<Dual>(I_ * at.omega);
+    return expand(at.R, first, SpinSeries::kTerms);
+  };
   SpinSeries out;
   out.whole = over(time);
-  std::vector<Matrix3<Dual>> R_there, R_anywhere;
-  std::vector<Vector3<Dual>> omega_there, omega_anywhere;
-  expand_motion(over(Interval(about)), kTermsOfSeries, R_there, omega_there);
-  expand_motion(out.whole, kTermsOfSeries, R_anywhere, omega_anywhere);
-  for (std::size_t k = 0; k < kTermsOfSeries; ++k) {
-    const bool is_last = k + 1 == kTermsOfSeries;
-    out.R[k] = is_last ? R_anywhere[k] : R_there[k];
-    out.omega[k] = is_last ? omega_anywhere[k] : omega_there[k];
-  }
+  const Coefficients there = expand_from(over(Interval(about))), anywhere = expand_from(out.whole);
+  std::copy(there.R.begin(), there.R.end(), out.R.begin());
+  std::copy(there.omega.begin(), there.omega.end(), out.omega.begin());
+  out.R.back() = anywhere.R.back();
+  out.omega.back() = anywhere.omega.back();
   return out;
 }
 

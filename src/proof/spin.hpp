@@ -48,11 +48,23 @@ struct SpinSeries {
   SpinRange whole;                          ///< over the span
 };
 
+/// Accuracy of the enclosure of a motion that has no closed form.
+struct SpinOptions {
+  double turn_per_step = 0.1;  ///< rad: a h of a step
+  int terms = 16;              ///< of a step: turn_per_step^16 is below the rounding
+  int terms_over_span = 8;     ///< about the middle of a span
+  /// a r of a span, beyond which the sum says less than |R_ij| <= 1.
+  double worth_expanding = 2;
+  int max_steps = 20000;
+  double max_apart = 1e-7;  ///< of an attitude: solutions could hardly be told apart
+};
+
 class SpinEnclosure {
  public:
   /// @param estimate its attitude at its time as the rotation matrix of doubles; its rate
   /// @param lower, upper of the times to be enclosed, s
-  SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower, double upper);
+  SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower, double upper,
+                const SpinOptions& options = {});
 
   /// No: the target tumbles too often for an enclosure that is worth anything.
   bool is_valid() const { return is_valid_; }
@@ -65,33 +77,36 @@ class SpinEnclosure {
   SpinSeries series(double about, const Interval& time) const;
 
  private:
-  /// Taylor coefficients from a point, and how far the true motion may be from it there.
+  /// Taylor coefficients from a point. L only of a motion without a closed form.
+  struct Coefficients {
+    std::vector<Matrix3<Dual>> R;
+    std::vector<Vector3<Dual>> omega, L;
+  };
+  /// A step, and how far the true motion may be from its sums.
   struct Node {
     double time = 0;
-    std::vector<Vector3<Dual>> L;
-    std::vector<Matrix3<Dual>> R;
+    Coefficients at;
     double apart_L = 0, apart_R = 0;  ///< during the step that begins here
   };
   struct State {
     Vector3<Dual> L;
     Matrix3<Dual> R;
   };
-  void expand(const State& at, int terms, std::vector<Vector3<Dual>>& L,
-              std::vector<Matrix3<Dual>>& R, std::vector<Vector3<Dual>>& omega) const;
+  /// @param first L, or omega of a motion in closed form
+  Coefficients expand(const Matrix3<Dual>& R, const Vector3<Dual>& first, int terms) const;
   /// Steps away from the estimate until `end`; false: the enclosure has become too wide.
   bool march(const State& start, double end, std::vector<Node>& nodes) const;
+  /// The sums at s after the node's time, with their remainders and what the motions are apart.
+  State sum_of(const Node& node, const Interval& s, double apart_L, double apart_R) const;
   State at_instant(double time) const;
-  SpinRange over_constant_rate(const Interval& time) const;
-  SpinRange over_symmetric_body(const Interval& time) const;
-  SpinRange over_any_time() const;
-  void expand_motion(const SpinRange& at, int terms, std::vector<Matrix3<Dual>>& R,
-                     std::vector<Vector3<Dual>>& omega) const;
+  SpinRange closed_form(const Interval& time) const;
 
+  SpinOptions options_;
   bool is_valid_ = true;
   double start_ = 0;  ///< time of the estimate
   double lower_ = 0, upper_ = 0;
-  bool constant_rate_ = true;
-  int symmetry_ = -1;                    ///< axis of T; -1: none
+  /// Constant rate (precession omega_0, no nutation) or an axis of symmetry.
+  bool has_closed_form_ = true;
   Vector3<Dual> precession_, nutation_;  ///< in T, rad/s
   Vector3<Dual> omega_0_;                ///< in T
   Matrix3d R_0_;

@@ -11,14 +11,85 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include <stillbase/core/types.hpp>
 
 #include "proof/interval.hpp"
-#include "proof/monomials.hpp"
 
 namespace stillbase::proof {
+
+/// The monomials of N variables up to degree K: by degree, within one by the variables' indices in
+/// ascending order (1; x, y; xx, xy, yy; ...), and how their products are sorted.
+template <int N, int K>
+struct Monomials {
+  static constexpr int count(int degree) {  // binomial(N + degree, N)
+    int out = 1;
+    for (int i = 1; i <= N; ++i) out = out * (degree + i) / i;
+    return out;
+  }
+  static constexpr int kSize = count(K);
+  /// First monomial of a degree.
+  static constexpr int first(int degree) { return degree == 0 ? 0 : count(degree - 1); }
+
+  struct Product {
+    int x, y, to;
+  };
+  static constexpr int count_products() {
+    int out = 0;
+    for (int d = 0; d <= K; ++d) out += (first(d + 1) - first(d)) * count(K - d);
+    return out;
+  }
+  static constexpr int kProducts = count_products();
+
+  /// Powers of the variables, per monomial.
+  static constexpr std::array<std::array<int, N>, kSize> powers() {
+    std::array<std::array<int, N>, kSize> out{};
+    std::size_t next = 0;
+    for (int degree = 0; degree <= K; ++degree) {
+      for (int a = degree; a >= 0; --a) {
+        for (int b = degree - a; b >= 0; --b) {
+          const std::array<int, 3> all{a, b, degree - a - b};
+          if ((N < 3 && all[2] > 0) || (N < 2 && b > 0)) continue;
+          for (std::size_t i = 0; i < N; ++i) out[next][i] = all[i];
+          ++next;
+        }
+      }
+    }
+    return out;
+  }
+  static constexpr std::array<std::array<int, N>, kSize> kPowers = powers();
+
+  /// eps_i^degree.
+  static constexpr int power(int i, int degree) {
+    std::array<int, N> wanted{};
+    wanted[static_cast<std::size_t>(i)] = degree;
+    int out = 0;
+    while (kPowers[static_cast<std::size_t>(out)] != wanted) ++out;
+    return out;
+  }
+
+  /// All products of degree <= K, sorted by where they go.
+  static constexpr std::array<Product, kProducts> products() {
+    std::array<Product, kProducts> out{};
+    std::size_t filled = 0;
+    for (std::size_t to = 0; to < kSize; ++to) {
+      for (std::size_t x = 0; x < kSize; ++x) {
+        for (std::size_t y = 0; y < kSize; ++y) {
+          bool fits = true;
+          for (std::size_t i = 0; i < N; ++i) {
+            fits = fits && kPowers[x][i] + kPowers[y][i] == kPowers[to][i];
+          }
+          if (!fits) continue;
+          out[filled++] = {static_cast<int>(x), static_cast<int>(y), static_cast<int>(to)};
+        }
+      }
+    }
+    return out;
+  }
+  static constexpr std::array<Product, kProducts> kTable = products();
+};
 
 template <int N, int K>
 struct Taylor {
@@ -85,6 +156,15 @@ struct Taylor {
     for (double& each : x.coefficient) each = -each;
     return x;
   }
+  friend double middle(const Taylor& x) { return x.c(); }
+  friend Taylor square(const Taylor& x) { return x.squared(); }
+  friend Taylor inverse_of(const Taylor& x) { return x.inverse(); }
+  /// x / y. @param inverse inverse_of(y)
+  friend Taylor quotient(const Taylor& x, const Taylor& y, const Taylor& inverse) {
+    return x.times_inverse(y, inverse);
+  }
+  friend Taylor sin(const Taylor& x) { return x.sine(); }
+  friend Taylor cos(const Taylor& x) { return x.cosine(); }
 
   Taylor times(const Taylor& o) const;
   /// Its part that is a square itself counts with its sign.
@@ -115,32 +195,6 @@ struct Taylor {
   int only_variable() const;
   Taylor& keep_bounds();
 };
-
-template <int N, int K>
-double middle(const Taylor<N, K>& x) {
-  return x.c();
-}
-template <int N, int K>
-Taylor<N, K> square(const Taylor<N, K>& x) {
-  return x.squared();
-}
-template <int N, int K>
-Taylor<N, K> inverse_of(const Taylor<N, K>& x) {
-  return x.inverse();
-}
-/// x / y. @param inverse inverse_of(y)
-template <int N, int K>
-Taylor<N, K> quotient(const Taylor<N, K>& x, const Taylor<N, K>& y, const Taylor<N, K>& inverse) {
-  return x.times_inverse(y, inverse);
-}
-template <int N, int K>
-Taylor<N, K> sin(const Taylor<N, K>& x) {
-  return x.sine();
-}
-template <int N, int K>
-Taylor<N, K> cos(const Taylor<N, K>& x) {
-  return x.cosine();
-}
 
 /// f_0 + f_1 d + ... + f_n d^n, d = x - c: Taylor's series of a function about the middle of x, of
 /// any degree.

@@ -17,37 +17,47 @@ void set_variables(const CaptureProblem& problem, VariableEncounter& out) {
     if (!variables.joints[index]) continue;
     const Joint& joint = problem.robot.joints[index];
     const double margin = problem.constraints.joint_limit_margin;
-    out.free.push_back(k);
-    out.lower.push_back(joint.lower + margin);
-    out.upper.push_back(joint.upper - margin);
+    out.variables.push_back({VariableKind::Joint, joint.lower + margin, joint.upper - margin,
+                             joint.type == JointType::Continuous, k});
   }
-  out.attitude_is_free = variables.base_attitude == AttitudeFreedom::Axis;
-  out.attitude_axis = variables.base_attitude_axis;
-  out.attitude_max = variables.base_attitude_max;
-  const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
-  if (is_cone || variables.base_attitude == AttitudeFreedom::Free) {
-    for (int i = 0; i < 3; ++i) out.turn_basis.push_back(Vector3d::Unit(i));
+  const AttitudeFreedom attitude = variables.base_attitude;
+  const double largest = variables.base_attitude_max;
+  out.tilt_axis = variables.base_attitude_axis;
+  if (attitude == AttitudeFreedom::Axis) {
+    out.variables.push_back({VariableKind::BaseAngle, -largest, largest, largest >= kPi.lower(), -1,
+                             variables.base_attitude_axis});
+  } else if (attitude != AttitudeFreedom::Fixed) {
     // A cone does not limit the rotation as a whole.
-    if (!is_cone) out.turn_size_max = std::tan(std::min(out.attitude_max, M_PI) / 4);
+    if (attitude == AttitudeFreedom::Free) {
+      out.parameter_max = std::tan(std::min(largest, M_PI) / 4);
+    }
+    for (int i = 0; i < 3; ++i) {
+      out.variables.push_back({VariableKind::BaseParameter, -out.parameter_max, out.parameter_max,
+                               false, -1, Vector3d::Unit(i)});
+    }
   }
-  out.time_lower = variables.contact_time_lower;
-  out.time_upper = variables.contact_time_upper;
-  out.time_is_free = out.time_upper > out.time_lower;
+  out.earliest_time = variables.contact_time_lower;
 }
 
-/// Over a span of times the target's motion is enclosed; at a fixed one the planner's doubles
-/// count.
+/// The target at the earliest time, as the doubles that the planner uses. Over a span of times its
+/// motion is enclosed.
 void set_target(const CaptureProblem& problem, VariableEncounter& out) {
-  out.estimate = problem.target_state;
-  out.R_NT = target_kinematics<double>(out, out.time_lower).R_NT;
-  if (!out.time_is_free) return;
-  const double rate =
-      std::max({out.estimate.angular_velocity.norm(), out.estimate.linear_velocity.norm(),
-                1 / (out.time_upper - out.time_lower)});
-  out.time_unit = std::exp2(-std::round(std::log2(rate)));
-  // Boxes are tried enlarged.
-  out.spin.emplace(*problem.target, out.estimate, out.time_lower - out.time_unit,
-                   out.time_upper + out.time_unit);
+  const double lower = out.earliest_time, upper = problem.variables.contact_time_upper;
+  const bool is_time_free = upper > lower;
+  if (out.follows_target()) {
+    out.estimate = problem.target_state;
+    out.R_NT = target_kinematics<double>(out, lower).R_NT;
+    if (is_time_free) {
+      const double rate = std::max({out.estimate.angular_velocity.norm(),
+                                    out.estimate.linear_velocity.norm(), 1 / (upper - lower)});
+      out.time_unit = std::exp2(-std::round(std::log2(rate)));
+      // Boxes are tried enlarged.
+      out.spin.emplace(*problem.target, out.estimate, lower - out.time_unit, upper + out.time_unit);
+    }
+  }
+  if (is_time_free) {
+    out.variables.push_back({VariableKind::Time, lower / out.time_unit, upper / out.time_unit});
+  }
 }
 
 VariableEncounter variable_encounter(const CaptureProblem& problem) {
@@ -57,7 +67,7 @@ VariableEncounter variable_encounter(const CaptureProblem& problem) {
   out.R_NB = problem.base.orientation.toRotationMatrix();
   out.base_position = problem.base.position;
   out.stated = encounter_at(out, start_configuration(problem));
-  if (out.follows_target()) set_target(problem, out);
+  set_target(problem, out);
   const bool is_in_base = out.hand_point && out.hand_frame == Frame::Base;
   const Vector3d point = out.hand_point ? *out.hand_point : out.stated.contact.point;
   out.stated_hand_point =
@@ -83,38 +93,47 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
                    limits.jacobian_singular_value_min > 0 || limits.clearance;
 
   const VariableSpec& variables = problem.variables;
+  const VariableEncounter& encounter = out.encounter;
   const HandConstraint hand = problem.hand.constraint;
   const bool is_predicted = !problem.impulse.direction;
   const bool has_point = problem.hand.position || is_predicted;
-  out.has_hand_point = hand != HandConstraint::None && has_point &&
-                       variables.base_position == PositionFreedom::Fixed;
-  out.has_hand_axis = hand == HandConstraint::Axis;
-  out.has_hand_axes = hand == HandConstraint::Pose;
-  std::vector<SideCondition>& sides = out.side_conditions;
-  // Where the equations hold these are cosines of 0 or 180 deg (of a rotation by 180 deg at least
-  // one is below -1/3): bounds in between exclude more boxes than the planner's zero and no
-  // solution.
-  if (out.has_hand_axis) sides.push_back({SideKind::HandFacing, 0, -kInfinity, -0.5});
-  for (int i = 0; i < 3 && out.has_hand_axes; ++i) {
-    sides.push_back({SideKind::PoseFacing, i, 0.5, kInfinity});
+  const bool is_at_point = hand != HandConstraint::None && has_point &&
+                           variables.base_position == PositionFreedom::Fixed;
+  for (int i = 0; i < 3; ++i) {
+    if (is_at_point) out.hand_equations.push_back({RowKind::HandPosition, i});
+    if (hand == HandConstraint::Pose) out.hand_equations.push_back({RowKind::HandPose, i});
+  }
+  const auto add = [&out](RowKind kind, int index, double lower, double upper,
+                          const Vector3d& direction = Vector3d::Zero()) {
+    out.inequalities.push_back({kind, index, direction, lower, upper});
+  };
+  // Where the equations hold the cosines of axes are those of 0 or 180 deg (of a rotation by 180
+  // deg at least one is below -1/3): bounds in between exclude more boxes than the planner's zero
+  // and no solution.
+  if (hand == HandConstraint::Axis) {
+    out.hand_equations.push_back({RowKind::HandAxis, 0, encounter.u});
+    out.hand_equations.push_back({RowKind::HandAxis, 1, encounter.v});
+    add(RowKind::HandAxis, 0, -kInfinity, -0.5, encounter.n);
+  }
+  for (int i = 0; i < 3 && hand == HandConstraint::Pose; ++i) {
+    add(RowKind::HandAxisAlong, i, 0.5, kInfinity);
   }
   // At a fixed time it is the same everywhere, and a given impulse has no closing speed.
   const double slowest = problem.constraints.closing_speed_min;
-  const bool is_slow = out.encounter.stated.closing_speed < slowest &&
-                       problem.impulse.source != ImpulseSource::Given;
-  if (is_predicted && (out.encounter.time_is_free || is_slow)) {
-    sides.push_back({SideKind::ClosingSpeed, 0, slowest, kInfinity});
+  const bool is_slow =
+      encounter.stated.closing_speed < slowest && problem.impulse.source != ImpulseSource::Given;
+  if (is_predicted && (encounter.has(VariableKind::Time) || is_slow)) {
+    add(RowKind::ClosingSpeed, 0, slowest, kInfinity);
   }
   for (int i = 0; i < 3 && has_point && variables.base_position == PositionFreedom::Box; ++i) {
-    sides.push_back({SideKind::BasePosition, i, variables.base_position_lower[i],
-                     variables.base_position_upper[i]});
+    add(RowKind::BasePosition, i, variables.base_position_lower[i],
+        variables.base_position_upper[i]);
   }
-  if (!out.encounter.turn_basis.empty()) {
-    const double size = out.encounter.turn_size_max;
-    sides.push_back({SideKind::TurnSize, 0, -kInfinity, size * size});
+  if (encounter.has(VariableKind::BaseParameter)) {
+    add(RowKind::Parameters, 0, -kInfinity, encounter.parameter_max * encounter.parameter_max);
   }
   if (variables.base_attitude == AttitudeFreedom::Cone) {
-    sides.push_back({SideKind::BaseTilt, 0, std::cos(variables.base_attitude_max), kInfinity});
+    add(RowKind::BaseTilt, 0, std::cos(variables.base_attitude_max), kInfinity);
   }
   return out;
 }

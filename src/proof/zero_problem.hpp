@@ -6,24 +6,35 @@
 
 #include <stillbase/proof/proof.hpp>
 
-#include "proof/encounter_kernel.hpp"
+#include "proof/variable_encounter.hpp"
 
 namespace stillbase::proof {
 
-/// Inequalities that every solution keeps.
-enum class SideKind {
-  HandFacing,    ///< approach axis along n
-  PoseFacing,    ///< axis `index` of the hand along the wanted one
-  ClosingSpeed,  ///< m/s
-  BasePosition,  ///< component of the position that puts the hand on its point, m
-  TurnSize,      ///< |sigma|^2 of the base's rotation
-  BaseTilt       ///< cosine of the angle by which an axis of the base is tilted
+/// Scalar functions of the variables. case_rows.hpp derives those of the jump.
+enum class RowKind {
+  // Of hand and base, see kinematic_value().
+  HandPosition,   ///< component `index` of the hand's distance from its point, in B, m
+  HandAxis,       ///< component of the approach axis along `direction`, in E
+  HandPose,       ///< component `index` of the rotation error sum r_i x d_i of the hand's axes
+  HandAxisAlong,  ///< cosine between axis `index` of the hand and the wanted one
+  ClosingSpeed,   ///< m/s
+  BasePosition,   ///< component `index` of the position that puts the hand on its point, in N, m
+  Parameters,     ///< |sigma|^2 of the base's rotation
+  BaseTilt,       ///< cosine of the angle by which an axis of the base is tilted
+  // Of the jump.
+  Total,  ///< momentum along `direction`: in B while the encounter is fixed, else in E
+  Base,   ///< row `index` of the base part
+  CouplingAtZeroTotal,  ///< row `index` of the coupling part where the total is zero
+  Coupling              ///< row `index` of the coupling part
 };
 
-struct SideCondition {
-  SideKind kind;
+/// An equation, value = 0, or an inequality, lower <= value <= upper.
+struct Row {
+  RowKind kind;
   int index = 0;
+  Vector3d direction = Vector3d::Zero();
   double lower = 0, upper = 0;
+  double scale = 1;  ///< typical size of an equation, a power of two by which it is divided
 };
 
 /// Equations and inequalities over the encounter's variables.
@@ -34,23 +45,13 @@ struct ZeroProblem {
   std::vector<bool> locked;    ///< n, or empty
   CaseConstraint impact_case = CaseConstraint::None;
   std::optional<ObjectiveQuantity> zero;  ///< also this vanishes
-  bool has_hand_point = false;            ///< the hand is at its point
-  bool has_hand_axis = false;             ///< the approach axis lies along n
-  bool has_hand_axes = false;             ///< all axes are the wanted ones
-  std::vector<SideCondition> side_conditions;
+  std::vector<Row> hand_equations;
+  std::vector<Row> inequalities;
   bool has_limits = false;  ///< on rates, singular values or clearances: solutions are judged
 };
 
 /// The variables, equations and inequalities of a capture problem. Constraints on rates, singular
 /// values and clearances are left out.
 ZeroProblem zero_problem(const CaptureProblem& problem);
-
-/// Every zero of the equations that keeps the side conditions within the bounds of the variables.
-/// @return status Complete: every solution is in exactly one of the boxes `solutions`, each of
-/// which holds exactly one; Undecided: every solution is in one of them or in one of `undecided`;
-/// NotApplicable: the equations are not as many as the variables
-/// @pre the base attitude is fixed or free about one axis: other rotations have two parameter
-/// vectors on the surface of the ball
-Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options = {});
 
 }  // namespace stillbase::proof

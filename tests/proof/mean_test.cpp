@@ -6,13 +6,13 @@
 #include <stillbase/plan/scenario.hpp>
 
 #include "minimum_values.hpp"
-#include "proof/wrench_basis.hpp"
+#include "proof/response_gram.hpp"
 
 namespace stillbase {
 namespace {
 
+using proof::Bound;
 using proof::bound_minimum;
-using proof::BoundedMinimum;
 using proof::MinimumProblem;
 
 /// Downhill by random steps, within limits.
@@ -59,21 +59,16 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
                        {ObjectiveQuantity::ImpulseMagnitude, 0.01}};
   MinimumProblem minimum = proof::minimum_problem(problem, draw_scenarios(problem));
   proof::VariableEncounter& encounter = minimum.where.encounter;
-  const int n = static_cast<int>(encounter.free.size());
-  REQUIRE(encounter.num_variables() == n);
+  const int n = encounter.num_variables();
+  REQUIRE(encounter.is_fixed());
   REQUIRE(n == (kind == 1 ? 2 : 3));
-  if (kind != 1) {
-    for (int i = 0; i < n; ++i) {
-      Joint& joint = minimum.where.robot.joints[static_cast<std::size_t>(encounter.free[i])];
-      joint.type = JointType::Revolute;
-      encounter.lower[i] = 0.4 + 0.3 * i;
-      encounter.upper[i] = encounter.lower[i] + 0.5;
-    }
-  }
   Eigen::VectorXd lower = encounter.start, upper = encounter.start;
   for (int i = 0; i < n; ++i) {
-    lower[encounter.free[i]] = kind == 1 ? -M_PI : encounter.lower[i];
-    upper[encounter.free[i]] = kind == 1 ? M_PI : encounter.upper[i];
+    proof::Variable& variable = encounter.variables[static_cast<std::size_t>(i)];
+    if (kind != 1)
+      variable = {proof::VariableKind::Joint, 0.4 + 0.3 * i, 0.9 + 0.3 * i, false, variable.joint};
+    lower[variable.joint] = kind == 1 ? -M_PI : variable.lower;
+    upper[variable.joint] = kind == 1 ? M_PI : variable.upper;
   }
   std::vector<std::pair<double, Eigen::VectorXd>> grid;
   for (int i = 0; i < 4000; ++i) {
@@ -88,16 +83,16 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
     least = std::min(least, descended(minimum, grid[i].second, lower, upper));
   }
   // Told a larger best value it has to stop below the least one by itself.
-  const BoundedMinimum loose = bound_minimum(minimum, 1.2 * least, {.max_boxes = 3000});
-  CAPTURE(kind, least, loose.lower_bound, loose.boxes);
-  CHECK_FALSE(loose.nothing_as_good);
-  CHECK(loose.lower_bound <= least);
-  const BoundedMinimum found = bound_minimum(minimum, least, {.relative_gap = 2e-3});
-  CAPTURE(found.lower_bound, found.boxes);
+  const Bound loose = bound_minimum(minimum, 1.2 * least, {.max_boxes = 3000});
+  CAPTURE(kind, least, loose.lower, loose.boxes);
+  CHECK_FALSE(loose.nothing_below_cut);
+  CHECK(loose.lower <= least);
+  const Bound found = bound_minimum(minimum, least, {.relative_gap = 2e-3});
+  CAPTURE(found.lower, found.boxes);
   CHECK_FALSE(found.limit_reached);
-  CHECK_FALSE(found.nothing_as_good);
-  CHECK(found.lower_bound <= least);
-  CHECK(found.lower_bound >= least * (1 - 2e-3));
+  CHECK_FALSE(found.nothing_below_cut);
+  CHECK(found.lower <= least);
+  CHECK(found.lower >= least * (1 - 2e-3));
 }
 
 TEST_CASE("products of an impulse's coefficients make its wrench again, rounding enclosed") {

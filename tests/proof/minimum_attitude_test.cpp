@@ -13,8 +13,8 @@
 #include <stillbase/formulation/measures/robust.hpp>
 
 #include "formulation/measures/measure.hpp"
+#include "proof/case_rows.hpp"
 #include "proof/minimum_problem.hpp"
-#include "proof/side_conditions.hpp"
 #include "support/shipped_problem.hpp"
 
 namespace stillbase {
@@ -153,7 +153,7 @@ TEST_CASE("a box is left out only where no attitude of it is allowed, and most s
       box[static_cast<std::size_t>(k)] =
           proof::Dual(proof::Interval(middle[k] - width, middle[k] + width));
     }
-    const bool is_out = proof::keeps_side_conditions(where, box) == proof::Kept::No;
+    const bool is_out = proof::keeps_inequalities(where, box) == proof::Kept::No;
     CHECK_FALSE((is_out && any));
     left_out += is_out;
     none_allowed += !any;

@@ -182,7 +182,8 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
     using Form = proof::Form<3>;
     std::array<Form, 3> x;
     const auto unit = [&](int k) {
-      return encounter.time_is_free && k == encounter.time_index() ? encounter.time_unit : 1;
+      const auto of = encounter.variables[static_cast<std::size_t>(k)].kind;
+      return of == proof::VariableKind::Time ? encounter.time_unit : 1;
     };
     // Of each impulse, exactly and by a tangent at a level near it; of their mean.
     std::vector<std::vector<proof::Fraction<3>>> fractions(scenarios.size());

@@ -11,8 +11,8 @@
 namespace stillbase {
 namespace {
 
+using proof::Bound;
 using proof::bound_minimum;
-using proof::BoundedMinimum;
 using proof::MinimumProblem;
 
 std::vector<Scenario> along(const CaptureProblem& problem,
@@ -72,12 +72,12 @@ TEST_CASE("the robust optimum of the redundant planar arm is proven, and no post
   const double least = least_on(minimum, self_motion(4000));
   const double best = 1.67764963350832e-05;  // the search's, see best_known.csv
   CHECK(best <= least);
-  const BoundedMinimum found = bound_minimum(minimum, best);
-  CAPTURE(found.boxes, found.lower_bound, least);
+  const Bound found = bound_minimum(minimum, best);
+  CAPTURE(found.boxes, found.lower, least);
   CHECK_FALSE(found.limit_reached);
-  CHECK_FALSE(found.nothing_as_good);
-  CHECK(found.lower_bound <= least);
-  CHECK(found.lower_bound >= best * (1 - 1e-3));
+  CHECK_FALSE(found.nothing_below_cut);
+  CHECK(found.lower <= least);
+  CHECK(found.lower >= best * (1 - 1e-3));
 }
 
 TEST_CASE("a bound holds and is sharp for every quantity, and for several together") {
@@ -94,11 +94,11 @@ TEST_CASE("a bound holds and is sharp for every quantity, and for several togeth
     problem.objective = objective;
     const MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
     const double least = least_on(minimum, postures);
-    const BoundedMinimum found = bound_minimum(minimum, least);
+    const Bound found = bound_minimum(minimum, least);
     CAPTURE(to_string(objective.front().quantity), objective.size(), found.boxes);
     CHECK_FALSE(found.limit_reached);
-    CHECK(found.lower_bound <= least);
-    CHECK(found.lower_bound >= least * (1 - 1e-3));
+    CHECK(found.lower <= least);
+    CHECK(found.lower >= least * (1 - 1e-3));
   }
 }
 
@@ -132,11 +132,11 @@ TEST_CASE("two free joints without any equation: predicted value and worst case 
       }
       if (!moved) step /= 2;
     }
-    const BoundedMinimum found = bound_minimum(minimum, least, {.relative_gap = 0.01});
-    CAPTURE(directions, least, found.lower_bound, found.boxes);
+    const Bound found = bound_minimum(minimum, least, {.relative_gap = 0.01});
+    CAPTURE(directions, least, found.lower, found.boxes);
     CHECK_FALSE(found.limit_reached);
-    CHECK(found.lower_bound <= least);
-    CHECK(found.lower_bound >= least * 0.99);
+    CHECK(found.lower <= least);
+    CHECK(found.lower >= least * 0.99);
   }
 }
 
@@ -159,13 +159,13 @@ TEST_CASE("a spatial arm at a point: the bound is the least value of its enclose
   for (const JointBox& box : proof.solutions) {
     least = std::min(least, value_at(minimum, (box.lower + box.upper) / 2));
   }
-  const BoundedMinimum over_all = bound_minimum(minimum, least * (1 + 1e-9));
-  CAPTURE(over_all.boxes, over_all.lower_bound, least);
-  CHECK(over_all.lower_bound <= least * (1 + 1e-9));
-  CHECK(over_all.lower_bound >= least * (1 - 1e-3));
+  const Bound over_all = bound_minimum(minimum, least * (1 + 1e-9));
+  CAPTURE(over_all.boxes, over_all.lower, least);
+  CHECK(over_all.lower <= least * (1 + 1e-9));
+  CHECK(over_all.lower >= least * (1 - 1e-3));
   minimum.places = proof.solutions;
-  const BoundedMinimum over_places = bound_minimum(minimum, least * (1 + 1e-9));
-  CHECK(over_places.lower_bound >= least * (1 - 1e-3));
+  const Bound over_places = bound_minimum(minimum, least * (1 + 1e-9));
+  CHECK(over_places.lower >= least * (1 - 1e-3));
   CHECK(over_places.boxes <= 20 * static_cast<long>(proof.solutions.size()));
 }
 
@@ -174,10 +174,10 @@ TEST_CASE("a best value that no posture has is found out") {
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   const MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
-  const BoundedMinimum found = bound_minimum(minimum, 0.5 * least);
-  CAPTURE(found.boxes, found.lower_bound);
-  CHECK(found.nothing_as_good);
-  CHECK(found.lower_bound > 0.5 * least);
+  const Bound found = bound_minimum(minimum, 0.5 * least);
+  CAPTURE(found.boxes, found.lower);
+  CHECK(found.nothing_below_cut);
+  CHECK(found.lower > 0.5 * least);
 }
 
 TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for every call") {
@@ -185,22 +185,19 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
   problem.objective = {{ObjectiveQuantity::JointRateNorm}};
   MinimumProblem minimum = bounded(problem, wedge(M_PI, 0, 1));
   const double least = least_on(minimum, self_motion(2000));
-  const BoundedMinimum cut = bound_minimum(minimum, least, {.max_boxes = 10});
+  const Bound cut = bound_minimum(minimum, least, {.max_boxes = 10});
   CHECK(cut.limit_reached);
-  CHECK(cut.lower_bound <= least);
-  CHECK(bound_minimum(minimum, least, {.max_boxes = 10}).lower_bound == cut.lower_bound);
+  CHECK(cut.lower <= least);
+  CHECK(bound_minimum(minimum, least, {.max_boxes = 10}).lower == cut.lower);
   std::atomic<bool> interrupted = true;
-  const BoundedMinimum stopped =
-      bound_minimum(minimum, least, {.stop = {.interrupted = &interrupted}});
+  const Bound stopped = bound_minimum(minimum, least, {.stop = {.interrupted = &interrupted}});
   CHECK(stopped.limit_reached);
-  CHECK(stopped.lower_bound <= least);
+  CHECK(stopped.lower <= least);
   // One free joint and no point for the hand.
-  minimum.where.has_hand_point = false;
+  minimum.where.hand_equations.clear();
   minimum.where.robot.joints[2].type = JointType::Revolute;
   proof::VariableEncounter& encounter = minimum.where.encounter;
-  encounter.free = {2};
-  encounter.lower = {0.2};
-  encounter.upper = {1.1};
+  encounter.variables = {{proof::VariableKind::Joint, 0.2, 1.1, false, 2}};
   std::vector<Eigen::VectorXd> row;
   for (int i = 0; i <= 2000; ++i) {
     Eigen::VectorXd phi = encounter.start;
@@ -208,9 +205,9 @@ TEST_CASE("limits of joints and of boxes: the bound holds, and is the same for e
     row.push_back(phi);
   }
   const double least_in_row = least_on(minimum, row);
-  const BoundedMinimum one = bound_minimum(minimum, least_in_row);
-  CHECK(one.lower_bound <= least_in_row);
-  CHECK(one.lower_bound >= least_in_row * (1 - 1e-3));
+  const Bound one = bound_minimum(minimum, least_in_row);
+  CHECK(one.lower <= least_in_row);
+  CHECK(one.lower >= least_in_row * (1 - 1e-3));
 }
 
 TEST_CASE("problems that cannot be bounded say why, and constraints that are left out are named") {

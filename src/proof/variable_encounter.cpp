@@ -1,4 +1,4 @@
-#include "proof/encounter_kernel.hpp"
+#include "proof/variable_encounter.hpp"
 
 #include "proof/taylor.hpp"
 
@@ -66,27 +66,34 @@ template <class S>
 EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const S> x) {
   EncounterRange<S> out;
   out.phi = model.start.template cast<S>();
-  for (std::size_t i = 0; i < model.free.size(); ++i) out.phi[model.free[i]] = x[i];
   out.R_NB = model.R_NB.template cast<S>();
-  if (model.attitude_is_free) {
-    const S& angle = x[static_cast<std::size_t>(model.attitude_index())];
-    out.R_NB = rotation_about<S>(model.attitude_axis, angle) * out.R_NB;
-  }
-  if (!model.turn_basis.empty()) {
-    Vector3<S> sigma = Vector3<S>::Zero();
-    for (std::size_t i = 0; i < model.turn_basis.size(); ++i) {
-      const S& entry = x[static_cast<std::size_t>(model.attitude_index()) + i];
-      sigma += Vector3<S>(model.turn_basis[i].template cast<S>()) * entry;
-      out.turn_size_squared += square(entry);
+  Vector3<S> sigma = Vector3<S>::Zero();
+  S time(0.0);
+  for (std::size_t i = 0; i < model.variables.size(); ++i) {
+    const Variable& variable = model.variables[i];
+    switch (variable.kind) {
+      case VariableKind::Joint:
+        out.phi[variable.joint] = x[i];
+        break;
+      case VariableKind::BaseAngle:
+        out.R_NB = rotation_about<S>(variable.axis, x[i]) * out.R_NB;
+        break;
+      case VariableKind::BaseParameter:
+        sigma += Vector3<S>(variable.axis.template cast<S>()) * x[i];
+        out.parameters_squared += square(x[i]);
+        break;
+      case VariableKind::Time:
+        time = x[i] * S(model.time_unit);
     }
-    out.R_NB = rotation_by<S>(sigma, out.turn_size_squared) * out.R_NB;
+  }
+  if (model.has(VariableKind::BaseParameter)) {
+    out.R_NB = rotation_by<S>(sigma, out.parameters_squared) * out.R_NB;
   }
 
   out.closing_speed = S(model.stated.closing_speed);
   if (!model.follows_target()) {
     out.contact = contact_kinematics<S>(model, out.R_NB);
-  } else if (model.time_is_free) {
-    const S time = x[static_cast<std::size_t>(model.time_index())] * S(model.time_unit);
+  } else if (model.has(VariableKind::Time)) {
     const TargetTurn<S> turn = turn_over(*model.spin, time);
     const Vector3<S> velocity = model.estimate.linear_velocity.template cast<S>();
     const Vector3<S> position = Vector3<S>(model.estimate.pose.position.template cast<S>()) +

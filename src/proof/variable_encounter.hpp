@@ -15,6 +15,7 @@
 //   and its contact point while the time is not.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,21 +27,31 @@
 
 namespace stillbase::proof {
 
+enum class VariableKind {
+  Joint,          ///< position of a joint, rad or m
+  BaseAngle,      ///< rotation of the base about `axis`, rad
+  BaseParameter,  ///< component of sigma along `axis`, see rotation_by()
+  Time            ///< contact time / VariableEncounter::time_unit
+};
+
+/// One entry x of a box.
+struct Variable {
+  VariableKind kind;
+  double lower = 0, upper = 0;
+  bool is_periodic = false;          ///< an angle, and all angles are allowed
+  int joint = -1;                    ///< of a Joint
+  Vector3d axis = Vector3d::Zero();  ///< of the base, unit, in N; those of sigma at right angles
+};
+
 /// An encounter, and the variables that it is a function of.
 struct VariableEncounter : EncounterModel {
-  // Variables. Entry i < free.size() of x is the position of joint free[i].
-  JointVectord start;                ///< n, positions of the joints that are not free
-  std::vector<int> free;             ///< indices of the free joints
-  std::vector<double> lower, upper;  ///< one per free joint; not used for continuous joints
-  bool attitude_is_free = false;     ///< the next entry: angle about attitude_axis, rad
-  Vector3d attitude_axis = Vector3d::UnitZ();  ///< unit, in N
-  double attitude_max = 0;                     ///< rad; pi or more: all angles
-  /// Or: the next entries x, sigma = sum x_i turn_basis[i]. Unit, in N, at right angles.
-  std::vector<Vector3d> turn_basis;
-  double turn_size_max = 1;               ///< of |sigma|
-  bool time_is_free = false;              ///< the last entry: contact time / time_unit
-  double time_lower = 0, time_upper = 0;  ///< s; equal: fixed
-  double time_unit = 1;  ///< s, a power of two: about a radian of the target's rotation
+  std::vector<Variable> variables;
+  JointVectord start;        ///< n, positions of the joints that are not free
+  double parameter_max = 1;  ///< of |sigma|
+  double time_unit = 1;      ///< s, a power of two: about a radian of the target's rotation
+  double earliest_time = 0;  ///< s
+  /// Of the base's tilt: the axis of N whose angle to the same axis of B is limited.
+  Vector3d tilt_axis = Vector3d::UnitZ();
 
   // Stated base pose, and the nominal encounter there at the earliest contact time, as doubles.
   Matrix3d R_NB = Matrix3d::Identity();
@@ -53,25 +64,42 @@ struct VariableEncounter : EncounterModel {
   TargetState estimate;                  ///< of its motion
   Matrix3d R_NT = Matrix3d::Identity();  ///< at the earliest contact time
 
-  int num_variables() const { return time_index() + time_is_free; }
-  int attitude_index() const { return static_cast<int>(free.size()); }
-  int num_attitudes() const { return attitude_is_free + static_cast<int>(turn_basis.size()); }
-  int time_index() const { return attitude_index() + num_attitudes(); }
+  int num_variables() const { return static_cast<int>(variables.size()); }
+  bool has(VariableKind kind) const {
+    return std::any_of(variables.begin(), variables.end(),
+                       [kind](const Variable& variable) { return variable.kind == kind; });
+  }
+  bool is_attitude_free() const {
+    return has(VariableKind::BaseAngle) || has(VariableKind::BaseParameter);
+  }
   /// Whether the encounter is the same at every point.
-  bool is_fixed() const { return num_attitudes() == 0 && !time_is_free; }
+  bool is_fixed() const { return !is_attitude_free() && !has(VariableKind::Time); }
 };
+
+/// All values of the variables; sides beyond them are zero.
+/// @pre N >= num_variables()
+template <int N>
+Box<N> domain_of(const VariableEncounter& encounter) {
+  Box<N> box;
+  for (std::size_t i = 0; i < encounter.variables.size(); ++i) {
+    const Variable& variable = encounter.variables[i];
+    box.side[i] = variable.is_periodic ? Interval(-kPi.upper(), kPi.upper())
+                                       : Interval(variable.lower, variable.upper);
+  }
+  return box;
+}
 
 /// The encounter over a box.
 template <class S>
 struct EncounterRange {
   JointVector<S> phi;  ///< n
   Matrix3<S> R_NB;
-  S turn_size_squared = S(0.0);  ///< |sigma|^2, with a free attitude
-  ContactKinematics<S> contact;  ///< velocities with the time free only
-  Vector6<S> F;                  ///< [n; moment] in B
-  Vector3<S> contact_point;      ///< of hand and target in N, m: the stated one, else the feature's
-  Vector3<S> hand_point;         ///< the same in B, where the base position is stated
-  S closing_speed = S(0.0);      ///< m/s
+  S parameters_squared = S(0.0);  ///< |sigma|^2
+  ContactKinematics<S> contact;   ///< velocities with the time free only
+  Vector6<S> F;                   ///< [n; moment] in B
+  Vector3<S> contact_point;       ///< of hand and target in N, m: the stated one or the feature's
+  Vector3<S> hand_point;          ///< the same in B, where the base position is stated
+  S closing_speed = S(0.0);       ///< m/s
 
   auto R_BE() const { return contact.R_EB.transpose(); }
 };
@@ -98,17 +126,8 @@ Matrix3<S> rotation_by(const Vector3<S>& sigma, const S& size_squared) {
 }
 
 /// For Dual, Quadratic and Form.
-/// @param x num_variables() entries
+/// @param x at least num_variables() entries
 template <class S>
 EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const S> x);
-
-/// Cosine of the angle between the axis of the base that points along attitude_axis in the stated
-/// attitude, and attitude_axis.
-template <class S>
-S tilt_cosine(const VariableEncounter& model, const EncounterRange<S>& at) {
-  const Vector3d in_B = model.R_NB.transpose() * model.attitude_axis;
-  const Vector3<S> axis = at.R_NB * Vector3<S>(in_B.cast<S>());
-  return axis.dot(Vector3<S>(model.attitude_axis.cast<S>()));
-}
 
 }  // namespace stillbase::proof
