@@ -15,7 +15,7 @@ template ContactKinematics<double> contact_kinematics(const EncounterModel&, con
                                                       const TargetKinematics<double>&);
 template ContactKinematics<double> contact_kinematics(const EncounterModel&, const Matrix3d&,
                                                       const double&);
-template ContactRates<double> contact_rates(const EncounterModel&, const Matrix3d&,
+template ContactRates<double> contact_rates(const EncounterModel&, const TargetKinematics<double>&,
                                             const ContactKinematics<double>&);
 template Encounter<double> encounter_along(const EncounterModel&, const ContactKinematics<double>&,
                                            const Scenario&);

@@ -69,13 +69,11 @@ ContactKinematics<S> contact_kinematics(const EncounterModel& model, const Matri
 }
 
 template <class S>
-ContactRates<S> contact_rates(const EncounterModel& model, const Matrix3<S>& R_NB,
+ContactRates<S> contact_rates(const EncounterModel& model, const TargetKinematics<S>& target,
                               const ContactKinematics<S>& contact) {
   ContactRates<S> out;
-  if (!model.follows_target()) return out;
   out.omega_EB = -(contact.R_EB.transpose() * contact.omega);
-  out.point = R_NB * Vector3<S>(contact.R_EB.transpose() *
-                                contact.velocity_at(Vector3<S>(model.r.cast<S>())));
+  out.point = target.R_NT * contact.velocity_at(Vector3<S>(model.r.cast<S>()));
   out.omega = free_angular_acceleration<S>(model, contact.omega);
   return out;
 }
@@ -83,9 +81,10 @@ ContactRates<S> contact_rates(const EncounterModel& model, const Matrix3<S>& R_N
 /// [n; moment] in B of a direction and a moment per unit of impulse in E.
 template <class S>
 Vector6<S> unit_wrench(const Matrix3<S>& R_EB, const Vector3d& direction, const Vector3d& moment) {
+  const Matrix3<S> R_BE = R_EB.transpose();
   Vector6<S> F;
-  F << R_EB.transpose() * Vector3<S>(direction.cast<S>()),
-      R_EB.transpose() * Vector3<S>(moment.cast<S>());
+  F.template head<3>() = R_BE * Vector3<S>(direction.cast<S>());
+  F.template tail<3>() = R_BE * Vector3<S>(moment.cast<S>());
   return F;
 }
 

@@ -27,8 +27,13 @@ Placement<S> CaptureModel::place(const VectorX<S>& x) const {
     out.R_NB = stated * rotation_matrix<S>(a);
     out.attitude_rates = right_jacobian<S>(a);
   }
-  out.contact = contact_kinematics<S>(encounter, out.R_NB, out.time);
-  out.rates = contact_rates<S>(encounter, out.R_NB, out.contact);
+  if (encounter.follows_target()) {
+    const TargetKinematics<S> target = target_kinematics<S>(encounter, out.time);
+    out.contact = contact_kinematics<S>(encounter, out.R_NB, target);
+    out.rates = contact_rates<S>(encounter, target, out.contact);
+  } else {
+    out.contact = contact_kinematics<S>(encounter, out.R_NB);
+  }
   return out;
 }
 
@@ -49,9 +54,9 @@ ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>& at,
                                              const Scenario& scenario) const {
   ScenarioImpact<S> out;
   if (scenario.time_offset != 0 && encounter.follows_target()) {
-    const S time = at.time + S(scenario.time_offset);
-    const ContactKinematics<S> contact = contact_kinematics<S>(encounter, at.R_NB, time);
-    out.rates = contact_rates<S>(encounter, at.R_NB, contact);
+    const auto target = target_kinematics<S>(encounter, at.time + S(scenario.time_offset));
+    const ContactKinematics<S> contact = contact_kinematics<S>(encounter, at.R_NB, target);
+    out.rates = contact_rates<S>(encounter, target, contact);
     out.encounter = encounter_along<S>(encounter, contact, scenario);
   } else {
     out.rates = at.rates;

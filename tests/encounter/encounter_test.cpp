@@ -157,8 +157,9 @@ TEST_CASE("rates of an encounter are its derivatives with respect to the contact
     Scenario scenario = nominal_scenario(model);
     scenario.direction = (scenario.direction + 0.3 * random.unit_vector()).normalized();
     const Configuration at = some_configuration(problem, random);
-    const auto contact = contact_kinematics<double>(model, attitude(at), at.contact_time);
-    const auto rates = contact_rates<double>(model, attitude(at), contact);
+    const auto target = target_kinematics<double>(model, at.contact_time);
+    const auto contact = contact_kinematics<double>(model, attitude(at), target);
+    const auto rates = contact_rates<double>(model, target, contact);
     const auto exact = contact_kinematics<Tangent>(
         model, Matrix3<Tangent>(attitude(at).cast<Tangent>()), Tangent(at.contact_time, 1));
     const auto encounter = encounter_along<Tangent>(model, exact, scenario);

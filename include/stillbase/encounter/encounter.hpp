@@ -135,8 +135,10 @@ ContactKinematics<S> contact_kinematics(const EncounterModel& model, const Matri
 template <class S>
 ContactKinematics<S> contact_kinematics(const EncounterModel& model, const Matrix3<S>& R_NB,
                                         const S& time);
+/// @param target, contact at the same time
+/// @pre model.follows_target()
 template <class S>
-ContactRates<S> contact_rates(const EncounterModel& model, const Matrix3<S>& R_NB,
+ContactRates<S> contact_rates(const EncounterModel& model, const TargetKinematics<S>& target,
                               const ContactKinematics<S>& contact);
 
 /// @param contact at the scenario's time
