@@ -10,12 +10,13 @@
 
 namespace stillbase {
 
+/// As with double, a Tangent without initialiser has no value: workspaces cost nothing.
 struct Tangent {
-  double v = 0;  ///< value
-  double d = 0;  ///< derivative
+  double v;  ///< value
+  double d;  ///< derivative
 
   Tangent() = default;
-  Tangent(double value) : v(value) {}  // NOLINT: constants mix with variables
+  Tangent(double value) : v(value), d(0) {}  // NOLINT: constants mix with variables
   Tangent(double value, double derivative) : v(value), d(derivative) {}
 
   Tangent operator-() const { return {-v, -d}; }
@@ -64,5 +65,4 @@ struct Eigen::NumTraits<stillbase::Tangent> : Eigen::NumTraits<double> {
   using NonInteger = stillbase::Tangent;
   using Nested = stillbase::Tangent;
   using Literal = double;
-  enum { RequireInitialization = 1 };
 };

@@ -4,6 +4,7 @@
 #include <stillbase/dynamics/articulated_body.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/rigid_inertia.hpp"
 
 namespace stillbase {
@@ -13,8 +14,7 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
                                                   const JointVectord& added_inertia,
                                                   const std::vector<bool>& locked) {
   ArticulatedBodies<S> out;
-  PerBody<Matrix6<S>, S> articulated;
-  articulated.resize(kin.n);
+  BodyWorkspace<Matrix6<S>, S> articulated;
   out.axis.resize(kin.n);
   out.U.resize(kin.n);
   out.inverse_D.resize(kin.n);
@@ -55,11 +55,9 @@ GeneralizedMotion<S> solve_articulated_bodies(const RobotModel& robot,
                                               const ArticulatedBodies<S>& bodies,
                                               const Vector6<S>& F_b, const JointVector<S>& tau) {
   const int n = robot.n();
-  PerBody<Vector6<S>, S> force;  // what subtree k takes from its parent before that one moves
-  force.resize(n);
+  BodyWorkspace<Vector6<S>, S> force;  // what subtree k takes from its parent before that one moves
   for (int k = 0; k < n; ++k) force[k].setZero();
-  PerBody<S, S> u;
-  u.resize(n);
+  BodyWorkspace<S, S> u;
   GeneralizedMotion<S> out;
   out.Omega = F_b;
   for (int k = n - 1; k >= 0; --k) {
@@ -74,7 +72,7 @@ GeneralizedMotion<S> solve_articulated_bodies(const RobotModel& robot,
   }
   solve_cholesky(bodies.L, out.Omega);
   out.phidot.resize(n);
-  PerBody<Vector6<S>, S>& motion = force;  // the forces are done with
+  auto& motion = force;  // the forces are done with
   for (int k = 0; k < n; ++k) {
     const int parent = robot.joints[k].parent;
     const Vector6<S>& inherited = parent == kBase ? out.Omega : motion[parent];

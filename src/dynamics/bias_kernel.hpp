@@ -4,6 +4,7 @@
 #include <stillbase/dynamics/bias.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/kinematics_kernel.hpp"
 
 namespace stillbase {
 
@@ -15,9 +16,9 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin,
   const Vector3<S> v = Omega.template head<3>();
   const Vector3<S> omega_b = Omega.template tail<3>();
 
-  PerBody<Vector3<S>, S> omega, alpha, a_o;  // rate, its inertial derivative, acceleration of o_k
-  PerBody<Vector3<S>, S> f, t;               // wrench on the subtree about the base centroid
-  for (auto* of_bodies : {&omega, &alpha, &a_o, &f, &t}) of_bodies->resize(n);
+  // Angular rate, its inertial derivative, acceleration of o_k.
+  BodyWorkspace<Vector3<S>, S> omega, alpha, a_o;
+  BodyWorkspace<Vector3<S>, S> f, t;  // wrench on the subtree about the base centroid
   // With zero derivative of the B components the base still has the inertial acceleration omega x
   // v.
   const Vector3<S> a_b = omega_b.cross(v);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/rigid_inertia.hpp"
 
 namespace stillbase {
@@ -15,9 +16,7 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   const int n = kin.n;
   InertiaMatrices<S> out;
   // Twist of unit rate of joint k about the base centroid: linear and angular part.
-  PerBody<Vector3<S>, S> axis_v, axis_w;
-  axis_v.resize(n);
-  axis_w.resize(n);
+  BodyWorkspace<Vector3<S>, S> axis_v, axis_w;
   out.I.resize(n);
   out.subtree.resize(n);
   RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),

@@ -3,10 +3,16 @@
 
 #include <stillbase/dynamics/kinematics.hpp>
 
+#include <array>
 #include <cassert>
 #include <cmath>
 
 namespace stillbase {
+
+/// PerBody within a function: room on the stack for the largest robot, not initialised. The
+/// compiler knows where the elements are; for PerBody it reads their address before every access.
+template <class T, class S>
+using BodyWorkspace = std::array<T, static_cast<std::size_t>(kMaxJointsOf<S>)>;
 
 template <class S>
 Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& phi) {

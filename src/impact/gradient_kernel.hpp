@@ -4,6 +4,7 @@
 #include <stillbase/impact/gradient.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/kinematics_kernel.hpp"
 
 namespace stillbase {
 
@@ -22,12 +23,11 @@ inline SpatialVector<S> joint_axis(const RobotModel& robot, const Kinematics<S>&
 }
 
 template <class S>
-using JointAxes = PerBody<SpatialVector<S>, S>;
+using JointAxes = BodyWorkspace<SpatialVector<S>, S>;
 
 template <class S>
-inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
+static JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
   JointAxes<S> axes;
-  axes.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
   return axes;
 }
@@ -35,14 +35,12 @@ inline JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin
 /// Twists of all bodies and momenta of the subtrees that they carry.
 template <class S>
 struct SubtreeMomenta {
-  PerBody<SpatialVector<S>, S> V;
-  PerBody<SpatialVector<S>, S> P;
+  JointAxes<S> V;
+  JointAxes<S> P;
 
   SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
                  const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
-    V.resize(kin.n);
-    P.resize(kin.n);
     const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     for (int k = 0; k < kin.n; ++k) {
       const int parent = robot.joints[k].parent;
@@ -65,7 +63,7 @@ struct SubtreeMomenta {
 /// gradient += sign * d/dphi (lambda' H x), lambda and x fixed: each subtree moves as a rigid body
 /// under its joint, so only the twist that it inherits counts.
 template <class S>
-inline void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+static void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                  const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
                                  const GeneralizedMotion<S>& x, const S& sign,
                                  JointVector<S>& gradient) {
@@ -83,7 +81,7 @@ inline void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>
 /// gradient += d/dphi (u' Htilde_omega w), u and w fixed: the robot turns as one body about its
 /// centroid g, so every body has the same twist and the momenta are those of the composite bodies.
 template <class S>
-inline void add_locked_rotation_gradient(const PostureImpact<S>& posture, const JointAxes<S>& axes,
+static void add_locked_rotation_gradient(const PostureImpact<S>& posture, const JointAxes<S>& axes,
                                          const Vector3<S>& u, const Vector3<S>& w,
                                          JointVector<S>& gradient) {
   const Vector3<S>& r = posture.inertia.r_bg;
@@ -107,7 +105,7 @@ inline void add_locked_rotation_gradient(const PostureImpact<S>& posture, const 
 
 /// gradient += d/dphi (lambda' J' F), lambda and F fixed.
 template <class S>
-inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+static void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                               const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
                               const Vector6<S>& F, JointVector<S>& gradient) {
   const Kinematics<S>& kin = posture.kinematics;
@@ -132,7 +130,7 @@ inline void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& p
 }
 
 template <class S>
-inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const GeneralizedMotion<S>& x) {
+static Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const GeneralizedMotion<S>& x) {
   Vector6<S> twist = jacobian.R_bh * x.Omega;
   for (Eigen::Index k = 0; k < x.phidot.size(); ++k) twist += jacobian.J_phi.col(k) * x.phidot[k];
   return twist;
@@ -140,7 +138,7 @@ inline Vector6<S> hand_twist(const HandJacobian<S>& jacobian, const GeneralizedM
 
 /// The whole robot turning as one body about its centroid: u' Htilde_omega w = x(u)' H x(w).
 template <class S>
-inline GeneralizedMotion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
+static GeneralizedMotion<S> locked_rotation(const PostureImpact<S>& posture, const Vector3<S>& u) {
   GeneralizedMotion<S> x;
   x.Omega.template head<3>() = -u.cross(posture.inertia.r_bg);
   x.Omega.template tail<3>() = u;
