@@ -111,22 +111,16 @@ TargetPlacement target_placement(const CaptureProblem& problem, const EncounterM
           -(R_NT.transpose() * state.pose.position)};
 }
 
-ContactTarget contact_target(const EncounterModel& model,
-                             const ContactKinematics<double>& contact) {
-  const Matrix3d R_BE = contact.R_EB.transpose();
-  ContactTarget out;
-  out.mass = model.magnitude_is_given() ? kInfinity : model.target_mass;
-  if (!model.is_rigid()) {
-    // A point mass at the contact.
-    out.velocity = R_BE * (model.follows_target() ? contact.velocity_at(model.r)
-                                                  : Vector3d(model.closing_speed * model.n));
-    return out;
+void add_target_inverse_inertia(const EncounterModel& model,
+                                const ContactKinematics<double>& contact, Matrix3d& W) {
+  if (model.magnitude_is_given()) return;
+  if (model.is_rigid()) {
+    const Matrix3d R_BE = contact.R_EB.transpose();
+    const Matrix3d inverse = R_BE * model.target_inverse_inertia * contact.R_EB;
+    const Matrix3d lever = skew<double>(R_BE * model.r);
+    W += lever.transpose() * inverse * lever;
   }
-  out.inertia = R_BE * model.target_inertia * contact.R_EB;
-  out.r = R_BE * model.r;
-  out.velocity = R_BE * contact.velocity;
-  out.angular_velocity = R_BE * contact.omega;
-  return out;
+  W.diagonal().array() += 1 / model.target_mass;
 }
 
 double impulse_magnitude(const EncounterModel& model, const Encounter<double>& encounter,

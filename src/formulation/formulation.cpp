@@ -210,6 +210,13 @@ const std::vector<RedundantRow>& Formulation::redundant_rows() const {
 }
 
 const EncounterModel& Formulation::encounter_model() const { return parts_->model.encounter; }
+
+Encounter<double> Formulation::encounter(const Configuration& configuration) const {
+  const CaptureModel& model = parts_->model;
+  const auto at = model.place<double>(variables(configuration));
+  return encounter_along<double>(model.encounter, at.contact, model.nominal);
+}
+
 double Formulation::objective_unit() const { return parts_->objective_unit; }
 
 Configuration Formulation::configuration(const Eigen::VectorXd& x) const {

@@ -21,7 +21,7 @@ double case_residual(const CaptureProblem& problem, const Formulation& formulati
   const CaseConstraint wanted = problem.constraints.impact_case;
   if (wanted == CaseConstraint::None) return 0;
   const Configuration at = formulation.configuration(x);
-  const Encounter<double> encounter = encounter_at(formulation.encounter_model(), at);
+  const Encounter<double> encounter = formulation.encounter(at);
   const CaseJudgement found = summarize_impact(problem.robot, at.phi, problem.resistance,
                                                encounter.F, encounter.closing_speed)
                                   .judgement;

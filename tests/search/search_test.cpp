@@ -162,7 +162,8 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
 
     const EncounterModel& model = formulation.encounter_model();
     const Encounter<double> encounter = encounter_at(model, configuration);
-    const ContactTarget target = contact_target(model, encounter.contact);
+    const Matrix3d& R_EB = encounter.contact.R_EB;
+    const Vector3d velocity = R_EB.transpose() * encounter.contact.velocity_at(model.r);
     const auto posture = evaluate_posture<double>(
         problem.robot, prepare_resistance(problem.resistance, problem.robot.n()),
         configuration.phi);
@@ -172,9 +173,9 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
       F << d, 0, 0, 0;
       const auto response = respond<double>(posture, F);
       Encounter<double> here = encounter;
-      here.closing_speed = d.dot(target.contact_velocity().head<3>());
-      here.target_inverse_mass =
-          target_inverse_mass(target.mass, target.inertia.inverse(), target.r, d);
+      here.closing_speed = d.dot(velocity);
+      here.target_inverse_mass = target_inverse_mass(
+          problem.target->mass, problem.target->inertia.inverse(), model.r, R_EB * d);
       return impulse_magnitude(model, here, response.hand_inverse_mass) * response.base.norm();
     };
     double scan = value(n);

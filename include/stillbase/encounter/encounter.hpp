@@ -169,10 +169,10 @@ struct TargetPlacement {
 /// @pre the problem has a target body; a direction stated in B needs the stated base attitude
 TargetPlacement target_placement(const CaptureProblem& problem, const EncounterModel& model);
 
-/// The target in B at an encounter: mass, inertia, lever and velocities, from which
-/// target_inverse_inertia3() and target_inverse_inertia6() follow. A problem whose impulse is given
-/// has a target of infinite mass.
-ContactTarget contact_target(const EncounterModel& model, const ContactKinematics<double>& contact);
+/// W += W_t, the velocity of the target's contact point per impulse there, in B, 1/kg:
+/// E/m + skew(r)' I^-1 skew(r), of a point mass E/m, and zero where the magnitude is given.
+void add_target_inverse_inertia(const EncounterModel& model,
+                                const ContactKinematics<double>& contact, Matrix3d& W);
 
 /// Impulse along the encounter's direction by the contact law, N s.
 /// @param hand_inverse_mass n' W_h n, 1/kg

@@ -90,6 +90,8 @@ class Formulation final : public nlp::Problem {
   const std::vector<RedundantRow>& redundant_rows() const;
   /// What encounters of all configurations have in common.
   const EncounterModel& encounter_model() const;
+  /// The nominal encounter at the variables of a configuration.
+  Encounter<double> encounter(const Configuration& configuration) const;
   Scenario predicted_scenario() const;  ///< the nominal encounter
 
   /// Those that are independent where they hold.

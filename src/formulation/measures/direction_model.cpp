@@ -23,7 +23,7 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
                                const DifferencedTerms& terms)
     : problem(p),
       model(formulation.encounter_model()),
-      encounter(encounter_at(model, at)),
+      encounter(formulation.encounter(at)),
       differenced(terms),
       stop(formulation.simulations_stop()),
       configuration(at) {
@@ -48,9 +48,9 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
     }
   }
   W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
-  const ContactTarget target = contact_target(model, encounter.contact);
-  W += target_inverse_inertia3(target);
-  velocity = target.contact_velocity().head<3>();
+  const ContactKinematics<double>& contact = encounter.contact;
+  add_target_inverse_inertia(model, contact, W);
+  velocity = Matrix3d(contact.R_EB.transpose()) * contact.velocity_at(model.r);
   n = encounter.F.head<3>();
   half_angle = p.uncertainty.cone_half_angle;
   planar = p.uncertainty.cone_plane_normal.has_value();
