@@ -133,19 +133,18 @@ double impulse_magnitude(const EncounterModel& model, const Encounter<double>& e
 ImpactSummary impact_at(const CaptureProblem& problem, const Configuration& configuration) {
   const std::string& feature = configuration.feature;
   const bool is_chosen = feature.empty() || feature == problem.variables.feature;
-  return impact_at(
-      problem, is_chosen ? encounter_model(problem) : encounter_model(at_feature(problem, feature)),
-      configuration);
+  const EncounterModel model =
+      is_chosen ? encounter_model(problem) : encounter_model(at_feature(problem, feature));
+  return impact_at(problem, model, encounter_at(model, configuration), configuration.phi);
 }
 
 ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& model,
-                        const Configuration& configuration) {
-  const Encounter<double> encounter = encounter_at(model, configuration);
+                        const Encounter<double>& encounter, const JointVectord& phi) {
   const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
-  const auto posture = evaluate_posture<double>(problem.robot, resistance, configuration.phi);
+  const auto posture = evaluate_posture<double>(problem.robot, resistance, phi);
   const auto response = respond<double>(posture, encounter.F);
   const double p = impulse_magnitude(model, encounter, response.hand_inverse_mass);
-  return summarize_impact(problem.robot, configuration.phi, problem.resistance, p * encounter.F,
+  return summarize_impact(problem.robot, phi, problem.resistance, p * encounter.F,
                           encounter.closing_speed);
 }
 

@@ -75,11 +75,9 @@ CandidateOrder candidates_to_try(const CaptureProblem& problem,
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) continue;
-    const Configuration& configuration = candidates[i].configuration;
-    const bool holds =
-        !stop.reached() &&
-        post_impact_failure(problem, configuration, impact_at(problem, model, configuration), stop)
-            .empty();
+    const Configuration& at = candidates[i].configuration;
+    const auto impact = impact_at(problem, model, encounter_at(model, at), at.phi);
+    const bool holds = !stop.reached() && post_impact_failure(problem, at, impact, stop).empty();
     (holds ? out.order : others).push_back(i);
   }
   out.holding = out.order.size();

@@ -158,7 +158,8 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.configuration = best.configuration;
   const CaptureProblem at = at_contact(problem, best.configuration);
   const Formulation there(at);
-  plan.impact = impact_at(problem, best.configuration);
+  plan.impact = impact_at(at, there.encounter_model(), there.encounter(best.configuration),
+                          best.configuration.phi);
   plan.objective.name = objective_name(problem);
   plan.objective.unit = objective_unit_name(problem);
   plan.objective.nominal = best.objective;

@@ -183,8 +183,8 @@ double impulse_magnitude(const EncounterModel& model, const Encounter<double>& e
 /// follows from it. No nonlinear program is built.
 /// @throws InputError as encounter_model()
 ImpactSummary impact_at(const CaptureProblem& problem, const Configuration& configuration);
-/// The same where many configurations share a model. @param model of the problem
+/// The same at a known encounter. @param model of the problem; phi n
 ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& model,
-                        const Configuration& configuration);
+                        const Encounter<double>& encounter, const JointVectord& phi);
 
 }  // namespace stillbase
