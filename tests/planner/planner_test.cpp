@@ -49,7 +49,8 @@ TEST_CASE("a planner without a prover says that nothing was proven") {
   const Proof& proof = plan.certificate.proof;
   CHECK(plan.candidates.size() == 8);
   CHECK(proof.statement ==
-        "no proof: nothing was proven, the program has no prover (stillbase::proof)");
+        "no proof: nothing was proven, the program has no prover (stillbase::proof); "
+        "the best one is zero, no less is possible");
   CHECK(proof.status == ProofStatus::NotApplicable);
   CHECK(proof.boxes == 0);
   CHECK_FALSE(proof.lower_bound.has_value());
