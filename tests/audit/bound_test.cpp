@@ -86,8 +86,8 @@ TEST_CASE("a bound over all attitudes passes, and the search refutes one that is
   const Proof& proof = plan.certificate.proof;
   CAPTURE(static_cast<int>(freedom), static_cast<int>(kind), proof.statement);
   REQUIRE(proof.lower_bound.value_or(0) > 0);
-  // Of the client's shape, which an impulse along a stated direction knows nothing of, other claims
-  // complain.
+  // Of the client's shape, which does not matter for an impulse along a stated direction, other
+  // checks complain.
   CHECK(failures(plan).find("proof") == std::string::npos);
   Plan boasting = plan;
   double best = kInfinity;
@@ -145,7 +145,7 @@ TEST_CASE(
   words.replace(words.find(" has a"), 6, " can a");
   CHECK(failures(other).find("proof_bound_statement") != std::string::npos);
 
-  // As if the good candidates had not been found: the search of verification meets better ones.
+  // As if the good candidates had not been found: the search of the audit finds better ones.
   Plan worse = plan;
   double best = kInfinity;
   for (const Candidate& candidate : plan.candidates) best = std::min(best, candidate.value);

@@ -163,7 +163,7 @@ TEST_CASE("starts of a curve are those of the search, and no curve is listed twi
     other = *whole;
     other.families.push_back(other.families[0]);
     CHECK_FALSE(holds(other, "families_distinct"));
-    // The other way round, and a part of it only.
+    // In reverse order, and a part of it only.
     SolutionFamily& again = other.families.back();
     std::reverse(again.points.begin(), again.points.end());
     CHECK_FALSE(holds(other, "families_distinct"));

@@ -1,4 +1,4 @@
-// A plan whose proof is about base attitude and contact time as well, and lies about them.
+// A plan whose proof is about base attitude and contact time as well, and states wrong ones.
 #include <catch2/catch.hpp>
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Random robots and states for tests that must not lean on the rest of the library.
+// Random robots and states for tests that must not depend on other rooms.
 #pragma once
 
 #include <Eigen/Dense>

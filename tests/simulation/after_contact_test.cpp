@@ -110,7 +110,7 @@ TEST_CASE("friction of the contact changes what the target leaves", "[simulation
         0.01 * smooth.encounter->impulse_N.norm());
 }
 
-TEST_CASE("a latch holds the target, and a controller that knows nothing of it does worse",
+TEST_CASE("a latch holds the target, and a controller without it in its model does worse",
           "[simulation]") {
   const ContactCase subject = random_case(0);
   Controller rns;
@@ -131,7 +131,7 @@ TEST_CASE("a latch holds the target, and a controller that knows nothing of it d
   CHECK(unknown.simulation.summary.attitude_turned > 1.5 * held.simulation.summary.attitude_turned);
 }
 
-TEST_CASE("nothing is met: the robot goes on as it was", "[simulation]") {
+TEST_CASE("without a contact the robot continues its motion", "[simulation]") {
   ContactCase subject = random_case(0);
   subject.impulse = 0;
   subject.after = subject.before;

@@ -41,7 +41,7 @@ ContactCase tumbling(const RobotModel& robot, const JointVectord& phi, double re
 
 }  // namespace
 
-TEST_CASE("stiffer and stiffer, the compliant contact becomes the instantaneous jump",
+TEST_CASE("with growing stiffness the compliant contact approaches the instantaneous jump",
           "[simulation]") {
   Random random(7, 2);
   const RobotModel robot = random_robot(random, 6, false);

@@ -1,4 +1,4 @@
-// Wheels, hand-back, and controllers that know or measure the robot badly.
+// Wheels, hand-back, and controllers with errors of model and measurement.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stillbase/core/error.hpp>
@@ -38,8 +38,7 @@ SimulationOptions options_for(double horizon) {
 
 }  // namespace
 
-TEST_CASE("rns_handback gives the momentum to the wheels and the arm comes to rest",
-          "[simulation]") {
+TEST_CASE("rns_handback gives the momentum to the wheels and the arm stops", "[simulation]") {
   const RobotModel robot = planar_two_link('A');
   const PlantState state = struck(robot);
   SimulationOptions options = options_for(40);
@@ -74,7 +73,7 @@ TEST_CASE("without wheels rns_handback is rns_damped", "[simulation]") {
   CHECK(a.trace.back().state.phidot == b.trace.back().state.phidot);
 }
 
-TEST_CASE("full wheels take no more, the rest stays in the arm", "[simulation]") {
+TEST_CASE("full wheels take no more, the remaining momentum stays in the arm", "[simulation]") {
   const RobotModel robot = planar_two_link('A');
   const PlantState state = struck(robot);
   SimulationOptions options = options_for(30);
@@ -142,7 +141,7 @@ TEST_CASE("sensor errors, delay and a wrong model each make the control worse, a
   CHECK(residual(wrong) != exact);
 }
 
-TEST_CASE("friction that the controller knows of costs it little", "[simulation]") {
+TEST_CASE("friction in the model of the controller changes the result little", "[simulation]") {
   RobotModel robot = planar_two_link('A');
   for (Joint& joint : robot.joints) {
     joint.viscous_friction = 5;

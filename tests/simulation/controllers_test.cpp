@@ -112,7 +112,7 @@ TEST_CASE("null-space damping does not touch the base", "[simulation]") {
   CHECK((with.phiddot - without.phiddot).norm() > 0.1);
 }
 
-TEST_CASE("with rank loss the reachable directions still get what is wanted", "[simulation]") {
+TEST_CASE("with rank loss the reachable directions have the wanted acceleration", "[simulation]") {
   const RobotModel robot = spart_3dof();
   double printed_miss = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -176,7 +176,7 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
     c.joint_rate_edge = 1e6;
     worst_without_edge = std::max(
         worst_without_edge, simulate_post_impact(robot, {}, state, c, options).summary.peak_torque);
-    // What is reported as lost is what the base has at the end (the rest has decayed).
+    // The reported loss is the momentum of the base at the end; its other parts have decayed.
     const TraceSample& last = result.trace.back();
     CHECK(summary.lost_momentum.norm() <= summary.peak_lost_momentum);
     if (summary.lost_momentum.norm() > 0.3) {
@@ -188,7 +188,7 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
   CHECK(worst_without_edge > 10 * worst_torque);
 }
 
-TEST_CASE("without any grip the controller asks for nothing infinite", "[simulation]") {
+TEST_CASE("without any reachable direction the controller's torques are finite", "[simulation]") {
   const MomentumTransfer none =
       compute_momentum_transfer(Controller{}, Matrix3Xd::Zero(3, 4), Vector3d(1, 2, 3));
   CHECK(none.rank == 0);

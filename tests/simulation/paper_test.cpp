@@ -178,7 +178,7 @@ TEST_CASE("null-space damping does not always lower the joint rates: reading A a
   CHECK(peak(ControllerKind::RnsDamped, 15) == Approx(2.327).margin(0.001));
 }
 
-TEST_CASE("the paper's run shows rest, the impact at 0.1 s and the control after it",
+TEST_CASE("the paper's run shows the robot at rest, the impact at 0.1 s and the control after it",
           "[simulation][paper]") {
   const RobotModel robot = planar_two_link('A');
   const JointVectord phi = posture(-80, 160);

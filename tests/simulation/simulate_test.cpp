@@ -124,7 +124,7 @@ TEST_CASE("a servo or locked joints end with the impact, rotors stay", "[simulat
   CHECK(rigid.Omega.norm() > 0);
   SimulationOptions options = short_run(1);
   const SimulationResult freed = simulate_post_impact(robot, locked, rigid, Controller{}, options);
-  CHECK(freed.summary.residual_joint_rate > 1e-6);  // centrifugal: the joints are free again
+  CHECK(freed.summary.residual_joint_rate > 1e-6);  // centrifugal: the joints are free afterwards
 
   JointResistance rotors;
   rotors.model = ResistanceModel::RotorInertia;
@@ -155,7 +155,7 @@ TEST_CASE("interval lengths that no step divides end at the horizon all the same
   }
 }
 
-TEST_CASE("a run that is stopped says why and keeps what it has", "[simulation]") {
+TEST_CASE("a stopped run states the reason and keeps its trace", "[simulation]") {
   const RobotModel robot = planar_three_link();
   const std::atomic<bool> interrupted = true;
   SimulationOptions options = short_run();

@@ -29,7 +29,8 @@ SimulationOptions adaptive(double horizon) {
 
 }  // namespace
 
-TEST_CASE("a joint does not pass its stop, and momentum survives the hit", "[simulation]") {
+TEST_CASE("a joint does not pass its stop, and the impulse of the stop conserves momentum",
+          "[simulation]") {
   RobotModel robot = planar_three_link();
   robot.joints[0].upper = 0.05;
   robot.joints[1].upper = 0.1;
@@ -93,7 +94,7 @@ TEST_CASE("a joint pressed against its stop rests there and leaves it when pulle
   SimulationOptions options = adaptive(3);
   options.friction = true;
   options.stop_restitution = 0.5;
-  // A torque on the base presses the joints one way, then the other.
+  // A torque on the base presses the joints in one direction, then in the other.
   options.base_wrench = [](double t, const PlantState&) {
     Vector6d F_b = Vector6d::Zero();
     F_b[5] = t < 2 ? -20.0 : 20.0;
@@ -112,7 +113,7 @@ TEST_CASE("a joint pressed against its stop rests there and leaves it when pulle
   CHECK(result.trace.back().state.phi[2] < 0.01 - 1e-4);
 }
 
-TEST_CASE("a joint that sticks really holds", "[simulation]") {
+TEST_CASE("a sticking joint does not move", "[simulation]") {
   RobotModel robot = planar_three_link();
   for (Joint& joint : robot.joints) joint.coulomb_friction = 0.2;
   SimulationOptions options = adaptive(20);
@@ -129,7 +130,7 @@ TEST_CASE("a joint that sticks really holds", "[simulation]") {
   CHECK(result.summary.relative_momentum_drift < 1e-9);
 }
 
-TEST_CASE("a stuck joint slips when more than its friction is asked of it", "[simulation]") {
+TEST_CASE("a stuck joint slips beyond its friction torque", "[simulation]") {
   RobotModel robot = planar_three_link();
   for (Joint& joint : robot.joints) joint.coulomb_friction = 0.2;
   SimulationOptions options = adaptive(4);
@@ -148,7 +149,7 @@ TEST_CASE("a stuck joint slips when more than its friction is asked of it", "[si
   CHECK(result.trace.back().state.phidot[0] < 0);  // the arm stays behind
 }
 
-TEST_CASE("a drive at its rate limit gives no more torque that way", "[simulation]") {
+TEST_CASE("a drive at its rate limit gives no more torque in that direction", "[simulation]") {
   RobotModel robot = planar_two_link('A');
   Controller controller;
   controller.kind = ControllerKind::Rns;

@@ -14,7 +14,7 @@ using stillbase::verification_test::arm_plan;
 
 namespace {
 
-/// The claim on the cone of a plan; other claims are left out.
+/// The check of the cone of a plan, without the other checks.
 std::vector<Claim> cone_claims(const Plan& plan) {
   const VerifyOptions options;
   ClaimList claims;

@@ -57,7 +57,7 @@ reference::Dynamics planner_dynamics(const RobotModel& robot, const Eigen::Vecto
   return d;
 }
 
-/// What the planner believes about the impact along n (in B).
+/// The planner's numbers of the impact along n (in B).
 struct PlannedImpact {
   ImpactSummary summary;
   ObjectiveValue objective;
@@ -223,7 +223,7 @@ void state_torques(const CaptureProblem& problem, Approach& a) {
   a.joint_torques.push_back(JointVectord::Zero(n));
 }
 
-/// A straight joint path with a time law of degree five, rest to rest, and the wait.
+/// A straight joint path with a time law of degree five, at rest at both ends, and the wait.
 void plan_approach_motion(Plan& plan, Flip flip) {
   const CaptureProblem& problem = plan.problem;
   Approach& a = plan.approach;

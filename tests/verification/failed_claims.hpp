@@ -1,4 +1,4 @@
-// What a verification says against a plan, for tests that spoil plans.
+// Failed checks of a verification, for tests that alter plans.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace stillbase {
 
-/// Names of the claims that fail, each followed by a space; the time after the impact is left out.
+/// Names of the checks that fail, each followed by a space; without those of the time after the
+/// impact.
 inline std::string failures(const Plan& plan) {
   VerifyOptions options;
   options.post_impact = false;

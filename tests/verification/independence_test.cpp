@@ -40,7 +40,7 @@ TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused"
         std::string(STILLBASE_FLIPPED_PLANNER) + " '" + problem_path(name) + "' '" + path + "'";
     REQUIRE(std::system(command.c_str()) == 0);
     const PlanFile file = read_plan(read_text_file(path), path);
-    // The file itself is in order, and the planner believes in it.
+    // The file itself is in order, and by the planner's own numbers the plan is feasible.
     CHECK(file.stated_sha256 == file.computed_sha256);
     CHECK(file.plan.certificate.max_violation <= 1e-9);
     const Verification verification = judge_plan(file.plan);

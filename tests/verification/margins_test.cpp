@@ -1,4 +1,4 @@
-// Margins at the contact are recomputed, not believed.
+// Margins at the contact are recomputed.
 #include <catch2/catch.hpp>
 
 #include <stillbase/audit/audit.hpp>

@@ -20,7 +20,8 @@ struct Mutation {
   std::function<void(Plan&)> apply;
 };
 
-// The same posture, pose or time wherever the plan states it, so that no copy betrays the change.
+// Changes a posture, pose or time in all its copies in the plan, so that no comparison of copies
+// finds the change.
 void configure(Plan& plan, const std::function<void(Configuration&)>& change) {
   change(plan.configuration);
   for (Candidate& candidate : plan.candidates) change(candidate.configuration);
@@ -59,7 +60,7 @@ std::vector<Mutation> all_mutations(const Plan& plan) {
                      c.base.orientation.coeffs()(i) *= kFactor;
                      c.base.orientation.normalize();
                    });
-                   p.problem.base = p.configuration.base;  // so that only the hand betrays it
+                   p.problem.base = p.configuration.base;  // so that only the hand differs
                  }});
   }
   m.push_back({"configuration.contact_time", [](Plan& p) {

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include "../reference/random_state.hpp"
-#include "verification/path_motion.hpp"
 #include "verification/claim_list.hpp"
 #include "verification/objective.hpp"
+#include "verification/path_motion.hpp"
 
 using namespace stillbase;
 using namespace stillbase::verification;

@@ -1,4 +1,4 @@
-// What becomes of the target is a claim, by the second dynamics.
+// The motion of the target after the contact is a check, by `reference`.
 #include <catch2/catch.hpp>
 
 #include <stillbase/audit/audit.hpp>

@@ -1,4 +1,4 @@
-// Right plans pass, plans with one thing wrong do not, and the claim that says so is the right one.
+// Correct plans pass. Plans with one error fail the check that is about it.
 #include <catch2/catch.hpp>
 
 #include <limits>
@@ -42,7 +42,7 @@ VerifyOptions quick() {
   return options;
 }
 
-// The smallest clearance is the one number that the small planner does not know.
+// The smallest clearance is the one number that the small planner does not compute.
 Plan with_clearance(Plan plan) {
   const Verification verification = judge_plan(plan, quick());
   plan.approach.min_clearance = find_claim(verification, "approach_clearance")->value.value();
@@ -239,7 +239,7 @@ TEST_CASE("an approach that cannot be flown is refused") {
     INFO(wrong.claim << ": " << failures(verification));
     CHECK(fails(verification, wrong.claim));
   }
-  // A base that floats is not held, and the other way round.
+  // A base that floats is not held, and vice versa.
   Plan plan = floating_plan();
   plan.problem.approach.base = BaseMode::Held;
   CHECK(fails(judge_plan(plan, quick()), "approach_base_poses"));
