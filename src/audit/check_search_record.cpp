@@ -1,5 +1,5 @@
-// The record of the search: list of candidates, counts, status, certificate. All of it is held
-// against the problem, not against itself.
+// The record of the search: list of candidates, counts, status, certificate, polish of the path.
+// All of it is compared with the problem, not with itself.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,6 +12,7 @@ namespace stillbase::audit {
 namespace {
 
 constexpr double kStationary = 1e-6;         ///< largest KKT residual of an optimal plan
+constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
 bool is_same(const Configuration& a, const Configuration& b) {
@@ -120,11 +121,28 @@ void check_status(const Context& context, ClaimList& claims) {
   claims.none_wrong("search_record", objections, "optimizer, calls, starts and status fit");
 }
 
+/// The numbers of the polish that the plan states.
+void check_polish(const Context& context, ClaimList& claims) {
+  const Approach& approach = context.plan.approach;
+  if (!context.problem.approach.enabled || approach.status != ApproachStatus::Found ||
+      approach.polish == PathPolish::None) {
+    return;
+  }
+  const double stated = approach.after_polish;
+  const double found =
+      approach.polish == PathPolish::Time ? approach.duration : approach.attitude_excursion;
+  claims.at_most("approach_polish", stated - approach.before_polish, 0, "s or rad",
+                 "the polished path is no worse than the planned one");
+  claims.at_most("approach_polish_stated", std::abs(stated - found), kCopied, "s or rad",
+                 "stated result of the polish");
+}
+
 }  // namespace
 
 void check_search_record(const Context& context, ClaimList& claims) {
   check_list(context, claims);
   check_status(context, claims);
+  check_polish(context, claims);
   double violation = 0;
   for (const ConstraintValue& c : context.plan.constraints) {
     violation = std::max({violation, c.lower - c.value, c.value - c.upper});

@@ -1,4 +1,4 @@
-// The approach path as stored: ends, limits, base motion, clearances.
+// The approach path as stored: ends, limits, torques, base motion, clearances.
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +22,8 @@ constexpr double kDistanceError = 1e-3;
 constexpr double kStatedDistance = 1e-5;
 /// Accelerations are second differences of the positions: they round to about 1e-15 of them.
 constexpr double kRounding = 1e-13;
+/// Torques follow from accelerations, which round as second differences of the positions.
+constexpr double kTorqueTolerance = 1e-8;
 
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
                           bool modulo_full_rotations) {
@@ -137,6 +139,64 @@ void check_accelerations(const Context& context, ClaimList& claims) {
                  "rates over the time between samples");
 }
 
+/// Torques by the second implementation of the dynamics: M [Omega'; phi''] + c = [0; tau], the base
+/// floating without momentum or held; rotor inertias rotate with their joints.
+Eigen::VectorXd torques(const Context& context, const Eigen::VectorXd& phi,
+                        const Eigen::VectorXd& phidot, const Eigen::VectorXd& phiddot) {
+  const CaptureProblem& problem = context.problem;
+  const Eigen::Index n = phi.size();
+  const bool held = problem.approach.base == BaseMode::Held;
+  Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
+  if (!held) Omega = drifting_base_velocity(problem.robot, phi, phidot);
+  const reference::Dynamics d = reference::compute(problem.robot, {phi, phidot, Omega});
+  if (!held) {
+    const Vector6d load = d.H.topRightCorner(6, n) * phiddot + d.c.head<6>();
+    dot_Omega = -reference::solve_definite(d.H.topLeftCorner(6, 6), load);
+  }
+  Eigen::VectorXd tau =
+      d.H.bottomRightCorner(n, n) * phiddot + d.H.bottomLeftCorner(n, 6) * dot_Omega + d.c.tail(n);
+  if (problem.resistance.model == ResistanceModel::RotorInertia) {
+    tau += problem.resistance.rotor_inertia.cwiseProduct(phiddot);
+  }
+  return tau;
+}
+
+/// Torques along the approach against the torque limits, and as stated.
+void check_torques(const Context& context, ClaimList& claims) {
+  const Approach& approach = context.plan.approach;
+  constexpr int kLooks = 8;  // per segment, as often as a plan states it
+  double size = 0;
+  Largest used;
+  std::vector<Eigen::VectorXd> found;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment segment(approach, i);
+    for (int look = 0; look <= kLooks; ++look) {
+      const double s = segment.duration() * look / kLooks;
+      const Eigen::VectorXd tau =
+          torques(context, segment.position(s), segment.velocity(s), segment.acceleration(s));
+      for (int k = 0; k < context.problem.robot.n(); ++k) {
+        const Joint& joint = context.problem.robot.joints[k];
+        used.take(std::abs(tau(k)) / joint.max_effort,
+                  fmt::format("{} at {:.3f} s", joint.name, approach.times[i] + s));
+      }
+      if (look > 0) continue;
+      found.push_back(tau);
+      size = std::max(size, tau.norm());
+    }
+  }
+  double difference = approach.joint_torques.back().cwiseAbs().maxCoeff();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    difference = std::max(difference, relative_error(approach.joint_torques[i], found[i], size));
+  }
+  claims.same("approach_stated_torques", difference, kTorqueTolerance,
+              fmt::format("up to {:.6g} N m at the samples", size));
+  claims.at_most("approach_joint_torques", used.value, 1 + context.options.limit_slack, "1",
+                 "largest fraction of a torque limit: " + used.place);
+  claims.same("approach_effort_used", relative_error(approach.effort_used, used.value),
+              kTorqueTolerance,
+              fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
+}
+
 /// Integrated poses at all samples, from the first stored one on.
 std::vector<Pose> integrated_poses(const Context& context, double* worst_step) {
   const Approach& approach = context.plan.approach;
@@ -213,15 +273,6 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   if (problem.approach.base == BaseMode::ReactionNull) {
     claims.at_most("approach_attitude_kept", excursion, problem.approach.attitude_tolerance, "rad",
                    "largest change from the final attitude in the reaction null space");
-  }
-  if (approach.polish != PathPolish::None) {
-    claims.at_most("approach_polish", approach.after_polish - approach.before_polish, 0, "s or rad",
-                   "the polished path is no worse than the planned one");
-    claims.at_most("approach_polish_stated",
-                   std::abs(approach.after_polish - (approach.polish == PathPolish::Time
-                                                         ? approach.duration
-                                                         : approach.attitude_excursion)),
-                   kSame, "s or rad", "stated result of the polish");
   }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
                  kSame, "rad",

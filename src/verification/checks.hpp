@@ -51,9 +51,6 @@ void check_direction_cone(const Context& context, ClaimList& claims);
 /// The plan's list of constraints, and collisions at the contact.
 void check_constraints(const Context& context, ClaimList& claims);
 
-/// Torques along the approach against the torque limits, and as stated.
-void check_torques(const Context& context, ClaimList& claims);
-
 void check_approach(const Context& context, ClaimList& claims);
 
 /// Motion after the contact under every controller, and the fate of the target.
