@@ -1,8 +1,10 @@
 #include <stillbase/core/rotation.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase {
 
@@ -43,7 +45,24 @@ Eigen::Quaterniond rotation_exp(const Vector3d& a) {
 }
 
 Eigen::Quaterniond rotation_between(const Vector3d& from, const Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to);
+  // Eigen's FromTwoVectors, with the decomposition that is compiled in linear_algebra.cpp.
+  const Vector3d a = from.normalized(), b = to.normalized();
+  const double c = b.dot(a);
+  Eigen::Quaterniond q;
+  if (c < -1 + Eigen::NumTraits<double>::dummy_precision()) {
+    // Nearly opposite: about the direction that is normal to both.
+    Eigen::MatrixXd both(2, 3);
+    both << a.transpose(), b.transpose();
+    const Vector3d axis = right_svd(both).V.col(2);
+    const double w_squared = (1 + std::max(c, -1.0)) * 0.5;
+    q.w() = std::sqrt(w_squared);
+    q.vec() = axis * std::sqrt(1 - w_squared);
+    return q;
+  }
+  const double s = std::sqrt((1 + c) * 2), inverse = 1 / s;
+  q.vec() = a.cross(b) * inverse;
+  q.w() = s * 0.5;
+  return q;
 }
 
 Vector3d rotation_log(const Eigen::Quaterniond& q) {
