@@ -49,7 +49,7 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
 
   const auto state = target_at_contact(problem, configuration);
   if (!state || problem.impulse.source == ImpulseSource::Given) return subject;
-  MetTarget target{*problem.target, {}};
+  TargetAtContact target{*problem.target, {}};
   if (problem.impulse.source == ImpulseSource::PointMass) target.body.inertia.setZero();
   target.state.pose = state->pose;
   target.state.velocity = state->linear_velocity;

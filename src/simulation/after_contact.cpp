@@ -18,7 +18,7 @@ Vector3d hand_of(const ContactCase& subject) {
 ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
                          const JointResistance& resistance) {
   const PlantState& before = subject.before;
-  const MetTarget& target = *subject.target;
+  const TargetAtContact& target = *subject.target;
   const Eigen::Quaterniond R_BN = before.base.orientation.conjugate();
   const Matrix3d R_BT = (R_BN * target.state.pose.orientation).toRotationMatrix();
   ContactTarget body;  // in B
@@ -39,7 +39,7 @@ ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
 EncounterPlant compliant_plant(const ContactCase& subject, double stiffness,
                                const std::optional<double>& damping, double friction,
                                double effective_mass) {
-  const MetTarget& target = *subject.target;
+  const TargetAtContact& target = *subject.target;
   const Eigen::Quaterniond R_TN = target.state.pose.orientation.conjugate();
   EncounterPlant plant;
   plant.mass = target.body.mass;
@@ -90,9 +90,9 @@ AfterContact through_compliant_contact(const ContactCase& subject, const Contact
   const double lead = std::min(options.control_period, 0.01);
   TargetPlantState start = subject.target->state;
   start.pose.position -= lead * start.velocity;
-  const Vector3d turn = -lead * start.angular_velocity;
+  const Vector3d rotation = -lead * start.angular_velocity;
   start.pose.orientation =
-      (start.pose.orientation * Eigen::Quaterniond(rotation_exp(turn))).normalized();
+      (start.pose.orientation * Eigen::Quaterniond(rotation_exp(rotation))).normalized();
   options.start_time = -lead;
   options.horizon += lead;
   AfterContact result;
@@ -115,7 +115,7 @@ Eigen::VectorXd velocity(const Vector6d& Omega, const JointVectord& phidot) {
 
 LatchedRobot latch_target(const ContactCase& subject) {
   const PlantState& before = subject.before;
-  const MetTarget& target = *subject.target;
+  const TargetAtContact& target = *subject.target;
   const Kinematics<double> kinematics = compute_kinematics(subject.robot, before.phi);
   const Pose hand_N = before.base * Pose{kinematics.r_bh, Eigen::Quaterniond(kinematics.R_hand)};
   const ContactOutcome outcome = apply_law(subject, ContactLaw::Latch, subject.resistance);

@@ -152,11 +152,11 @@ bool ClosedLoop::handle_one_event(double t, StateVector& x, Recorder& recorder) 
       hold(k, JointMode::Sticks);
     } else {
       const bool is_lower = event == JointEvent::LowerStop;
-      recorder.stop_met(t, k, is_lower ? LimitKind::LowerStop : LimitKind::UpperStop, rate);
+      recorder.stop_reached(t, k, is_lower ? LimitKind::LowerStop : LimitKind::UpperStop, rate);
       const double rebound = -options_.stop_restitution * rate;
       const bool stays = std::abs(rebound) < kRestRate;
-      // A hit moves the other joints, held or not. A slow one must not release them, or joints at
-      // their stops would push each other without end.
+      // An impulse of the stop moves the other joints, held or not. A slow one must not release
+      // them, or joints at their stops would push each other without end.
       const bool is_slow = std::abs(rate) < kRestRate;
       impose_joint_rate(terms_at(x, state), k, stays ? 0 : rebound,
                         is_slow ? held_ : std::vector<bool>(), state);

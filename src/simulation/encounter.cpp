@@ -89,7 +89,7 @@ HandLoad contact_load(const CompliantContact& contact, const TargetPlantState& t
   const Vector3d n = R_NT * contact.normal;
   const Vector3d omega = R_NT * target.angular_velocity;
   const Vector3d offset = hand - target.pose * contact.point;
-  // The gap turns with the target, so its rate is that of the hand against the material point of
+  // The gap rotates with the target, so its rate is that of the hand against the material point of
   // the target under it.
   const Vector3d relative =
       hand_velocity - target.velocity - omega.cross(hand - target.pose.position);

@@ -146,7 +146,7 @@ void Recorder::observe_target(const TargetPlantState& target, const Vector3d& co
   peak = std::max(peak, contact_force.norm());
 }
 
-void Recorder::stop_met(double t, int joint, LimitKind kind, double rate) {
+void Recorder::stop_reached(double t, int joint, LimitKind kind, double rate) {
   ++result_.summary.stop_hits;
   result_.summary.hardest_stop = std::max(result_.summary.hardest_stop, std::abs(rate));
   note(joint, kind, t);

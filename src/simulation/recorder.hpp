@@ -7,7 +7,7 @@ namespace stillbase {
 
 class Recorder {
  public:
-  /// @param watch_stops false: stops are enforced, stop_met() reports them
+  /// @param watch_stops false: stops are enforced, stop_reached() reports them
   Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops);
 
   /// The next observed state goes into the trace.
@@ -18,7 +18,7 @@ class Recorder {
   /// Before observe(), in runs with a target.
   void observe_target(const TargetPlantState& target, const Vector3d& contact_force);
   /// A joint runs into an enforced stop with this rate.
-  void stop_met(double t, int joint, LimitKind kind, double rate);
+  void stop_reached(double t, int joint, LimitKind kind, double rate);
   /// Ends the run at the last observed state and hands over its result.
   SimulationResult take(SimulationStatus status, long steps);
 

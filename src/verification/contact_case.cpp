@@ -24,7 +24,7 @@ ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* moti
   subject.normal_N = base.orientation * d;
   if (motion == nullptr || !problem.target) return subject;
 
-  MetTarget target{*problem.target, {}};
+  TargetAtContact target{*problem.target, {}};
   if (problem.impulse.source == ImpulseSource::PointMass) target.body.inertia.setZero();
   const TargetState state = motion->state(configuration.contact_time);
   target.state.pose = state.pose;

@@ -29,8 +29,8 @@ Matrix3d base_axes_of_inertial(const Configuration& at) {
   return at.base.orientation.conjugate().toRotationMatrix();
 }
 
-/// 1/kg: what the force impulse along d adds to the closing velocity by turning the target.
-double turning_inverse_mass(const Matrix3d& inertia, const Vector3d& r, const Vector3d& d) {
+/// Part of the inverse mass along d, 1/kg, that the rotation of the target adds.
+double rotational_inverse_mass(const Matrix3d& inertia, const Vector3d& r, const Vector3d& d) {
   const Vector3d arm = r.cross(d);
   return arm.dot(inertia.ldlt().solve(arm));
 }
@@ -189,7 +189,7 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   const double v_n = closing_speed(problem, event, d);
   double inverse_mass = d.dot(response.W.topLeftCorner<3, 3>() * d) + 1 / problem.target->mass;
   if (impulse.source == ImpulseSource::RigidBody) {
-    inverse_mass += turning_inverse_mass(event.target_inertia, event.r, d);
+    inverse_mass += rotational_inverse_mass(event.target_inertia, event.r, d);
   }
   if (v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
   return Fbar;
@@ -235,7 +235,7 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
   double inverse_mass =
       unit.dot(response.W * unit) + 1 / (problem.target->mass * scenario.target_mass_factor);
   if (impulse.source == ImpulseSource::RigidBody) {
-    inverse_mass += turning_inverse_mass(problem.target->inertia, r, scenario.direction) /
+    inverse_mass += rotational_inverse_mass(problem.target->inertia, r, scenario.direction) /
                     scenario.target_inertia_factor;
   }
   return (1 + scenario.restitution) * closing_speed / inverse_mass * unit;

@@ -23,7 +23,7 @@ ContactCase random_case(double restitution) {
   subject.before = random_state(random, 5, 0);
   subject.before.Omega.setZero();
   subject.before.phidot.setZero();
-  MetTarget target;
+  TargetAtContact target;
   target.body.name = "client";
   target.body.mass = 40;
   target.body.inertia = Vector3d(2, 3, 4).asDiagonal();

@@ -29,7 +29,7 @@ ContactCase tumbling(const RobotModel& robot, const JointVectord& phi, double re
   subject.robot = robot;
   subject.before = state_at_rest(Pose(), phi);
   subject.restitution = restitution;
-  MetTarget& target = subject.target.emplace();
+  TargetAtContact& target = subject.target.emplace();
   target.body.mass = 50;
   target.body.inertia = Vector3d(3, 4, 5).asDiagonal();
   target.state.pose.orientation = rotation_exp(Vector3d(0.3, -0.2, 0.5));

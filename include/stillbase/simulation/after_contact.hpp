@@ -12,7 +12,7 @@
 namespace stillbase {
 
 /// The target at the contact.
-struct MetTarget {
+struct TargetAtContact {
   TargetBody body;
   TargetPlantState state;  ///< at the contact, where its contact point is at the hand
 };
@@ -26,7 +26,7 @@ struct ContactCase {
   double closing_speed = 0;  ///< m/s
   double restitution = 0;
   Vector3d normal_N = Vector3d::UnitX();  ///< of the impulse on the hand, unit
-  std::optional<MetTarget> target;        ///< needed for all but ContactModel::Jump
+  std::optional<TargetAtContact> target;  ///< needed for all but ContactModel::Jump
 };
 
 struct AfterContact {

@@ -34,7 +34,7 @@ struct ContactServo {
 
 struct EncounterPlant {
   double mass = 0;                      ///< of the target, kg
-  Matrix3d inertia = Matrix3d::Zero();  ///< in T, kg m^2; zero: a point mass, which does not turn
+  Matrix3d inertia = Matrix3d::Zero();  ///< in T, kg m^2; zero: a point mass, which does not rotate
   CompliantContact contact;
   ContactServo servo;
   JointVectord servo_posture;     ///< n; phi(0) of the servo

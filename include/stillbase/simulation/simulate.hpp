@@ -48,7 +48,7 @@ struct SimulationOptions {
   double horizon = 10;          ///< s after start_time
   double output_period = 0.01;  ///< s between trace samples; 0: first and last only
   bool torque_limits = true;    ///< clip at the joints' max_effort
-  /// A drive that turns at its max_velocity or faster gives no torque in that direction.
+  /// A drive at its max_velocity or faster gives no torque in that direction.
   bool rate_limits = true;
   bool joint_stops = true;      ///< enforced; false: passing one is reported only
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
