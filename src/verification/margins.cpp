@@ -122,27 +122,15 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
   const auto round_a = round_of(*a.geometry), round_b = round_of(*b.geometry);
   const auto* box_a = std::get_if<Box>(a.geometry);
   const auto* box_b = std::get_if<Box>(b.geometry);
-  const auto along = [](const Shape& shape, double half, double t) -> Vector3d {
-    return shape.pose * Vector3d(0, 0, half * t);
-  };
-  if (round_a && round_b) {
-    const auto [half, radius] = *round_a;
-    const double other = round_b->first;
-    return convex_minimum([&, half = half](double t) {
-             return to_axis(b.pose.inverse() * along(a, half, t), other);
-           }) -
-           radius - round_b->second;
-  }
-  if (round_a && box_b) {
-    const auto [half, radius] = *round_a;
-    return convex_minimum([&, half = half](double t) {
-             return to_box(b.pose.inverse() * along(a, half, t), box_b->size);
-           }) -
-           radius;
-  }
-  if (box_a && round_b) return distance(j, i);
   if (box_a && box_b) return widest_gap(a.pose, box_a->size, b.pose, box_b->size);
-  return std::nullopt;
+  if (box_a && round_b) return distance(j, i);
+  if (!round_a || (!round_b && !box_b)) return std::nullopt;
+  const double half = round_a->first, radius = round_a->second;
+  const double from_axis = convex_minimum([&](double t) {
+    const Vector3d point = b.pose.inverse() * (a.pose * Vector3d(0, 0, half * t));
+    return box_b ? to_box(point, box_b->size) : to_axis(point, round_b->first);
+  });
+  return from_axis - radius - (round_b ? round_b->second : 0);
 }
 
 bool ContactShapes::must_be_apart(int i, int j) const {
