@@ -109,10 +109,11 @@ Encounter<S> encounter_along(const EncounterModel& model, const ContactKinematic
       (model.follows_target() ? speed_along<S>(contact, d, r) : S(model.closing_speed)) +
       S(scenario.closing_speed_offset);
   if (model.magnitude_is_given()) return out;
-  const double mass = model.target_mass * scenario.target_mass_factor;
-  const Matrix3d inverse_inertia =
-      model.target_inverse_inertia * (model.is_rigid() ? 1 / scenario.target_inertia_factor : 0);
-  out.target_inverse_mass = target_inverse_mass(mass, inverse_inertia, r, d);
+  out.target_inverse_mass = 1 / (model.target_mass * scenario.target_mass_factor);
+  if (model.is_rigid()) {
+    const double by_rotation = target_inverse_mass(kInfinity, model.target_inverse_inertia, r, d);
+    out.target_inverse_mass += by_rotation / scenario.target_inertia_factor;
+  }
   return out;
 }
 

@@ -118,12 +118,10 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
   const auto each = static_cast<Eigen::Index>(scenarios.size());
   const auto count = static_cast<Eigen::Index>(points.size());
   parts_->count(static_cast<long>(points.size()));
-  std::vector<Placement<double>> placements;
-  for (const Eigen::VectorXd& x : points) placements.push_back(model.place<double>(x));
   ImpactBatch batch;
   parts.resize_batch(count * each, batch);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Placement<double>& at = placements[static_cast<std::size_t>(i)];
+    const auto at = model.place<double>(points[static_cast<std::size_t>(i)]);
     for (Eigen::Index k = 0; k < each; ++k) {
       const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
       parts.put_in_batch(at, model.encounter_of(at, scenario), scenario, i * each + k, batch);
@@ -134,9 +132,9 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
   Eigen::MatrixXd out = values.psi.reshaped(each, count).transpose();
   if (parts.differenced.empty()) return out;
   for (Eigen::Index i = 0; i < count; ++i) {
+    const auto at = model.place<double>(points[static_cast<std::size_t>(i)]);
     for (Eigen::Index k = 0; k < each; ++k) {
-      parts.add_differenced(placements[static_cast<std::size_t>(i)],
-                            scenarios[static_cast<std::size_t>(k)], out(i, k), nullptr);
+      parts.add_differenced(at, scenarios[static_cast<std::size_t>(k)], out(i, k), nullptr);
     }
   }
   return out;
