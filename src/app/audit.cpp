@@ -7,11 +7,8 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/verification_file.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
+#include "app/command_line.hpp"
 #include "app/judgement.hpp"
-#include "app/output.hpp"
 
 namespace stillbase::app {
 

@@ -20,10 +20,7 @@
 #include "app/bench_page.hpp"
 #include "app/bench_planners.hpp"
 #include "app/bench_runs.hpp"
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 
 namespace stillbase::app {
 
@@ -191,12 +188,10 @@ int run_bench(const BenchRequest& request) {
   }
   std::string lines;
   for (const std::string& text : texts) lines += text + "\n";
-  BenchFolder content;
-  content.gradient_cost = suite.gradient_cost;
-  content.records = read_records(lines, "records");
+  BenchFolder content{{suite.gradient_cost, {}}, read_records(lines, "records")};
   const int beaten = improve(best_known, refined_best(instances, content.records));
-  content.references = reference_values(content.records, values_of(best_known, instances));
-  write_bench_folder(folder, content, texts);
+  content.references.values = reference_values(content.records, values_of(best_known, instances));
+  write_bench_folder(folder, content, lines);
   if (temporary) write_stdout(read_text_file((fs::path(folder) / "report.md").string()));
   if (request.update_best_known && beaten > 0) {
     write_file_atomically(suite.best_known, best_known_to_json(best_known), true);

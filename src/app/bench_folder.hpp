@@ -8,28 +8,27 @@
 //   times.md          the figures in seconds
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
-#include <stillbase/benchmark/record.hpp>
+#include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/report/page.hpp>
 
 namespace stillbase::app {
 
 struct BenchFolder {
-  double gradient_cost = 1;
-  std::map<std::string, double> references;  ///< value of each instance
+  BenchReferences references;
   std::vector<RunRecord> records;
 };
 
 /// @throws InputError, FileError
 BenchFolder read_bench_folder(const std::string& folder);
 
-/// Writes everything but the journal. `record_texts`: the lines of records.jsonl.
+/// Writes everything but the journal.
+/// @param record_lines the text of records.jsonl
 /// @throws FileError
 void write_bench_folder(const std::string& folder, const BenchFolder& content,
-                        const std::vector<std::string>& record_texts);
+                        const std::string& record_lines);
 
 /// Tables, figures and times of a folder's records, for HTML.
 Page bench_folder_page(const BenchFolder& content);

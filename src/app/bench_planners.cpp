@@ -19,12 +19,9 @@
 #include <stillbase/report/planner_log.hpp>
 
 #include "app/bench_runs.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/output.hpp"
-#include "io/json.hpp"
-#include "io/json_problem.hpp"
+#include "app/tool.hpp"
 #include "io/names.hpp"
+#include "io/problem_reader.hpp"
 
 namespace stillbase::app {
 

@@ -11,8 +11,7 @@
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
-#include "app/exit_code.hpp"
-#include "app/output.hpp"
+#include "app/tool.hpp"
 
 namespace stillbase::app {
 
@@ -49,18 +48,7 @@ RunRecord record_without_result(const BenchmarkInstance& instance, const RunRequ
                                 const CaseRecord& found) {
   RunRecord record = empty_record(instance, request);
   record.message = found.text;
-  switch (found.status) {
-    case CaseStatus::Finished:
-    case CaseStatus::Crashed:
-      record.end = RunEnd::Crashed;
-      break;
-    case CaseStatus::TimedOut:
-      record.end = RunEnd::TimedOut;
-      break;
-    case CaseStatus::OutOfMemory:
-      record.end = RunEnd::OutOfMemory;
-      break;
-  }
+  record.end = found.status == CaseStatus::Finished ? CaseStatus::Crashed : found.status;
   return record;
 }
 

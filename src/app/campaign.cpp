@@ -14,21 +14,16 @@
 #include <stillbase/io/campaign_file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/io/trials_file.hpp>
+#include <stillbase/io/verification_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/load.hpp"
-#include "app/output.hpp"
-#include "io/json_trials.hpp"
+#include "app/command_line.hpp"
+#include "io/fields/results.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
-using io::Json;
 namespace fs = std::filesystem;
 
 // --- make
@@ -149,73 +144,59 @@ struct CampaignMergeRequest {
   OutputFile output;
 };
 
-/// Trials of the same plan or problem with the same seed, in order.
+/// Trials of the same plan or problem with the same seed.
 struct Group {
-  CampaignCase piece;
-  std::string plan_status = "given";
-  bool verified = true;
+  io::CampaignGroup result;
   std::map<int, std::vector<TrialOutcome>> parts;  ///< by first trial
 };
 
-Json group_json(const Group& group) {
+void summarize(Group& group) {
   std::vector<TrialOutcome> outcomes;
   for (const auto& part : group.parts) {
     outcomes.insert(outcomes.end(), part.second.begin(), part.second.end());
   }
-  const bool is_plan = !group.piece.plan.empty();
-  const std::string path = is_plan ? group.piece.plan : group.piece.problem;
+  const CampaignCase& piece = group.result.piece;
   const CaptureProblem problem =
-      is_plan ? read_plan(read_text_file(path), path).plan.problem : read_problem(path);
-  TrialSetting setting;
-  setting.sizes = perturbations_for(problem);
-  setting.seed = group.piece.seed;
-  return {{is_plan ? "plan" : "problem", path},
-          {"sha256", group.piece.sha256},
-          {"seed", group.piece.seed},
-          {"plan_status", group.plan_status},
-          {"verified", group.verified},
-          {"trials", io::trials_json(setting, summarize_trials(outcomes))}};
+      piece.plan.empty() ? read_problem(piece.problem)
+                         : read_plan(read_text_file(piece.plan), piece.plan).plan.problem;
+  group.result.trials.first.sizes = perturbations_for(problem);
+  group.result.trials.first.seed = piece.seed;
+  group.result.trials.second = summarize_trials(outcomes);
 }
 
-std::string merged_text(const MergedCampaign& merged) {
-  Json records = Json::array();
-  std::map<std::string, Group> groups;
-  std::vector<std::string> order;
+/// In the order in which the cases name them.
+std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged) {
+  std::vector<Group> groups;
+  std::map<std::string, std::size_t> numbers;
   for (const CaseRecord& record : merged.records) {
+    if (record.status != CaseStatus::Finished) continue;
     const CampaignCase piece =
         case_from_text(merged.cases[static_cast<std::size_t>(record.number)]);
-    Json entry = {{"case", record.number}, {"status", to_string(record.status)}};
-    if (record.status != CaseStatus::Finished) entry["message"] = record.text;
-    records.push_back(std::move(entry));
-    if (record.status != CaseStatus::Finished) continue;
     CampaignCase key = piece;
     key.first = key.count = 0;
-    const std::string name = case_to_text(key);
-    if (groups.count(name) == 0) order.push_back(name);
-    Group& group = groups[name];
-    group.piece = piece;
+    const std::size_t number = numbers.insert({case_to_text(key), groups.size()}).first->second;
+    if (number == groups.size()) groups.emplace_back();
+    Group& group = groups[number];
     const CampaignCaseResult result = case_result_from_text(record.text);
-    group.plan_status = result.plan_status;
-    group.verified = group.verified && result.verified;
+    group.result.piece = piece;
+    group.result.plan_status = result.plan_status;
+    group.result.verified = group.result.verified && result.verified;
     group.parts[piece.first] = trial_outcomes_from_text(result.outcomes);
   }
-  Json group_list = Json::array();
-  for (const std::string& name : order) group_list.push_back(group_json(groups[name]));
-  return io::pretty({{"format", "stillbase.campaign_result"},
-                     {"version", 1},
-                     {"cases_sha256", merged.cases_sha256},
-                     {"case_count", merged.cases.size()},
-                     {"complete", merged.is_complete()},
-                     {"missing", merged.missing},
-                     {"contradictory", merged.contradictory},
-                     {"records", records},
-                     {"groups", group_list}});
+  std::vector<io::CampaignGroup> out;
+  for (Group& group : groups) {
+    summarize(group);
+    out.push_back(std::move(group.result));
+  }
+  return out;
 }
 
 int merge_cases(const CampaignMergeRequest& request) {
   request.output.check();
-  const MergedCampaign merged = merge_campaign(request.folder);
-  request.output.write(merged_text(merged));
+  MergedCampaign merged = merge_campaign(request.folder);
+  std::vector<io::CampaignGroup> groups = groups_of(merged);
+  request.output.write(io::pretty(
+      io::written([&](io::Table& t) { io::campaign_result_fields(t, merged, groups); })));
   say(
       fmt::format("{} of {} cases, each once; {} missing, {} contradictory, {} repeated alike, {} "
                   "damaged lines",

@@ -11,10 +11,7 @@
 #include <stillbase/io/target_file.hpp>
 
 #include "app/check_report.hpp"
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/load.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 
 namespace stillbase::app {
 

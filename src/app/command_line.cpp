@@ -11,9 +11,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-
 namespace stillbase::app {
 
 namespace {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "app/output.hpp"
+#include "app/tool.hpp"
 
 namespace stillbase::app {
 
@@ -48,6 +48,20 @@ std::vector<Option> output_options(OutputFile& output, const std::string& name,
 
 /// Both lists in one.
 std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& b);
+
+// The subcommands, one file each.
+
+Command check_command();
+Command inspect_command();
+Command analyze_command();
+Command plan_command();
+Command simulate_command();
+Command verify_command();
+Command audit_command();
+Command campaign_command();
+Command bench_command();
+Command report_command();
+Command schema_command();
 
 /// What a program says of itself.
 struct ProgramText {

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "app/exit_code.hpp"
-#include "io/json.hpp"
+#include <stillbase/simulation/model_check.hpp>
+
+#include "app/tool.hpp"
+#include "io/fields/results.hpp"
 
 namespace stillbase::app {
 
 namespace {
-
-using io::Json;
 
 std::vector<double> stiffnesses() {
   std::vector<double> list;
@@ -74,27 +74,9 @@ std::string contact_table(const ContactCase& stated, double friction, bool as_js
     throw CommandLineError(std::string("--contact-table: ") + error.what());
   }
   if (!as_json) return words(subject, rows);
-  Json list = Json::array();
-  for (const ModelCheckRow& row : rows) {
-    // A contact that is not over says nothing.
-    const auto of_ended = [&row](double x) { return row.ended ? x : Json(nullptr); };
-    list.push_back({{"stiffness", row.stiffness},
-                    {"ended", row.ended},
-                    {"duration", of_ended(row.duration)},
-                    {"peak_force", of_ended(row.peak_force)},
-                    {"impulse_error", of_ended(row.impulse_error)},
-                    {"velocity_error", of_ended(row.velocity_error)},
-                    {"velocity_error_free_joints", of_ended(row.free_error)},
-                    {"momentum_error", of_ended(row.momentum_error)},
-                    {"kinetic_energy_after", of_ended(row.kinetic_energy_after)}});
-  }
-  return io::pretty({{"format", "stillbase.contact_table"},
-                     {"version", 1},
-                     {"joint_resistance", to_string(subject.resistance.model)},
-                     {"restitution", subject.restitution},
-                     {"closing_speed", subject.closing_speed},
-                     {"friction", friction},
-                     {"rows", list}});
+  io::ContactTable table{subject.resistance.model, subject.restitution, subject.closing_speed,
+                         friction, rows};
+  return io::pretty(io::written([&](io::Table& t) { io::contact_table_fields(t, table); }));
 }
 
 }  // namespace stillbase::app

@@ -12,19 +12,14 @@
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/io/state_file.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/load.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 #include "app/words.hpp"
-#include "io/json.hpp"
-#include "io/json_impact.hpp"
+#include "io/fields/results.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
-using io::array_json;
 using io::Json;
 
 struct InspectRequest {
@@ -33,22 +28,7 @@ struct InspectRequest {
   bool json = false;
 };
 
-/// As an array of rows.
-Json matrix_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    rows.push_back(array_json(matrix.row(i).transpose()));
-  }
-  return rows;
-}
-
-Json joint_names_json(const RobotModel& robot) {
-  Json names = Json::array();
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
-Json inspection_json(const RobotModel& robot, const RobotState& state) {
+io::Inspection inspect(const RobotModel& robot, const RobotState& state) {
   const auto kinematics = compute_kinematics<double>(robot, state.phi);
   const auto inertia = compute_inertia<double>(robot, kinematics);
   const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
@@ -58,32 +38,31 @@ Json inspection_json(const RobotModel& robot, const RobotState& state) {
   const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
   const ReactionNullSpace space = angular_reaction_null_space(tilde);
   const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
-  Json json = {{"joint_names", joint_names_json(robot)},
-               {"total_mass", robot.total_mass()},
-               {"centroid", array_json(inertia.r_bg)},
-               {"hand_position", array_json(kinematics.r_bh)},
-               {"H_b", matrix_json(inertia.H_b)},
-               {"H_bphi", matrix_json(inertia.H_bphi)},
-               {"H_phi", matrix_json(inertia.H_phi)},
-               {"J_phi", matrix_json(jacobian.J_phi)},
-               {"R_bh", matrix_json(jacobian.R_bh)},
-               {"c_b", array_json(bias.c_b)},
-               {"c_phi", array_json(bias.c_phi)},
-               {"P", array_json(momentum.P)},
-               {"L_g", array_json(momentum.L_g)},
-               {"Htilde_omega", matrix_json(tilde.Htilde_omega)},
-               {"Htilde_omegaphi", matrix_json(tilde.Htilde_omegaphi)},
-               {"Htilde_phi", matrix_json(tilde.Htilde_phi)},
-               {"Hhat_phi", matrix_json(hat.Hhat_phi)},
-               {"Jhat_phi", matrix_json(hat.Jhat_phi)},
-               {"rns_rank", space.rank},
-               {"singular_values", array_json(space.singular_values)},
-               {"hand_inverse_inertia", matrix_json(extended_inverse_inertia(factor, jacobian))}};
-  if (state.Fbar) {
-    // The state names no target, so nothing closes in.
-    json["impact"] = io::impact_json(summarize_impact(robot, state.phi, {}, *state.Fbar, 0), robot);
-  }
-  return json;
+  io::Inspection out{.robot = robot,
+                     .total_mass = robot.total_mass(),
+                     .centroid = inertia.r_bg,
+                     .hand_position = kinematics.r_bh,
+                     .H_b = inertia.H_b,
+                     .H_bphi = inertia.H_bphi,
+                     .H_phi = inertia.H_phi,
+                     .J_phi = jacobian.J_phi,
+                     .R_bh = jacobian.R_bh,
+                     .c_b = bias.c_b,
+                     .c_phi = bias.c_phi,
+                     .P = momentum.P,
+                     .L_g = momentum.L_g,
+                     .Htilde_omega = tilde.Htilde_omega,
+                     .Htilde_omegaphi = tilde.Htilde_omegaphi,
+                     .Htilde_phi = tilde.Htilde_phi,
+                     .Hhat_phi = hat.Hhat_phi,
+                     .Jhat_phi = hat.Jhat_phi,
+                     .rns_rank = space.rank,
+                     .singular_values = space.singular_values,
+                     .hand_inverse_inertia = extended_inverse_inertia(factor, jacobian),
+                     .impact = {}};
+  // The state names no target, so nothing closes in.
+  if (state.Fbar) out.impact = summarize_impact(robot, state.phi, {}, *state.Fbar, 0);
+  return out;
 }
 
 std::string table(const Json& matrix) {
@@ -147,7 +126,8 @@ int inspect_robot(const InspectRequest& request) {
                                : read_state(read_text_file(request.state), request.state, robot);
   Json json;
   try {
-    json = inspection_json(robot, state);
+    io::Inspection inspection = inspect(robot, state);
+    json = io::written([&](io::Table& t) { io::inspection_fields(t, inspection); });
   } catch (const io::NotFiniteError&) {
     // Numbers of a file that are finite alone but not in products with each other.
     throw InputError({{request.state.empty() ? request.robot : request.state, 0, "not-finite",

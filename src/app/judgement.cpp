@@ -6,12 +6,11 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <stillbase/io/problem_file.hpp>
 
-#include "app/output.hpp"
-#include "io/json.hpp"
+#include "app/tool.hpp"
+#include "io/problem_reader.hpp"
 
 namespace stillbase::app {
 
@@ -59,8 +58,7 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
   problem.search.optimizer = planned.search.optimizer;
   problem.search.seed = planned.search.seed;
   problem.search.starts = planned.search.starts;
-  const io::Json of_file = io::Json::parse(problem_to_json(problem));
-  const io::Json of_plan = io::Json::parse(problem_to_json(planned));
+  const io::Json of_file = io::problem_json(problem), of_plan = io::problem_json(planned);
   for (const auto& [key, value] : of_file.items()) {
     if (!of_plan.contains(key) || of_plan.at(key) != value) {
       changes.push_back("'" + key + "' is not that of the file");

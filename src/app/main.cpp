@@ -6,9 +6,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/proof/proof.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 
 namespace stillbase::app {
 

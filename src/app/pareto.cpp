@@ -8,18 +8,13 @@
 #include <stillbase/report/plot.hpp>
 #include <stillbase/search/trade_off.hpp>
 
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/load.hpp"
+#include "app/tool.hpp"
 #include "app/words.hpp"
-#include "io/json.hpp"
-#include "io/names.hpp"
+#include "io/fields/results.hpp"
 
 namespace stillbase::app {
 
 namespace {
-
-using io::Json;
 
 ObjectiveQuantity quantity_of(const std::string& word) {
   const auto quantity = io::value_of(io::objective_names(), word);
@@ -50,31 +45,8 @@ void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
       "objective");
 }
 
-std::string front_json(const CaptureProblem& problem, const TradeOff& front) {
-  Json quantities = Json::array();
-  for (const ObjectiveQuantity quantity : {front.first, front.second}) {
-    quantities.push_back({{"name", to_string(quantity)}, {"unit", unit_of(quantity)}});
-  }
-  Json points = Json::array();
-  for (const TradeOffPoint& point : front.points) {
-    const bool is_known = std::isfinite(point.kkt_residual);
-    points.push_back({{to_string(front.first), point.first},
-                      {to_string(front.second), point.second},
-                      {"joint_positions", io::array_json(point.configuration.phi)},
-                      {"base_pose", io::pose_json(point.configuration.base)},
-                      {"contact_time", point.configuration.contact_time},
-                      {"max_violation", point.max_violation},
-                      {"kkt_residual", is_known ? point.kkt_residual : Json()}});
-  }
-  Json calls = Json::object();
-  for (const auto& [name, count] : front.solver_calls) calls[name] = count;
-  return io::pretty({{"format", "stillbase.pareto"},
-                     {"version", 1},
-                     {"problem", problem.name},
-                     {"complete", !front.stopped},
-                     {"quantities", quantities},
-                     {"points", points},
-                     {"solver_calls", calls}});
+std::string front_json(const CaptureProblem& problem, TradeOff front) {
+  return io::pretty(io::written([&](io::Table& t) { io::pareto_fields(t, problem, front); }));
 }
 
 /// "base_angular_momentum_N_m_s": name and unit as one word.

@@ -5,7 +5,7 @@
 
 #include <stillbase/plan/problem.hpp>
 
-#include "app/output.hpp"
+#include "app/tool.hpp"
 
 namespace stillbase::app {
 

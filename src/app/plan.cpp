@@ -10,11 +10,7 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/load.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 #include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
 

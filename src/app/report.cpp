@@ -10,9 +10,7 @@
 #include <stillbase/report/page.hpp>
 
 #include "app/bench_folder.hpp"
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 #include "app/plan_page.hpp"
 #include "io/json.hpp"
 

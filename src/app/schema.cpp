@@ -6,9 +6,7 @@
 
 #include <stillbase/io/schema.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/output.hpp"
+#include "app/command_line.hpp"
 
 namespace stillbase::app {
 

@@ -10,22 +10,18 @@
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
-#include "app/commands.hpp"
+#include "app/command_line.hpp"
 #include "app/contact_table.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
-#include "app/load.hpp"
-#include "app/output.hpp"
 #include "app/simulate_plot.hpp"
 #include "app/words.hpp"
-#include "io/json.hpp"
+#include "io/fields/results.hpp"
 #include "planner/contact_case.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
-using io::Json;
+using Run = io::ControllerRun;
 
 struct SimulateRequest {
   std::string input, controller;
@@ -51,34 +47,6 @@ Case load_case(const std::string& path) {
   result.configuration = start_configuration(result.problem);
   result.impact = impact_at(result.problem, result.configuration);
   return result;
-}
-
-struct Run {
-  std::string controller;
-  SimulationResult result;
-  AfterContact contact;  ///< without its `simulation`, which is `result`
-};
-
-/// What the contact was, beyond an instantaneous impact; null for that.
-Json contact_json(const Run& run) {
-  if (run.contact.is_held) {
-    const Vector6d& Fbar = run.contact.latch_impulse;
-    return {{"model", "latch"},
-            {"impulse",
-             {{"force", io::array_json(Vector3d(Fbar.head<3>()))},
-              {"moment", io::array_json(Vector3d(Fbar.tail<3>()))}}}};
-  }
-  if (!run.contact.encounter) return nullptr;
-  const EncounterResult& encounter = *run.contact.encounter;
-  const ContactHistory& contact = encounter.contact;
-  return {{"model", "compliant"},
-          {"contacts", contact.contacts},
-          {"begin", contact.first_begin},
-          {"duration", contact.first_end - contact.first_begin},
-          {"peak_force", run.result.summary.peak_contact_force},
-          {"impulse_inertial", io::array_json(encounter.impulse_N)},
-          {"separation_speed", encounter.separation_speed},
-          {"momentum_error", encounter.momentum_error}};
 }
 
 std::string contact_words(const Run& run) {
@@ -110,40 +78,6 @@ Run simulate(const Case& subject, const std::string& name, const StopCondition& 
       simulate_post_impact(subject.problem, subject.configuration, subject.impact, name, stop);
   SimulationResult result = std::move(run.simulation);
   return {name, std::move(result), std::move(run)};
-}
-
-Json run_json(const RobotModel& robot, const Run& run) {
-  const SimulationSummary& summary = run.result.summary;
-  const TraceSample &first = run.result.trace.front(), &last = run.result.trace.back();
-  Json limits = Json::array();
-  for (const LimitEvent& event : summary.limits) {
-    limits.push_back({{"joint", robot.joints[static_cast<std::size_t>(event.joint)].name},
-                      {"kind", to_string(event.kind)},
-                      {"time", event.time}});
-  }
-  const auto momentum = [](const TraceSample& sample) {
-    return Json{{"total", io::array_json(sample.total)},
-                {"base", io::array_json(sample.base)},
-                {"coupling", io::array_json(sample.coupling)}};
-  };
-  return {{"controller", run.controller},
-          {"status", to_string(run.result.status)},
-          {"end_time", last.time},
-          {"momentum_start", momentum(first)},
-          {"momentum_end", momentum(last)},
-          {"peak_base_rate", summary.peak_base_rate},
-          {"residual_base_rate", summary.residual_base_rate},
-          {"attitude_turned", summary.attitude_turned},
-          {"peak_joint_rate", summary.peak_joint_rate},
-          {"residual_joint_rate", summary.residual_joint_rate},
-          {"peak_torque", summary.peak_torque},
-          {"stop_hits", summary.stop_hits},
-          {"wheel_momentum", io::array_json(summary.wheel_momentum)},
-          {"thruster_impulse_inertial", io::array_json(last.state.thruster_impulse)},
-          {"contact", contact_json(run)},
-          {"relative_momentum_drift", summary.relative_momentum_drift},
-          {"peak_lost_momentum", summary.peak_lost_momentum},
-          {"limits", limits}};
 }
 
 std::string run_words(const RobotModel& robot, const Run& run) {
@@ -219,29 +153,26 @@ int simulate_motion(const SimulateRequest& request) {
   if (request.trace.is_given() && !request.plot.is_given()) names.resize(1);
 
   const RobotModel& robot = subject.problem.robot;
-  Json runs = Json::array();
+  io::SimulationRuns all{subject.problem.name, robot, {}};
   std::string words;
   bool all_finished = true;
   std::vector<PlotPanel> panels;
   for (const std::string& name : names) {
-    const Run run = simulate(subject, name, stop_condition());
-    if (request.trace.is_given() && runs.empty()) {
+    const Run& run = all.runs.emplace_back(simulate(subject, name, stop_condition()));
+    if (request.trace.is_given() && all.runs.size() == 1) {
       request.trace.write(trace_csv(robot, run.result.trace));
     }
     if (request.plot.is_given()) {
       for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
     }
-    runs.push_back(run_json(robot, run));
     words += run_words(robot, run);
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }
   if (request.plot.is_given()) request.plot.write(plot_svg(panels));
-  write_stdout(request.json ? io::pretty({{"format", "stillbase.simulation"},
-                                          {"version", 1},
-                                          {"problem", subject.problem.name},
-                                          {"runs", runs}})
-                            : words);
+  write_stdout(request.json
+                   ? io::pretty(io::written([&](io::Table& t) { io::simulation_fields(t, all); }))
+                   : words);
   if (signal_exit_code() != 0) return signal_exit_code();
   return all_finished ? kDone : kLimit;
 }

@@ -10,11 +10,8 @@
 #include <stillbase/io/verification_file.hpp>
 #include <stillbase/verification/trials.hpp>
 
-#include "app/commands.hpp"
-#include "app/exit_code.hpp"
-#include "app/interruption.hpp"
+#include "app/command_line.hpp"
 #include "app/judgement.hpp"
-#include "app/output.hpp"
 #include "app/words.hpp"
 
 namespace stillbase::app {

@@ -55,35 +55,7 @@ void claim_folder(const std::string& folder, const std::string& cases_text) {
   }
 }
 
-CaseStatus status_of(ChildEnd end) {
-  switch (end) {
-    case ChildEnd::Finished:
-      return CaseStatus::Finished;
-    case ChildEnd::Crashed:
-      return CaseStatus::Crashed;
-    case ChildEnd::TimedOut:
-      return CaseStatus::TimedOut;
-    case ChildEnd::OutOfMemory:
-      return CaseStatus::OutOfMemory;
-  }
-  return CaseStatus::Crashed;
-}
-
 }  // namespace
-
-std::string to_string(CaseStatus status) {
-  switch (status) {
-    case CaseStatus::Finished:
-      return "finished";
-    case CaseStatus::Crashed:
-      return "crashed";
-    case CaseStatus::TimedOut:
-      return "timed_out";
-    case CaseStatus::OutOfMemory:
-      return "out_of_memory";
-  }
-  return "unknown";
-}
 
 Shard shard_from_text(const std::string& text) {
   int i = 0, n = 0;
@@ -155,7 +127,7 @@ CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& o
       static_cast<int>(open.size()), children,
       [&](int i) { return work(cases[static_cast<std::size_t>(number(i))]); },
       [&](int i, const ChildOutcome& outcome) {
-        const CaseStatus status = status_of(outcome.end);
+        const CaseStatus status = outcome.end;
         const bool is_good = status == CaseStatus::Finished;
         journal.append({number(i), status, is_good ? outcome.bytes : outcome.message});
         ++run.recorded;

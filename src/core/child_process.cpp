@@ -164,6 +164,20 @@ class Children {
 
 }  // namespace
 
+std::string to_string(ChildEnd end) {
+  switch (end) {
+    case ChildEnd::Finished:
+      return "finished";
+    case ChildEnd::Crashed:
+      return "crashed";
+    case ChildEnd::TimedOut:
+      return "timed_out";
+    case ChildEnd::OutOfMemory:
+      return "out_of_memory";
+  }
+  return "unknown";
+}
+
 int run_in_children(int count, const ChildOptions& options,
                     const std::function<std::string(int)>& work,
                     const std::function<void(int, const ChildOutcome&)>& done) {

@@ -1,6 +1,7 @@
 // A text file after parsing: maps, sequences and scalars with their lines, nothing interpreted yet.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
 #include <string>
@@ -19,6 +20,12 @@ struct Node {
   std::vector<Node> items;        ///< elements of a sequence, values of a map
   std::vector<std::string> keys;  ///< Map: beside items
   std::vector<int> key_lines;     ///< Map: beside items
+
+  /// The value of a key of a map; null: there is none.
+  const Node* find(std::string_view key) const {
+    const auto at = std::find(keys.begin(), keys.end(), key);
+    return at == keys.end() ? nullptr : &items[static_cast<std::size_t>(at - keys.begin())];
+  }
 };
 
 /// What one reading has found so far.

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "io/scan.hpp"
-
 namespace stillbase::io {
 
 MapReader::MapReader(ReadContext& context, const Node& node, std::string path)
@@ -26,13 +24,6 @@ int MapReader::line_of(std::string_view key) const {
     if (node_.keys[i] == key) return node_.key_lines[i];
   }
   return node_.line;
-}
-
-const Node* MapReader::find(std::string_view key) const {
-  for (std::size_t i = 0; i < node_.keys.size(); ++i) {
-    if (node_.keys[i] == key) return &node_.items[i];
-  }
-  return nullptr;
 }
 
 void MapReader::refuse(const std::string& key, std::string rule, const std::string& what) {
@@ -62,7 +53,8 @@ void MapReader::miss(const std::string& key) {
   missing_.push_back(key);
 }
 
-void MapReader::add(const std::string& key, Value& value, const std::string&, const About& about) {
+void MapReader::operator()(const std::string& key, const Value& value, const std::string&,
+                           const About& about) {
   if (about.when && !*about.when) return;
   const Node* node = child(key);
   if (!about.is_used) {
@@ -71,7 +63,8 @@ void MapReader::add(const std::string& key, Value& value, const std::string&, co
   }
   if (node == nullptr) {
     const bool is_needed = about.when || about.need == Need::Required;
-    if (!value.leave_out(context_, path_of(key)) && is_needed) miss(key);
+    const bool is_left_out = value.leave_out && value.leave_out(context_, path_of(key));
+    if (is_needed && !is_left_out) miss(key);
   } else if (!value.read(context_, *node, path_of(key))) {
     refused_.insert(key);
   }

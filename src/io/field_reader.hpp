@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "io/fields/table.hpp"
-#include "io/names.hpp"
 
 namespace stillbase::io {
 
@@ -24,7 +23,7 @@ class MapReader : public Table {
   /// Line of a key, or of the map when it is absent.
   int line_of(std::string_view key) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
-  const Node* find(std::string_view key) const;  ///< null: there is none
+  const Node* find(std::string_view key) const { return node_.find(key); }
   /// The value of a key, or null; from now on the key is known.
   const Node* child(const std::string& key, Need need = Need::Optional);
   /// A key is stated, and its value is not good.
@@ -38,10 +37,8 @@ class MapReader : public Table {
   int one_of(const std::vector<std::string>& keys, int written, const std::string& rule) override;
   void not_both(const std::string& a, const std::string& b) override;
   MapReader* reader() override { return this; }
-
- protected:
-  void add(const std::string& key, Value& value, const std::string& text,
-           const About& about) override;
+  void operator()(const std::string& key, const Value& value, const std::string& text,
+                  const About& about = {}) override;
 
  private:
   void note(const std::string& key);  ///< adds to the keys that were asked for

@@ -1,6 +1,7 @@
 // Words of the files for the values of the plain data, in both directions.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,47 +12,100 @@
 
 namespace stillbase::io {
 
-template <class E>
-using Names = std::vector<std::pair<std::string_view, E>>;
+/// A list of words, each with the value that it stands for.
+template <class E, std::size_t N>
+using Names = std::array<std::pair<std::string_view, E>, N>;
 
-template <class E>
-std::optional<E> value_of(const Names<E>& names, std::string_view word) {
-  for (const auto& [name, value] : names) {
-    if (name == word) return value;
-  }
-  return std::nullopt;
+template <class E, std::size_t N>
+constexpr Names<E, N> names(const std::pair<std::string_view, E> (&list)[N]) {
+  return std::to_array(list);
 }
 
-template <class E>
-std::string word_of(const Names<E>& names, E value) {
+template <class List>
+auto value_of(const List& names, std::string_view word) {
+  std::optional<typename List::value_type::second_type> found;
+  for (const auto& [name, value] : names) {
+    if (name == word) found = value;
+  }
+  return found;
+}
+
+template <class List, class E>
+std::string word_of(const List& names, const E& value) {
   for (const auto& [name, candidate] : names) {
     if (candidate == value) return std::string(name);
   }
   return {};
 }
 
-template <class E>
-std::vector<std::string> words_of(const Names<E>& names) {
+template <class List>
+std::vector<std::string> words_of(const List& names) {
   std::vector<std::string> words;
   for (const auto& entry : names) words.emplace_back(entry.first);
   return words;
 }
 
-const Names<Frame>& frame_names();
-const Names<ImpulseSource>& impulse_source_names();
-const Names<ResistanceModel>& resistance_names();
-const Names<AttitudeFreedom>& attitude_freedom_names();
-const Names<PositionFreedom>& position_freedom_names();
-const Names<ObjectiveQuantity>& objective_names();
-const Names<RiskMeasure>& measure_names();
-const Names<HandConstraint>& hand_constraint_names();
-const Names<CaseConstraint>& case_constraint_names();
-const Names<BaseMode>& base_mode_names();
-const Names<PathPolish>& path_polish_names();
-const Names<ImpactCase>& impact_case_names();
-const Names<PlanStatus>& plan_status_names();
-const Names<ApproachStatus>& approach_status_names();
-const Names<ProofStatus>& proof_status_names();
-const Names<ContactModel>& contact_model_names();
+/// The words that to_string() has for the values from 0 to `last`.
+template <class E>
+std::vector<std::pair<std::string, E>> names_up_to(E last) {
+  std::vector<std::pair<std::string, E>> out;
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
+    out.emplace_back(to_string(static_cast<E>(i)), static_cast<E>(i));
+  }
+  return out;
+}
+
+inline constexpr auto kFrameNames =
+    names<Frame>({{"base", Frame::Base}, {"inertial", Frame::Inertial}});
+inline constexpr auto kImpulseSourceNames =
+    names<ImpulseSource>({{"given", ImpulseSource::Given},
+                          {"point_mass", ImpulseSource::PointMass},
+                          {"rigid_body", ImpulseSource::RigidBody}});
+inline constexpr auto kAttitudeFreedomNames =
+    names<AttitudeFreedom>({{"fixed", AttitudeFreedom::Fixed},
+                            {"axis", AttitudeFreedom::Axis},
+                            {"cone", AttitudeFreedom::Cone},
+                            {"free", AttitudeFreedom::Free}});
+inline constexpr auto kPositionFreedomNames =
+    names<PositionFreedom>({{"fixed", PositionFreedom::Fixed},
+                            {"box", PositionFreedom::Box},
+                            {"free", PositionFreedom::Free}});
+inline constexpr auto kMeasureNames = names<RiskMeasure>({{"nominal", RiskMeasure::Nominal},
+                                                          {"worst_case", RiskMeasure::WorstCase},
+                                                          {"expectation", RiskMeasure::Expectation},
+                                                          {"cvar", RiskMeasure::Cvar}});
+inline constexpr auto kHandConstraintNames =
+    names<HandConstraint>({{"none", HandConstraint::None},
+                           {"position", HandConstraint::Position},
+                           {"axis", HandConstraint::Axis},
+                           {"pose", HandConstraint::Pose}});
+inline constexpr auto kCaseConstraintNames = names<CaseConstraint>({{"none", CaseConstraint::None},
+                                                                    {"C", CaseConstraint::C},
+                                                                    {"C1", CaseConstraint::C1},
+                                                                    {"C2", CaseConstraint::C2},
+                                                                    {"G2", CaseConstraint::G2},
+                                                                    {"G3", CaseConstraint::G3}});
+inline constexpr auto kBaseModeNames = names<BaseMode>({{"held", BaseMode::Held},
+                                                        {"floating", BaseMode::Floating},
+                                                        {"reaction-null", BaseMode::ReactionNull}});
+inline constexpr auto kPathPolishNames = names<PathPolish>(
+    {{"none", PathPolish::None}, {"attitude", PathPolish::Attitude}, {"time", PathPolish::Time}});
+inline constexpr auto kContactModelNames =
+    names<ContactModel>({{"jump", ContactModel::Jump},
+                         {"compliant", ContactModel::Compliant},
+                         {"latch", ContactModel::Latch}});
+
+inline auto resistance_names() { return names_up_to(ResistanceModel::Locked); }
+inline auto impact_case_names() { return names_up_to(ImpactCase::C2); }
+inline auto plan_status_names() { return names_up_to(PlanStatus::Limit); }
+inline auto proof_status_names() { return names_up_to(ProofStatus::Undecided); }
+inline auto approach_status_names() { return names_up_to(ApproachStatus::BaseDriftOpen); }
+
+/// Of the catalogue of quantities.
+inline std::vector<std::pair<std::string, ObjectiveQuantity>> objective_names() {
+  std::vector<std::pair<std::string, ObjectiveQuantity>> out;
+  for (const QuantityRow& row : quantities()) out.emplace_back(row.name, row.quantity);
+  return out;
+}
 
 }  // namespace stillbase::io

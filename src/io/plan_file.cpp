@@ -1,10 +1,15 @@
 #include <stillbase/io/plan_file.hpp>
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
 #include <stillbase/core/sha256.hpp>
+#include <stillbase/io/target_file.hpp>
 
 #include "io/fields/plan.hpp"
 
@@ -21,18 +26,16 @@ std::string content_sha256(Json document) {
 }
 
 /// Of a file that says that it is something else, nothing more is said than that.
-void refuse_other_format(MapReader map) {
-  const Node* format = map.find("format");
+void refuse_other_format(const Node& root, const std::string& source) {
+  const Node* format = root.find("format");
   if (format == nullptr || format->text.rfind("stillbase.", 0) != 0 ||
       format->text == "stillbase.plan") {
     return;
   }
-  ReadContext only{map.context().source, {}, {}};
-  only.add(format->line, "format",
-           format->text == "stillbase.problem"
-               ? "this is a problem file; make a plan of it first (stillbase plan)"
-               : fmt::format("is '{}'; must be 'stillbase.plan'", format->text));
-  only.throw_if_any();
+  throw InputError({{source, format->line, "format",
+                     format->text == "stillbase.problem"
+                         ? "this is a problem file; make a plan of it first (stillbase plan)"
+                         : fmt::format("is '{}'; must be 'stillbase.plan'", format->text)}});
 }
 
 /// The text as JSON, for its fingerprint. YAML that is not JSON is refused.
@@ -56,9 +59,8 @@ PlanFile read_plan(std::string_view text, const std::string& source) {
   const io::Node root =
       io::parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 1'000'000});
   PlanFile file;
-  std::string verification;
-  if (root.kind == io::Node::Kind::Map) io::refuse_other_format(io::MapReader(context, root, ""));
-  io::Map([&](io::Table& t) { io::plan_fields(t, file, verification); }).read(context, root, "");
+  io::refuse_other_format(root, source);
+  io::Map([&](io::Table& t) { io::plan_fields(t, file, ""); }).read(context, root, "");
   context.throw_if_any();
   file.computed_sha256 = io::fingerprint(text, context);
   return file;
@@ -67,15 +69,61 @@ PlanFile read_plan(std::string_view text, const std::string& source) {
 std::string plan_to_json(const Plan& plan, const ToolVersions& tool,
                          const std::string& verification_json,
                          const std::vector<InputFile>& inputs) {
-  PlanFile file;
-  file.plan = plan;
-  file.tool = tool;
-  file.inputs = inputs;
-  std::string verification = verification_json;
-  io::TableWriter writer;
-  io::plan_fields(writer, file, verification);
-  writer.json["content_sha256"] = io::content_sha256(writer.json);
-  return io::pretty(writer.json);
+  PlanFile file{plan, tool, inputs, {}, {}, {}, {}};
+  io::Json json = io::written([&](io::Table& t) { io::plan_fields(t, file, verification_json); });
+  json["content_sha256"] = io::content_sha256(json);
+  return io::pretty(json);
+}
+
+std::vector<InputFile> input_files(const std::string& problem_path) {
+  const std::string text = read_text_file(problem_path, io::DocumentLimits{}.bytes);
+  io::ReadContext context{problem_path, {}, {}};
+  const io::Node root = io::parse_document(text, context);
+  std::vector<InputFile> files{{"problem", problem_path, sha256_hex(text)}};
+  for (const char* role : {"robot", "target"}) {
+    const io::Node* section = root.find(role);
+    const io::Node* name = section == nullptr ? nullptr : section->find("file");
+    if (name == nullptr) continue;
+    const auto path = std::filesystem::path(problem_path).parent_path() / name->text;
+    const std::string content = read_text_file(path.string(), io::DocumentLimits{}.bytes);
+    files.push_back({role, name->text, sha256_hex(content)});
+  }
+  return files;
+}
+
+std::string stated_format(std::string_view text, const std::string& source) {
+  io::ReadContext context{source, {}, {}};
+  // As large as a plan may be.
+  const io::Node root =
+      io::parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 200'000});
+  const io::Node* format = root.find("format");
+  return format == nullptr ? "" : format->text;
+}
+
+ToolVersions tool_versions() {
+  ToolVersions versions{{"stillbase", STILLBASE_VERSION},
+                        {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                                              EIGEN_MINOR_VERSION)}};
+#if defined(__clang__)
+  versions["compiler"] = fmt::format("clang {}.{}", __clang_major__, __clang_minor__);
+#elif defined(__GNUC__)
+  versions["compiler"] = fmt::format("g++ {}.{}", __GNUC__, __GNUC_MINOR__);
+#endif
+  return versions;
+}
+
+PlanFile load_plan(const std::string& path) {
+  PlanFile file = read_plan(read_text_file(path), path);
+  if (!file.is_as_written()) {
+    throw InputError({{path, 0, "fingerprint",
+                       "content_sha256: the plan was changed after it was written; `stillbase "
+                       "verify` says what does not hold"}});
+  }
+  return file;
+}
+
+void write_plan(const Plan& plan, const std::string& path, bool replace) {
+  write_file_atomically(path, plan_to_json(plan, tool_versions()), replace);
 }
 
 }  // namespace stillbase

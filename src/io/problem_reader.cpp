@@ -22,6 +22,11 @@ CaptureProblem read_problem_map(const Node& node, ReadContext& context, const st
   return problem;
 }
 
+Json problem_json(const CaptureProblem& problem) {
+  CaptureProblem copy = problem;  // tables name fields of data that may change
+  return written([&](Table& t) { problem_fields(t, copy, {}); });
+}
+
 }  // namespace io
 
 namespace {
@@ -45,6 +50,10 @@ CaptureProblem read_problem(const std::string& path) {
 CaptureProblem read_problem_text(std::string_view text, const std::string& source,
                                  const std::string& urdf) {
   return read(text, source, {.urdf = urdf});
+}
+
+std::string problem_to_json(const CaptureProblem& problem) {
+  return io::pretty(io::problem_json(problem));
 }
 
 }  // namespace stillbase

@@ -1,4 +1,4 @@
-// The problem as a parsed tree to plain data.
+// The problem from a parsed tree to plain data, and back to JSON.
 #pragma once
 
 #include <string>
@@ -15,6 +15,9 @@ namespace stillbase::io {
 /// @param path of the map inside its file, "" for a problem file
 CaptureProblem read_problem_map(const Node& node, ReadContext& context, const std::string& path,
                                 const ProblemSources& sources);
+
+/// The normalised copy: every field of the problem in the order of the file format.
+Json problem_json(const CaptureProblem& problem);
 
 /// Findings that take several sections at once, which are good by themselves. Puts the half-angle
 /// in place that follows from the covariance of the estimate.

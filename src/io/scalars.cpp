@@ -6,15 +6,10 @@
 #include <fmt/format.h>
 
 #include "io/scalars.hpp"
-#include "io/scan.hpp"
 
 namespace stillbase::io {
 
 namespace {
-
-bool is_scalar(const Node& node) {
-  return node.kind == Node::Kind::Plain || node.kind == Node::Kind::Quoted;
-}
 
 bool names_nan_or_infinity(std::string_view text) {
   std::string word;
@@ -64,6 +59,10 @@ constexpr double kUnitTolerance = 1e-6;
 
 }  // namespace
 
+bool is_scalar(const Node& node) {
+  return node.kind == Node::Kind::Plain || node.kind == Node::Kind::Quoted;
+}
+
 std::string describe(const Node& node) {
   switch (node.kind) {
     case Node::Kind::Null:
@@ -96,7 +95,7 @@ Scanned scan_number(std::string_view text) {
   const auto [end, error] =
       std::from_chars(digits.data(), digits.data() + digits.size(), scanned.value);
   if (error == std::errc::invalid_argument) return scanned;
-  scanned.rest = digits.substr(static_cast<std::size_t>(end - digits.data()));
+  scanned.remainder = digits.substr(static_cast<std::size_t>(end - digits.data()));
   if (error == std::errc::result_out_of_range || !std::isfinite(scanned.value)) {
     scanned.result = Scanned::Result::Overflow;
   } else if (unsigned_digits.size() > 1 && unsigned_digits[0] == '0' &&
@@ -147,16 +146,16 @@ std::optional<double> read_number(ReadContext& context, const Node& node, const 
     return refuse("wrong-type", fmt::format("{}: leading zeros are not allowed", describe(node)));
   }
   double value = scanned.value;
-  if (scanned.rest.empty()) {
+  if (scanned.remainder.empty()) {
     if (node.kind == Node::Kind::Quoted) {
       return refuse("wrong-type",
                     fmt::format("{} is text; write the number without quotes", describe(node)));
     }
   } else {
-    if (scanned.rest.front() != ' ') {
+    if (scanned.remainder.front() != ' ') {
       return refuse("wrong-type", fmt::format("{} is not a number; {}", describe(node), allowed));
     }
-    const std::string unit = collapse_spaces(scanned.rest);
+    const std::string unit = collapse_spaces(scanned.remainder);
     const auto factor = unit_factor(unit, dimension);
     if (!factor) {
       return refuse(
@@ -182,7 +181,7 @@ std::optional<std::string> read_text(ReadContext& context, const Node& node,
   const bool is_plain_word = node.kind == Node::Kind::Plain && !names_nan_or_infinity(node.text) &&
                              node.text != "true" && node.text != "false" &&
                              !(scan_number(node.text).result != Scanned::Result::None &&
-                               scan_number(node.text).rest.empty());
+                               scan_number(node.text).remainder.empty());
   if (node.kind != Node::Kind::Quoted && !is_plain_word) {
     context.add(node.line, "wrong-type",
                 fmt::format("{}: {} is not text; put quotes around it if it is meant", path,
@@ -217,8 +216,9 @@ std::optional<std::vector<double>> read_numbers(ReadContext& context, const Node
 }
 
 std::optional<Vector3d> read_vector3(ReadContext& context, const Node& node,
-                                     const std::string& path, Dimension dimension) {
-  const auto values = read_numbers(context, node, path, dimension, 3);
+                                     const std::string& path, Dimension dimension,
+                                     const Range& range) {
+  const auto values = read_numbers(context, node, path, dimension, 3, range);
   if (!values) return std::nullopt;
   return Vector3d((*values)[0], (*values)[1], (*values)[2]);
 }

@@ -35,6 +35,22 @@ inline constexpr Range kSensible{.lower = 1e-30, .upper = 1e30};
 
 enum class Need { Optional, Required };
 
+/// A word or a number: no list, no map, not nothing.
+bool is_scalar(const Node& node);
+
+/// What a node is, for messages.
+std::string describe(const Node& node);
+
+/// Leading number of a text by from_chars alone: no locale, no octal, no hexadecimal.
+struct Scanned {
+  enum class Result { None, Good, LeadingZero, Overflow };
+  Result result = Result::None;
+  double value = 0;
+  std::string_view remainder;  ///< of the text, after the number
+};
+
+Scanned scan_number(std::string_view text);
+
 // Values. Each adds its finding and returns nothing when the node does not hold such a value.
 
 std::optional<double> read_number(ReadContext& context, const Node& node, const std::string& path,
@@ -46,7 +62,8 @@ std::optional<std::vector<double>> read_numbers(ReadContext& context, const Node
                                                 const std::string& path, Dimension dimension,
                                                 int size, const Range& range = kAny);
 std::optional<Vector3d> read_vector3(ReadContext& context, const Node& node,
-                                     const std::string& path, Dimension dimension);
+                                     const std::string& path, Dimension dimension,
+                                     const Range& range = kAny);
 /// A vector of any length but zero, made a unit vector. One that is already a unit vector to
 /// rounding is kept bit for bit, so that written files read back the same.
 std::optional<Vector3d> read_direction(ReadContext& context, const Node& node,

@@ -171,10 +171,10 @@ TEST_CASE("schemas and readers know the same words") {
   same("status", io::plan_status_names());
   same("impact.case", io::impact_case_names());
   same("impact.joint_resistance", io::resistance_names());
-  same("objective.measure", io::measure_names());
+  same("objective.measure", io::kMeasureNames);
   same("certificate.proof.status", io::proof_status_names());
   same("approach.status", io::approach_status_names());
-  same("approach.polish.quantity", io::path_polish_names());
+  same("approach.polish.quantity", io::kPathPolishNames);
 }
 
 TEST_CASE("a schema accepts what the reader accepts, and refuses wrong types, units and ranges") {

@@ -8,7 +8,7 @@
 #include <stillbase/io/schema.hpp>
 
 #include "io/io_support.hpp"
-#include "io/scan.hpp"
+#include "io/scalars.hpp"
 #include "support/schema_check.hpp"
 
 namespace stillbase::io_test {
@@ -25,7 +25,7 @@ inline json typed(const io::Node& node) {
     case io::Node::Kind::Plain: {
       if (node.text == "true" || node.text == "false") return node.text == "true";
       const io::Scanned number = io::scan_number(node.text);
-      if (number.result != io::Scanned::Result::Good || !number.rest.empty()) return node.text;
+      if (number.result != io::Scanned::Result::Good || !number.remainder.empty()) return node.text;
       if (node.text.find_first_of(".eE") != std::string::npos) return number.value;
       return static_cast<std::int64_t>(number.value);
     }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/core/child_process.hpp>
+
 namespace stillbase {
 
 /// A point better than all before it in the run, judged by our own evaluation: among points with
@@ -37,13 +39,7 @@ struct RunRequest {
 /// Name of a contestant: the optimizer's, with ":defaults" when it runs with its library's options.
 std::string label_of(const RunRequest& request);
 
-/// How the process of a run ended.
-enum class RunEnd {
-  Finished,     ///< by itself, whatever the optimizer found
-  Crashed,      ///< by a signal or an exception
-  TimedOut,     ///< stopped from outside at its time limit
-  OutOfMemory,  ///< at its memory limit
-};
+using RunEnd = ChildEnd;  ///< how the process of a run ended
 
 struct RunRecord {
   RunRequest request;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include <stillbase/core/interrupt.hpp>
+#include <stillbase/core/child_process.hpp>
 
 namespace stillbase {
 
@@ -32,8 +32,7 @@ Shard shard_from_text(const std::string& text);
 /// @throws InputError for an empty bag, empty lines or duplicate cases
 std::vector<std::string> cases_from_text(const std::string& text, const std::string& path);
 
-enum class CaseStatus { Finished, Crashed, TimedOut, OutOfMemory };
-std::string to_string(CaseStatus status);
+using CaseStatus = ChildEnd;  ///< how the process of a case ended
 
 /// What is known of a case that was worked on to its end, good or bad.
 struct CaseRecord {

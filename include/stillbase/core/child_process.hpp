@@ -19,6 +19,7 @@ enum class ChildEnd {
   TimedOut,     ///< killed at the time limit
   OutOfMemory,  ///< an allocation beyond the memory limit
 };
+std::string to_string(ChildEnd end);
 
 struct ChildOutcome {
   ChildEnd end = ChildEnd::Crashed;

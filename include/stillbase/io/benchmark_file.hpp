@@ -46,6 +46,15 @@ using BestKnownTable = std::map<std::string, BestKnown>;  ///< by instance
 BestKnownTable read_best_known(std::string_view text, const std::string& source);
 std::string best_known_to_json(const BestKnownTable& table);
 
+/// What the records of a folder are measured against: `bench.json`.
+struct BenchReferences {
+  double gradient_cost = 1;              ///< in evaluations
+  std::map<std::string, double> values;  ///< by instance
+};
+/// @throws InputError
+BenchReferences read_bench_references(std::string_view text, const std::string& source);
+std::string bench_references_to_json(const BenchReferences& references);
+
 /// Enters what the records reached where it is new or lower than the table's value by more than
 /// 1e-10.
 /// @return number of entries that changed

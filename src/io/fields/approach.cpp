@@ -39,7 +39,7 @@ void check_approach(MapReader& map, const CaptureProblem& problem) {
 void approach_fields(Table& t, CaptureProblem& problem) {
   ApproachSpec& approach = problem.approach;
   t("enabled", Flag(approach.enabled), "plan a path to the configuration");
-  t("base", Word(approach.base, base_mode_names()),
+  t("base", Word(approach.base, kBaseModeNames),
     "`held` (actively), `floating` (it moves with the arm) or `reaction-null` (floating, the "
     "joints moving so that the attitude stays)");
   t("station_free", Flag(approach.station_free),
@@ -67,7 +67,7 @@ void approach_fields(Table& t, CaptureProblem& problem) {
     "`rrt_connect`, `rrt_star`, `prm_star`, `bit_star`, `ait_star`, `kpiece`; not used with "
     "`reaction-null`");
   t("max_iterations", Integer(approach.max_iterations, 1, kManyTimes), "of the planner");
-  t("polish", Word(approach.polish, path_polish_names()),
+  t("polish", Word(approach.polish, kPathPolishNames),
     "reduce the largest attitude change of the base along the path (`attitude`) or the time of "
     "motion (`time`) by Ipopt, or `none`; not with `reaction-null`");
   t("attitude_tolerance",
@@ -77,10 +77,10 @@ void approach_fields(Table& t, CaptureProblem& problem) {
 }
 
 void fields(Table& t, Obstacle& obstacle) {
-  t("name", Text(obstacle.name), "name", {.need = Need::Required});
-  t("frame", Word(obstacle.frame, frame_names()), "`inertial` or `base`");
+  t("name", Text(obstacle.name), "name", kNeeded);
+  t("frame", Word(obstacle.frame, kFrameNames), "`inertial` or `base`");
   pose_fields(t, obstacle.pose, "the obstacle", "frame");
-  t("geometry", geometry_of(obstacle.geometry), "geometry, in m", {.need = Need::Required});
+  t("geometry", geometry_of(obstacle.geometry), "geometry, in m", kNeeded);
 }
 
 }  // namespace stillbase::io

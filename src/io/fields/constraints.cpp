@@ -5,7 +5,7 @@ namespace stillbase::io {
 
 void constraints_fields(Table& t, CaptureProblem& problem) {
   ConstraintSpec& constraints = problem.constraints;
-  t("case", Word(constraints.impact_case, case_constraint_names()),
+  t("case", Word(constraints.impact_case, kCaseConstraintNames),
     "`none`, `C` (C1 or C2), `C1`, `C2`, `G2`, `G3`");
   t("joint_limit_margin",
     Number(constraints.joint_limit_margin, Dimension::JointPosition, kNonNegative),

@@ -13,7 +13,7 @@ namespace {
 
 /// A default as the reference shows it.
 std::string default_text(const Value& value) {
-  if (!value.is_written()) return "none";
+  if (!value.is_written) return "none";
   const Json json = value.write();
   switch (json.kind()) {
     case Json::Kind::Object:
@@ -118,45 +118,46 @@ void TableDescriber::not_both(const std::string& a, const std::string& b) {
   variants_.back().exclusive.emplace_back(a, b);
 }
 
-void TableDescriber::add_rows(const std::string& key, const Shape& shape, const FieldRow& row) {
-  const auto place = [this](const FieldRow& one) {
-    const auto known = std::find_if(rows_.begin(), rows_.end(),
-                                    [&one](const FieldRow& r) { return r.name == one.name; });
-    const auto at = known - rows_.begin();
-    if (known == rows_.end()) {
-      row_ = std::min(row_, rows_.size());
-      rows_.insert(rows_.begin() + static_cast<long>(row_++), one);
-    } else {
-      row_ = static_cast<std::size_t>(at) + 1;
-    }
-  };
-  place(row);
-  for (FieldRow inner : shape.rows) {
-    inner.name = key + inner.name;
-    place(inner);
+/// New rows of a run stand before the next row that an earlier run had as well.
+void TableDescriber::add_row(const FieldRow& row) {
+  const auto has_name = [&row](const FieldRow& other) { return other.name == row.name; };
+  const auto known = std::find_if(rows_.begin(), rows_.end(), has_name);
+  if (known != rows_.end()) {
+    place_new_rows(static_cast<std::size_t>(known - rows_.begin()));
+  } else if (std::none_of(new_rows_.begin(), new_rows_.end(), has_name)) {
+    new_rows_.push_back(row);
   }
 }
 
-void TableDescriber::add(const std::string& key, Value& value, const std::string& text,
-                         const About& about) {
+void TableDescriber::place_new_rows(std::size_t at) {
+  rows_.insert(rows_.begin() + static_cast<long>(at), new_rows_.begin(), new_rows_.end());
+  new_rows_.clear();
+}
+
+void TableDescriber::operator()(const std::string& key, const Value& value, const std::string& text,
+                                const About& about) {
   Variant& variant = variants_.back();
-  auto* const word = dynamic_cast<WordValue*>(&value);
   const bool is_required = about.need == Need::Required && !about.when;
   FieldRow row{key, text, {}, {}, about.without};
   if (row.without.empty() && !about.when) {
     row.without = is_required ? "required" : default_text(value);
   }
-  const bool decides = about.decides && word != nullptr;
-  if (decides && !is_required) default_words_.emplace(key, value.write().get<std::string>());
+  if (about.decides && !is_required) {
+    default_words_.emplace(key, value.write().get<std::string>());
+  }
   const Shape shape = value.shape(definitions_);
-  row.unit = shape.unit;
+  row.unit = about.unit.empty() ? shape.unit : about.unit;
   if (!about.frame.empty()) row.unit += (row.unit.empty() ? "" : ", ") + about.frame;
   row.range = shape.range;
-  add_rows(key, shape, row);
-  if (decides) {
-    const std::size_t i = choose(word->words().size());
-    word->choose(i);
-    variant.words[key] = {word->words()[i]};
+  add_row(row);
+  for (FieldRow inner : shape.rows) {
+    inner.name = key + inner.name;
+    add_row(inner);
+  }
+  if (about.decides) {
+    const std::size_t i = choose(value.words.size());
+    value.choose(i);
+    variant.words[key] = {value.words[i]};
   }
   if (!about.is_used) return;
   if (is_required) variant.required.insert(key);
@@ -215,9 +216,10 @@ Json TableDescriber::schema_of(const Variant& variant) const {
 
 Shape TableDescriber::describe(const TableBody& body, const std::string& alone) {
   do {
-    depth_ = row_ = 0;
+    depth_ = 0;
     variants_.emplace_back();
     body(*this);
+    place_new_rows(rows_.size());
   } while (next_run());
   merge_variants();
   if (is_one_of_) {

@@ -21,10 +21,8 @@ class TableDescriber : public Table {
   bool states(const std::string& key, bool is_written) override;
   int one_of(const std::vector<std::string>& keys, int written, const std::string& rule) override;
   void not_both(const std::string& a, const std::string& b) override;
-
- protected:
-  void add(const std::string& key, Value& value, const std::string& text,
-           const About& about) override;
+  void operator()(const std::string& key, const Value& value, const std::string& text,
+                  const About& about = {}) override;
 
  private:
   /// The keys that one run allows.
@@ -37,7 +35,8 @@ class TableDescriber : public Table {
   };
   std::size_t choose(std::size_t count);
   bool next_run();
-  void add_rows(const std::string& key, const Shape& shape, const FieldRow& row);
+  void add_row(const FieldRow& row);
+  void place_new_rows(std::size_t at);
   void merge_variants();
   Json schema_of(const Variant& variant) const;
 
@@ -48,7 +47,7 @@ class TableDescriber : public Table {
   std::map<std::string, std::string> default_words_;
   bool is_one_of_ = false;  ///< exactly one of the keys of all runs
   std::vector<FieldRow> rows_;
-  std::size_t row_ = 0;  ///< where a new row goes
+  std::vector<FieldRow> new_rows_;  ///< of this run, behind the last row that an earlier run had
 };
 
 /// "text [unit]; default: x": what a schema says of a field.

@@ -44,14 +44,14 @@ void check_mesh(ReadContext& context, int line, const std::string& path, const C
 void mesh_fields(Table& t, ConvexMesh& mesh) {
   t("vertices",
     List(
-        mesh.vertices, [](Vector3d& v, auto use) { use(Vector(v, Dimension::Length)); },
-        {.least = 4}, Vector3d(Vector3d::Zero())),
+        mesh.vertices, [](Vector3d& v) { return Vector(v, Dimension::Length); }, {.least = 4},
+        Vector3d(Vector3d::Zero())),
     "", kNeeded);
   t("faces",
     List(mesh.faces,
-         [](std::vector<int>& face, auto use) {
-           use(List(face, [](int& corner, auto one) { one(Integer(corner, 0, 1'000'000)); },
-                    {.least = 3}));
+         [](std::vector<int>& face) {
+           return List(face, [](int& corner) { return Integer(corner, 0, 1'000'000); },
+                       {.least = 3});
          },
          {.least = 4}),
     "numbers of vertices, counter-clockwise seen from outside", kNeeded);
@@ -111,7 +111,7 @@ void geometry_fields(Table& t, Geometry& geometry) {
 }  // namespace
 
 Map geometry_of(Geometry& geometry) {
-  return {[&geometry](Table& t) { geometry_fields(t, geometry); }, {.name = "geometry"}};
+  return Map([&geometry](Table& t) { geometry_fields(t, geometry); }, {.name = "geometry"});
 }
 
 }  // namespace stillbase::io

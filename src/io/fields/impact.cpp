@@ -6,51 +6,49 @@
 namespace stillbase::io {
 
 void resistance_values(Table& t, JointResistance& resistance, const RobotModel& robot) {
-  const About needed{.need = Need::Required};
   switch (resistance.model) {
     case ResistanceModel::Free:
       break;
     case ResistanceModel::RotorInertia:
       t("rotor_inertia", JointValues(resistance.rotor_inertia, robot, kJointInertia, kNonNegative),
-        "`rotor_inertia`: stays in the plant afterwards", needed);
+        "`rotor_inertia`: stays in the plant afterwards", kNeeded);
       break;
     case ResistanceModel::Servo:
       t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kNonNegative),
-        "`servo`", needed);
+        "`servo`", kNeeded);
       t("damping", JointValues(resistance.damping, robot, kJointDamping, kNonNegative), "`servo`",
-        needed);
+        kNeeded);
       t("contact_duration", Number(resistance.contact_duration, Dimension::Time, kPositive),
-        "`servo`", needed);
+        "`servo`", kNeeded);
       break;
     case ResistanceModel::Locked:
       t("locked", JointFlags(resistance.locked, robot),
-        "`locked`: `all`, `none` or a list of joints", needed);
+        "`locked`: `all`, `none` or a list of joints", kNeeded);
       break;
   }
 }
 
 void impact_fields(Table& t, CaptureProblem& problem) {
   ImpulseSpec& impulse = problem.impulse;
-  t("source", Word(impulse.source, impulse_source_names()),
+  t("source", Word(impulse.source, kImpulseSourceNames),
     "`given` (direction and magnitude), `point_mass` or `rigid_body` (contact laws; `rigid_body` "
     "needs a feature)",
-    {.need = Need::Required});
+    kNeeded);
   double angle = 0;
   t("direction",
-    Either(Instead("feature", !impulse.direction, [] {}),
-           Shorthand(Map(
-                         [&angle](Table& planar) {
-                           planar("angle", Number(angle, Dimension::Angle), "",
-                                  {.need = Need::Required});
-                         },
-                         {.name = "planar_direction"}),
-                     [&] { impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0); }),
-           Vector(impulse.direction, VectorKind::Direction)),
+    Either({Instead("feature", !impulse.direction),
+            Shorthand(Map(
+                          [&angle](Table& planar) {
+                            planar("angle", Number(angle, Dimension::Angle), "", kNeeded);
+                          },
+                          {.name = "planar_direction"}),
+                      [&] { impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0); }),
+            Vector(impulse.direction, VectorKind::Direction)}),
     "of the impulse on the hand: a vector, `{angle}` from x about z, or `feature` (the nominal "
     "normal of the contact feature). When it is stated, the target comes along it to wherever the "
     "hand is, without rotation",
     {.without = "`feature`"});
-  t("frame", Word(impulse.direction_frame, frame_names()),
+  t("frame", Word(impulse.direction_frame, kFrameNames),
     "of direction and moment: `base` or `inertial`");
   t("magnitude", Number(impulse.magnitude, Dimension::Impulse, kPositive),
     "`given`: size of the impulse");

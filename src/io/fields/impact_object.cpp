@@ -3,41 +3,41 @@
 
 namespace stillbase::io {
 
-namespace {
-
-/// Two vectors of three as one of six.
-Map halves(Vector6d& v, const char* upper, const char* lower) {
-  return Map([&v, upper, lower](Table& t) {
-    Vector3d first = v.head<3>(), second = v.tail<3>();
-    t(upper, Vector(first), "", kNeeded);
-    t(lower, Vector(second), "", kNeeded);
-    v << first, second;
+Map halves(Vector6d& both, const char* upper, const char* upper_unit, const char* lower,
+           const char* lower_unit) {
+  return Map([=, &both](Table& t) {
+    Vector3d first = both.head<3>(), second = both.tail<3>();
+    t(upper, Vector(first), "", needed(upper_unit, "B"));
+    t(lower, Vector(second), "", needed(lower_unit, "B"));
+    both << first, second;
   });
 }
 
-}  // namespace
+Map momentum_split(Vector3d& total, Vector3d& base, Vector3d& coupling) {
+  return Map(
+      [&](Table& t) {
+        const About about = needed("N m s", "B");
+        t("total", Vector(total), "", about);
+        t("base", Vector(base), "", about);
+        t("coupling", Vector(coupling), "", about);
+      },
+      {.name = "momentum_split"});
+}
 
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot) {
   const int n = robot.n();
+  const About rates = needed("rad/s (m/s)");
   CaseJudgement& judgement = impact.judgement;
-  t("impulse", halves(impact.Fbar, "force", "moment"), "on the hand, in N s and N m s",
-    {.need = Need::Required, .frame = "B"});
-  t("base_velocity_jump", halves(impact.Delta_Omega, "linear", "angular"), "in m/s and rad/s",
-    {.need = Need::Required, .frame = "B"});
-  t("joint_velocity_jump", Numbers(impact.Delta_phidot, n), "in rad/s (m/s)", kNeeded);
+  t("impulse", halves(impact.Fbar, "force", "N s", "moment", "N m s"), "on the hand", kNeeded);
+  t("base_velocity_jump", halves(impact.Delta_Omega, "linear", "m/s", "angular", "rad/s"), "",
+    kNeeded);
+  t("joint_velocity_jump", Numbers(impact.Delta_phidot, n), "", rates);
   t("joint_velocity_rns", Numbers(impact.Delta_phidot_rns, n),
-    "its part in the reaction null space", kNeeded);
+    "its part in the reaction null space", rates);
   t("joint_velocity_orthogonal", Numbers(impact.Delta_phidot_orthogonal, n),
-    "its part orthogonal to that", kNeeded);
-  t("momentum",
-    Map(
-        [&](Table& m) {
-          m("total", Vector(impact.total), "", kNeeded);
-          m("base", Vector(impact.base), "", kNeeded);
-          m("coupling", Vector(impact.coupling), "", kNeeded);
-        },
-        {.name = "momentum_split"}),
-    "angular momentum gained, and its parts, in N m s", {.need = Need::Required, .frame = "B"});
+    "its part orthogonal to that", rates);
+  t("momentum", momentum_split(impact.total, impact.base, impact.coupling),
+    "angular momentum gained, and its parts", kNeeded);
   t("case", Word(judgement.impact_case, impact_case_names()), "of the paper's classification",
     kNeeded);
   t("case_tolerance", Number(judgement.tolerance, kNonNegative),
@@ -51,7 +51,8 @@ void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& rob
   t("rank_tolerance", Number(impact.rank_tolerance, kNonNegative),
     "below which a singular value counts as zero", kNeeded);
   t("rank", Integer(impact.rank, 0, kMaxJoints), "of the angular coupling matrix", kNeeded);
-  t("closing_speed", Number(impact.closing_speed), "in m/s", kNeeded);
+  t("closing_speed", Number(impact.closing_speed), "of hand and target along the normal",
+    needed("m/s"));
   t("joint_resistance", Word(impact.resistance.model, resistance_names()),
     "how joints resist during the impact", {.need = Need::Required, .decides = true});
   t("joint_resistance_values",

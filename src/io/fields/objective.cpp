@@ -23,7 +23,7 @@ static void fields(Table& t, ObjectiveTerm& term) {
     {.need = Need::Required, .decides = true});
   const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("quantity");
   t("size", Number(term.size, dimension_of_unit(row_of(term.quantity).unit), kSensible),
-    "value that counts as one, in the unit of the quantity", {.need = Need::Required});
+    "value that counts as one", needed("that of the quantity"));
   t("length", Number(term.length, Dimension::Length, kSensible),
     "`base_momentum` alone: converts angular into linear momentum",
     {.is_used = is_unknown || row_of(term.quantity).needs_length, .owner = "base_momentum"});
@@ -33,7 +33,7 @@ static void fields(Table& t, ObjectiveTerm& term) {
 namespace {
 
 void measure_fields(Table& t, MeasureSpec& measure) {
-  t("measure", Word(measure.kind, measure_names()),
+  t("measure", Word(measure.kind, kMeasureNames),
     "what counts over the uncertainty: `nominal` (the nominal value; equal ones are ranked by "
     "their worst case), `worst_case` (largest over the cone), `expectation` and `cvar` (root of "
     "the mean square over all samples, over the worst ones)",

@@ -1,5 +1,5 @@
 // Plan files.
-#include "io/fields/plan.hpp"
+#include "io/fields/results.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/plan/scenario.hpp>
 
-#include "io/json_problem.hpp"
 #include "io/problem_reader.hpp"
 
 namespace stillbase::io {
@@ -24,77 +23,35 @@ void inconsistent(Table& t, const std::string& message) {
   t.reader()->context().add(t.reader()->line(), "inconsistent", message);
 }
 
-/// A map of any keys to values of one kind.
-template <class T, class Element>
-class Dictionary : public Value {
- public:
-  Dictionary(std::map<std::string, T>& map, Element element) : map_(map), element_(element) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    const std::size_t before = context.findings.size();
-    MapReader fields(context, node, path);
-    for (const std::string& key : node.keys) {
-      element_(map_[key], [&](Value&& value) {
-        if (const Node* item = fields.child(key)) value.read(context, *item, fields.path_of(key));
-      });
-    }
-    return context.findings.size() == before;
-  }
-  Json write() const override {
-    Json json = Json::object();
-    for (auto& [key, x] : map_) {
-      element_(x, [&json, &name = key](Value&& value) { json[name] = value.write(); });
-    }
-    return json;
-  }
-  Shape shape(Definitions& definitions) override {
-    T sample{};
-    Shape out{{{"type", "object"}}};
-    element_(sample, [&](Value&& value) {
-      out.schema["additionalProperties"] = value.shape(definitions).schema;
-    });
-    return out;
-  }
-  bool fits(const Node& node) const override { return node.kind == Node::Kind::Map; }
-
- private:
-  std::map<std::string, T>& map_;
-  Element element_;
-};
+const About kJoints = needed("rad (m)");
 
 /// The normalised copy of the problem, about the robot of the plan.
-class ProblemCopy : public Value {
- public:
-  ProblemCopy(CaptureProblem& problem, std::optional<std::string> urdf)
-      : problem_(problem), urdf_(std::move(urdf)) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    if (!urdf_) return false;
-    problem_ = read_problem_map(node, context, path, {.urdf = urdf_});
-    return context.findings.empty();
+struct ProblemCopy : Value {
+  ProblemCopy(CaptureProblem& problem, const std::optional<std::string>& urdf)
+      : Value(Map([&problem](Table& t) { problem_fields(t, problem, {}); }, {.name = "problem"})) {
+    read = [&problem, urdf](ReadContext& context, const Node& node, const std::string& path) {
+      if (!urdf) return false;
+      problem = read_problem_map(node, context, path, {.urdf = urdf});
+      return context.findings.empty();
+    };
   }
-  Json write() const override { return problem_json(problem_); }
-  Shape shape(Definitions& definitions) override {
-    return Map([this](Table& t) { problem_fields(t, problem_, {}); }, {.name = "problem"})
-        .shape(definitions);
-  }
-  bool fits(const Node&) const override { return true; }
-
- private:
-  CaptureProblem& problem_;
-  std::optional<std::string> urdf_;
 };
 
 /// An object that is written as it is, and not read.
-class Verdict : public Value {
- public:
-  explicit Verdict(std::string& text) : text_(text) {}
-  bool read(ReadContext&, const Node&, const std::string&) override { return true; }
-  Json write() const override { return Json::parse(text_); }
-  bool is_written() const override { return !text_.empty(); }
-  Shape shape(Definitions&) override { return {{{"$ref", "verification.schema.json"}}}; }
-  bool fits(const Node&) const override { return true; }
-
- private:
-  std::string& text_;
+struct Verdict : Value {
+  explicit Verdict(const std::string& text)
+      : Value(Map(
+            [](Table& t) {
+              Verification none;
+              std::string sha256;
+              Trials trials;
+              verification_fields(t, none, sha256, &trials);
+            },
+            {.name = "verification"})) {
+    read = [](ReadContext&, const Node&, const std::string&) { return true; };
+    write = [text] { return Json::parse(text); };
+    is_written = !text.empty();
+  }
 };
 
 /// A quaternion of a plan was written by a program: it is a unit quaternion to rounding and is kept
@@ -103,7 +60,7 @@ Map written_pose(Pose& pose) {
   return Map(
       [&pose](Table& t) {
         Eigen::Quaterniond& q = pose.orientation;
-        t("position", Vector(pose.position), "in m", kNeeded);
+        t("position", Vector(pose.position), "origin of B", needed("m", "N"));
         t("orientation",
           Map(
               [&q](Table& m) {
@@ -124,11 +81,19 @@ Map written_pose(Pose& pose) {
       {.name = "pose"});
 }
 
+}  // namespace
+
+void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration) {
+  t("joint_positions", Numbers(configuration.phi, robot.n()), "", kJoints);
+  t("base_pose", written_pose(configuration.base), "pose of B", needed("m", "N"));
+  t("contact_time", Number(configuration.contact_time), "", needed("s"));
+}
+
+namespace {
+
 /// Posture, base and time; the contact feature where there are several.
 void configuration_fields(Table& t, const CaptureProblem& problem, Configuration& configuration) {
-  t("joint_positions", Numbers(configuration.phi, problem.robot.n()), "in rad (m)", kNeeded);
-  t("base_pose", written_pose(configuration.base), "of B in N", kNeeded);
-  t("contact_time", Number(configuration.contact_time), "in s", kNeeded);
+  posture_fields(t, problem.robot, configuration);
   const std::vector<std::string>& features = problem.variables.features;
   t("feature",
     Text(configuration.feature, features, features.empty() ? "" : "features of the problem"),
@@ -138,8 +103,7 @@ void configuration_fields(Table& t, const CaptureProblem& problem, Configuration
 void chosen_fields(Table& t, Plan& plan) {
   const std::vector<std::string> names = joint_names(plan.problem.robot);
   std::vector<std::string> stated = names;
-  t("joint_names", List(stated, [](std::string& name, auto use) { use(Text(name)); }),
-    "in joint order", kNeeded);
+  t("joint_names", Texts(stated), "in joint order", kNeeded);
   if (stated != names) {
     inconsistent(t, "configuration.joint_names: the robot's are " + list_of(names));
   }
@@ -154,8 +118,8 @@ void objective_value_fields(Table& t, Plan& plan) {
   ObjectiveValue& objective = plan.objective;
   RiskMeasure measure = plan.problem.measure.kind;
   t("name", Text(objective.name), "of the quantity", kNeeded);
-  t("measure", Word(measure, measure_names()), "what was minimised over the uncertainty", kNeeded);
-  t("value", Number(objective.value), "of the measure", kNeeded);
+  t("measure", Word(measure, kMeasureNames), "what was minimised over the uncertainty", kNeeded);
+  t("value", Number(objective.value), "of the measure", needed("`unit`"));
   t("unit", Text(objective.unit), "of value, nominal and worst_case", kNeeded);
   t("terms", Map([&](Table& m) {
       for (const auto& [word, quantity] : objective_names()) {
@@ -165,21 +129,19 @@ void objective_value_fields(Table& t, Plan& plan) {
         double value = 0;
         const auto known = objective.terms.find(std::string(word));
         if (known != objective.terms.end()) value = known->second;
-        m(std::string(word), Number(value), "nominal value in " + unit_of(quantity),
-          {.when = is_term});
+        m(std::string(word), Number(value), "nominal value",
+          {.unit = unit_of(quantity), .when = is_term});
         if (m.reader() != nullptr && is_term) objective.terms[std::string(word)] = value;
       }
     }),
     "nominal value of each quantity", kNeeded);
-  t("user_terms",
-    WrittenIf(List(objective.user_terms, [](std::string& name, auto use) { use(Text(name)); }),
-              !objective.user_terms.empty()),
+  t("user_terms", WrittenIf(Texts(objective.user_terms), !objective.user_terms.empty()),
     "terms that a user's program added to the objective; they are not recomputed",
     {.without = "none"});
-  t("nominal", Number(objective.nominal), "at the nominal direction", kNeeded);
-  t("worst_case", Number(objective.worst_case), "over the cone", kNeeded);
-  t("worst_direction", Vector(objective.worst_direction), "unit vector",
-    {.need = Need::Required, .frame = "B"});
+  t("nominal", Number(objective.nominal), "at the nominal direction", needed("`unit`"));
+  t("worst_case", Number(objective.worst_case), "worst case over the cone", needed("`unit`"));
+  t("worst_direction", Vector(objective.worst_direction), "of the impulse, norm 1",
+    needed("1", "B"));
   t("judged", Flag(objective.is_judged),
     "false: a limit came before worst case and measure were computed", kNeeded);
   NominalOptimum optimum = plan.nominal_optimum.value_or(NominalOptimum{});
@@ -187,12 +149,12 @@ void objective_value_fields(Table& t, Plan& plan) {
   t("nominal_optimum",
     OrNull(Map([&](Table& m) {
              configuration_fields(m, plan.problem, optimum.configuration);
-             m("nominal", Number(optimum.nominal, kNonNegative), "", kNeeded);
-             m("worst_case", Number(optimum.worst_case, kNonNegative), "", kNeeded);
-             m("value", Number(optimum.value, kNonNegative), "", kNeeded);
+             m("nominal", Number(optimum.nominal, kNonNegative), "", needed("`unit`"));
+             m("worst_case", Number(optimum.worst_case, kNonNegative), "", needed("`unit`"));
+             m("value", Number(optimum.value, kNonNegative), "", needed("`unit`"));
              is_null = false;
            }),
-           is_null, [] {}),
+           is_null),
     "the solution with the lowest nominal value; null: not known", kNeeded);
   MapReader* map = t.reader();
   if (map == nullptr) return;
@@ -207,48 +169,49 @@ void objective_value_fields(Table& t, Plan& plan) {
   }
 }
 
+const About kOwnUnit = needed("its own");
+
 }  // namespace
 
 static void fields(Table& t, ConstraintValue& constraint) {
   t("name", Text(constraint.name), "of the constraint", kNeeded);
-  t("value", Number(constraint.value), "in its unit", kNeeded);
+  t("value", Number(constraint.value), "", kOwnUnit);
   t("lower",
     OrNull(Number(constraint.lower), std::isinf(constraint.lower),
            [&] { constraint.lower = -kInfinity; }),
-    "null: no bound", kNeeded);
+    "null: no bound", kOwnUnit);
   t("upper",
     OrNull(Number(constraint.upper), std::isinf(constraint.upper),
            [&] { constraint.upper = kInfinity; }),
-    "null: no bound", kNeeded);
-  t("violation", Number(constraint.violation, kNonNegative), "", kNeeded);
+    "null: no bound", kOwnUnit);
+  t("violation", Number(constraint.violation, kNonNegative), "", kOwnUnit);
 }
 
 namespace {
 
 void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
-                const char* text) {
+                const char* unit) {
   std::vector<double> both{0, 0};
   if (ends) both = {ends->lower, ends->upper};
   const bool is_there = t.reader() != nullptr ? is_variable : ends.has_value();
-  t(key, Numbers(both, 2), text, {.when = is_there});
+  t(key, Numbers(both, 2), "where it is a variable", {.unit = unit, .when = is_there});
   if (is_there) ends = Ends{both[0], both[1]};
 }
 
 void box_fields(Table& t, const CaptureProblem& problem, JointBox& box) {
   const VariableSpec& variables = problem.variables;
-  t("lower", Numbers(box.lower, problem.robot.n()), "in rad (m)", kNeeded);
-  t("upper", Numbers(box.upper, problem.robot.n()), "in rad (m)", kNeeded);
+  t("lower", Numbers(box.lower, problem.robot.n()), "", kJoints);
+  t("upper", Numbers(box.upper, problem.robot.n()), "", kJoints);
   ends_field(t, "base_angle", box.base_angle, variables.base_attitude == AttitudeFreedom::Axis,
-             "in rad, where it is a variable");
+             "rad");
   ends_field(t, "contact_time", box.contact_time,
-             variables.contact_time_upper > variables.contact_time_lower,
-             "in s, where it is a variable");
+             variables.contact_time_upper > variables.contact_time_lower, "s");
 }
 
 void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
   const auto boxes = [&problem](std::vector<JointBox>& list) {
-    return List(list, [&problem](JointBox& box, auto use) {
-      use(Map([&](Table& m) { box_fields(m, problem, box); }));
+    return List(list, [&problem](JointBox& box) {
+      return Map([&](Table& m) { box_fields(m, problem, box); });
     });
   };
   t("status", Word(proof.status, proof_status_names()),
@@ -257,17 +220,16 @@ void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
     kNeeded);
   t("statement", Text(proof.statement), "the same in words", kNeeded);
   t("solutions", boxes(proof.solutions), "boxes that hold exactly one solution each", kNeeded);
-  t("candidates",
-    List(proof.candidates, [](int& index, auto use) { use(Integer(index, -1, kMany)); }),
+  t("candidates", List(proof.candidates, [](int& index) { return Integer(index, -1, kMany); }),
     "per solution the number of the candidate in it, or -1", kNeeded);
   t("undecided", boxes(proof.undecided), "boxes that may hold solutions, or none", kNeeded);
   t("found_by_search", Integer(proof.found_by_search, 0, kMany),
     "solutions that the search had found without the proof's help", kNeeded);
   t("boxes", Integer(proof.boxes, 0, kMany), "boxes that the branch and bound looked at", kNeeded);
-  t("lower_bound", OrNull(Number(proof.lower_bound), !proof.lower_bound, [] {}),
-    "no posture has a smaller measure; null: not known", kNeeded);
-  t("gap", OrNull(Number(proof.gap), !proof.gap, [] {}),
-    "the best candidate's measure minus the lower bound", kNeeded);
+  t("lower_bound", OrNull(Number(proof.lower_bound), !proof.lower_bound),
+    "no posture has a smaller measure; null: not known", needed("`objective.unit`"));
+  t("gap", OrNull(Number(proof.gap), !proof.gap),
+    "the best candidate's measure minus the lower bound", needed("`objective.unit`"));
   MapReader* map = t.reader();
   if (map == nullptr || !map->context().findings.empty()) return;
   if (proof.candidates.size() == proof.solutions.size()) return;
@@ -281,10 +243,10 @@ void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& ce
            [&] { certificate.kkt_residual = kInfinity; }),
     "residual of the first-order conditions; null: not known, a limit came first", kNeeded);
   t("max_violation", Number(certificate.max_violation, kNonNegative),
-    "largest violation of a constraint, in its unit", kNeeded);
+    "largest violation of a constraint", kOwnUnit);
   t("reduced_hessian_min_eigenvalue",
     OrNull(Number(certificate.reduced_hessian_min_eigenvalue),
-           !certificate.reduced_hessian_min_eigenvalue, [] {}),
+           !certificate.reduced_hessian_min_eigenvalue),
     "smallest curvature along the directions that the active constraints leave; null: no "
     "direction is left",
     kNeeded);
@@ -298,71 +260,71 @@ void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& ce
 
 void candidate_fields(Table& t, const CaptureProblem& problem, int families, Candidate& candidate) {
   configuration_fields(t, problem, candidate.configuration);
-  t("objective", Number(candidate.objective), "nominal value", kNeeded);
-  t("worst_case", Number(candidate.worst_case), "over the cone", kNeeded);
-  t("value", Number(candidate.value), "of the measure", kNeeded);
+  t("objective", Number(candidate.objective), "nominal value", needed("`objective.unit`"));
+  t("worst_case", Number(candidate.worst_case), "worst case over the cone",
+    needed("`objective.unit`"));
+  t("value", Number(candidate.value), "of the measure", needed("`objective.unit`"));
   t("judged", Flag(candidate.is_judged), "as objective.judged", kNeeded);
-  t("max_violation", Number(candidate.max_violation, kNonNegative), "of the constraints", kNeeded);
+  t("max_violation", Number(candidate.max_violation, kNonNegative), "of the constraints", kOwnUnit);
   t("starts_reached", Integer(candidate.starts_reached, 0, kMany), "starts that ended here",
     kNeeded);
-  t("family", OrNull(Integer(candidate.family, 0, families - 1), candidate.family < 0, [] {}),
+  t("family", OrNull(Integer(candidate.family, 0, families - 1), candidate.family < 0),
     "number of the curve in `families` that it is on; null: none was followed", kNeeded);
   t("collision_free", Flag(candidate.collision_free), "at the contact", kNeeded);
   t("collision", Text(candidate.collision), "\"a with b\" when not", kNeeded);
 }
 
 void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& family) {
-  t("length", Number(family.length, kNonNegative), "rad, m and s mixed", kNeeded);
-  t("closed", Flag(family.is_closed), "", kNeeded);
+  t("length", Number(family.length, kNonNegative), "of the curve", needed("rad, m and s mixed"));
+  t("closed", Flag(family.is_closed), "ends where it begins", kNeeded);
   t("complete", Flag(family.is_complete), "closed, or followed to limits at both ends", kNeeded);
   t("starts", Integer(family.starts, 0, kMany), "of the search that ended on it", kNeeded);
   t("points",
     List(family.points,
-         [&problem](Configuration& point, auto use) {
-           use(Map([&](Table& m) { configuration_fields(m, problem, point); }));
+         [&problem](Configuration& point) {
+           return Map([&](Table& m) { configuration_fields(m, problem, point); });
          }),
     "along the curve in order, at most 0.1 apart; a closed one ends with its first point", kNeeded);
 }
 
 void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
-  const auto vectors = [](auto& list, int size) {
-    return List(list, [size](auto& v, auto use) { use(Numbers(v, size)); });
+  const auto vectors = []<class V>(std::vector<V>& list, int size) {
+    return List<V>(list, [size](V& v) { return Numbers(v, size); });
   };
   const int n = problem.robot.n();
   t("status", Word(approach.status, approach_status_names()), "", kNeeded);
   t("detail", Text(approach.detail), "what failed, by how much", kNeeded);
-  t("times", Numbers(approach.times), "of the samples, in s; the last one is the contact time",
-    kNeeded);
-  t("joint_positions", vectors(approach.joint_positions, n), "in rad (m)", kNeeded);
-  t("joint_velocities", vectors(approach.joint_velocities, n), "in rad/s (m/s)", kNeeded);
+  t("times", Numbers(approach.times), "of the samples; the last one is the contact time",
+    needed("s"));
+  t("joint_positions", vectors(approach.joint_positions, n), "", kJoints);
+  t("joint_velocities", vectors(approach.joint_velocities, n), "", needed("rad/s (m/s)"));
   t("joint_accelerations", vectors(approach.joint_accelerations, n),
-    "in rad/s^2 (m/s^2), at the begin of the segment that starts at each sample", kNeeded);
-  t("joint_torques", vectors(approach.joint_torques, n), "in N m (N), of the same instants",
-    kNeeded);
-  t("base_poses", List(approach.base_poses, [](Pose& pose, auto use) { use(written_pose(pose)); }),
-    "of B in N", kNeeded);
-  t("base_velocities", vectors(approach.base_velocities, 6), "linear and angular, in m/s and rad/s",
-    {.need = Need::Required, .frame = "B"});
-  t("duration", Number(approach.duration), "of the motion, in s", kNeeded);
-  t("path_length", Number(approach.path_length), "in rad", kNeeded);
+    "at the start of the segment that begins at each sample", needed("rad/s^2 (m/s^2)"));
+  t("joint_torques", vectors(approach.joint_torques, n), "at the same instants", needed("N m (N)"));
+  t("base_poses", List(approach.base_poses, [](Pose& pose) { return written_pose(pose); }),
+    "poses of B", needed("m", "N"));
+  t("base_velocities", vectors(approach.base_velocities, 6), "linear and angular",
+    needed("m/s, rad/s", "B"));
+  t("duration", Number(approach.duration), "of the motion", needed("s"));
+  t("path_length", Number(approach.path_length), "in joint space", needed("rad"));
   t("attitude_excursion", Number(approach.attitude_excursion),
-    "largest rotation angle of the base from its final attitude, in rad", kNeeded);
+    "largest rotation angle of the base from its final attitude", needed("rad"));
   t("min_clearance",
     OrNull(Number(approach.min_clearance), std::isinf(approach.min_clearance),
            [&] { approach.min_clearance = kInfinity; }),
-    "minimum distance between bodies, in m; null: nothing is near", kNeeded);
+    "minimum distance between bodies; null: nothing is near", needed("m"));
   t("effort_used", Number(approach.effort_used, kNonNegative),
     "largest part of a joint's torque limit", kNeeded);
   t("hand_error", Map([&](Table& m) {
-      m("position", Number(approach.hand_position_error, kNonNegative), "in m", kNeeded);
-      m("angle", Number(approach.hand_angle_error, kNonNegative), "in rad", kNeeded);
+      m("position", Number(approach.hand_position_error, kNonNegative), "", needed("m"));
+      m("angle", Number(approach.hand_angle_error, kNonNegative), "", needed("rad"));
     }),
     "of the hand at the end of the path", kNeeded);
-  t("late_by", Number(approach.late_by, kNonNegative), "in s, of a path that is too slow", kNeeded);
+  t("late_by", Number(approach.late_by, kNonNegative), "of a path that is too slow", needed("s"));
   t("polish", Map([&](Table& m) {
-      m("quantity", Word(approach.polish, path_polish_names()), "what was reduced", kNeeded);
-      m("before", Number(approach.before_polish, kNonNegative), "", kNeeded);
-      m("after", Number(approach.after_polish, kNonNegative), "", kNeeded);
+      m("quantity", Word(approach.polish, kPathPolishNames), "what was reduced", kNeeded);
+      m("before", Number(approach.before_polish, kNonNegative), "", needed("rad or s"));
+      m("after", Number(approach.after_polish, kNonNegative), "", needed("rad or s"));
     }),
     "", kNeeded);
   MapReader* map = t.reader();
@@ -391,11 +353,9 @@ namespace {
 /// The robot's text, wherever in the file it stands.
 std::optional<std::string> urdf_of(const MapReader* map) {
   const Node* robot = map == nullptr ? nullptr : map->find("robot");
-  if (robot == nullptr || robot->kind != Node::Kind::Map) return std::nullopt;
-  for (std::size_t i = 0; i < robot->keys.size(); ++i) {
-    if (robot->keys[i] == "urdf") return robot->items[i].text;
-  }
-  return std::nullopt;
+  const Node* urdf = robot == nullptr ? nullptr : robot->find("urdf");
+  if (urdf == nullptr) return std::nullopt;
+  return urdf->text;
 }
 
 void robot_copy_fields(Table& t, PlanFile& file, std::string& hand) {
@@ -410,11 +370,11 @@ void robot_copy_fields(Table& t, PlanFile& file, std::string& hand) {
 
 }  // namespace
 
-void plan_fields(Table& t, PlanFile& file, std::string& verification) {
+void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
   Plan& plan = file.plan;
   CaptureProblem& problem = plan.problem;
   format_fields(t, "stillbase.plan");
-  t("tool", Dictionary(file.tool, [](std::string& version, auto use) { use(Text(version)); }),
+  t("tool", Dictionary(file.tool, [](std::string& version) { return Text(version); }),
     "programs and libraries, with their versions", kNeeded);
   t("inputs", maps_of(file.inputs), "files that the plan was made from", kNeeded);
   t("problem", ProblemCopy(problem, urdf_of(t.reader())), "normalised copy of the problem",
@@ -446,25 +406,25 @@ void plan_fields(Table& t, PlanFile& file, std::string& verification) {
   }
   t("candidates",
     List(plan.candidates,
-         [&](Candidate& candidate, auto use) {
-           use(Map([&](Table& m) { candidate_fields(m, problem, families, candidate); }));
+         [&](Candidate& candidate) {
+           return Map([&](Table& m) { candidate_fields(m, problem, families, candidate); });
          }),
     "", kNeeded);
   t("families",
     List(plan.families,
-         [&](SolutionFamily& family, auto use) {
-           use(Map([&](Table& m) { family_fields(m, problem, family); }));
+         [&](SolutionFamily& family) {
+           return Map([&](Table& m) { family_fields(m, problem, family); });
          }),
     "continua of solutions: curves on which the nominal objective vanishes", kNeeded);
   t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }), "",
     kNeeded);
-  t("solver_calls",
-    Dictionary(plan.solver_calls, [](long& n, auto use) { use(Integer(n, 0, kMany)); }),
+  t("solver_calls", Dictionary(plan.solver_calls, [](long& n) { return Integer(n, 0, kMany); }),
     "optimizer or planner and how often it was called", kNeeded);
   t("content_sha256", Text(file.stated_sha256),
     "of everything but `tool`, `timing`, `verification` and itself", kNeeded);
   t("verification", Verdict(verification), "");
-  t("timing", Dictionary(plan.timing, [](double& x, auto use) { use(Number(x)); }), "in s");
+  t("timing", Dictionary(plan.timing, [](double& x) { return Number(x); }), "of each phase",
+    {.unit = "s"});
 }
 
 }  // namespace stillbase::io

@@ -13,10 +13,19 @@ namespace stillbase::io {
 
 /// A plan file. @param verification text of the object under `verification`; empty: none. It is
 /// written, and not read.
-void plan_fields(Table& t, PlanFile& file, std::string& verification);
+void plan_fields(Table& t, PlanFile& file, const std::string& verification);
+
+/// Joint positions, base pose and contact time.
+void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration);
 
 /// The impact object of plans, `inspect` and `analyze`, in B.
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot);
+
+/// Two vectors of three, in B, as one of six.
+Map halves(Vector6d& both, const char* upper, const char* upper_unit, const char* lower,
+           const char* lower_unit);
+/// Angular momentum and its parts.
+Map momentum_split(Vector3d& total, Vector3d& base, Vector3d& coupling);
 
 /// A state of the robot; empty: joints of any number and kind.
 void state_fields(Table& t, RobotState& state, const RobotModel* robot);

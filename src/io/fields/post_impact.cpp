@@ -15,7 +15,7 @@ namespace {
 // where its value is not the default: a value that was chosen says something.
 
 void contact_fields(Table& t, ContactSpec& contact) {
-  t("model", Word(contact.model, contact_model_names()),
+  t("model", Word(contact.model, kContactModelNames),
     "`jump` (the instantaneous impact), `compliant` (spring-damper and Coulomb friction, finite "
     "duration, both bodies moving; needs `rigid_body` and no `locked` joints) or `latch` (all six "
     "relative velocities vanish and the target stays attached: momentum, inertia and controllers "
@@ -26,8 +26,8 @@ void contact_fields(Table& t, ContactSpec& contact) {
   t("stiffness", Number(contact.stiffness, Dimension::LinearStiffness, {.lower = 1, .upper = 1e9}),
     "`compliant`");
   t("damping",
-    Either(Instead("from_restitution", !contact.damping, [] {}),
-           Number(contact.damping, Dimension::LinearDamping, kNonNegative)),
+    Either({Instead("from_restitution", !contact.damping),
+            Number(contact.damping, Dimension::LinearDamping, kNonNegative)}),
     "`compliant`; `from_restitution`: that which leaves `impact.restitution`, at least 0.001");
   t("friction", Number(contact.friction, {.lower = 0, .upper = 10}),
     "`compliant`: Coulomb coefficient");
@@ -97,7 +97,7 @@ void thruster_fields(Table& t, ThrusterSpec& thrusters) {
 void post_impact_fields(Table& t, PostImpactSpec& spec) {
   t("controllers",
     List(spec.controllers,
-         [](std::string& name, auto use) { use(Text(name, controller_names(), "controllers")); },
+         [](std::string& name) { return Text(name, controller_names(), "controllers"); },
          {.is_unique = true, .of = "names"}),
     "simulated after the impact; the first is the plan's choice and has to keep the two limits: "
     "`none`, `joint_damping`, `joint_damping_literal`, `rns`, `rns_damped`, `rns_handback`");

@@ -13,37 +13,35 @@ namespace {
 using LinkPair = std::pair<std::string, std::string>;
 
 /// [link, link].
-class Links : public Value {
- public:
-  Links(LinkPair& pair, const RobotModel& robot) : pair_(pair), robot_(robot) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    if (!fits(node)) {
-      context.add(node.line, "wrong-type", fmt::format("{}: must be a list of [link, link]", path));
-      return false;
-    }
-    const auto a = read_text(context, node.items[0], path);
-    const auto b = read_text(context, node.items[1], path);
-    if (!a || !b || robot_.links.empty()) return false;
-    const std::vector<std::string> links = link_names(robot_);
-    const bool are_known = check_name(context, node.line, path, *a, links, "links") &&
-                           check_name(context, node.line, path, *b, links, "links");
-    if (are_known && *a == *b) {
-      context.add(node.line, "duplicate-name", fmt::format("{}: a link cannot touch itself", path));
-    }
-    pair_ = {*a, *b};
-    return true;
+struct Links : Value {
+  Links(LinkPair& pair, const RobotModel& robot) {
+    fits = [](const Node& node) {
+      return node.kind == Node::Kind::Sequence && node.items.size() == 2;
+    };
+    read = [&pair, &robot, are_two = fits](ReadContext& context, const Node& node,
+                                           const std::string& path) {
+      if (!are_two(node)) {
+        context.add(node.line, "wrong-type", path + ": must be a list of [link, link]");
+        return false;
+      }
+      const auto a = read_text(context, node.items[0], path);
+      const auto b = read_text(context, node.items[1], path);
+      if (!a || !b || robot.links.empty()) return false;
+      const std::vector<std::string> links = link_names(robot);
+      const bool are_known = check_name(context, node.line, path, *a, links, "links") &&
+                             check_name(context, node.line, path, *b, links, "links");
+      if (are_known && *a == *b) {
+        context.add(node.line, "duplicate-name", path + ": a link cannot touch itself");
+      }
+      pair = {*a, *b};
+      return true;
+    };
+    write = [&pair] { return Json::array({pair.first, pair.second}); };
+    shape = [](Definitions&) -> Shape {
+      return {
+          {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 2}, {"maxItems", 2}}};
+    };
   }
-  Json write() const override { return Json::array({pair_.first, pair_.second}); }
-  Shape shape(Definitions&) override {
-    return {{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 2}, {"maxItems", 2}}};
-  }
-  bool fits(const Node& node) const override {
-    return node.kind == Node::Kind::Sequence && node.items.size() == 2;
-  }
-
- private:
-  LinkPair& pair_;
-  const RobotModel& robot_;
 };
 
 void read_robot(MapReader& map, CaptureProblem& problem, const ProblemSources& sources,
@@ -86,17 +84,16 @@ void check_start(MapReader& map, const CaptureProblem& problem) {
 
 void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources) {
   std::string hand = problem.robot.hand;
-  t("file", Text(problem.urdf_path), "URDF, relative to this file", {.need = Need::Required});
+  t("file", Text(problem.urdf_path), "URDF, relative to this file", kNeeded);
   t("hand", Text(hand), "hand link", {.without = "the only link without children"});
   if (t.reader() != nullptr) read_robot(*t.reader(), problem, sources, hand);
   t("start", JointValues(problem.start, problem.robot, kJointPosition, kAny, {.for_all = false}),
-    "posture before the approach, within the joint limits", {.need = Need::Required});
+    "posture before the approach, within the joint limits", kNeeded);
   if (t.reader() != nullptr) check_start(*t.reader(), problem);
   t("base", Map([&](Table& base) { pose_fields(base, problem.base, "B", "N"); }),
     "stated base pose", {.frame = "N", .without = "`position` 0, `orientation` 1"});
   t("allowed_contacts",
-    List(problem.allowed_contacts,
-         [&](LinkPair& pair, auto use) { use(Links(pair, problem.robot)); },
+    List(problem.allowed_contacts, [&](LinkPair& pair) { return Links(pair, problem.robot); },
          {.of = "[link, link]"}),
     "pairs [link, link] that may touch");
 }

@@ -3,7 +3,9 @@
 
 #include "io/fields/plan.hpp"
 
-namespace stillbase::io {
+namespace stillbase {
+
+namespace io {
 
 namespace {
 
@@ -12,39 +14,33 @@ constexpr double kLargest = 1e30;
 constexpr Range kStateRange{.lower = -kLargest, .upper = kLargest};
 
 /// One number per joint of a robot that is not known: any number of them, by name or in order.
-class AnyJoints : public Value {
- public:
-  AnyJoints(JointVectord& x, JointDimension dimension) : x_(x), dimension_(dimension) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    const std::size_t size = node.items.size(), before = context.findings.size();
-    const bool is_list = node.kind == Node::Kind::Sequence || node.kind == Node::Kind::Map;
-    if (!is_list || size == 0 || size > kMaxJoints) {
-      context.add(node.line, is_list ? "wrong-length" : "wrong-type",
-                  fmt::format("{}: must be a list or a map of 1 to {} numbers", path, kMaxJoints));
-      return false;
-    }
-    x_.resize(static_cast<Eigen::Index>(size));
-    for (std::size_t i = 0; i < size; ++i) {
-      // Of a joint of unknown kind the number may be that of a revolute or of a prismatic one.
-      const std::string item_path = fmt::format("{}[{}]", path, i);
-      ReadContext trial{context.source, {}, {}};
-      auto number = read_number(trial, node.items[i], item_path, dimension_.prismatic, kStateRange);
-      if (!number) {
-        number = read_number(context, node.items[i], item_path, dimension_.revolute, kStateRange);
+struct AnyJoints : Value {
+  AnyJoints(JointVectord& x, JointDimension dimension)
+      : Value(JointValues(x, RobotModel{}, dimension, kAny, {.for_all = false})) {
+    read = [&x, dimension](ReadContext& context, const Node& node, const std::string& path) {
+      const std::size_t size = node.items.size(), before = context.findings.size();
+      const bool is_list = node.kind == Node::Kind::Sequence || node.kind == Node::Kind::Map;
+      if (!is_list || size == 0 || size > kMaxJoints) {
+        context.add(
+            node.line, is_list ? "wrong-length" : "wrong-type",
+            fmt::format("{}: must be a list or a map of 1 to {} numbers", path, kMaxJoints));
+        return false;
       }
-      x_[static_cast<Eigen::Index>(i)] = number.value_or(0);
-    }
-    return context.findings.size() == before;
+      x.resize(static_cast<Eigen::Index>(size));
+      for (std::size_t i = 0; i < size; ++i) {
+        // Of a joint of unknown kind the number may be that of a revolute or of a prismatic one.
+        const std::string item_path = fmt::format("{}[{}]", path, i);
+        ReadContext trial{context.source, {}, {}};
+        auto number =
+            read_number(trial, node.items[i], item_path, dimension.prismatic, kStateRange);
+        if (!number) {
+          number = read_number(context, node.items[i], item_path, dimension.revolute, kStateRange);
+        }
+        x[static_cast<Eigen::Index>(i)] = number.value_or(0);
+      }
+      return context.findings.size() == before;
+    };
   }
-  Json write() const override { return array_json(x_); }
-  Shape shape(Definitions& definitions) override {
-    return JointValues(x_, RobotModel{}, dimension_, kAny, {.for_all = false}).shape(definitions);
-  }
-  bool fits(const Node&) const override { return true; }
-
- private:
-  JointVectord& x_;
-  JointDimension dimension_;
 };
 
 /// {upper: [3], lower: [3]} as one vector of 6; absent parts are zero.
@@ -92,4 +88,25 @@ void state_fields(Table& t, RobotState& state, const RobotModel* robot) {
   }
 }
 
-}  // namespace stillbase::io
+}  // namespace io
+
+RobotState zero_state(const RobotModel& robot) {
+  RobotState state;
+  state.phi = JointVectord::Zero(robot.n());
+  state.phidot = JointVectord::Zero(robot.n());
+  return state;
+}
+
+RobotState read_state(std::string_view text, const std::string& source, const RobotModel& robot) {
+  RobotState state = zero_state(robot);
+  io::read_map(text, source, [&](io::Table& t) { io::state_fields(t, state, &robot); });
+  return state;
+}
+
+RobotState read_state(std::string_view text, const std::string& source) {
+  RobotState state;
+  io::read_map(text, source, [&](io::Table& t) { io::state_fields(t, state, nullptr); });
+  return state;
+}
+
+}  // namespace stillbase

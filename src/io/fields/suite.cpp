@@ -2,34 +2,29 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <stillbase/core/file.hpp>
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/io/suite_file.hpp>
 
 #include "io/fields/sections.hpp"
 
-namespace stillbase::io {
+namespace stillbase {
+
+namespace io {
 
 namespace {
 
-const Names<BenchmarkGoal>& goal_names() {
-  static const Names<BenchmarkGoal> names = {{"nominal", BenchmarkGoal::Nominal},
-                                             {"worst_case", BenchmarkGoal::WorstCase},
-                                             {"case", BenchmarkGoal::Case}};
-  return names;
-}
-
-const Names<Variation>& variation_names() {
-  static const Names<Variation> names = {{"impulse_direction", Variation::ImpulseDirection},
-                                         {"hand_position", Variation::HandPosition},
-                                         {"target_attitude", Variation::TargetAttitude},
-                                         {"target_spin", Variation::TargetSpin}};
-  return names;
-}
+constexpr auto kVariationNames =
+    names<Variation>({{"impulse_direction", Variation::ImpulseDirection},
+                      {"hand_position", Variation::HandPosition},
+                      {"target_attitude", Variation::TargetAttitude},
+                      {"target_spin", Variation::TargetSpin}});
 
 /// A list of words, one at least, each once.
-template <class E>
-auto words_value(std::vector<E>& list, const Names<E>& names) {
-  return List(list, [&names](E& word, auto use) { use(Word(word, names)); },
-              {.least = 1, .is_unique = true, .of = "words"});
+template <class E, class Names>
+List<E> words_value(std::vector<E>& list, const Names& names) {
+  return List<E>(list, [names](E& word) { return Word(word, names); },
+                 {.least = 1, .is_unique = true, .of = "words"});
 }
 
 std::string beside(const std::optional<std::string>& folder, const std::string& file) {
@@ -42,17 +37,17 @@ void family_fields(Table& t, FamilySpec& family, const std::optional<std::string
                ? Need::Required
                : Need::Optional;
   };
-  const About needed{.need = Need::Required};
   std::string problem;
-  t("name", Text(family.name), "short name", needed);
-  t("problem", Text(problem), "the base problem, relative to this file", needed);
+  t("name", Text(family.name), "short name", kNeeded);
+  t("problem", Text(problem), "the base problem, relative to this file", kNeeded);
   if (t.reader() != nullptr && folder && !problem.empty()) {
     family.problem = read_problem((std::filesystem::path(*folder) / problem).string());
   }
-  t("goals", words_value(family.goals, goal_names()), "what is minimised or asked for", needed);
-  t("vary", words_value(family.vary, variation_names()), "what the seed of an instance changes",
-    needed);
-  t("case", Word(family.impact_case, case_constraint_names()), "of the goal `case`, which needs it",
+  t("goals", words_value(family.goals, names_up_to(BenchmarkGoal::Case)),
+    "what is minimised or asked for", kNeeded);
+  t("vary", words_value(family.vary, kVariationNames), "what the seed of an instance changes",
+    kNeeded);
+  t("case", Word(family.impact_case, kCaseConstraintNames), "of the goal `case`, which needs it",
     {.need = has(BenchmarkGoal::Case)});
   t("cone_half_angle",
     Number(family.cone_half_angle, Dimension::Angle,
@@ -72,22 +67,30 @@ void family_fields(Table& t, FamilySpec& family, const std::optional<std::string
 void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& folder) {
   format_fields(t, "stillbase.suite");
   t("gradient_cost", Number(suite.gradient_cost, kNonNegative), "cost of a gradient in evaluations",
-    {.need = Need::Required});
+    kNeeded);
   t("best_known", Text(suite.best_known), "file with the best known values, relative to this file",
     {.without = "none"});
-  t("approaches",
-    List(suite.approaches, [](std::string& path, auto use) { use(Text(path)); },
-         {.of = "problem files"}),
+  t("approaches", Texts(suite.approaches, {.of = "problem files"}),
     "problem files of `bench --planners`");
   t("families",
     List(suite.families,
-         [&folder](FamilySpec& family, auto use) {
-           use(Map([&](Table& m) { family_fields(m, family, folder); }));
+         [&folder](FamilySpec& family) {
+           return Map([&](Table& m) { family_fields(m, family, folder); });
          }),
-    "families of capture problems", {.need = Need::Required});
+    "families of capture problems", kNeeded);
   if (t.reader() == nullptr) return;
   if (!suite.best_known.empty()) suite.best_known = beside(folder, suite.best_known);
   for (std::string& path : suite.approaches) path = beside(folder, path);
 }
 
-}  // namespace stillbase::io
+}  // namespace io
+
+SuiteSpec read_suite(const std::string& path) {
+  SuiteSpec suite;
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  io::read_map(read_text_file(path, io::DocumentLimits{}.bytes), path,
+               [&](io::Table& t) { io::suite_fields(t, suite, folder); });
+  return suite;
+}
+
+}  // namespace stillbase

@@ -7,15 +7,16 @@
 //     }
 //
 // Three kinds of Table run it: MapReader reads a map of a file into `s`, TableWriter writes `s` as
-// the normalised copy, TableDescriber makes the JSON Schema and the rows of the reference. The
-// state of `s` before reading is the default. A condition between fields is an `if` on fields that
-// were named before; the describer runs the table once for every word of a field that decides.
+// JSON, TableDescriber makes the JSON Schema and the rows of the reference. The state of `s` before
+// reading is the default. A condition between fields is an `if` on fields that were named before;
+// the describer runs the table once for every word of a field that decides.
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
-#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "io/json.hpp"
@@ -43,25 +44,27 @@ struct Shape {
   std::vector<FieldRow> rows = {};  ///< of the fields inside
 };
 
-/// A value of a file: where it is kept, how it is read, written and described.
-class Value {
- public:
-  virtual ~Value() = default;
-  /// @return false with findings in the context: not such a value
-  virtual bool read(ReadContext& context, const Node& node, const std::string& path) = 0;
-  /// The field is not stated: puts a default in place that the data cannot hold beforehand.
-  /// @return whether it may be left out although it is needed
-  virtual bool leave_out(ReadContext&, const std::string&) { return false; }
-  /// @throws NotFiniteError
-  virtual Json write() const = 0;
-  virtual bool is_written() const { return true; }
-  virtual Shape shape(Definitions& definitions) = 0;
-  virtual bool fits(const Node& node) const = 0;  ///< looks like such a value, among alternatives
+/// A value of a file: how it is read, written and described. It refers to the data that keep it.
+struct Value {
+  /// @return false with findings in the context: the node holds no such value
+  std::function<bool(ReadContext&, const Node&, const std::string& path)> read;
+  std::function<Json()> write;  ///< @throws NotFiniteError
+  std::function<Shape(Definitions&)> shape;
+  /// Whether a node looks like such a value, among alternatives.
+  std::function<bool(const Node&)> fits = is_scalar;
+  bool is_written = true;
+  /// Puts a default in place that the data cannot hold before the field is known to be absent.
+  /// @return whether the field may be left out although it is needed
+  std::function<bool(ReadContext&, const std::string& path)> leave_out = nullptr;
+  /// Of a word of a closed list: the list, and a function that makes the data hold its word i.
+  std::vector<std::string> words = {};
+  std::function<void(std::size_t)> choose = nullptr;
 };
 
 /// What a table says of a field beside its value and its sentence.
 struct About {
   Need need = Need::Optional;
+  std::string unit = {};          ///< where the value does not say it
   std::string frame = {};         ///< in which a vector is stated
   std::string without = {};       ///< what holds without it, where the data do not say it
   bool is_used = true;            ///< false: stated all the same it is refused
@@ -71,14 +74,13 @@ struct About {
 };
 
 inline const About kNeeded{.need = Need::Required};
+About needed(std::string unit, std::string frame = {});
 
 class Table {
  public:
   virtual ~Table() = default;
-  void operator()(const std::string& key, Value&& value, const std::string& text,
-                  const About& about = {}) {
-    add(key, value, text, about);
-  }
+  virtual void operator()(const std::string& key, const Value& value, const std::string& text,
+                          const About& about = {}) = 0;
   /// Whether a key is there on which other fields of the map depend. @param is_written in a copy
   virtual bool states(const std::string& key, bool is_written) = 0;
   /// Index of the one key that is there; -1 with a finding of this rule: none or several.
@@ -88,56 +90,49 @@ class Table {
   virtual void not_both(const std::string& a, const std::string& b) = 0;
   /// The reader, for findings that take more than one field; null: not reading.
   virtual MapReader* reader() { return nullptr; }
-
- protected:
-  virtual void add(const std::string& key, Value& value, const std::string& text,
-                   const About& about) = 0;
 };
 
 /// The values of data as an object.
 class TableWriter : public Table {
  public:
   Json json = Json::object();
+  void operator()(const std::string& key, const Value& value, const std::string& text,
+                  const About& about = {}) override;
   bool states(const std::string&, bool is_written) override { return is_written; }
   int one_of(const std::vector<std::string>&, int written, const std::string&) override {
     return written;
   }
   void not_both(const std::string&, const std::string&) override {}
-
- protected:
-  void add(const std::string& key, Value& value, const std::string& text,
-           const About& about) override;
 };
 
 using TableBody = std::function<void(Table&)>;
 
-/// A map of fields.
-class Map : public Value {
- public:
-  struct Also {
-    std::string alone = {};  ///< key of the word that may stand for a map of it alone
-    std::string name = {};   ///< of the definition in schemas; its fields are not rows
-    bool is_written = true;
-    bool is_section = false;  ///< absent it is an empty map
-  };
-  explicit Map(TableBody body) : Map(std::move(body), Also{}) {}
-  Map(TableBody body, Also also) : body_(std::move(body)), also_(std::move(also)) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override;
-  bool leave_out(ReadContext& context, const std::string& path) override;
-  Json write() const override;
-  bool is_written() const override { return also_.is_written; }
-  Shape shape(Definitions& definitions) override;
-  bool fits(const Node& node) const override { return node.kind == Node::Kind::Map; }
+/// The object that a table writes.
+Json written(const TableBody& body);
 
- private:
-  TableBody body_;
-  Also also_;
+/// Reads a whole file that one table describes.
+/// @throws InputError with every finding
+void read_map(std::string_view text, const std::string& source, const TableBody& body,
+              const DocumentLimits& limits = {});
+/// The same of JSON text that a program wrote on one line.
+void read_json(std::string_view text, const std::string& source, const TableBody& body);
+
+struct MapOptions {
+  std::string alone = {};  ///< key of the word that may stand for a map of it alone
+  std::string name = {};   ///< of the definition in schemas; its fields are not rows
+  bool is_written = true;
+  bool is_section = false;  ///< absent it is an empty map
+};
+
+/// A map of fields.
+struct Map : Value {
+  explicit Map(const TableBody& body, const MapOptions& options = {});
 };
 
 /// The map of data for which there is a table `fields(Table&, T&)`.
 template <class T>
-Map map_of(T& data, Map::Also also = {}) {
-  return {[&data](Table& t) { fields(t, data); }, std::move(also)};
+Map map_of(T& data, const MapOptions& options = {}) {
+  return Map([&data](Table& t) { fields(t, data); }, options);
 }
 
 struct ListLimits {
@@ -147,144 +142,87 @@ struct ListLimits {
   std::string of = {};          ///< "pairs [link, link]", for messages
 };
 
-class ListValue : public Value {
- public:
-  using Use = std::function<void(Value&)>;
-  explicit ListValue(ListLimits limits) : limits_(std::move(limits)) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override;
-  Json write() const override;
-  Shape shape(Definitions& definitions) override;
-  bool fits(const Node& node) const override { return node.kind == Node::Kind::Sequence; }
-
- protected:
-  virtual std::size_t size() const = 0;
-  virtual void clear() = 0;
-  virtual void append() = 0;
-  virtual void use(std::size_t i, const Use& how) const = 0;
-
- private:
-  ListLimits limits_;
+/// A list of values, whatever keeps them.
+struct ListValue : Value {
+  struct Items {
+    std::function<std::size_t()> size;
+    std::function<void()> clear, append;
+    std::function<Value(std::size_t)> at;
+  };
+  ListValue(const Items& items, const ListLimits& limits);
 };
 
-/// A list; `element` hands the value of one element on: [](T& x, auto use) { use(Text(x)); }.
-template <class T, class Element>
-class List : public ListValue {
- public:
-  List(std::vector<T>& items, Element element, ListLimits limits = {})
-      : ListValue(std::move(limits)), items_(items), element_(element) {}
-  /// @param blank a new element, where T{} is none
-  List(std::vector<T>& items, Element element, ListLimits limits, T blank)
-      : List(items, element, std::move(limits)) {
-    blank_ = std::move(blank);
-  }
+template <class T>
+using Element = std::type_identity_t<std::function<Value(T&)>>;
 
- protected:
-  std::size_t size() const override { return items_.size(); }
-  void clear() override { items_.clear(); }
-  void append() override {
-    if (blank_) {
-      items_.push_back(*blank_);
-    } else {
-      items_.emplace_back();
-    }
-  }
-  void use(std::size_t i, const Use& how) const override {
-    element_(items_[i], [&how](Value&& value) { how(value); });
-  }
-
- private:
-  std::vector<T>& items_;
-  Element element_;
-  std::optional<T> blank_;
+/// A list. @param element the value of one item @param blank a new item
+template <class T>
+struct List : ListValue {
+  List(std::vector<T>& items, const Element<T>& element, const ListLimits& limits = {},
+       const T& blank = T{})
+      : ListValue({[&items] { return items.size(); }, [&items] { items.clear(); },
+                   [&items, blank] { items.push_back(blank); },
+                   [&items, element](std::size_t i) { return element(items[i]); }},
+                  limits) {}
 };
 
 /// A list of maps for which there is a table `fields(Table&, T&)`.
 template <class T, class... Blank>
-auto maps_of(std::vector<T>& items, ListLimits limits = {}, Blank... blank) {
-  return List(
-      items, [](T& item, auto use) { use(map_of(item)); }, std::move(limits), std::move(blank)...);
+List<T> maps_of(std::vector<T>& items, const ListLimits& limits = {}, const Blank&... blank) {
+  return List<T>(
+      items, [](T& item) { return map_of(item); }, limits, blank...);
 }
 
-class Alternatives : public Value {
- public:
-  bool read(ReadContext& context, const Node& node, const std::string& path) override;
-  Json write() const override;
-  bool is_written() const override;
-  Shape shape(Definitions& definitions) override;
-  bool fits(const Node& node) const override;
+/// A map of any keys to values of one kind, whatever keeps them.
+struct DictionaryValue : Value {
+  /// @param at the value of a key, made when it is new
+  DictionaryValue(const std::function<std::vector<std::string>()>& keys,
+                  const std::function<Value(const std::string&)>& at,
+                  const std::function<Value()>& sample);
+};
 
- protected:
-  virtual std::vector<Value*> values() const = 0;
+template <class T>
+struct Dictionary : DictionaryValue {
+  Dictionary(std::map<std::string, T>& map, const Element<T>& element)
+      : DictionaryValue(
+            [&map] {
+              std::vector<std::string> keys;
+              for (const auto& entry : map) keys.push_back(entry.first);
+              return keys;
+            },
+            [&map, element](const std::string& key) { return element(map[key]); },
+            [element] {
+              static T sample{};
+              return element(sample);
+            }) {}
 };
 
 /// One of several values: read as the first that a text looks like, or else the last; written as
 /// the first that is to be written.
-template <class... V>
-class Either : public Alternatives {
- public:
-  explicit Either(V... values) : values_(std::move(values)...) {}
-
- protected:
-  std::vector<Value*> values() const override {
-    return std::apply([](auto&... value) { return std::vector<Value*>{&value...}; }, values_);
-  }
-
- private:
-  mutable std::tuple<V...> values_;
+struct Either : Value {
+  explicit Either(const std::vector<Value>& values);
 };
 
-/// A value that files may state and copies never do.
-template <class V, class Then>
-class Shorthand : public V {
- public:
-  Shorthand(V value, Then then) : V(std::move(value)), then_(then) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    if (!V::read(context, node, path)) return false;
-    then_();
-    return true;
-  }
-  bool is_written() const override { return false; }
+/// A word among alternatives that stands for a state of the data.
+struct Instead : Value {
+  Instead(
+      const std::string& word, bool is_now, const std::function<void()>& make = [] {});
+};
 
- private:
-  Then then_;
+/// A value that files may state and copies never do. @param then after reading
+struct Shorthand : Value {
+  Shorthand(const Value& value, const std::function<void()>& then);
 };
 
 /// A value that is written when a condition holds.
-template <class V>
-class WrittenIf : public V {
- public:
-  WrittenIf(V value, bool is_written) : V(std::move(value)), is_written_(is_written) {}
-  bool is_written() const override { return is_written_; }
-
- private:
-  bool is_written_;
+struct WrittenIf : Value {
+  WrittenIf(const Value& value, bool condition) : Value(value) { is_written = condition; }
 };
 
 /// A value or null.
-template <class V, class MakeNull>
-class OrNull : public V {
- public:
-  OrNull(V value, bool is_null, MakeNull make_null)
-      : V(std::move(value)), is_null_(is_null), make_null_(make_null) {}
-  bool read(ReadContext& context, const Node& node, const std::string& path) override {
-    if (!holds_null(node)) return V::read(context, node, path);
-    make_null_();
-    return true;
-  }
-  Json write() const override { return is_null_ ? Json() : V::write(); }
-  bool is_written() const override { return true; }
-  Shape shape(Definitions& definitions) override {
-    Shape shape = V::shape(definitions);
-    shape.schema = {{"anyOf", Json::array({shape.schema, {{"type", "null"}}})}};
-    return shape;
-  }
-
- private:
-  static bool holds_null(const Node& node) {
-    return node.kind == Node::Kind::Null || (node.kind == Node::Kind::Plain && node.text == "null");
-  }
-  bool is_null_;
-  MakeNull make_null_;
+struct OrNull : Value {
+  OrNull(
+      const Value& value, bool is_null, const std::function<void()>& make_null = [] {});
 };
 
 }  // namespace stillbase::io

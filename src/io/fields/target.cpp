@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/io/target_file.hpp>
 #include <stillbase/robot/physical_checks.hpp>
 
 #include "io/fields/sections.hpp"
 #include "io/named_file.hpp"
 
-namespace stillbase::io {
+namespace stillbase {
+
+namespace io {
 
 namespace {
 
@@ -71,14 +74,14 @@ void state_fields(Table& t, TargetState& state, std::optional<EstimateDeviations
   Vector3d axis = Vector3d::UnitZ();
   double rate = 0;
   t("angular_velocity",
-    Either(Shorthand(Map([&](Table& spin) {
-                       spin("axis", Vector(axis, VectorKind::Direction), "axis of the rotation",
-                            {.need = Need::Required, .frame = "N"});
-                       spin("rate", Number(rate, Dimension::AngularVelocity), "rate about it",
-                            kNeeded);
-                     }),
-                     [&] { state.angular_velocity = axis * rate; }),
-           Vector(state.angular_velocity, Dimension::AngularVelocity)),
+    Either({Shorthand(Map([&](Table& spin) {
+                        spin("axis", Vector(axis, VectorKind::Direction), "axis of the rotation",
+                             needed("", "N"));
+                        spin("rate", Number(rate, Dimension::AngularVelocity), "rate about it",
+                             kNeeded);
+                      }),
+                      [&] { state.angular_velocity = axis * rate; }),
+            Vector(state.angular_velocity, Dimension::AngularVelocity)}),
     "vector, or `{axis, rate}`", {.frame = "N"});
   EstimateDeviations stated = deviations.value_or(EstimateDeviations{});
   t("covariance", Map([&](Table& m) { fields(m, stated); }, {.is_written = deviations.has_value()}),
@@ -109,7 +112,7 @@ void read_target(MapReader& map, const std::string& file, CaptureProblem& proble
 }  // namespace
 
 void target_body_fields(Table& t, TargetBody& body) {
-  static const Names<bool> kModels{{"rigid_body", false}, {"point_mass", true}};
+  static constexpr auto kModels = names<bool>({{"rigid_body", false}, {"point_mass", true}});
   t("name", Text(body.name), "short name", kNeeded);
   t("model", Word(body.is_point_mass, kModels), "`rigid_body` or `point_mass`", kNeeded);
   t("mass", Number(body.mass, Dimension::Mass, kSensible), "mass", kNeeded);
@@ -149,4 +152,12 @@ void target_fields(Table& t, CaptureProblem& problem, const ProblemSources& sour
     {.without = "required when `impact.direction` is not stated, refused when it is"});
 }
 
-}  // namespace stillbase::io
+}  // namespace io
+
+TargetBody read_target_text(std::string_view text, const std::string& source) {
+  TargetBody body;
+  io::read_map(text, source, [&](io::Table& t) { io::target_file_fields(t, body); });
+  return body;
+}
+
+}  // namespace stillbase

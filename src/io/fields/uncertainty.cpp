@@ -8,8 +8,8 @@ namespace {
 void cone_fields(Table& t, UncertaintySpec& uncertainty) {
   bool from_covariance = uncertainty.cone_confidence.has_value();
   t("cone_half_angle",
-    Either(Instead("from_covariance", from_covariance, [&] { from_covariance = true; }),
-           Number(uncertainty.cone_half_angle, Dimension::Angle, {.lower = 0, .upper = kPi / 2})),
+    Either({Instead("from_covariance", from_covariance, [&] { from_covariance = true; }),
+            Number(uncertainty.cone_half_angle, Dimension::Angle, {.lower = 0, .upper = kPi / 2})}),
     "largest angle between the nominal and the true direction; or `from_covariance`: the angle "
     "about the nominal normal that holds the true one with the probability `confidence` whenever "
     "the contact is in its window, by `target.state.covariance` (Gaussian errors of the normal; "
@@ -34,12 +34,13 @@ void cone_fields(Table& t, UncertaintySpec& uncertainty) {
 void uncertainty_fields(Table& t, CaptureProblem& problem) {
   UncertaintySpec& spread = problem.uncertainty;
   std::optional<Vector3d>& plane = spread.cone_plane_normal;
-  static const Names<std::optional<Vector3d>> kPlanes{{"none", std::nullopt},
-                                                      {"xy", Vector3d::UnitZ()},
-                                                      {"yz", Vector3d::UnitX()},
-                                                      {"xz", Vector3d::UnitY()}};
+  static const auto kPlanes = names<std::optional<Vector3d>>({{"none", std::nullopt},
+                                                              {"xy", Vector3d::UnitZ()},
+                                                              {"yz", Vector3d::UnitX()},
+                                                              {"xz", Vector3d::UnitY()}});
   cone_fields(t, spread);
-  t("cone_plane", Either(WrittenIf(Word(plane, kPlanes), !plane), Vector(plane, VectorKind::Unit)),
+  t("cone_plane",
+    Either({WrittenIf(Word(plane, kPlanes), !plane), Vector(plane, VectorKind::Unit)}),
     "planar problems: `xy`, `yz`, `xz` or a normal; the cone becomes a wedge in this plane. "
     "Refused where arm, base, target or an error of its estimate may leave the plane",
     {.frame = "B"});

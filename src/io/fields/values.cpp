@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,7 +11,6 @@
 
 #include "io/field_reader.hpp"
 #include "io/fields/describer.hpp"
-#include "io/scan.hpp"
 
 namespace stillbase::io {
 
@@ -23,6 +23,8 @@ std::string si_unit(Dimension dimension) {
   const std::string units = units_of(dimension);
   return units.substr(0, units.find(','));
 }
+
+bool is_list(const Node& node) { return node.kind == Node::Kind::Sequence; }
 
 std::string range_text(const Range& range) {
   return range.text() == kAny.text() ? "" : range.text();
@@ -62,130 +64,181 @@ bool read_whole(ReadContext& context, const Node& node, const std::string& path,
 
 }  // namespace
 
-bool Number::read(ReadContext& context, const Node& node, const std::string& path) {
-  const auto value = read_number(context, node, path, dimension_, range_);
-  if (value) x_.set(*value);
-  return value.has_value();
+Number::Number(Slot<double> x, Dimension dimension, Range range) {
+  read = [=](ReadContext& context, const Node& node, const std::string& path) {
+    const auto value = read_number(context, node, path, dimension, range);
+    if (value) x.set(*value);
+    return value.has_value();
+  };
+  write = [x]() -> Json { return x.get(); };
+  is_written = x.has();
+  shape = [=](Definitions& definitions) -> Shape {
+    return {number_schema(dimension, range, definitions),
+            dimension == Dimension::None ? "1" : si_unit(dimension), range_text(range)};
+  };
 }
 
-Shape Number::shape(Definitions& definitions) {
-  return {number_schema(dimension_, range_, definitions),
-          dimension_ == Dimension::None ? "1" : si_unit(dimension_), range_text(range_)};
+Integer::Integer(int lower, int upper, const std::function<Json()>& get,
+                 const std::function<void(int)>& set) {
+  read = [=](ReadContext& context, const Node& node, const std::string& path) {
+    int value = 0;
+    const std::string range = fmt::format("[{}, {}]", lower, upper);
+    if (!read_whole(context, node, path, lower, upper, range, value)) return false;
+    set(value);
+    return true;
+  };
+  write = get;
+  shape = [lower, upper](Definitions&) -> Shape {
+    const bool is_bounded = upper < std::numeric_limits<int>::max() - 1;
+    return {{{"type", "integer"}, {"minimum", lower}, {"maximum", upper}},
+            "",
+            is_bounded ? fmt::format("in [{}, {}]", lower, upper) : fmt::format(">= {}", lower)};
+  };
 }
 
-bool Integer::read(ReadContext& context, const Node& node, const std::string& path) {
-  int value = 0;
-  if (!read_whole(context, node, path, lower_, upper_, fmt::format("[{}, {}]", lower_, upper_),
-                  value)) {
+Seed::Seed(std::uint64_t& x) {
+  read = [&x](ReadContext& context, const Node& node, const std::string& path) {
+    constexpr std::uint64_t kLargest = ~std::uint64_t{0};
+    return read_whole<std::uint64_t>(context, node, path, 0, kLargest, "[0, 2^64 - 1]", x);
+  };
+  write = [&x]() -> Json { return x; };
+  shape = [](Definitions&) -> Shape { return {{{"type", "integer"}, {"minimum", 0}}}; };
+}
+
+Flag::Flag(bool& x) {
+  read = [&x](ReadContext& context, const Node& node, const std::string& path) {
+    const bool is_flag =
+        node.kind == Node::Kind::Plain && (node.text == "true" || node.text == "false");
+    if (is_flag) {
+      x = node.text == "true";
+    } else {
+      context.add(
+          node.line, "wrong-type",
+          fmt::format("{}: {} is not allowed; must be true or false", path, describe(node)));
+    }
+    return is_flag;
+  };
+  write = [&x]() -> Json { return x; };
+  shape = [](Definitions&) -> Shape { return {{{"type", "boolean"}}}; };
+}
+
+Text::Text(std::string& x, const std::vector<std::string>& names, const std::string& what) {
+  read = [&x, names, what](ReadContext& context, const Node& node, const std::string& path) {
+    const auto text = read_text(context, node, path);
+    if (!text) return false;
+    x = *text;
+    return what.empty() || check_name(context, node.line, path, x, names, what.c_str());
+  };
+  write = [&x]() -> Json { return x; };
+  shape = [names](Definitions&) -> Shape {
+    if (names.empty()) return {{{"type", "string"}}};
+    return {{{"enum", Json(names)}}};
+  };
+}
+
+Exactly::Exactly(const std::string& text) {
+  read = [text](ReadContext& context, const Node& node, const std::string& path) {
+    const auto stated = read_text(context, node, path);
+    if (!stated || *stated == text) return stated.has_value();
+    context.add(node.line, "format", fmt::format("{}: is '{}'; must be '{}'", path, *stated, text));
     return false;
-  }
-  if (int_ != nullptr) {
-    *int_ = value;
-  } else {
-    *long_ = value;
-  }
-  return true;
+  };
+  write = [text]() -> Json { return text; };
+  shape = [text](Definitions&) -> Shape { return {{{"const", text}}}; };
 }
 
-Shape Integer::shape(Definitions&) {
-  return {{{"type", "integer"}, {"minimum", lower_}, {"maximum", upper_}},
-          "",
-          fmt::format("in [{}, {}]", lower_, upper_)};
+Word::Word(std::vector<std::string> list, std::function<void(std::size_t)> choose_word,
+           const std::function<std::string()>& now) {
+  read = [list, choose_word](ReadContext& context, const Node& node, const std::string& path) {
+    const auto word = read_text(context, node, path);
+    if (!word || !check_name(context, node.line, path, *word, list, "allowed")) return false;
+    choose_word(
+        static_cast<std::size_t>(std::find(list.begin(), list.end(), *word) - list.begin()));
+    return true;
+  };
+  write = [now]() -> Json { return now(); };
+  shape = [list](Definitions&) -> Shape { return {{{"enum", Json(list)}}}; };
+  words = std::move(list);
+  choose = std::move(choose_word);
 }
 
-bool Seed::read(ReadContext& context, const Node& node, const std::string& path) {
-  return read_whole<std::uint64_t>(context, node, path, 0, ~std::uint64_t{0}, "[0, 2^64 - 1]", x_);
+Vector::Vector(Slot<Vector3d> x, Dimension dimension, Range range, VectorKind kind) {
+  read = [=](ReadContext& context, const Node& node, const std::string& path) {
+    std::optional<Vector3d> value;
+    if (kind == VectorKind::Direction) {
+      value = read_direction(context, node, path);
+    } else if (kind == VectorKind::Unit) {
+      value = read_unit_vector(context, node, path);
+    } else {
+      value = read_vector3(context, node, path, dimension, range);
+    }
+    if (value) x.set(*value);
+    return value.has_value();
+  };
+  write = [x] { return array_json(x.get()); };
+  is_written = x.has();
+  shape = [=](Definitions& definitions) -> Shape {
+    return {three_of(number_schema(dimension, range, definitions)),
+            dimension == Dimension::None ? "" : si_unit(dimension),
+            kind == VectorKind::Any         ? range_text(range)
+            : kind == VectorKind::Direction ? "any length but zero"
+                                            : "norm 1, to 1e-6"};
+  };
+  fits = is_list;
 }
 
-Shape Seed::shape(Definitions&) { return {{{"type", "integer"}, {"minimum", 0}}}; }
-
-bool Flag::read(ReadContext& context, const Node& node, const std::string& path) {
-  if (node.kind != Node::Kind::Plain || (node.text != "true" && node.text != "false")) {
-    context.add(node.line, "wrong-type",
-                fmt::format("{}: {} is not allowed; must be true or false", path, describe(node)));
-    return false;
-  }
-  x_ = node.text == "true";
-  return true;
+Deviation::Deviation(Slot<Vector3d> x, Dimension dimension, Range range)
+    : Value(Vector(x, dimension, range)) {
+  read = [=, vector = read](ReadContext& context, const Node& node, const std::string& path) {
+    if (!is_scalar(node)) return vector(context, node, path);
+    const auto value = read_number(context, node, path, dimension, range);
+    if (value) x.set(Vector3d::Constant(*value));
+    return value.has_value();
+  };
+  shape = [=](Definitions& definitions) -> Shape {
+    const Json one = number_schema(dimension, range, definitions);
+    return {{{"anyOf", Json::array({one, three_of(one)})}},
+            dimension == Dimension::None ? "1" : si_unit(dimension),
+            range_text(range)};
+  };
 }
 
-Shape Flag::shape(Definitions&) { return {{{"type", "boolean"}}}; }
-
-bool Text::read(ReadContext& context, const Node& node, const std::string& path) {
-  const auto text = read_text(context, node, path);
-  if (!text) return false;
-  x_ = *text;
-  return what_.empty() || check_name(context, node.line, path, x_, names_, what_.c_str());
+Numbers::Numbers(int size, const std::function<std::vector<double>()>& get,
+                 const std::function<void(const std::vector<double>&)>& set) {
+  read = [=](ReadContext& context, const Node& node, const std::string& path) {
+    const auto values = read_numbers(context, node, path, Dimension::None, size);
+    if (values) set(*values);
+    return values.has_value();
+  };
+  write = [get] { return Json(get()); };
+  shape = [size](Definitions&) -> Shape {
+    Json schema{{"type", "array"}, {"items", {{"type", "number"}}}};
+    if (size > 0) schema.update({{"minItems", size}, {"maxItems", size}});
+    return {schema};
+  };
+  fits = is_list;
 }
 
-Shape Text::shape(Definitions&) {
-  if (names_.empty()) return {{{"type", "string"}}};
-  return {{{"enum", Json(names_)}}};
-}
-
-bool Exactly::read(ReadContext& context, const Node& node, const std::string& path) {
-  const auto text = read_text(context, node, path);
-  if (!text) return false;
-  if (*text == text_) return true;
-  context.add(node.line, "format", fmt::format("{}: is '{}'; must be '{}'", path, *text, text_));
-  return false;
-}
-
-Shape Exactly::shape(Definitions&) { return {{{"const", text_}}}; }
-
-bool WordValue::read(ReadContext& context, const Node& node, const std::string& path) {
-  const auto word = read_text(context, node, path);
-  if (!word || !check_name(context, node.line, path, *word, words_, "allowed")) return false;
-  choose(static_cast<std::size_t>(std::find(words_.begin(), words_.end(), *word) - words_.begin()));
-  return true;
-}
-
-Shape WordValue::shape(Definitions&) { return {{{"enum", Json(words_)}}}; }
-
-bool Vector::read(ReadContext& context, const Node& node, const std::string& path) {
-  std::optional<Vector3d> value;
-  if (kind_ == VectorKind::Direction) {
-    value = read_direction(context, node, path);
-  } else if (kind_ == VectorKind::Unit) {
-    value = read_unit_vector(context, node, path);
-  } else if (const auto x = read_numbers(context, node, path, dimension_, 3, range_)) {
-    value = Vector3d((*x)[0], (*x)[1], (*x)[2]);
-  }
-  if (value) x_.set(*value);
-  return value.has_value();
-}
-
-Shape Vector::shape(Definitions& definitions) {
-  const char* range = kind_ == VectorKind::Any         ? ""
-                      : kind_ == VectorKind::Direction ? "any length but zero"
-                                                       : "norm 1, to 1e-6";
-  return {three_of(number_schema(dimension_, range_, definitions)),
-          dimension_ == Dimension::None ? "" : si_unit(dimension_),
-          kind_ == VectorKind::Any ? range_text(range_) : range};
-}
-
-bool Deviation::read(ReadContext& context, const Node& node, const std::string& path) {
-  if (!Scalar::looks_like_one(node)) return Vector::read(context, node, path);
-  double value = 0;
-  if (!Number(value, dimension_, range_).read(context, node, path)) return false;
-  x_.set(Vector3d::Constant(value));
-  return true;
-}
-
-Shape Deviation::shape(Definitions& definitions) {
-  const Json one = number_schema(dimension_, range_, definitions);
-  return {{{"anyOf", Json::array({one, three_of(one)})}},
-          dimension_ == Dimension::None ? "1" : si_unit(dimension_),
-          range_text(range_)};
+Rows::Rows(const Eigen::MatrixXd& matrix) {
+  read = [](ReadContext&, const Node&, const std::string&) { return false; };
+  write = [matrix] {
+    Json rows = Json::array();
+    for (const auto& row : matrix.rowwise()) rows.push_back(array_json(row.transpose()));
+    return rows;
+  };
+  shape = [](Definitions&) -> Shape {
+    const Json row{{"type", "array"}, {"items", {{"type", "number"}}}};
+    return {{{"type", "array"}, {"items", row}}};
+  };
+  fits = is_list;
 }
 
 namespace {
 
 void orientation_fields(Table& t, Eigen::Quaterniond& q) {
-  const bool has_rpy = t.states("rpy", false);
-  if (has_rpy) {
+  if (t.states("rpy", false)) {
     Vector3d rpy = Vector3d::Zero();
-    t("rpy", Vector(rpy, Dimension::Angle), "", {.need = Need::Required});
+    t("rpy", Vector(rpy, Dimension::Angle), "", kNeeded);
     q = rotation_rpy(rpy.x(), rpy.y(), rpy.z());
     return;
   }
@@ -193,44 +246,47 @@ void orientation_fields(Table& t, Eigen::Quaterniond& q) {
   if (has_axis || (t.reader() != nullptr && t.reader()->has("angle"))) {
     Vector3d axis = Vector3d::UnitZ();
     double angle = 0;
-    t("axis", Vector(axis, VectorKind::Direction), "", {.need = Need::Required});
-    t("angle", Number(angle, Dimension::Angle), "", {.need = Need::Required});
+    t("axis", Vector(axis, VectorKind::Direction), "", kNeeded);
+    t("angle", Number(angle, Dimension::Angle), "", kNeeded);
     q = rotation_exp(axis * angle);
     return;
   }
-  const About required{.need = Need::Required};
-  t("w", Number(q.w()), "", required);
-  t("x", Number(q.x()), "", required);
-  t("y", Number(q.y()), "", required);
-  t("z", Number(q.z()), "", required);
+  t("w", Number(q.w()), "", kNeeded);
+  t("x", Number(q.x()), "", kNeeded);
+  t("y", Number(q.y()), "", kNeeded);
+  t("z", Number(q.z()), "", kNeeded);
 }
 
 }  // namespace
 
-bool Orientation::read(ReadContext& context, const Node& node, const std::string& path) {
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  if (!Map([&q](Table& t) { orientation_fields(t, q); }).read(context, node, path)) return false;
-  if (!(std::abs(q.norm() - 1) <= kQuaternionTolerance)) {
-    context.add(node.line, "not-unit",
-                fmt::format("{}: the quaternion has norm {}; must be 1", path, q.norm()));
-    return false;
-  }
-  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-  if (std::abs(q.squaredNorm() - 1) > kRounding) q.normalize();
-  x_.set(q);
-  return true;
-}
-
-Shape Orientation::shape(Definitions& definitions) {
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  return Map([&q](Table& t) { orientation_fields(t, q); }, {.name = "orientation"})
-      .shape(definitions);
+Orientation::Orientation(Slot<Eigen::Quaterniond> x) {
+  read = [x](ReadContext& context, const Node& node, const std::string& path) {
+    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    if (!Map([&q](Table& t) { orientation_fields(t, q); }).read(context, node, path)) return false;
+    if (!(std::abs(q.norm() - 1) <= kQuaternionTolerance)) {
+      context.add(node.line, "not-unit",
+                  fmt::format("{}: the quaternion has norm {}; must be 1", path, q.norm()));
+      return false;
+    }
+    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+    if (std::abs(q.squaredNorm() - 1) > kRounding) q.normalize();
+    x.set(q);
+    return true;
+  };
+  write = [x] { return quaternion_json(x.get()); };
+  is_written = x.has();
+  shape = [](Definitions& definitions) {
+    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    return Map([&q](Table& t) { orientation_fields(t, q); }, {.name = "orientation"})
+        .shape(definitions);
+  };
+  fits = [](const Node& node) { return node.kind == Node::Kind::Map; };
 }
 
 void format_fields(Table& t, const std::string& format) {
   int version = 1;
-  t("format", Exactly(format), "", {.need = Need::Required});
-  t("version", Integer(version, 1, 1), "", {.need = Need::Required});
+  t("format", Exactly(format), "", kNeeded);
+  t("version", Integer(version, 1, 1), "", kNeeded);
 }
 
 void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame) {

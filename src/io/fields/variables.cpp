@@ -15,7 +15,7 @@ void check_order(MapReader* map, bool is_ordered) {
 }
 
 void attitude_fields(Table& t, VariableSpec& variables) {
-  t("freedom", Word(variables.base_attitude, attitude_freedom_names()),
+  t("freedom", Word(variables.base_attitude, kAttitudeFreedomNames),
     "`fixed`, `axis`, `cone` (one axis of the base stays near a direction, the roll about it is "
     "free), `free`",
     {.need = Need::Required, .decides = true});
@@ -33,7 +33,7 @@ void attitude_fields(Table& t, VariableSpec& variables) {
 }
 
 void position_fields(Table& t, VariableSpec& variables) {
-  t("freedom", Word(variables.base_position, position_freedom_names()), "`fixed`, `box`, `free`",
+  t("freedom", Word(variables.base_position, kPositionFreedomNames), "`fixed`, `box`, `free`",
     {.need = Need::Required, .decides = true});
   const bool is_box = variables.base_position == PositionFreedom::Box;
   const About corner{
@@ -49,9 +49,9 @@ void position_fields(Table& t, VariableSpec& variables) {
 
 void time_fields(Table& t, VariableSpec& variables) {
   t("lower", Number(variables.contact_time_lower, Dimension::Time, kTimes), "start of the window",
-    {.need = Need::Required});
+    kNeeded);
   t("upper", Number(variables.contact_time_upper, Dimension::Time, kTimes), "end of the window",
-    {.need = Need::Required});
+    kNeeded);
   check_order(t.reader(), variables.contact_time_lower <= variables.contact_time_upper);
 }
 
@@ -66,11 +66,10 @@ void feature_field(Table& t, CaptureProblem& problem) {
   const bool is_choice = !variables.features.empty();
   t("feature",
     Either(
-        Instead("none", !is_choice && variables.feature.empty(), [&] { variables.feature = ""; }),
-        WrittenIf(List(variables.features, [&one](std::string& name, auto use) { use(one(name)); },
-                       {.least = 1, .is_unique = true}),
-                  is_choice),
-        one(variables.feature)),
+        {Instead("none", !is_choice && variables.feature.empty(), [&] { variables.feature = ""; }),
+         WrittenIf(List<std::string>(variables.features, one, {.least = 1, .is_unique = true}),
+                   is_choice),
+         one(variables.feature)}),
     "contact feature, `none`, or a list: each is planned for, and the best plan is taken",
     {.need = names.size() > 1 ? Need::Required : Need::Optional, .without = "the only one"});
   if (t.reader() == nullptr || variables.features.empty()) return;
@@ -91,9 +90,9 @@ void variables_fields(Table& t, CaptureProblem& problem) {
   double instant = 0;
   t("contact_time",
     Either(
-        Shorthand(Number(instant, Dimension::Time, kTimes),
-                  [&] { variables.contact_time_lower = variables.contact_time_upper = instant; }),
-        Map([&](Table& m) { time_fields(m, variables); })),
+        {Shorthand(Number(instant, Dimension::Time, kTimes),
+                   [&] { variables.contact_time_lower = variables.contact_time_upper = instant; }),
+         Map([&](Table& m) { time_fields(m, variables); })}),
     "an instant, or a window `{lower, upper}` (beside a stated `impact.direction` nothing depends "
     "on it: an instant alone)",
     {.without = "0"});

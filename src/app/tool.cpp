@@ -1,0 +1,139 @@
+#include "app/tool.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
+#include <stillbase/robot/urdf_reader.hpp>
+
+namespace stillbase::app {
+
+namespace {
+
+std::atomic<bool> interrupted{false};
+std::atomic<int> received{0};
+static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
+
+void on_signal(int number) {
+  received = number;
+  interrupted = true;
+}
+
+}  // namespace
+
+void catch_signals() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+StopCondition stop_condition(double time_limit) {
+  StopCondition stop;
+  stop.interrupted = &interrupted;
+  // Beyond a year the clock's arithmetic could overflow: no limit.
+  if (time_limit > 0 && time_limit < 3e7) {
+    stop.deadline =
+        StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
+                                          std::chrono::duration<double>(time_limit));
+  }
+  return stop;
+}
+
+int signal_exit_code() {
+  const int number = received;
+  return number == 0 ? 0 : kSignalBase + number;
+}
+
+std::string extension_of(const std::string& path) {
+  std::string text = std::filesystem::path(path).extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+RobotModel load_robot(const std::string& path, const std::string& hand) {
+  try {
+    return read_robot(path, hand);
+  } catch (const InputError& error) {
+    // The file is good; the command line has to say which link is the hand.
+    if (error.findings().size() == 1 && error.findings().front().rule == "hand-missing") {
+      throw CommandLineError(to_string(error.findings().front()) + " (--hand LINK)");
+    }
+    throw;
+  }
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code ignored;
+  if (std::filesystem::equivalent(a, b, ignored)) return true;
+  const auto full = [&ignored](const std::string& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), ignored);
+  };
+  return full(a) == full(b);
+}
+
+void OutputFile::check() const {
+  if (!is_given()) return;
+  std::error_code ignored;
+  const std::filesystem::path target(path);
+  if (std::filesystem::exists(target, ignored)) {
+    if (!std::filesystem::is_regular_file(target, ignored)) {
+      throw FileError(path + ": not a regular file");
+    }
+    if (!force) throw FileError(path + ": exists already; --force replaces it");
+  }
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw FileError(path + ": there is no folder " + folder.string());
+  }
+  if (access(folder.c_str(), W_OK) != 0) {
+    throw FileError(path + ": the folder " + folder.string() + " cannot be written");
+  }
+}
+
+void OutputFile::write(std::string_view text) const {
+  if (is_given()) {
+    write_file_atomically(path, text, force);
+  } else {
+    write_stdout(text);
+  }
+}
+
+void write_stdout(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw FileError("standard output cannot be written");
+  }
+}
+
+void say(std::string_view line) { fmt::print(stderr, "{}\n", line); }
+
+ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressLine::~ProgressLine() { clear(); }
+
+void ProgressLine::show(const std::string& what, int done, int total) {
+  if (!is_terminal_) return;
+  fmt::print(stderr, "\r\033[K{} {}/{}", what, done, total);
+  std::fflush(stderr);
+  is_shown_ = true;
+}
+
+void ProgressLine::clear() {
+  if (!is_shown_) return;
+  fmt::print(stderr, "\r\033[K");
+  is_shown_ = false;
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,93 @@
+// What the subcommands share: exit codes, signals, input and output.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/robot/robot_model.hpp>
+
+namespace stillbase::app {
+
+/// What the shell learns. The numbers are a promise to scripts.
+enum ExitCode : int {
+  kDone = 0,
+  kInternalError = 1,
+  kCommandLine = 2,
+  kInputRefused = 3,
+  kInfeasible = 4,
+  kVerificationFailed = 5,
+  kLimit = 6,
+  kFileFailed = 7,
+  kCampaignIncomplete = 8,
+  kNoApproach = 9,
+  kSignalBase = 128  ///< + number of the signal
+};
+
+/// A command line that no parser can know to be wrong: exit code 2.
+class CommandLineError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// From now on SIGINT and SIGTERM stop the work at the next good place; what was finished is saved.
+/// A second signal ends the program at once.
+void catch_signals();
+
+/// The stop condition that they set.
+/// @param time_limit s from now; not positive: none
+StopCondition stop_condition(double time_limit = 0);
+
+/// 130 or 143 after a signal, else 0.
+int signal_exit_code();
+
+/// Extension with its dot, lower case.
+std::string extension_of(const std::string& path);
+
+/// Reads a robot file.
+/// @param hand name of the hand link; empty: the only leaf link
+/// @throws CommandLineError when `hand` is empty and there are several leaf links
+/// @throws InputError, FileError
+RobotModel load_robot(const std::string& path, const std::string& hand);
+
+/// Whether both paths lead to one file, which need not exist; false when one is empty.
+bool is_same_file(const std::string& a, const std::string& b);
+
+/// The file given with -o, if any, and whether it may replace one.
+struct OutputFile {
+  std::string path;
+  bool force = false;
+
+  bool is_given() const { return !path.empty(); }
+  /// Before long work: can the file be written?
+  /// @throws FileError when it exists without --force, or its folder does not
+  void check() const;
+  /// Writes the file, or stdout when none is given.
+  /// @throws FileError
+  void write(std::string_view text) const;
+};
+
+/// Writes to stdout.
+/// @throws FileError when stdout takes no more
+void write_stdout(std::string_view text);
+
+/// A line for people on stderr.
+void say(std::string_view line);
+
+/// One line on stderr that is rewritten as work goes on; nothing unless stderr is a terminal.
+class ProgressLine {
+ public:
+  ProgressLine();
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  void show(const std::string& what, int done, int total);
+  void clear();
+
+ private:
+  bool is_terminal_;
+  bool is_shown_ = false;
+};
+
+}  // namespace stillbase::app

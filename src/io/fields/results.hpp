@@ -1,0 +1,110 @@
+// The results that the tool writes as JSON beside plans, with their tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <stillbase/campaign/campaign.hpp>
+#include <stillbase/dynamics/inertia.hpp>
+#include <stillbase/impact/indices.hpp>
+#include <stillbase/io/benchmark_file.hpp>
+#include <stillbase/io/campaign_file.hpp>
+#include <stillbase/io/verification_file.hpp>
+#include <stillbase/search/trade_off.hpp>
+#include <stillbase/simulation/after_contact.hpp>
+#include <stillbase/simulation/model_check.hpp>
+
+#include "io/fields/plan.hpp"
+
+namespace stillbase::io {
+
+using Trials = TrialResult;
+
+void trials_fields(Table& t, Trials& trials);
+/// @param trials null: none were run
+void verification_fields(Table& t, Verification& verification, std::string& content_sha256,
+                         Trials* trials);
+
+/// Every matrix of a robot at one state, in B; the names of the paper's letters are the keys.
+struct Inspection {
+  RobotModel robot;
+  double total_mass = 0;
+  Vector3d centroid = Vector3d::Zero(), hand_position = Vector3d::Zero();
+  Eigen::MatrixXd H_b, H_bphi, H_phi, J_phi, R_bh;
+  Vector6d c_b = Vector6d::Zero();
+  JointVectord c_phi;
+  Vector3d P = Vector3d::Zero(), L_g = Vector3d::Zero();
+  Eigen::MatrixXd Htilde_omega, Htilde_omegaphi, Htilde_phi, Hhat_phi, Jhat_phi;
+  int rns_rank = 0;
+  Eigen::VectorXd singular_values;  ///< of Htilde_omegaphi
+  Eigen::MatrixXd hand_inverse_inertia;
+  std::optional<ImpactSummary> impact;  ///< of the impulse that the state names
+};
+void inspection_fields(Table& t, Inspection& inspection);
+
+/// One impact by its direction in the xy plane of B, deg from x about z, [0, 360).
+struct AnalysisRow {
+  double direction_deg = 0;
+  ImpactSummary impact;
+};
+
+struct AnalysisComparison {
+  bool is_illustrative = false;  ///< the resistance's values are not the problem's
+  ImpactSummary impact;
+};
+
+/// The posture without any particular impulse, under the problem's joint resistance.
+struct PostureIndices {
+  Ellipsoid impulse;  ///< against a target that cannot be moved
+  BaseReactionEllipsoid reaction;
+  FavourableDirections favourable_in_plane, favourable_in_space;
+  CaseDirections zero_in_plane, zero_in_space;
+  GeneralizedJacobianIndices jacobian;
+  DynamicCoupling coupling;
+};
+
+struct Analysis {
+  std::string problem;  ///< its name
+  RobotModel robot;
+  std::vector<AnalysisRow> rows;
+  std::vector<AnalysisComparison> resistances;  ///< in the problem's own direction
+  PostureIndices posture;
+};
+void analysis_fields(Table& t, Analysis& analysis);
+
+/// The motion after the impact under one controller.
+struct ControllerRun {
+  std::string controller;
+  SimulationResult result;
+  AfterContact contact;  ///< without its `simulation`, which is `result`
+};
+struct SimulationRuns {
+  std::string problem;
+  RobotModel robot;
+  std::vector<ControllerRun> runs;
+};
+void simulation_fields(Table& t, SimulationRuns& runs);
+
+/// Contacts that take time beside the instantaneous impact, over their stiffness.
+struct ContactTable {
+  ResistanceModel resistance = ResistanceModel::Free;
+  double restitution = 0, closing_speed = 0, friction = 0;
+  std::vector<ModelCheckRow> rows;
+};
+void contact_table_fields(Table& t, ContactTable& table);
+
+void pareto_fields(Table& t, const CaptureProblem& problem, TradeOff& front);
+
+/// Trials of the same plan or problem with the same seed.
+struct CampaignGroup {
+  CampaignCase piece;
+  std::string plan_status = "given";
+  bool verified = true;
+  Trials trials;
+};
+void campaign_result_fields(Table& t, MergedCampaign& merged, std::vector<CampaignGroup>& groups);
+
+void best_known_fields(Table& t, BestKnownTable& table);
+void bench_fields(Table& t, BenchReferences& references);
+
+}  // namespace stillbase::io
