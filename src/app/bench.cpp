@@ -16,7 +16,6 @@
 #include <stillbase/io/suite_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
-#include "app/bench_folder.hpp"
 #include "app/bench_page.hpp"
 #include "app/bench_planners.hpp"
 #include "app/bench_runs.hpp"
@@ -122,8 +121,7 @@ std::map<std::string, double> values_of(const BestKnownTable& table,
 
 /// The best few runs of each instance, their points made exact.
 std::vector<RunRecord> refined_best(const std::vector<BenchmarkInstance>& instances,
-                                    const std::vector<RunRecord>& records) {
-  constexpr std::size_t kRefined = 8;
+                                    const std::vector<RunRecord>& records, std::size_t most) {
   std::map<std::string, std::vector<const RunRecord*>> of_instance;
   for (const RunRecord& record : records) {
     if (record.improvements.empty()) continue;
@@ -136,7 +134,7 @@ std::vector<RunRecord> refined_best(const std::vector<BenchmarkInstance>& instan
     std::stable_sort(runs.begin(), runs.end(), [](const RunRecord* a, const RunRecord* b) {
       return a->improvements.back().value < b->improvements.back().value;
     });
-    if (runs.size() > kRefined) runs.resize(kRefined);
+    if (runs.size() > most) runs.resize(most);
     for (const RunRecord* record : runs) out.push_back(refined(instance, *record));
   }
   return out;
@@ -189,7 +187,8 @@ int run_bench(const BenchRequest& request) {
   std::string lines;
   for (const std::string& text : texts) lines += text + "\n";
   BenchFolder content{{suite.gradient_cost, {}}, read_records(lines, "records")};
-  const int beaten = improve(best_known, refined_best(instances, content.records));
+  const int beaten =
+      improve(best_known, refined_best(instances, content.records, request.selection.refined));
   content.references.values = reference_values(content.records, values_of(best_known, instances));
   write_bench_folder(folder, content, lines);
   if (temporary) write_stdout(read_text_file((fs::path(folder) / "report.md").string()));

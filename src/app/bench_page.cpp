@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 
 #include <fmt/format.h>
 
+#include <stillbase/core/file.hpp>
 #include <stillbase/report/plot.hpp>
 
 namespace stillbase::app {
@@ -81,7 +83,8 @@ PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
                     figures.optimizer, figures.hessians_per_run));
   }
   out.paragraphs.emplace_back(
-      "Not finished: crashed, out of memory, or stopped by the clock. Distinct: solutions that are "
+      "Not finished: crashed, out of memory, or stopped at the time limit. Distinct: solutions "
+      "that are "
       "feasible and optimal to first order, more than 1e-4 apart; points of a continuum count "
       "each.");
   out.table.header = {"optimizer", "runs"};
@@ -118,7 +121,7 @@ PageSection recommendation(const BenchmarkAnalysis& analysis) {
                   first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
                   second.optimizer, percent(second.solved.back()), analysis.problems,
                   analysis.seeds, analysis.budget),
-      fmt::format("Nobody solved {} of {} problems; random search solved {}.",
+      fmt::format("No optimizer solved {} of {} problems; random search solved {}.",
                   analysis.solved_by_nobody.size(), analysis.problems,
                   analysis.problems_by_random_search)};
   return out;
@@ -154,14 +157,14 @@ PageSection wins(const BenchmarkAnalysis& analysis) {
   for (const Win& win : analysis.wins) {
     const std::string target = precision_words(kShownTargets[win.target]);
     if (win.best.empty()) {
-      out.table.rows.push_back({win.group, target, "nobody", "never", "", "", ""});
+      out.table.rows.push_back({win.group, target, "none", "never", "", "", ""});
       continue;
     }
     ++count[win.best];
     const bool has_second = !win.second.empty();
     out.table.rows.push_back(
         {win.group, target, win.best, cost(win.running_time), percent(win.sure),
-         has_second ? win.second : "nobody",
+         has_second ? win.second : "none",
          has_second ? fmt::format("{:.1f}", win.second_running_time / win.running_time) : ""});
   }
   out.paragraphs.push_back(
@@ -205,8 +208,8 @@ PageSection curves(const BenchmarkAnalysis& analysis) {
       "profile (More and Wild, 2009) and performance profile (Dolan and More, 2002) at the "
       "tightest target, one problem per instance and seed.",
       "Caveat of performance profiles: each curve compares an optimizer with the best of all, not "
-      "two optimizers with each other; leaving a third one out can turn the order of two curves "
-      "round (Gould and Scott, 2016)."};
+      "two optimizers with each other; removing a third one can reverse the order of two "
+      "curves (Gould and Scott, 2016)."};
   out.figures = {
       figure(analysis, "ecdf.svg", "Runtimes over 51 targets", "log10 (cost / variables)",
              "part of (run, target) pairs", analysis.log_cost_axis,
@@ -233,15 +236,14 @@ PageSection defaults(const BenchmarkAnalysis& analysis) {
 
 PageSection unsolved(const BenchmarkAnalysis& analysis) {
   PageSection out;
-  out.heading = "Solved by nobody";
+  out.heading = "Unsolved problems";
   out.paragraphs = {analysis.solved_by_nobody.empty()
                         ? "None: every problem was solved by some optimizer."
                         : fmt::format("{}.", fmt::join(analysis.solved_by_nobody, ", "))};
   return out;
 }
 
-}  // namespace
-
+/// The figures that do not depend on the machine: the same for the same command.
 Page bench_page(const BenchmarkAnalysis& analysis, double gradient_cost) {
   Page page;
   page.title = "Optimizers on capture problems";
@@ -256,6 +258,7 @@ Page bench_page(const BenchmarkAnalysis& analysis, double gradient_cost) {
   return page;
 }
 
+/// The figures in seconds.
 Page bench_times_page(const BenchmarkAnalysis& analysis) {
   PageSection out;
   out.heading = "Seconds";
@@ -291,6 +294,7 @@ Page bench_times_page(const BenchmarkAnalysis& analysis) {
   return {"Optimizers on capture problems: time", {out, times}};
 }
 
+/// One row per record.
 TextTable bench_table(const std::vector<RunRecord>& records,
                       const std::map<std::string, double>& references, double gradient_cost) {
   TextTable out;
@@ -331,6 +335,53 @@ TextTable bench_table(const std::vector<RunRecord>& records,
     out.rows.push_back(std::move(row));
   }
   return out;
+}
+
+constexpr std::size_t kMaxRecordBytes = std::size_t{4} << 30;
+
+std::string in(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+BenchmarkAnalysis analysis_of(const BenchFolder& content) {
+  return analyze_benchmark(content.records, content.references.values,
+                           content.references.gradient_cost);
+}
+
+}  // namespace
+
+BenchFolder read_bench_folder(const std::string& folder) {
+  const std::string path = in(folder, "bench.json"), records = in(folder, "records.jsonl");
+  return {read_bench_references(read_text_file(path), path),
+          read_records(read_text_file(records, kMaxRecordBytes), records)};
+}
+
+void write_bench_folder(const std::string& folder, const BenchFolder& content,
+                        const std::string& record_lines) {
+  const auto write = [&folder](const std::string& name, const std::string& text) {
+    write_file_atomically(in(folder, name), text, true);
+  };
+  const auto& [references, records] = content;
+  write("bench.json", bench_references_to_json(references));
+  write("records.jsonl", record_lines);
+  write("runs.csv",
+        table_to_csv(bench_table(records, references.values, references.gradient_cost)));
+  const BenchmarkAnalysis analysis = analysis_of(content);
+  const Page page = bench_page(analysis, references.gradient_cost);
+  for (const PageSection& section : page.sections) {
+    for (const PageFigure& figure : section.figures) write(figure.file, figure.svg);
+  }
+  write("report.md", page_to_markdown(page));
+  write("times.md", page_to_markdown(bench_times_page(analysis)));
+}
+
+Page bench_folder_page(const BenchFolder& content) {
+  const BenchmarkAnalysis analysis = analysis_of(content);
+  Page page = bench_page(analysis, content.references.gradient_cost);
+  for (PageSection& section : bench_times_page(analysis).sections) {
+    page.sections.push_back(std::move(section));
+  }
+  return page;
 }
 
 }  // namespace stillbase::app

@@ -20,6 +20,7 @@ struct BenchSelection {
   std::uint64_t first_seed = 1;
   long budget = 2000;
   double seconds = 20;
+  std::size_t refined = 8;    ///< best runs of each instance whose points are made exact
   bool with_defaults = true;  ///< when `optimizers` is empty
 };
 
@@ -38,7 +39,7 @@ struct BenchRunOptions {
   StopCondition stop;
 };
 
-/// Works off the runs that the folder's journal does not have yet, one process each.
+/// Executes the runs that the folder's journal does not have yet, one process each.
 /// @return texts of the records in the order of the requests; fewer when stopped
 /// @throws FileError, InputError as run_campaign()
 std::vector<std::string> run_all(const std::vector<BenchmarkInstance>& instances,

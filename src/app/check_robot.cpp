@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/benchmark/suite.hpp>
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
@@ -47,16 +48,6 @@ std::string joint_line(const Joint& joint) {
     text += fmt::format(", {:.6g} {}", joint.max_effort, joint.is_prismatic() ? "N" : "N m");
   }
   return text + '\n';
-}
-
-JointVectord random_posture(const RobotModel& robot, Random& random) {
-  JointVectord phi(robot.n());
-  for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    const bool is_bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    phi[k] = is_bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-kPi, kPi);
-  }
-  return phi;
 }
 
 /// Angular coupling of arm and base at random postures within the joint limits.

@@ -13,8 +13,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr std::uint64_t kBootstrapSeed = 1;
-
 /// One run with its costs, and where it belongs.
 struct Run {
   const RunRecord* record;
@@ -45,7 +43,8 @@ std::vector<double> powers_of_ten(const std::vector<double>& exponents) {
 }
 
 /// Mean over problems of the part of a problem's runs that solve it.
-BootstrapInterval part_solved(const std::vector<Run>& runs, std::size_t target) {
+BootstrapInterval part_solved(const std::vector<Run>& runs, std::size_t target,
+                              std::uint64_t seed) {
   std::map<std::string, std::pair<double, double>> by_problem;  // solved, runs
   for (const Run& run : runs) {
     auto& [solved, count] = by_problem[run.instance()];
@@ -54,7 +53,7 @@ BootstrapInterval part_solved(const std::vector<Run>& runs, std::size_t target) 
   }
   std::vector<double> parts;
   for (const auto& entry : by_problem) parts.push_back(entry.second.first / entry.second.second);
-  return bootstrap_mean(parts, kBootstrapSeed);
+  return bootstrap_mean(parts, seed);
 }
 
 /// Seconds until the run reached the tightest target, or ended.
@@ -92,7 +91,7 @@ std::vector<Runtime> runtimes_of_group(const std::vector<Run>& runs, const std::
 }
 
 OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>& runs,
-                            const BenchmarkAnalysis& analysis) {
+                            const BenchmarkAnalysis& analysis, const AnalysisOptions& options) {
   OptimizerFigures out;
   out.optimizer = optimizer;
   std::set<std::string> solved;
@@ -116,7 +115,7 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
     out.seconds += record.seconds;
   }
   for (const std::size_t target : kShownTargets) {
-    out.solved.push_back(part_solved(runs, target));
+    out.solved.push_back(part_solved(runs, target, options.seed));
     std::vector<double> times;
     for (const std::string& group : analysis.groups) {
       times.push_back(expected_running_time(runtimes_of_group(runs, group), target));
@@ -175,13 +174,12 @@ std::size_t fastest(const std::vector<double>& times, std::size_t except) {
 
 /// Part of the resamplings of a group's (instance, seed) pairs in which `best` is the fastest too.
 double sureness(const std::vector<std::map<Pair, const Run*>>& runs_of, std::size_t target,
-                std::size_t best) {
-  constexpr int kResamples = 200;
+                std::size_t best, const AnalysisOptions& options) {
   std::vector<Pair> pairs;
   for (const auto& entry : runs_of[best]) pairs.push_back(entry.first);
   int same = 0;
-  for (int r = 0; r < kResamples; ++r) {
-    Random random(kBootstrapSeed, static_cast<std::uint64_t>(r));
+  for (int r = 0; r < options.resamples; ++r) {
+    Random random(options.seed, static_cast<std::uint64_t>(r));
     std::vector<double> spent(runs_of.size(), 0), successes(runs_of.size(), 0);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const Pair& pair =
@@ -200,10 +198,11 @@ double sureness(const std::vector<std::map<Pair, const Run*>>& runs_of, std::siz
     }
     same += fastest(times, times.size()) == best ? 1 : 0;
   }
-  return static_cast<double>(same) / kResamples;
+  return static_cast<double>(same) / options.resamples;
 }
 
-void add_wins(const RunsByOptimizer& runs, BenchmarkAnalysis& analysis) {
+void add_wins(const RunsByOptimizer& runs, const AnalysisOptions& options,
+              BenchmarkAnalysis& analysis) {
   const std::size_t count = analysis.optimizers.size();
   for (std::size_t g = 0; g < analysis.groups.size(); ++g) {
     std::vector<std::map<Pair, const Run*>> runs_of(count);
@@ -224,7 +223,7 @@ void add_wins(const RunsByOptimizer& runs, BenchmarkAnalysis& analysis) {
       if (best < count) {
         win.best = analysis.optimizers[best].optimizer;
         win.running_time = times[best];
-        win.sure = sureness(runs_of, kShownTargets[t], best);
+        win.sure = sureness(runs_of, kShownTargets[t], best, options);
       }
       if (best < count && second < count) {
         win.second = analysis.optimizers[second].optimizer;
@@ -274,7 +273,7 @@ std::map<std::string, double> reference_values(const std::vector<RunRecord>& rec
 
 BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
                                     const std::map<std::string, double>& references,
-                                    double gradient_cost) {
+                                    double gradient_cost, const AnalysisOptions& options) {
   const std::vector<double> precisions = benchmark_precisions();
   BenchmarkAnalysis out;
   out.log_cost_axis = axis(0, 4, 80);
@@ -301,7 +300,7 @@ BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
   out.problems = static_cast<int>(instances.size());
   out.seeds = static_cast<int>(seeds.size());
   for (const auto& [optimizer, runs] : tuned) {
-    out.optimizers.push_back(figures_of(optimizer, runs, out));
+    out.optimizers.push_back(figures_of(optimizer, runs, out, options));
     if (optimizer == "random-search") {
       out.problems_by_random_search = out.optimizers.back().problems_solved;
     }
@@ -310,7 +309,7 @@ BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
     return a.solved.back().value > b.solved.back().value;
   });
   add_profiles(tuned, out);
-  add_wins(tuned, out);
+  add_wins(tuned, options, out);
   add_defaults(tuned, with_defaults, out);
   for (const std::string& instance : instances) {
     if (solved.count(instance) == 0) out.solved_by_nobody.push_back(instance);

@@ -67,26 +67,26 @@ class CaseProgram final : public nlp::Problem {
   mutable nlp::Evaluation here_;
 };
 
-/// The predicted direction, four on a ring at half the angle and eight on the rim; planar: nine
+/// The nominal direction, four on a ring at half the angle and eight on the rim; planar: nine
 /// over the wedge.
 std::vector<Scenario> fixed_directions(const CaptureProblem& problem,
                                        const Formulation& formulation) {
-  const Scenario predicted = formulation.predicted_scenario();
+  const Scenario nominal = formulation.predicted_scenario();
   const double half_angle = problem.uncertainty.cone_half_angle;
   std::vector<Scenario> out;
   const auto add = [&](const Vector3d& axis, double angle) {
-    out.push_back(predicted);
-    out.back().direction = Eigen::AngleAxisd(angle, axis) * predicted.direction;
+    out.push_back(nominal);
+    out.back().direction = Eigen::AngleAxisd(angle, axis) * nominal.direction;
   };
   if (problem.uncertainty.cone_plane_normal) {
     for (int i = -4; i <= 4; ++i) add(*problem.uncertainty.cone_plane_normal, half_angle * i / 4);
     return out;
   }
-  out.push_back(predicted);
-  const Vector3d across = predicted.direction.unitOrthogonal();
+  out.push_back(nominal);
+  const Vector3d across = nominal.direction.unitOrthogonal();
   const auto ring = [&](int count, double angle) {
     for (int i = 0; i < count; ++i) {
-      add(Eigen::AngleAxisd(2 * kPi * i / count, predicted.direction) * across, angle);
+      add(Eigen::AngleAxisd(2 * kPi * i / count, nominal.direction) * across, angle);
     }
   };
   ring(4, half_angle / 2);
@@ -134,9 +134,6 @@ struct BenchmarkProgram::Parts {
     return formulation;
   }
   const Formulation& for_starts() const { return without_case ? *without_case : formulation; }
-  Eigen::VectorXd configuration_part(const Eigen::VectorXd& x) const {
-    return x.head(formulation.num_variables());
-  }
   Eigen::VectorXd lifted(const Eigen::VectorXd& configuration) const {
     if (goal != BenchmarkGoal::WorstCase) return configuration;
     return static_cast<const EpigraphProgram&>(inner()).lifted(configuration);
@@ -147,53 +144,32 @@ BenchmarkProgram::BenchmarkProgram(const BenchmarkInstance& instance)
     : parts_(std::make_unique<Parts>(instance)) {}
 BenchmarkProgram::~BenchmarkProgram() = default;
 
-int BenchmarkProgram::num_variables() const { return parts_->inner().num_variables(); }
-int BenchmarkProgram::num_constraints() const { return parts_->inner().num_constraints(); }
+const nlp::Problem& BenchmarkProgram::inner() const { return parts_->inner(); }
 Eigen::VectorXd BenchmarkProgram::lower() const { return parts_->lower; }
 Eigen::VectorXd BenchmarkProgram::upper() const { return parts_->upper; }
-Eigen::VectorXd BenchmarkProgram::constraint_lower() const {
-  return parts_->inner().constraint_lower();
-}
-Eigen::VectorXd BenchmarkProgram::constraint_upper() const {
-  return parts_->inner().constraint_upper();
-}
-void BenchmarkProgram::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  parts_->inner().evaluate(x, out);
-}
-void BenchmarkProgram::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
-  parts_->inner().evaluate_value(x, out);
-}
-bool BenchmarkProgram::has_hessian() const { return parts_->inner().has_hessian(); }
-void BenchmarkProgram::lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
-                                          const Eigen::VectorXd& multipliers,
-                                          Eigen::MatrixXd& out) const {
-  parts_->inner().lagrangian_hessian(x, sigma, multipliers, out);
-}
-
 int BenchmarkProgram::free_variables() const { return parts_->formulation.num_variables(); }
 int BenchmarkProgram::equations() const { return parts_->formulation.num_equations(); }
 
-Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed) const {
-  // As in search/search.cpp: a random posture that cannot be projected is replaced by another one.
-  constexpr int kDraws = 9, kSteps = 15, kStride = 1000000;
-  constexpr double kOnConstraints = 1e-3;
+Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed,
+                                        const StartOptions& options) const {
+  constexpr int kStride = 1000000;  // more starts than any run has
   const Formulation& formulation = parts_->for_starts();
   ProjectionResult best;
   best.violation = nlp::kInfinity;
-  for (int draw = 0; draw < kDraws && best.violation > kOnConstraints; ++draw) {
+  for (int draw = 0; draw < options.draws && best.violation > options.on_constraints; ++draw) {
     const Eigen::VectorXd x = formulation.start_point(
         low_discrepancy_point(index + draw * kStride, formulation.start_dimension(), seed));
-    const ProjectionResult moved = project_onto_constraints(formulation, x, false, kSteps);
+    const ProjectionResult moved = project_onto_constraints(formulation, x, false, options.steps);
     if (best.x.size() == 0 || moved.violation < best.violation) best = moved;
   }
   return parts_->lifted(best.x);
 }
 
-Eigen::VectorXd BenchmarkProgram::on_constraints(const Eigen::VectorXd& x) const {
-  constexpr int kSteps = 15;
-  const Eigen::VectorXd configuration = parts_->configuration_part(x);
+Eigen::VectorXd BenchmarkProgram::on_constraints(const Eigen::VectorXd& x,
+                                                 const StartOptions& options) const {
+  const Eigen::VectorXd configuration = x.head(parts_->formulation.num_variables());
   return parts_->lifted(
-      project_onto_constraints(parts_->for_starts(), configuration, false, kSteps).x);
+      project_onto_constraints(parts_->for_starts(), configuration, false, options.steps).x);
 }
 
 long BenchmarkProgram::model_evaluations() const {
@@ -221,7 +197,8 @@ Judged BenchmarkProgram::judge(const Eigen::VectorXd& x, const nlp::Evaluation& 
 }
 
 double BenchmarkProgram::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  return parts_->formulation.distance(parts_->configuration_part(a), parts_->configuration_part(b));
+  const int n = free_variables();
+  return parts_->formulation.distance(a.head(n), b.head(n));
 }
 
 }  // namespace stillbase

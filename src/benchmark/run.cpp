@@ -15,17 +15,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Counts what passes through and keeps every point better than all before it.
-class RecordingProgram final : public nlp::Problem {
+class RecordingProgram final : public ForwardingProgram {
  public:
   RecordingProgram(const BenchmarkProgram& program, RunRecord& record)
       : program_(program), record_(record) {}
 
-  int num_variables() const override { return program_.num_variables(); }
-  int num_constraints() const override { return program_.num_constraints(); }
-  Eigen::VectorXd lower() const override { return program_.lower(); }
-  Eigen::VectorXd upper() const override { return program_.upper(); }
-  Eigen::VectorXd constraint_lower() const override { return program_.constraint_lower(); }
-  Eigen::VectorXd constraint_upper() const override { return program_.constraint_upper(); }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     program_.evaluate(x, out);
     ++record_.gradients;
@@ -35,7 +29,6 @@ class RecordingProgram final : public nlp::Problem {
     program_.evaluate_value(x, out);
     keep(x, out);
   }
-  bool has_hessian() const override { return program_.has_hessian(); }
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
     ++record_.hessians;
@@ -44,6 +37,9 @@ class RecordingProgram final : public nlp::Problem {
 
   /// The point of the last improvement; empty before the first.
   const Eigen::VectorXd& best_x() const { return best_x_; }
+
+ protected:
+  const nlp::Problem& inner() const override { return program_; }
 
  private:
   void keep(const Eigen::VectorXd& x, const nlp::Evaluation& at_x) const {
@@ -136,8 +132,7 @@ RunRecord refined(const BenchmarkInstance& instance, const RunRecord& record) {
 }
 
 RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& request,
-                        const StopCondition& stop) {
-  constexpr double kSameSolution = 1e-4;
+                        const StopCondition& stop, double same_solution) {
   const auto optimizer = nlp::make_optimizer(request.optimizer);
   if (!optimizer) throw std::invalid_argument("no optimizer named " + request.optimizer);
   const auto begin = Clock::now();
@@ -169,7 +164,7 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
     if (result.status == nlp::Status::Optimal) {
       bool known = false;
       for (const Eigen::VectorXd& x : solutions) {
-        known = known || program.distance(x, result.x) < kSameSolution;
+        known = known || program.distance(x, result.x) < same_solution;
       }
       if (!known) solutions.push_back(result.x);
     }

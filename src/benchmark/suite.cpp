@@ -38,7 +38,7 @@ Vector3d random_direction(const CaptureProblem& problem, Random& random) {
   return Eigen::AngleAxisd(random.uniform(0, 2 * kPi), axis) * axis.unitOrthogonal();
 }
 
-Eigen::Quaterniond random_turn(const CaptureProblem& problem, Random& random) {
+Eigen::Quaterniond random_rotation(const CaptureProblem& problem, Random& random) {
   if (is_planar(problem)) {
     return Eigen::Quaterniond(
         Eigen::AngleAxisd(random.uniform(0, 2 * kPi), *problem.uncertainty.cone_plane_normal));
@@ -50,16 +50,6 @@ Eigen::Quaterniond random_turn(const CaptureProblem& problem, Random& random) {
     angle = random.uniform(0, kPi);
   } while (random.uniform(0, 2) > 1 - std::cos(angle));
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
-}
-
-JointVectord random_posture(const RobotModel& robot, Random& random) {
-  JointVectord phi(robot.n());
-  for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    phi[k] = bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-kPi, kPi);
-  }
-  return phi;
 }
 
 void apply(Variation variation, const FamilySpec& family, Random& random, CaptureProblem& problem) {
@@ -86,13 +76,13 @@ void apply(Variation variation, const FamilySpec& family, Random& random, Captur
     case Variation::TargetAttitude: {
       if (!problem.target) throw nothing_to_vary(family, "the problem has no target");
       Eigen::Quaterniond& attitude = problem.target_state.pose.orientation;
-      attitude = (random_turn(problem, random) * attitude).normalized();
+      attitude = (random_rotation(problem, random) * attitude).normalized();
       return;
     }
     case Variation::TargetSpin: {
       Vector3d& omega = problem.target_state.angular_velocity;
       if (!problem.target || omega.isZero(0)) {
-        throw nothing_to_vary(family, "the problem has no turning target");
+        throw nothing_to_vary(family, "the problem has no rotating target");
       }
       if (is_planar(problem)) {
         omega *= random.uniform() < 0.5 ? -1 : 1;
@@ -119,18 +109,17 @@ void free_variables(const FamilySpec& family, CaptureProblem& problem) {
 }
 
 /// Whether one of some starts satisfies the constraints.
-bool is_satisfiable(const CaptureProblem& problem) {
-  constexpr int kStarts = 64;
+bool is_satisfiable(const CaptureProblem& problem, const InstanceOptions& options) {
   const Formulation formulation(problem);
-  for (int start = 0; start < kStarts; ++start) {
+  for (int start = 0; start < options.starts; ++start) {
     const Eigen::VectorXd x =
         formulation.start_point(low_discrepancy_point(start, formulation.start_dimension(), 0));
-    const ProjectionResult there = project_onto_constraints(formulation, x, false, 40);
+    const ProjectionResult there = project_onto_constraints(formulation, x, false, options.steps);
     // report() also knows a closing speed that is the same for every posture, which is no row.
     const std::vector<ConstraintValue> values = formulation.report(there.x);
-    if (there.violation < 1e-9 && std::all_of(values.begin(), values.end(), [](const auto& value) {
-          return value.violation < 1e-9;
-        })) {
+    if (there.violation < options.violation &&
+        std::all_of(values.begin(), values.end(),
+                    [&](const auto& value) { return value.violation < options.violation; })) {
       return true;
     }
   }
@@ -139,22 +128,26 @@ bool is_satisfiable(const CaptureProblem& problem) {
 
 }  // namespace
 
-std::string to_string(BenchmarkGoal goal) {
-  switch (goal) {
-    case BenchmarkGoal::Nominal:
-      return "nominal";
-    case BenchmarkGoal::WorstCase:
-      return "worst_case";
-    case BenchmarkGoal::Case:
-      return "case";
+JointVectord random_posture(const RobotModel& robot, Random& random) {
+  JointVectord phi(robot.n());
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    phi[k] = bounded ? random.uniform(joint.lower, joint.upper) : random.uniform(-kPi, kPi);
   }
-  return "";
+  return phi;
 }
 
-BenchmarkInstance make_instance(const FamilySpec& family, BenchmarkGoal goal, int number) {
-  constexpr int kEncounters = 50;
-  for (int encounter = 0; encounter < kEncounters; ++encounter) {
-    Random random(hash(family.name), static_cast<std::uint64_t>(number * kEncounters + encounter));
+std::string to_string(BenchmarkGoal goal) {
+  static constexpr const char* kNames[] = {"nominal", "worst_case", "case"};
+  return kNames[static_cast<std::size_t>(goal)];
+}
+
+BenchmarkInstance make_instance(const FamilySpec& family, BenchmarkGoal goal, int number,
+                                const InstanceOptions& options) {
+  for (int encounter = 0; encounter < options.encounters; ++encounter) {
+    Random random(hash(family.name),
+                  static_cast<std::uint64_t>(number * options.encounters + encounter));
     BenchmarkInstance out;
     out.family = family.name;
     out.goal = goal;
@@ -167,13 +160,13 @@ BenchmarkInstance make_instance(const FamilySpec& family, BenchmarkGoal goal, in
     for (const Variation variation : family.vary) {
       apply(variation, family, random, out.problem);
     }
-    if (!is_satisfiable(out.problem)) continue;
+    if (!is_satisfiable(out.problem, options)) continue;
     if (goal == BenchmarkGoal::Case) out.problem.constraints.impact_case = family.impact_case;
     return out;
   }
   throw InputError({{family.problem.source, 0, "not-satisfiable",
-                     "family " + family.name + ": none of " + std::to_string(kEncounters) +
-                         " encounters can be met by the robot"}});
+                     "family " + family.name + ": none of " + std::to_string(options.encounters) +
+                         " encounters is within reach of the robot"}});
 }
 
 }  // namespace stillbase

@@ -1,8 +1,8 @@
 // What a set of run records says about the optimizers: everything that a report shows, as numbers.
 //
 // Assumptions. A problem is an instance; all optimizers were given the same seeds, so that a
-// (instance, seed) pair is the same start for all of them. Runs with library defaults are set
-// apart: they are compared with the tuned ones of the same pairs and appear in no ranking.
+// (instance, seed) pair is the same start for all of them. Runs with library defaults appear
+// in no ranking; they are compared with the tuned ones of the same pairs.
 #pragma once
 
 #include <map>
@@ -71,9 +71,15 @@ struct BenchmarkAnalysis {
 std::map<std::string, double> reference_values(const std::vector<RunRecord>& records,
                                                std::map<std::string, double> best_known);
 
+/// Resampling behind intervals and the certainty of first places.
+struct AnalysisOptions {
+  std::uint64_t seed = 1;  ///< fixed, so that a report does not depend on when it is made
+  int resamples = 200;     ///< of the runs, for each group and target
+};
+
 /// @param references of reference_values(); an instance without one was solved by no run
 BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
                                     const std::map<std::string, double>& references,
-                                    double gradient_cost);
+                                    double gradient_cost, const AnalysisOptions& options = {});
 
 }  // namespace stillbase

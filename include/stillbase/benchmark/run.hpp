@@ -11,9 +11,10 @@ namespace stillbase {
 /// ends with budget left: a solver that is done early is not worse for it, and one that can only
 /// look around its start gets as many as it can pay. What moves a start onto the constraints counts
 /// as evaluations with derivatives. Every better point is recorded.
+/// @param same_solution distance on the configuration manifold below which two solutions are one
 /// @throws std::invalid_argument for an optimizer that is not in the registry
 RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& request,
-                        const StopCondition& stop = {});
+                        const StopCondition& stop = {}, double same_solution = 1e-4);
 
 /// A record with what is known of a run before it begins.
 RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& request);

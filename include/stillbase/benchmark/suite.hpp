@@ -4,13 +4,14 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/core/random.hpp>
 #include <stillbase/plan/problem.hpp>
 
 namespace stillbase {
 
 /// What an optimizer is asked to do with an instance.
 enum class BenchmarkGoal {
-  Nominal,    ///< least |y| for the predicted direction
+  Nominal,    ///< least |y| for the nominal direction
   WorstCase,  ///< least of the largest |y| over fixed directions of the cone
   Case,       ///< least norm of the equations of an impact case, wanted zero
 };
@@ -53,11 +54,23 @@ struct BenchmarkInstance {
   CaptureProblem problem;
 };
 
+/// When an instance counts as one that can be solved.
+struct InstanceOptions {
+  int encounters = 50;      ///< that are drawn at the most; part of the stream of random numbers
+  int starts = 64;          ///< of which one has to satisfy the constraints
+  int steps = 40;           ///< of Newton's method from each
+  double violation = 1e-9;  ///< of each constraint, in its unit
+};
+
+/// Any posture within the joint limits; a joint without limits anywhere in one revolution.
+JointVectord random_posture(const RobotModel& robot, Random& random);
+
 /// Instance `number` (from 0) of a family. The random numbers depend on the family's name and the
-/// number alone, so that the goals of one number meet the same encounter. Encounters without any
-/// posture that satisfies the constraints, as far as 64 starts can tell, are passed over.
-/// @throws InputError when a variation has nothing to vary in the problem, or when no encounter of
-/// 50 is satisfiable
-BenchmarkInstance make_instance(const FamilySpec& family, BenchmarkGoal goal, int number);
+/// number alone, so that the goals of one number have the same encounter. Encounters without any
+/// posture that satisfies the constraints, as far as the starts can tell, are skipped.
+/// @throws InputError when a variation has nothing to vary in the problem, or when no encounter is
+/// satisfiable
+BenchmarkInstance make_instance(const FamilySpec& family, BenchmarkGoal goal, int number,
+                                const InstanceOptions& options = {});
 
 }  // namespace stillbase

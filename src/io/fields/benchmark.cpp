@@ -192,8 +192,7 @@ std::string bench_references_to_json(const BenchReferences& references) {
   return io::pretty(io::written([&](io::Table& t) { io::bench_fields(t, copy); }));
 }
 
-int improve(BestKnownTable& table, const std::vector<RunRecord>& records) {
-  constexpr double kBeaten = 1e-10;  // a hundredth of the tightest target
+int improve(BestKnownTable& table, const std::vector<RunRecord>& records, double by) {
   std::map<std::string, bool> changed;
   for (const RunRecord& record : records) {
     if (record.improvements.empty()) continue;
@@ -201,7 +200,7 @@ int improve(BestKnownTable& table, const std::vector<RunRecord>& records) {
     if (!(last.violation <= kReferenceViolation)) continue;
     const RunRequest& request = record.request;
     const auto known = table.find(request.instance);
-    if (known != table.end() && !(last.value < known->second.value - kBeaten)) continue;
+    if (known != table.end() && !(last.value < known->second.value - by)) continue;
     const std::string command = fmt::format(
         "stillbase bench --select {} --optimizers {} --first-seed {} --seeds 1 --budget {}",
         request.instance, label_of(request), request.seed, request.budget);
