@@ -22,9 +22,9 @@ using namespace campaign;
 
 constexpr const char* kCases = "cases.jsonl";
 
-std::string bag_of(const std::string& cases_text) { return sha256_hex(cases_text).substr(0, 16); }
+std::string list_of(const std::string& cases_text) { return sha256_hex(cases_text).substr(0, 16); }
 
-/// In the order of their names, so that a merge does not depend on the folder's.
+/// Sorted by name, so that a merge does not depend on the order in the folder.
 std::vector<std::string> journals_of(const std::string& folder) {
   std::vector<std::string> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -36,8 +36,8 @@ std::vector<std::string> journals_of(const std::string& folder) {
   return paths;
 }
 
-/// The folder belongs to this bag, or becomes its own.
-void claim_folder(const std::string& folder, const std::string& cases_text) {
+/// Makes the folder, or checks that it belongs to this list of cases.
+void prepare_folder(const std::string& folder, const std::string& cases_text) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileError(folder + ": cannot make the folder: " + error.message());
@@ -51,7 +51,7 @@ void claim_folder(const std::string& folder, const std::string& cases_text) {
     }
   }
   if (read_text_file(path) != cases_text) {
-    throw InputError({{path, 0, "other-campaign", "the folder belongs to another bag of cases"}});
+    throw InputError({{path, 0, "other-campaign", "the folder belongs to another list of cases"}});
   }
 }
 
@@ -92,15 +92,15 @@ std::vector<std::string> cases_from_text(const std::string& text, const std::str
 CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& options,
                          const std::function<std::string(const std::string&)>& work) {
   const std::vector<std::string> cases = cases_from_text(cases_text, "cases");
-  claim_folder(options.folder, cases_text);
-  const std::string bag = bag_of(cases_text);
+  prepare_folder(options.folder, cases_text);
+  const std::string list = list_of(cases_text);
   const std::string name = "journal-" + std::to_string(options.shard.index + 1) + "-of-" +
                            std::to_string(options.shard.count) + ".txt";
-  Journal journal((fs::path(options.folder) / name).string(), bag);
+  Journal journal((fs::path(options.folder) / name).string(), list);
 
   std::map<int, CaseStatus> found;
   for (const std::string& path : journals_of(options.folder)) {
-    for (const CaseRecord& record : read_journal(path, bag).records) {
+    for (const CaseRecord& record : read_journal(path, list).records) {
       found[record.number] = record.status;
     }
   }
@@ -147,7 +147,7 @@ MergedCampaign merge_campaign(const std::string& folder) {
   std::map<int, CaseRecord> records;
   std::set<int> contradictory;
   for (const std::string& journal : journals_of(folder)) {
-    const JournalContent content = read_journal(journal, bag_of(text));
+    const JournalContent content = read_journal(journal, list_of(text));
     merged.damaged += content.damaged;
     for (const CaseRecord& record : content.records) {
       if (record.number >= count) {

@@ -27,7 +27,7 @@ FileError system_error(const std::string& path, const char* what) {
   return FileError(path + ": " + what + ": " + std::strerror(errno));
 }
 
-/// The next word up to a space; what remains stays in text.
+/// Removes and returns the first word of the text.
 std::string_view word(std::string_view& text) {
   const std::size_t space = std::min(text.find(' '), text.size());
   const std::string_view head = text.substr(0, space);
@@ -35,10 +35,10 @@ std::string_view word(std::string_view& text) {
   return head;
 }
 
-std::optional<CaseRecord> record_from(std::string_view line, std::string& bag) {
+std::optional<CaseRecord> record_from(std::string_view line, std::string& list) {
   const std::string_view stated = word(line);
   if (stated.size() != kDigits || checksum(line) != stated) return std::nullopt;
-  bag = word(line);
+  list = word(line);
   CaseRecord record;
   const std::string_view number = word(line), status = word(line);
   const auto end = std::from_chars(number.data(), number.data() + number.size(), record.number);
@@ -54,28 +54,28 @@ std::optional<CaseRecord> record_from(std::string_view line, std::string& bag) {
 
 }  // namespace
 
-JournalContent read_journal(const std::string& path, const std::string& bag) {
+JournalContent read_journal(const std::string& path, const std::string& list) {
   const std::string text = read_text_file(path, kMaxJournalBytes);
   JournalContent content;
   std::size_t begin = 0;
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
-    std::string record_bag;
-    auto record = record_from(std::string_view(text).substr(begin, end - begin), record_bag);
+    std::string record_list;
+    auto record = record_from(std::string_view(text).substr(begin, end - begin), record_list);
     begin = end + 1;
     if (!record) {
       ++content.damaged;
       continue;
     }
-    if (record_bag != bag) {
-      throw InputError({{path, 0, "other-campaign", "holds records of another bag of cases"}});
+    if (record_list != list) {
+      throw InputError({{path, 0, "other-campaign", "contains records of another list of cases"}});
     }
     content.records.push_back(std::move(*record));
   }
-  content.torn_bytes = text.size() - begin;
+  content.incomplete_bytes = text.size() - begin;
   return content;
 }
 
-Journal::Journal(const std::string& path, const std::string& bag) : path_(path), bag_(bag) {
+Journal::Journal(const std::string& path, const std::string& list) : path_(path), list_(list) {
   const std::string lock_path = path + ".lock";
   lock_ = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock_ < 0) throw system_error(lock_path, "cannot open");
@@ -94,10 +94,10 @@ Journal::Journal(const std::string& path, const std::string& bag) : path_(path),
     ::close(lock_);
     throw error;
   }
-  const std::size_t torn = read_journal(path, bag).torn_bytes;
+  const std::size_t incomplete = read_journal(path, list).incomplete_bytes;
   const off_t size = ::lseek(file_, 0, SEEK_END);
-  if (torn > 0 && ::ftruncate(file_, size - static_cast<off_t>(torn)) != 0) {
-    const FileError error = system_error(path, "cannot cut off a torn record");
+  if (incomplete > 0 && ::ftruncate(file_, size - static_cast<off_t>(incomplete)) != 0) {
+    const FileError error = system_error(path, "cannot cut off an incomplete record");
     ::close(file_);
     ::close(lock_);
     throw error;
@@ -110,7 +110,7 @@ Journal::~Journal() {
 }
 
 void Journal::append(const CaseRecord& record) {
-  std::string body = bag_ + " " + std::to_string(record.number) + " " + to_string(record.status) +
+  std::string body = list_ + " " + std::to_string(record.number) + " " + to_string(record.status) +
                      " " + record.text;
   for (char& c : body) {
     if (c == '\n' || c == '\r') c = ' ';

@@ -39,7 +39,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-std::string bag(int count) {
+std::string case_list(int count) {
   std::string text;
   for (int i = 0; i < count; ++i) text += "case " + std::to_string(i) + "\n";
   return text;
@@ -102,7 +102,7 @@ std::string undisturbed(const std::string& cases) {
 }  // namespace
 
 TEST_CASE("results are the same for every number of workers and shards") {
-  const std::string cases = bag(37);
+  const std::string cases = case_list(37);
   const std::string expected = undisturbed(cases);
   for (const int jobs : {1, 2, 4}) {
     const Folder folder;
@@ -120,7 +120,7 @@ TEST_CASE("results are the same for every number of workers and shards") {
 }
 
 TEST_CASE("a case that crashes is a record, not the end") {
-  const std::string cases = bag(6);
+  const std::string cases = case_list(6);
   const Folder folder;
   const CampaignRun run = run_campaign(cases, in(folder, 2), [](const std::string& text) {
     if (text == "case 2") std::raise(SIGKILL);
@@ -138,7 +138,7 @@ TEST_CASE("a case that crashes is a record, not the end") {
 }
 
 TEST_CASE("a run that begins again finds what is done and does the rest") {
-  const std::string cases = bag(10);
+  const std::string cases = case_list(10);
   const Folder folder;
   std::atomic<bool> interrupted = false;
   CampaignOptions options = in(folder);
@@ -158,7 +158,7 @@ TEST_CASE("a run that begins again finds what is done and does the rest") {
 }
 
 TEST_CASE("killed five times at random, a campaign ends as if undisturbed") {
-  const std::string cases = bag(40);
+  const std::string cases = case_list(40);
   const Folder folder;
   Random random(1, 77);
   kills_until_done(folder, cases, 2, random, 5);
@@ -170,7 +170,7 @@ TEST_CASE("killed five times at random, a campaign ends as if undisturbed") {
 TEST_CASE("killed a thousand times at random, a campaign ends as if undisturbed", "[.slow]") {
   Random random(2, 77);
   int kills = 0;
-  const std::string cases = bag(60);
+  const std::string cases = case_list(60);
   const std::string expected = undisturbed(cases);
   while (kills < 1000) {
     const Folder folder;
@@ -182,7 +182,7 @@ TEST_CASE("killed a thousand times at random, a campaign ends as if undisturbed"
 }
 
 TEST_CASE("a torn record is cut off, a damaged one is done again") {
-  const std::string cases = bag(5);
+  const std::string cases = case_list(5);
   const Folder folder;
   run_campaign(cases, in(folder), hashed);
   const std::filesystem::path journal = folder / "journal-1-of-1.txt";
@@ -207,7 +207,7 @@ TEST_CASE("a torn record is cut off, a damaged one is done again") {
 }
 
 TEST_CASE("records that contradict each other are no complete campaign") {
-  const std::string cases = bag(2);
+  const std::string cases = case_list(2);
   const Folder folder, other;
   run_campaign(cases, in(folder, 1, {0, 1}), hashed);
   run_campaign(cases, in(other, 1, {0, 2}), [](const std::string&) { return "else"; });
@@ -217,10 +217,10 @@ TEST_CASE("records that contradict each other are no complete campaign") {
   CHECK(merged.contradictory == std::vector<int>{0});
 }
 
-TEST_CASE("a folder belongs to one bag, a shard to one run") {
+TEST_CASE("a folder belongs to one list of cases, a shard to one run") {
   const Folder folder;
-  run_campaign(bag(3), in(folder), hashed);
-  CHECK_THROWS_AS(run_campaign(bag(4), in(folder), hashed), InputError);
+  run_campaign(case_list(3), in(folder), hashed);
+  CHECK_THROWS_AS(run_campaign(case_list(4), in(folder), hashed), InputError);
   CHECK_THROWS_AS(merge_campaign((folder / "nothing").string()), InputError);
   CHECK_THROWS_AS(shard_from_text("0/2"), std::invalid_argument);
   CHECK_THROWS_AS(shard_from_text("3/2"), std::invalid_argument);

@@ -1,8 +1,8 @@
-// Many cases, none lost: a bag of cases is worked off by processes on one or many machines, every
-// finished case is a line in a journal, and merging proves that each is there exactly once.
+// A list of cases, evaluated by processes on one or many machines. Each finished case is a line in a
+// journal, and merging checks that each is there exactly once.
 //
-// A case is one line of text that says everything; what it means is its worker's matter. Its number
-// is that of its line, from 0. The folder of a campaign holds `cases.jsonl` (a copy of the bag) and
+// A case is one line of text that states everything that its worker needs. Its number
+// is that of its line, from 0. The folder of a campaign holds `cases.jsonl` (a copy of the list) and
 // one journal per shard. A journal only grows. Each record is one line with its checksum, flushed
 // to the disk before the next case begins: killed at any moment, a run loses no finished case and
 // repeats only those that were being worked on, at most one per worker. Results do not depend on
@@ -27,9 +27,9 @@ struct Shard {
 /// @throws std::invalid_argument unless 1 <= I <= N
 Shard shard_from_text(const std::string& text);
 
-/// The lines of a bag of cases.
+/// The lines of a list of cases.
 /// @param path for messages
-/// @throws InputError for an empty bag, empty lines or duplicate cases
+/// @throws InputError for an empty list, empty lines or duplicate cases
 std::vector<std::string> cases_from_text(const std::string& text, const std::string& path);
 
 using CaseStatus = ChildEnd;  ///< how the process of a case ended
@@ -59,16 +59,16 @@ struct CampaignRun {
   bool is_complete() const { return found + recorded == cases; }
 };
 
-/// Works off the cases of a shard that no journal of the folder has yet. A worker that crashes,
+/// Evaluates the cases of a shard that no journal of the folder has yet. A worker that crashes,
 /// hangs or runs out of memory is a record with that status.
 /// @param work from the text of a case to its result (one line); runs in a process of its own
 /// @throws FileError when the folder cannot be written, or another run works on the shard
-/// @throws InputError when the folder belongs to another bag of cases
+/// @throws InputError when the folder belongs to another list of cases
 CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& options,
                          const std::function<std::string(const std::string&)>& work);
 
 struct MergedCampaign {
-  std::string cases_sha256;  ///< of the bag
+  std::string cases_sha256;  ///< of the list
   std::vector<std::string> cases;
   std::vector<CaseRecord> records;  ///< by number, each once
   std::vector<int> missing;         ///< numbers without a record

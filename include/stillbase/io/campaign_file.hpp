@@ -34,7 +34,7 @@ CampaignCase case_from_text(const std::string& text);
 /// What a case came to, a line of text.
 struct CampaignCaseResult {
   std::string plan_status;  ///< of the planner; "given" for plans
-  bool verified = false;    ///< the plan passes its claims, simulation included
+  bool verified = false;    ///< the plan passes its verification
   std::string outcomes;     ///< trial_outcomes_to_text()
 };
 std::string case_result_to_text(const CampaignCaseResult& result);
