@@ -116,24 +116,14 @@ std::string check_line(const Claim& claim) {
                      claim.limit, unit, claim.detail);
 }
 
-/// What the checks of a group answer.
-const char* heading(ClaimGroup group) {
-  switch (group) {
-    case ClaimGroup::Inputs:
-      return "inputs: files and shape of the plan";
-    case ClaimGroup::Physics:
-      return "physics: impulse, motion right after the impact, objective";
-    case ClaimGroup::Constraints:
-      return "constraints: configuration at the contact";
-    case ClaimGroup::Approach:
-      return "approach: path to the contact";
-    case ClaimGroup::AfterContact:
-      return "after the contact: first controller, target";
-    case ClaimGroup::Audit:
-      return "audit: search record";
-  }
-  return "";
-}
+/// What the checks of each group answer, in the order in which they are printed.
+constexpr std::pair<ClaimGroup, const char*> kHeadings[] = {
+    {ClaimGroup::Inputs, "inputs: files and shape of the plan"},
+    {ClaimGroup::Physics, "physics: impulse, motion right after the impact, objective"},
+    {ClaimGroup::Constraints, "constraints: configuration at the contact"},
+    {ClaimGroup::Approach, "approach: path to the contact"},
+    {ClaimGroup::AfterContact, "after the contact: first controller, target"},
+    {ClaimGroup::Audit, "audit: search record"}};
 
 }  // namespace
 
@@ -149,13 +139,11 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
 
 void print_checks(const Plan& plan, const Verification& verification) {
   say(fmt::format("{:<13} {}: {}", "problem", plan.problem.name, plan.problem.purpose));
-  for (const ClaimGroup group :
-       {ClaimGroup::Inputs, ClaimGroup::Physics, ClaimGroup::Constraints, ClaimGroup::Approach,
-        ClaimGroup::AfterContact, ClaimGroup::Audit}) {
+  for (const auto& [group, heading] : kHeadings) {
     bool is_first = true;
     for (const Claim& claim : verification.claims) {
       if (claim.group != group) continue;
-      if (is_first) say(heading(group));
+      if (is_first) say(heading);
       is_first = false;
       say(check_line(claim));
     }

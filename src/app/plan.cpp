@@ -1,4 +1,5 @@
 // stillbase plan: a problem file in, a plan file out.
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -7,12 +8,16 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/planner/post_impact.hpp>
+#include <stillbase/report/plot.hpp>
+#include <stillbase/search/trade_off.hpp>
 
 #include "app/command_line.hpp"
-#include "app/pareto.hpp"
 #include "app/plan_summary.hpp"
+#include "app/words.hpp"
+#include "io/fields/results.hpp"
 
 namespace stillbase::app {
 
@@ -26,6 +31,138 @@ struct PlanRequest {
   OutputFile output;
   bool json = false, is_verbose = false;
 };
+
+ObjectiveQuantity quantity_of(const std::string& word) {
+  const auto quantity = io::value_of(io::objective_names(), word);
+  if (!quantity) {
+    throw CommandLineError(fmt::format("--pareto {}: unknown; there are {}", word,
+                                       fmt::join(io::words_of(io::objective_names()), ", ")));
+  }
+  return *quantity;
+}
+
+std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) throw CommandLineError("--pareto: two quantities, as in A,B");
+  const auto both =
+      std::pair(quantity_of(text.substr(0, comma)), quantity_of(text.substr(comma + 1)));
+  if (both.first == both.second) throw CommandLineError("--pareto: two different quantities");
+  return both;
+}
+
+/// attitude_turned needs the time that a term of the problem's objective states.
+void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
+  if (quantity != ObjectiveQuantity::AttitudeTurned) return;
+  for (const ObjectiveTerm& term : problem.objective) {
+    if (term.quantity == quantity) return;
+  }
+  throw CommandLineError(
+      "--pareto: attitude_turned needs its time; state it with 'after' as a term of the problem's "
+      "objective");
+}
+
+std::string front_json(const CaptureProblem& problem, TradeOff front) {
+  return io::pretty(io::written([&](io::Table& t) { io::pareto_fields(t, problem, front); }));
+}
+
+/// "base_angular_momentum_N_m_s": name and unit as one word.
+std::string column(ObjectiveQuantity quantity) {
+  std::string unit = unit_of(quantity);
+  for (char& c : unit) c = c == ' ' || c == '/' ? '_' : c;
+  return to_string(quantity) + "_" + unit;
+}
+
+std::string front_csv(const CaptureProblem& problem, const TradeOff& front) {
+  std::string text = column(front.first) + "," + column(front.second);
+  for (const Joint& joint : problem.robot.joints) {
+    text += fmt::format(",{}_{}", joint.name, joint.is_prismatic() ? "m" : "rad");
+  }
+  text += ",base_x_m,base_y_m,base_z_m,base_qw,base_qx,base_qy,base_qz,contact_time_s\n";
+  for (const TradeOffPoint& point : front.points) {
+    const Configuration& at = point.configuration;
+    text += fmt::format("{},{}", point.first, point.second);
+    for (const double angle : at.phi) text += fmt::format(",{}", angle);
+    for (const double x : at.base.position) text += fmt::format(",{}", x);
+    const Eigen::Quaterniond& q = at.base.orientation;
+    text += fmt::format(",{},{},{},{},{}\n", q.w(), q.x(), q.y(), q.z(), at.contact_time);
+  }
+  return text;
+}
+
+std::string label(ObjectiveQuantity quantity) {
+  std::string name = to_string(quantity);
+  for (char& c : name) c = c == '_' ? ' ' : c;
+  return fmt::format("{} ({})", name, unit_of(quantity));
+}
+
+std::string front_svg(const CaptureProblem& problem, const TradeOff& front) {
+  PlotPanel panel;
+  panel.title = problem.name;
+  panel.x_label = label(front.first);
+  panel.y_label = label(front.second);
+  PlotSeries series{"best found", {}};
+  for (const TradeOffPoint& point : front.points) {
+    panel.x.push_back(point.first);
+    series.y.push_back(point.second);
+  }
+  panel.series.push_back(series);
+  return plot_svg({panel});
+}
+
+std::string front_table(const TradeOff& front) {
+  std::string text = fmt::format("{:>34} {:>34}\n", label(front.first), label(front.second));
+  for (const TradeOffPoint& point : front.points) {
+    text += fmt::format("{:>34.6g} {:>34.6g}\n", point.first, point.second);
+  }
+  return text;
+}
+
+std::string front_words(const TradeOff& front) {
+  if (front.points.empty()) return "no configuration satisfies the constraints";
+  const TradeOffPoint &a = front.points.front(), &b = front.points.back();
+  return fmt::format("increasing {} from {} to {} {} reduces {} from {} to {} {}{}",
+                     to_string(front.first), size_words(a.first), size_words(b.first),
+                     unit_of(front.first), to_string(front.second), size_words(a.second),
+                     size_words(b.second), unit_of(front.second),
+                     front.stopped ? " (stopped early, best so far)" : "");
+}
+
+/// Two quantities against each other instead of a plan.
+/// @param quantities two of the objective's quantities, "A,B"
+/// @return the exit code
+/// @throws CommandLineError for other words, or another extension of the file than .json, .csv,
+/// .svg
+int run_pareto(const CaptureProblem& problem, const std::string& quantities, double time_limit,
+               const OutputFile& output, bool json) {
+  const auto [first, second] = quantities_of(quantities);
+  check_stated(problem, first);
+  check_stated(problem, second);
+  const std::string extension = extension_of(output.path);
+  if (output.is_given() && extension != ".json" && extension != ".csv" && extension != ".svg") {
+    throw CommandLineError(output.path + ": a front is written as .json, .csv or .svg");
+  }
+  TradeOffOptions options;
+  options.optimizer = problem.search.optimizer;
+  options.starts = problem.search.starts;
+  options.seed = problem.search.seed;
+  options.stop = stop_condition(time_limit);
+  ProgressLine progress;
+  options.on_progress = [&](int done, int total) { progress.show("levels", done, total); };
+  const TradeOff front = trade_off(problem, first, second, options);
+  progress.clear();
+  if (extension == ".json") output.write(front_json(problem, front));
+  if (extension == ".csv") output.write(front_csv(problem, front));
+  if (extension == ".svg" && front.points.size() > 1) output.write(front_svg(problem, front));
+  if (json) {
+    write_stdout(front_json(problem, front));
+  } else if (!output.is_given()) {
+    write_stdout(front_table(front));
+  }
+  say(front_words(front));
+  if (signal_exit_code() != 0) return signal_exit_code();
+  if (front.stopped) return kLimit;
+  return front.points.empty() ? kInfeasible : kDone;
+}
 
 bool arrives(const Plan& plan) {
   return plan.approach.status == ApproachStatus::Found ||

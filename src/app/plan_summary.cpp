@@ -37,7 +37,7 @@ bool has_samples(const Plan& plan) {
 std::string found_words(const Plan& plan) {
   const ObjectiveValue& objective = plan.objective;
   if (plan.status == PlanStatus::Infeasible) {
-    return "no configuration satisfies the constraints; this is the nearest attempt";
+    return "no configuration satisfies the constraints; this attempt violates them least";
   }
   std::string text = plan.status == PlanStatus::Limit ? "best configuration before the limit"
                                                       : to_string(plan.status) + " configuration";

@@ -1,4 +1,6 @@
 // stillbase simulate: what base and arm do after the impact under the controllers.
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -9,10 +11,10 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/post_impact.hpp>
+#include <stillbase/report/plot.hpp>
+#include <stillbase/simulation/model_check.hpp>
 
 #include "app/command_line.hpp"
-#include "app/contact_table.hpp"
-#include "app/simulate_plot.hpp"
 #include "app/words.hpp"
 #include "io/fields/results.hpp"
 #include "planner/contact_case.hpp"
@@ -105,6 +107,134 @@ std::string run_words(const RobotModel& robot, const Run& run) {
                         to_string(event.kind), event.time);
   }
   return text;
+}
+
+constexpr double kLead = 0.1;  // s before the impact, as in the paper
+
+/// The axis of the angular momentum in N, its largest component positive; z without momentum.
+Vector3d momentum_axis(const TraceSample& sample) {
+  const double size = sample.base.norm() + sample.coupling.norm();
+  if (!(sample.total_N.norm() > 1e-9 * size)) return Vector3d::UnitZ();
+  Vector3d axis = sample.total_N.normalized();
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return axis[largest] < 0 ? Vector3d(-axis) : axis;
+}
+
+/// The paper's Figs. 6 to 8 of a run, three panels: (a) base attitude, (b) momenta, (c) joint rate
+/// and its parts. As in the paper they begin 0.1 s before the impact, with the robot at rest; the
+/// impact is at t = 0. Attitude and momenta are shown along the axis of the total angular momentum
+/// (planar robots: z).
+/// @param trace from right after the impact on
+std::vector<PlotPanel> figure_panels(const std::string& controller,
+                                     const std::vector<TraceSample>& trace) {
+  PlotPanel attitude{controller + ": (a) base attitude",
+                     "time from the impact, s",
+                     "rotation angle, deg",
+                     {},
+                     {{"base attitude", {}}},
+                     {{0, "impact"}}};
+  PlotPanel momenta{controller + ": (b) angular momenta",
+                    "time from the impact, s",
+                    "N m s",
+                    {},
+                    {{"total", {}}, {"base", {}}, {"coupling", {}}},
+                    {{0, "impact"}}};
+  PlotPanel rates{controller + ": (c) joint rate",
+                  "time from the impact, s",
+                  "norm, rad/s",
+                  {},
+                  {{"joint rate", {}}, {"in the null space", {}}, {"orthogonal", {}}},
+                  {{0, "impact"}}};
+  const Vector3d axis = momentum_axis(trace.front());
+  const Eigen::Quaterniond first = trace.front().state.base.orientation;
+  const double t0 = trace.front().time;
+  const auto add = [&](double t, const TraceSample* sample) {
+    for (PlotPanel* panel : {&attitude, &momenta, &rates}) panel->x.push_back(t);
+    const auto push = [&](PlotPanel& panel, std::size_t i, double value) {
+      panel.series[i].y.push_back(sample == nullptr ? 0.0 : value);
+    };
+    const TraceSample& s = sample == nullptr ? trace.front() : *sample;
+    const Eigen::Quaterniond& R_NB = s.state.base.orientation;
+    push(attitude, 0, axis.dot(rotation_log(R_NB * first.conjugate())) * kDegrees);
+    push(momenta, 0, axis.dot(s.total_N));
+    push(momenta, 1, axis.dot(R_NB * s.base));
+    push(momenta, 2, axis.dot(R_NB * s.coupling));
+    push(rates, 0, s.state.phidot.norm());
+    push(rates, 1, s.rns.norm());
+    push(rates, 2, s.orthogonal.norm());
+  };
+  add(-kLead, nullptr);
+  add(0, nullptr);
+  for (const TraceSample& sample : trace) add(sample.time - t0, &sample);
+  return {attitude, momenta, rates};
+}
+
+std::vector<double> stiffnesses() {
+  std::vector<double> list;
+  for (int decade = 3; decade <= 9; ++decade) list.push_back(std::pow(10.0, decade));
+  return list;
+}
+
+/// The case with a restitution that a spring-damper can leave.
+ContactCase checked_case(ContactCase subject) {
+  if (!subject.target || !(subject.impulse > 0) || !(subject.closing_speed > 0)) {
+    throw CommandLineError("--contact-table: needs a target that closes in on the hand by a law");
+  }
+  if (subject.resistance.model == ResistanceModel::Locked) {
+    throw CommandLineError("--contact-table: a contact that takes time knows no locked joints");
+  }
+  subject.restitution = std::max(subject.restitution, kLeastRestitution);
+  return subject;
+}
+
+std::string table_words(const ContactCase& subject, const std::vector<ModelCheckRow>& rows) {
+  const std::string model = to_string(subject.resistance.model);
+  std::string text = fmt::format(
+      "spring-damper contact against the instantaneous impact: joints {}, restitution {:g}, "
+      "closing "
+      "at {:.4g} m/s\n",
+      model, subject.restitution, subject.closing_speed);
+  text +=
+      "  stiffness    duration  peak force  impulse off  velocity off  off if joints free  "
+      "momentum off\n";
+  for (const ModelCheckRow& row : rows) {
+    if (!row.ended) {
+      text += fmt::format("{:>7.0e} N/m  not over in time\n", row.stiffness);
+      continue;
+    }
+    text +=
+        fmt::format("{:>7.0e} N/m {:>8.3g} ms {:>9.4g} N {:>12.2e} {:>13.2e} {:>19.2e} {:>13.1e}\n",
+                    row.stiffness, 1e3 * row.duration, row.peak_force, row.impulse_error,
+                    row.velocity_error, row.free_error, row.momentum_error);
+  }
+  text +=
+      "off: relative to the jump, velocities in the norm of kinetic energy; 'velocity off' is "
+      "against "
+      "the jump with\nthe joints as stated (servo: by its formula with the duration found), the "
+      "next "
+      "against that with free joints\n";
+  return text;
+}
+
+/// The contact of a case by a spring-damper that gets stiffer row by row, beside the instantaneous
+/// impact with the case's joint resistance and with free joints.
+/// @param friction Coulomb coefficient of the spring-damper contact; the impact has none
+/// @param stop rows that it cuts off are said to be not over
+/// @throws CommandLineError for a case without target or closing speed, or with locked joints
+std::string contact_table(const ContactCase& stated, double friction, bool as_json,
+                          const StopCondition& stop) {
+  const ContactCase subject = checked_case(stated);
+  std::vector<ModelCheckRow> rows;
+  try {
+    rows = check_stiffness(subject, friction, stiffnesses(), stop);
+  } catch (const std::invalid_argument& error) {
+    throw CommandLineError(std::string("--contact-table: ") + error.what());
+  }
+  if (!as_json) return table_words(subject, rows);
+  io::ContactTable table{subject.resistance.model, subject.restitution, subject.closing_speed,
+                         friction, rows};
+  return io::pretty(io::written([&](io::Table& t) { io::contact_table_fields(t, table); }));
 }
 
 int simulate_motion(const SimulateRequest& request) {

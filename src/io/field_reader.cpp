@@ -1,8 +1,11 @@
 #include "io/field_reader.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
+
+#include <stillbase/core/file.hpp>
 
 namespace stillbase::io {
 
@@ -92,8 +95,27 @@ int MapReader::one_of(const std::vector<std::string>& keys, int, const std::stri
 void MapReader::not_both(const std::string& a, const std::string& b) {
   child(b);
   if (has(a) && has(b)) {
-    refuse(b, "not-used", fmt::format("stands beside {}; state one of them", a));
+    refuse(b, "not-used", fmt::format("is stated beside {}; state one of them", a));
   }
+}
+
+std::optional<std::string> MapReader::read_file(const std::string& key, const std::string& name,
+                                                const std::optional<std::string>& folder,
+                                                std::string& full_path) {
+  if (!folder) {
+    refuse(key, "not-used",
+           fmt::format("'{}' cannot be read from here; state its content in place", name));
+    return std::nullopt;
+  }
+  full_path = (std::filesystem::path(*folder) / name).string();
+  try {
+    return read_text_file(full_path, DocumentLimits{}.bytes);
+  } catch (const InputError& error) {
+    for (const Finding& finding : error.findings()) {
+      refuse(key, finding.rule, fmt::format("{}: {}", full_path, finding.message));
+    }
+  }
+  return std::nullopt;
 }
 
 void MapReader::finish() {

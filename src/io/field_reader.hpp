@@ -1,6 +1,7 @@
 // Typed access to the fields of one map of a parsed file.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -31,6 +32,12 @@ class MapReader : public Table {
   const std::vector<std::string>& missing() const { return missing_; }
   /// Adds the finding "path.key: what" at the line of the key.
   void refuse(const std::string& key, std::string rule, const std::string& what);
+  /// Text of a file that a key names; one that is missing is a finding at that key.
+  /// @param folder in which relative paths start; empty: no file may be read
+  /// @param full_path set to the path that was read
+  std::optional<std::string> read_file(const std::string& key, const std::string& name,
+                                       const std::optional<std::string>& folder,
+                                       std::string& full_path);
   void finish();
 
   bool states(const std::string& key, bool is_written) override;

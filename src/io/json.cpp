@@ -279,11 +279,6 @@ Json quaternion_json(const Eigen::Quaterniond& q) {
   return {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}};
 }
 
-Json pose_json(const Pose& pose) {
-  return {{"position", array_json(pose.position)},
-          {"orientation", quaternion_json(pose.orientation)}};
-}
-
 std::string pretty(const Json& json) {
   std::string out;
   add_pretty(json, 0, out);

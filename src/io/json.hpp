@@ -6,7 +6,6 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -55,10 +54,6 @@ class Json {
   Json(const std::vector<T>& list) : kind_(Kind::Array) {
     for (const T& x : list) items_.emplace_back(x);
   }
-  template <class T>
-  Json(const std::map<std::string, T>& map) : kind_(Kind::Object) {
-    for (const auto& [key, x] : map) (*this)[key] = Json(x);
-  }
 
   static Json array(std::initializer_list<Json> items = {});
   static Json object() { return Json(Kind::Object); }
@@ -103,10 +98,6 @@ class Json {
   /// @throws JsonError for another kind of value
   template <class T>
   T get() const;
-  template <class T>
-  void get_to(T& out) const {
-    out = get<T>();
-  }
   /// The value of a key, or what stands for it when there is none.
   template <class T>
   T value(std::string_view key, T absent) const {
@@ -159,8 +150,6 @@ inline Json Json::get<Json>() const {
 Json array_json(const Eigen::Ref<const Eigen::VectorXd>& v);
 /// {"w", "x", "y", "z"}
 Json quaternion_json(const Eigen::Quaterniond& q);
-/// {"position", "orientation"}
-Json pose_json(const Pose& pose);
 
 /// Text of a document for people and programs: objects indented, arrays of plain values on one
 /// line, a newline at the end.

@@ -6,17 +6,17 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/plan/feature.hpp>
 #include <stillbase/simulation/contact.hpp>
 
 #include "io/problem_reader.hpp"
-#include "io/wedge_check.hpp"
 
 namespace stillbase::io {
 
 namespace {
 
-/// The turn of the base is simulated for every posture that the search looks at.
-void check_turn(MapReader& map, const CaptureProblem& problem) {
+/// The attitude change of the base is simulated for every posture that the search evaluates.
+void check_attitude_change(MapReader& map, const CaptureProblem& problem) {
   const auto term =
       std::find_if(problem.objective.begin(), problem.objective.end(),
                    [](const ObjectiveTerm& t) { return row_of(t.quantity).is_simulated(); });
@@ -27,7 +27,7 @@ void check_turn(MapReader& map, const CaptureProblem& problem) {
   };
   const PostImpactSpec& spec = problem.post_impact;
   if (spec.controllers.empty()) {
-    refuse("missing-key", "needs post_impact.controllers: it is the turn under the first of them");
+    refuse("missing-key", "needs post_impact.controllers: the first one acts after the impact");
   }
   if (term->after > spec.horizon) {
     refuse("out-of-range",
@@ -130,7 +130,7 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
       hand.constraint != HandConstraint::None || variables.base_position != PositionFreedom::Fixed;
   if (hand.position && !impulse.direction) {
     refuse("hand", "not-used",
-           "position: the hand meets the contact feature, wherever that is; a place of its own "
+           "position: the hand reaches the contact feature, wherever that is; a stated position "
            "belongs to a stated impact.direction");
   } else if (hand.position && !is_placed) {
     refuse("hand", "not-used",
@@ -197,8 +197,8 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
   if (contact == ContactModel::Compliant && !problem.post_impact.contact.damping &&
       !(impulse.restitution >= kLeastRestitution)) {
     refuse("post_impact", "out-of-range",
-           fmt::format("contact: a spring-damper always leaves a little: impact.restitution must "
-                       "be at least {}, or damping stated",
+           fmt::format("contact: a spring-damper always leaves some restitution: "
+                       "impact.restitution must be at least {}, or damping stated",
                        kLeastRestitution));
   }
 
@@ -214,6 +214,96 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("uncertainty", "out-of-range",
            fmt::format("restitution: {} about impact.restitution {} leaves [0, 1]",
                        spread.restitution, impulse.restitution));
+  }
+}
+
+constexpr double kParallel = 1e-9;
+
+bool is_parallel(const Vector3d& a, const Vector3d& unit) {
+  return a.cross(unit).norm() <= kParallel * (1 + a.norm());
+}
+
+/// What leaves the plane with this normal (in B); empty: nothing.
+std::string out_of_plane(const CaptureProblem& problem, const Vector3d& normal) {
+  // The axis of a joint stays parallel to the normal whatever the joints before it do.
+  std::vector<Matrix3d> axes;
+  for (const Joint& joint : problem.robot.joints) {
+    const Matrix3d R = joint.parent == kBase
+                           ? joint.R
+                           : Matrix3d(axes[static_cast<std::size_t>(joint.parent)] * joint.R);
+    axes.push_back(R);
+    const Vector3d z = R.col(2);
+    const bool stays =
+        joint.is_prismatic() ? std::abs(z.dot(normal)) <= kParallel : is_parallel(z, normal);
+    if (!stays) return fmt::format("joint {} moves the arm out of it", joint.name);
+  }
+  const Vector3d normal_N = problem.base.orientation * normal;
+  const VariableSpec& variables = problem.variables;
+  if (variables.base_attitude == AttitudeFreedom::Axis) {
+    if (!is_parallel(variables.base_attitude_axis, normal_N)) {
+      return "the base may rotate out of it";
+    }
+  } else if (variables.base_attitude != AttitudeFreedom::Fixed) {
+    return "the base may rotate out of it";
+  }
+  if (problem.impulse.direction) {
+    const bool in_N = problem.impulse.direction_frame == Frame::Inertial;
+    if (!(std::abs(problem.impulse.direction->dot(in_N ? normal_N : normal)) <= kParallel)) {
+      return "the impulse points out of it";
+    }
+    return "";
+  }
+  const TargetState& state = problem.target_state;
+  const Vector3d n = state.pose.orientation * chosen_feature(problem).normal;
+  if (!(std::abs(n.dot(normal_N)) <= kParallel)) return "the normal of the contact feature points out of it";
+  if (!is_parallel(state.angular_velocity, normal_N)) return "the target rotates out of it";
+  const Matrix3d& I = problem.target->inertia;
+  const Vector3d in_T = state.pose.orientation.conjugate() * normal_N;
+  if (!problem.target->is_point_mass && !is_parallel(I * in_T / I.trace(), in_T)) {
+    return "the target does not keep rotating in it: it is no plane of symmetry of its inertia";
+  }
+  return "";
+}
+
+/// Which error of the estimate tilts the contact's normal out of the plane; empty: none.
+std::string tilts(const CaptureProblem& problem, const Vector3d& normal_N) {
+  const EstimateDeviations& deviations = *problem.target_deviations;
+  const Vector3d in_T = problem.target_state.pose.orientation.conjugate() * normal_N;
+  for (int i = 0; i < 3; ++i) {
+    if (deviations.orientation[i] > 0 && !is_parallel(Vector3d::Unit(i), in_T)) {
+      return "orientation";
+    }
+    if (deviations.angular_velocity[i] > 0 && !is_parallel(Vector3d::Unit(i), normal_N)) {
+      return "angular_velocity";
+    }
+  }
+  return "";
+}
+
+/// A wedge (cone_plane) stands for all directions only where everything stays in its plane. Finds
+/// what leaves it: arm, base, impulse, target, or an error of the target's estimate.
+/// @pre the problem's sections are good and fit together
+void check_wedge(MapReader& map, const CaptureProblem& problem) {
+  const UncertaintySpec& uncertainty = problem.uncertainty;
+  if (!uncertainty.cone_plane_normal) return;
+  const auto refuse = [&](const std::string& message) {
+    map.context().add(map.line_of("uncertainty"), "not-planar",
+                      fmt::format("{}.cone_plane: {}", map.path_of("uncertainty"), message));
+  };
+  const Vector3d& normal = *uncertainty.cone_plane_normal;
+  const std::string what = out_of_plane(problem, normal);
+  if (!what.empty()) {
+    return refuse(
+        "the worst direction of a problem that is not planar need not lie in the wedge (" + what +
+        "); leave it out");
+  }
+  if (!uncertainty.cone_confidence) return;
+  const std::string error = tilts(problem, problem.base.orientation * normal);
+  if (!error.empty()) {
+    refuse(
+        fmt::format("target.state.covariance.{} tilts the normal out of this plane; state the "
+                    "deviations in the plane, or leave cone_plane out",
+                    error));
   }
 }
 
@@ -247,7 +337,7 @@ void check_sections(MapReader& map, CaptureProblem& problem) {
   if (findings.empty()) resolve_cone(map, problem);
   if (problem.uncertainty.cone_confidence && !findings.empty()) return;
   const std::size_t before = findings.size();
-  check_turn(map, problem);
+  check_attitude_change(map, problem);
   if (findings.size() == before) check_measure(map, problem);
 }
 

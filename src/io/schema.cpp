@@ -51,7 +51,12 @@ std::vector<Format> formats() {
       {"inspection",
        "What `stillbase inspect --json` prints: every matrix of a robot at one state, in the base "
        "frame; matrices as lists of rows.",
-       [x = io::Inspection{}](Table& t) mutable { io::inspection_fields(t, x); }},
+       [](Table& t) {
+         RobotModel base_alone;
+         base_alone.base.mass = 1;
+         base_alone.base.inertia = Matrix3d::Identity();
+         io::inspection_fields(t, base_alone, zero_state(base_alone));
+       }},
       {"analysis", "What `stillbase analyze` says of the impact in a posture (JSON).",
        [x = io::Analysis{}](Table& t) mutable { io::analysis_fields(t, x); }},
       {"simulation",

@@ -9,110 +9,67 @@ namespace stillbase::io {
 namespace {
 
 struct Unit {
-  std::string_view name;
-  Dimension dimension;
-  double factor;
+  std::string_view name = {};
+  double factor = 0;  ///< to SI
+};
+
+struct Row {
+  const char* name;
+  std::array<Unit, 5> units;  ///< the SI unit first; those without a name are none
 };
 
 constexpr double kDegree = kPi / 180;
 
-// The SI unit comes first in each dimension.
-constexpr std::array kUnits{
-    Unit{"rad", Dimension::Angle, 1},
-    Unit{"deg", Dimension::Angle, kDegree},
-    Unit{"rad/s", Dimension::AngularVelocity, 1},
-    Unit{"deg/s", Dimension::AngularVelocity, kDegree},
-    Unit{"rad/s^2", Dimension::AngularAcceleration, 1},
-    Unit{"deg/s^2", Dimension::AngularAcceleration, kDegree},
-    Unit{"m", Dimension::Length, 1},
-    Unit{"cm", Dimension::Length, 0.01},
-    Unit{"mm", Dimension::Length, 0.001},
-    Unit{"m/s", Dimension::Velocity, 1},
-    Unit{"cm/s", Dimension::Velocity, 0.01},
-    Unit{"mm/s", Dimension::Velocity, 0.001},
-    Unit{"m/s^2", Dimension::Acceleration, 1},
-    Unit{"mm/s^2", Dimension::Acceleration, 0.001},
-    Unit{"kg", Dimension::Mass, 1},
-    Unit{"g", Dimension::Mass, 0.001},
-    Unit{"kg m^2", Dimension::Inertia, 1},
-    Unit{"s", Dimension::Time, 1},
-    Unit{"ms", Dimension::Time, 0.001},
-    Unit{"min", Dimension::Time, 60},
-    Unit{"h", Dimension::Time, 3600},
-    Unit{"1/s", Dimension::Rate, 1},
-    Unit{"N", Dimension::Force, 1},
-    Unit{"N m", Dimension::Moment, 1},
-    Unit{"N s", Dimension::Impulse, 1},
-    Unit{"kg m/s", Dimension::Impulse, 1},
-    Unit{"N m s", Dimension::AngularImpulse, 1},
-    Unit{"kg m^2/s", Dimension::AngularImpulse, 1},
-    Unit{"N m/rad", Dimension::Stiffness, 1},
-    Unit{"N/m", Dimension::LinearStiffness, 1},
-    Unit{"N m s/rad", Dimension::Damping, 1},
-    Unit{"N s/m", Dimension::LinearDamping, 1},
-};
+// In the order of the enumeration.
+constexpr Row kDimensions[] = {
+    {"none", {}},
+    {"angle", {Unit{"rad", 1}, {"deg", kDegree}}},
+    {"angular_velocity", {Unit{"rad/s", 1}, {"deg/s", kDegree}}},
+    {"angular_acceleration", {Unit{"rad/s^2", 1}, {"deg/s^2", kDegree}}},
+    {"length", {Unit{"m", 1}, {"cm", 0.01}, {"mm", 0.001}}},
+    {"velocity", {Unit{"m/s", 1}, {"cm/s", 0.01}, {"mm/s", 0.001}}},
+    {"acceleration", {Unit{"m/s^2", 1}, {"mm/s^2", 0.001}}},
+    {"joint_position", {Unit{"rad", 1}, {"deg", kDegree}, {"m", 1}, {"cm", 0.01}, {"mm", 0.001}}},
+    {"mass", {Unit{"kg", 1}, {"g", 0.001}}},
+    {"inertia", {Unit{"kg m^2", 1}}},
+    {"time", {Unit{"s", 1}, {"ms", 0.001}, {"min", 60}, {"h", 3600}}},
+    {"rate", {Unit{"1/s", 1}}},
+    {"force", {Unit{"N", 1}}},
+    {"moment", {Unit{"N m", 1}}},
+    {"impulse", {Unit{"N s", 1}, {"kg m/s", 1}}},
+    {"angular_impulse", {Unit{"N m s", 1}, {"kg m^2/s", 1}}},
+    {"stiffness", {Unit{"N m/rad", 1}}},
+    {"damping", {Unit{"N m s/rad", 1}}},
+    {"linear_stiffness", {Unit{"N/m", 1}}},
+    {"linear_damping", {Unit{"N s/m", 1}}}};
 
-bool fits(Dimension of_unit, Dimension wanted) {
-  if (wanted == Dimension::JointPosition) {
-    return of_unit == Dimension::Angle || of_unit == Dimension::Length;
-  }
-  return of_unit == wanted;
-}
+const Row& row_of(Dimension dimension) { return kDimensions[static_cast<std::size_t>(dimension)]; }
 
 }  // namespace
 
 std::optional<double> unit_factor(std::string_view unit, Dimension dimension) {
-  for (const Unit& candidate : kUnits) {
-    if (candidate.name == unit && fits(candidate.dimension, dimension)) return candidate.factor;
+  for (const Unit& candidate : row_of(dimension).units) {
+    if (!unit.empty() && candidate.name == unit) return candidate.factor;
   }
   return std::nullopt;
 }
 
 Dimension dimension_of_unit(std::string_view unit) {
-  for (const Unit& candidate : kUnits) {
-    if (candidate.name == unit) return candidate.dimension;
+  for (std::size_t i = 0; i < std::size(kDimensions); ++i) {
+    if (unit_factor(unit, static_cast<Dimension>(i))) return static_cast<Dimension>(i);
   }
   return Dimension::None;
 }
 
-bool is_unit(std::string_view unit) {
-  for (const Unit& candidate : kUnits) {
-    if (candidate.name == unit) return true;
-  }
-  return false;
-}
+bool is_unit(std::string_view unit) { return dimension_of_unit(unit) != Dimension::None; }
 
-std::string name_of(Dimension dimension) {
-  // In the order of the enumeration.
-  static const char* const kNames[] = {"none",
-                                       "angle",
-                                       "angular_velocity",
-                                       "angular_acceleration",
-                                       "length",
-                                       "velocity",
-                                       "acceleration",
-                                       "joint_position",
-                                       "mass",
-                                       "inertia",
-                                       "time",
-                                       "rate",
-                                       "force",
-                                       "moment",
-                                       "impulse",
-                                       "angular_impulse",
-                                       "stiffness",
-                                       "damping",
-                                       "linear_stiffness",
-                                       "linear_damping"};
-  return kNames[static_cast<std::size_t>(dimension)];
-}
+std::string name_of(Dimension dimension) { return row_of(dimension).name; }
 
 std::string units_of(Dimension dimension) {
   std::string list;
-  for (const Unit& candidate : kUnits) {
-    if (!fits(candidate.dimension, dimension)) continue;
-    if (!list.empty()) list += ", ";
-    list += candidate.name;
+  for (const Unit& unit : row_of(dimension).units) {
+    if (!list.empty() && !unit.name.empty()) list += ", ";
+    list += unit.name;
   }
   return list;
 }

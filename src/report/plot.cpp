@@ -76,6 +76,19 @@ void check(const PlotPanel& panel) {
   if (!good) throw std::invalid_argument("panel '" + panel.title + "': lengths or numbers are off");
 }
 
+std::string line(const char* kind, double x1, double y1, double x2, double y2,
+                 const std::string& more = {}) {
+  return fmt::format(
+      "<line class=\"{}\" {}x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", kind,
+      more.empty() ? "" : more + " ", x1, y1, x2, y2);
+}
+
+std::string text_at(const char* kind, double x, double y, const std::string& text,
+                    const char* anchor = "start") {
+  return fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
+                     kind, x, y, anchor, escape_markup(text));
+}
+
 std::string panel_svg(const PlotPanel& panel, int top) {
   check(panel);
   double low = 0, high = 0;
@@ -90,37 +103,24 @@ std::string panel_svg(const PlotPanel& panel, int top) {
                static_cast<double>(top + height_of(panel) - kBottom),
                static_cast<double>(top + kTop)};
 
-  std::string out;
-  out += fmt::format("<text class=\"title\" x=\"{}\" y=\"{}\">{}</text>\n", kLeft, top + 20,
-                     escape_markup(panel.title));
+  std::string out = text_at("title", kLeft, top + 20, panel.title);
   for (const double tick : ticks(y, tick_step(y.high - y.low, 6))) {
     const double py = y.pixel(tick);
-    out += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\"/>\n",
-                       tick == 0 ? "zero" : "grid", kLeft, py, kWidth - kRight, py);
-    out +=
-        fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:g}</text>\n",
-                    kLeft - 8, py + 4, tick);
+    out += line(tick == 0 ? "zero" : "grid", x.from, py, x.to, py);
+    out += text_at("tick", kLeft - 8, py + 4, fmt::format("{:g}", tick), "end");
   }
   for (const double tick : ticks(x, angle_or_round_step(panel, x.high - x.low))) {
     const double px = x.pixel(tick);
-    out += fmt::format(
-        "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>\n", px,
-        y.from, y.to);
-    out += fmt::format(
-        "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:g}</text>\n", px,
-        y.from + 18, tick);
+    out += line("grid", px, y.from, px, y.to);
+    out += text_at("tick", px, y.from + 18, fmt::format("{:g}", tick), "middle");
   }
   for (const PlotMark& mark : panel.marks) {
     const double px = x.pixel(mark.x);
-    out += fmt::format(
-        "<line class=\"mark\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>\n", px,
-        y.from, y.to);
-    out += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", px + 3,
-                       y.to + 12, escape_markup(mark.label));
+    out += line("mark", px, y.from, px, y.to);
+    out += text_at("tick", px + 3, y.to + 12, mark.label);
   }
   out +=
-      fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  (x.from + x.to) / 2, top + height_of(panel) - 14, escape_markup(panel.x_label));
+      text_at("label", (x.from + x.to) / 2, top + height_of(panel) - 14, panel.x_label, "middle");
   out += fmt::format(
       "<text class=\"label\" transform=\"translate(18,{:.1f}) rotate(-90)\" "
       "text-anchor=\"middle\">{}</text>\n",
@@ -134,10 +134,8 @@ std::string panel_svg(const PlotPanel& panel, int top) {
     }
     out += "\"/>\n";
     const int row = top + kTop + 14 + kLegendRow * static_cast<int>(i);
-    out += fmt::format("<line {} class=\"key\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
-                       stroke(i), kWidth - kRight + 16, row, kWidth - kRight + 40, row);
-    out += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", kWidth - kRight + 46,
-                       row + 4, escape_markup(series.name));
+    out += line("key", x.to + 16, row, x.to + 40, row, stroke(i));
+    out += text_at("label", x.to + 46, row + 4, series.name);
   }
   return out;
 }

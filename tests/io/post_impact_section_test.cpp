@@ -103,7 +103,7 @@ TEST_CASE("a section that makes no sense is refused with its key") {
       {"  contact: {model: compliant, damping: -1}\n", "0.1", "free", "damping"},
       {"  contact: {model: compliant, damping: much}\n", "0.1", "free", "damping"},
       {"  contact: {model: compliant, colour: red}\n", "0.1", "free", "colour"},
-      {"  contact: compliant\n", "0", "free", "always leaves a little"},
+      {"  contact: compliant\n", "0", "free", "always leaves some restitution"},
       {"  contact: compliant\n", "0.1", "{model: locked, locked: all}", "locked"},
       {"  contact: latch\n", "0.1", "free", "restitution 0"},
       {"  sensor: {delay: 0.015 s}\n", "0.1", "free", "whole number of control periods"},

@@ -5,14 +5,14 @@ namespace stillbase::io {
 
 namespace {
 
-/// When the attitude is looked at: needed by that quantity, of no use to the others.
+/// The time of the attitude change: required by that quantity, refused by the others.
 void after_field(Table& t, ObjectiveTerm& term, const char* text) {
-  const bool turns = row_of(term.quantity).needs_time;
+  const bool needs_time = row_of(term.quantity).needs_time;
   // Before the lower end the base has rotated by its rate times the time.
   t("after", Number(term.after, Dimension::Time, {.lower = 1e-3, .upper = 3600}), text,
     {.need = Need::Required,
      .without = "required there",
-     .is_used = turns,
+     .is_used = needs_time,
      .owner = "attitude_turned"});
 }
 

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include <stillbase/dynamics/bias.hpp>
+#include <stillbase/dynamics/momentum.hpp>
+#include <stillbase/dynamics/reaction_null_space.hpp>
+#include <stillbase/impact/gradient.hpp>
 #include <stillbase/plan/scenario.hpp>
 #include <stillbase/simulation/controllers.hpp>
 
@@ -18,35 +22,54 @@ Rows directions_of(const Eigen::MatrixXd& columns) { return Rows(columns.transpo
 
 }  // namespace
 
-void inspection_fields(Table& t, Inspection& x) {
-  std::vector<std::string> names = joint_names(x.robot);
+void inspection_fields(Table& t, const RobotModel& robot, const RobotState& state) {
+  const auto kinematics = compute_kinematics<double>(robot, state.phi);
+  const auto inertia = compute_inertia<double>(robot, kinematics);
+  const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
+  const auto tilde = compute_tilde_inertia<double>(inertia);
+  const auto hat = compute_hat_inertia<double>(inertia, jacobian);
+  const auto bias = compute_bias<double>(robot, kinematics, inertia, state.Omega, state.phidot);
+  const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
+  const ReactionNullSpace space = angular_reaction_null_space(tilde);
+  const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
+  const auto numbers = [&t](const char* key, Eigen::VectorXd x, const char* text,
+                            const char* unit) {
+    t(key, Numbers(x, static_cast<int>(x.size())), text, needed(unit));
+  };
+  const auto matrix = [&t](const char* key, const Eigen::MatrixXd& x, const char* text) {
+    t(key, Rows(x), text, kNeeded);
+  };
+  std::vector<std::string> names = joint_names(robot);
+  double mass = robot.total_mass();
+  int rank = space.rank;
   t("joint_names", Texts(names), "in joint order", kNeeded);
-  t("total_mass", Number(x.total_mass), "", needed("kg"));
-  t("centroid", Vector(x.centroid), "of the system", needed("m", "B"));
-  t("hand_position", Vector(x.hand_position), "origin of the hand", needed("m", "B"));
-  t("H_b", Rows(x.H_b), "base inertia", kNeeded);
-  t("H_bphi", Rows(x.H_bphi), "inertia coupling", kNeeded);
-  t("H_phi", Rows(x.H_phi), "arm inertia on a fixed base", kNeeded);
-  t("J_phi", Rows(x.J_phi), "hand Jacobian on a fixed base", kNeeded);
-  t("R_bh", Rows(x.R_bh), "shift of velocity from base to hand", kNeeded);
-  t("c_b", Numbers(x.c_b, 6), "velocity-dependent force and moment at the base",
-    needed("N, N m", "B"));
-  t("c_phi", Numbers(x.c_phi), "velocity-dependent joint torques", needed("N m (N)"));
-  t("P", Vector(x.P), "linear momentum", needed("N s", "B"));
-  t("L_g", Vector(x.L_g), "angular momentum about the system centroid", needed("N m s", "B"));
-  t("Htilde_omega", Rows(x.Htilde_omega), "central inertia of the locked robot", kNeeded);
-  t("Htilde_omegaphi", Rows(x.Htilde_omegaphi), "angular coupling", kNeeded);
-  t("Htilde_phi", Rows(x.Htilde_phi), "arm inertia, base free to translate", kNeeded);
-  t("Hhat_phi", Rows(x.Hhat_phi), "generalized inertia, base free", kNeeded);
-  t("Jhat_phi", Rows(x.Jhat_phi), "generalized Jacobian, base free", kNeeded);
-  t("rns_rank", Integer(x.rns_rank, 0, 3), "of the angular coupling", kNeeded);
-  t("singular_values", Numbers(x.singular_values), "of Htilde_omegaphi", kNeeded);
-  t("hand_inverse_inertia", Rows(x.hand_inverse_inertia), "hand velocity change per impulse",
-    kNeeded);
-  ImpactSummary impact = x.impact.value_or(ImpactSummary{});
+  t("total_mass", Number(mass), "of the robot", needed("kg"));
+  numbers("centroid", inertia.r_bg, "system centroid", "m");
+  numbers("hand_position", kinematics.r_bh, "hand", "m");
+  matrix("H_b", inertia.H_b, "base inertia");
+  matrix("H_bphi", inertia.H_bphi, "inertia coupling");
+  matrix("H_phi", inertia.H_phi, "arm inertia on a fixed base");
+  matrix("J_phi", jacobian.J_phi, "hand Jacobian on a fixed base");
+  matrix("R_bh", jacobian.R_bh, "shift of velocity from base to hand");
+  numbers("c_b", bias.c_b, "velocity-dependent force and moment at the base", "N, N m");
+  numbers("c_phi", bias.c_phi, "velocity-dependent joint torques", "N m");
+  numbers("P", momentum.P, "linear momentum", "N s");
+  numbers("L_g", momentum.L_g, "angular momentum about the system centroid", "N m s");
+  matrix("Htilde_omega", tilde.Htilde_omega, "central inertia of the locked robot");
+  matrix("Htilde_omegaphi", tilde.Htilde_omegaphi, "angular coupling");
+  matrix("Htilde_phi", tilde.Htilde_phi, "arm inertia, base free to translate");
+  matrix("Hhat_phi", hat.Hhat_phi, "generalized inertia, base free");
+  matrix("Jhat_phi", hat.Jhat_phi, "generalized Jacobian, base free");
+  t("rns_rank", Integer(rank, 0, 3), "rank of the angular coupling", kNeeded);
+  numbers("singular_values", space.singular_values, "of the angular coupling", "");
+  matrix("hand_inverse_inertia", extended_inverse_inertia(factor, jacobian),
+         "hand velocity change per impulse");
+  // The state names no target, so nothing closes in.
+  ImpactSummary impact;
+  if (state.Fbar) impact = summarize_impact(robot, state.phi, {}, *state.Fbar, 0);
   t("impact",
-    Map([&](Table& m) { impact_object_fields(m, impact, x.robot); },
-        {.name = "impact", .is_written = x.impact.has_value()}),
+    Map([&](Table& m) { impact_object_fields(m, impact, robot); },
+        {.name = "impact", .is_written = state.Fbar.has_value()}),
     "where the state names an impulse");
 }
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <stillbase/campaign/campaign.hpp>
-#include <stillbase/dynamics/inertia.hpp>
 #include <stillbase/impact/indices.hpp>
 #include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/io/campaign_file.hpp>
@@ -25,22 +24,8 @@ void trials_fields(Table& t, Trials& trials);
 void verification_fields(Table& t, Verification& verification, std::string& content_sha256,
                          Trials* trials);
 
-/// Every matrix of a robot at one state, in B; the names of the paper's letters are the keys.
-struct Inspection {
-  RobotModel robot;
-  double total_mass = 0;
-  Vector3d centroid = Vector3d::Zero(), hand_position = Vector3d::Zero();
-  Eigen::MatrixXd H_b, H_bphi, H_phi, J_phi, R_bh;
-  Vector6d c_b = Vector6d::Zero();
-  JointVectord c_phi;
-  Vector3d P = Vector3d::Zero(), L_g = Vector3d::Zero();
-  Eigen::MatrixXd Htilde_omega, Htilde_omegaphi, Htilde_phi, Hhat_phi, Jhat_phi;
-  int rns_rank = 0;
-  Eigen::VectorXd singular_values;  ///< of Htilde_omegaphi
-  Eigen::MatrixXd hand_inverse_inertia;
-  std::optional<ImpactSummary> impact;  ///< of the impulse that the state names
-};
-void inspection_fields(Table& t, Inspection& inspection);
+/// Every matrix of a robot at one state, in B; the paper's letters are the keys.
+void inspection_fields(Table& t, const RobotModel& robot, const RobotState& state);
 
 /// One impact by its direction in the xy plane of B, deg from x about z, [0, 360).
 struct AnalysisRow {

@@ -4,7 +4,6 @@
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "io/fields/sections.hpp"
-#include "io/named_file.hpp"
 
 namespace stillbase::io {
 
@@ -49,7 +48,7 @@ void read_robot(MapReader& map, CaptureProblem& problem, const ProblemSources& s
   std::string full_path = problem.urdf_path;
   std::optional<std::string> text = sources.urdf;
   if (!text && !problem.urdf_path.empty()) {
-    text = read_named_file(map, "file", problem.urdf_path, sources.folder, full_path);
+    text = map.read_file("file", problem.urdf_path, sources.folder, full_path);
   }
   if (!text) return;
   problem.urdf = std::move(*text);

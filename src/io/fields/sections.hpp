@@ -27,10 +27,7 @@ void target_fields(Table& t, CaptureProblem& problem, const ProblemSources& sour
 void impact_fields(Table& t, CaptureProblem& problem);
 void variables_fields(Table& t, CaptureProblem& problem);
 void objective_fields(Table& t, CaptureProblem& problem);
-void hand_fields(Table& t, HandSpec& hand);
-void constraints_fields(Table& t, CaptureProblem& problem);
 void uncertainty_fields(Table& t, CaptureProblem& problem);
-void search_fields(Table& t, SearchSpec& search);
 void approach_fields(Table& t, CaptureProblem& problem);
 void post_impact_fields(Table& t, PostImpactSpec& post_impact);
 void fields(Table& t, Obstacle& obstacle);

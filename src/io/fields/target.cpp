@@ -6,7 +6,6 @@
 #include <stillbase/robot/physical_checks.hpp>
 
 #include "io/fields/sections.hpp"
-#include "io/named_file.hpp"
 
 namespace stillbase {
 
@@ -95,7 +94,7 @@ void state_fields(Table& t, TargetState& state, std::optional<EstimateDeviations
 void read_target(MapReader& map, const std::string& file, CaptureProblem& problem,
                  const ProblemSources& sources) {
   std::string full_path;
-  const auto text = read_named_file(map, "file", file, sources.folder, full_path);
+  const auto text = map.read_file("file", file, sources.folder, full_path);
   if (!text) return;
   ReadContext own{full_path, {}, {}};
   try {
