@@ -272,10 +272,7 @@ struct AnalyzeRequest {
 int analyze_impact(const AnalyzeRequest& request) {
   request.output.check();
   const std::string extension = extension_of(request.output.path);
-  if (request.output.is_given() && extension != ".json" && extension != ".csv" &&
-      extension != ".svg") {
-    throw CommandLineError(request.output.path + ": the result is written as .json, .csv or .svg");
-  }
+  request.output.check_extension("the result");
   const Analysis analysis = analyse(read_problem(request.problem), request.directions);
   // A stopped sweep is saved as far as it came, but a plot of a part of the circle misleads.
   if (signal_exit_code() != 0 && extension == ".svg") return signal_exit_code();

@@ -27,10 +27,7 @@ int audit_plan_file(const AuditRequest& request) {
   audit.stop = stop_condition();
   const Verification verification = audit_plan(file.plan, audit);
   const std::string text = verification_to_json(verification, file.computed_sha256);
-  request.output.write(text);
-  if (request.json && request.output.is_given()) write_stdout(text);
-  print_checks(file.plan, verification);
-  print_verdict(verification, "audit");
+  publish_verification(file.plan, verification, text, request.output, request.json, "audit");
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;

@@ -97,18 +97,15 @@ std::vector<RunRequest> requests_of(const std::vector<BenchmarkInstance>& instan
   const std::vector<std::string> known = nlp::optimizer_names();
   for (const std::string& label : selection.optimizers) {
     const std::size_t mark = label.find(kDefaultsMark);
+    const bool has_defaults = mark != std::string::npos;
     const std::string name = label.substr(0, mark);
-    if (std::find(known.begin(), known.end(), name) == known.end() ||
-        (mark != std::string::npos && label.substr(mark) != kDefaultsMark)) {
-      throw CommandLineError(
-          fmt::format("--optimizers {}: unknown; there are {}", label, fmt::join(known, ", ")));
+    const bool is_label = !has_defaults || label.substr(mark) == kDefaultsMark;
+    check_known("--optimizers " + label, is_label ? name : label, known);
+    for (const Contestant& other : contestants) {
+      if (other.optimizer != name || other.library_defaults != has_defaults) continue;
+      throw CommandLineError(fmt::format("--optimizers {}: twice", label));
     }
-    const bool is_repeated =
-        std::any_of(contestants.begin(), contestants.end(), [&](const Contestant& other) {
-          return other.optimizer == name && other.library_defaults == (mark != std::string::npos);
-        });
-    if (is_repeated) throw CommandLineError(fmt::format("--optimizers {}: twice", label));
-    contestants.push_back({name, mark != std::string::npos, selection.seeds});
+    contestants.push_back({name, has_defaults, selection.seeds});
   }
   if (selection.optimizers.empty()) {
     for (const std::string& name : known) contestants.push_back({name, false, selection.seeds});

@@ -64,7 +64,8 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   const ContactPrediction& contact = cone.widest;
   text += fmt::format(
       "predicted contact at {:.6g} s: the normal within {:.4g} deg with probability {:g}; "
-      "standard deviations: point {} m, closing speed {:.4g} of {:.4g} m/s to a hand that does not move, "
+      "standard deviations: point {} m, closing speed {:.4g} of {:.4g} m/s to a hand that does not "
+      "move, "
       "effective mass {:.3g} % of {:.4g} kg\n",
       contact.time, cone.half_angle * kDegrees, uncertainty.cone_confidence.value_or(0.95),
       vector_words(contact.point_deviation()), contact.closing_speed_deviation(),

@@ -9,7 +9,7 @@
 
 #include <stillbase/io/problem_file.hpp>
 
-#include "app/tool.hpp"
+#include "app/words.hpp"
 #include "io/problem_reader.hpp"
 
 namespace stillbase::app {
@@ -125,16 +125,16 @@ constexpr std::pair<ClaimGroup, const char*> kHeadings[] = {
     {ClaimGroup::AfterContact, "after the contact: first controller, target"},
     {ClaimGroup::Audit, "audit: search record"}};
 
-}  // namespace
-
-void add_input_checks(const PlanFile& file, const std::string& plan_path,
-                      const std::string& problem_path, Verification& verification) {
-  const Claim checks[] = {
-      fingerprint_check("content_fingerprint", file.stated_sha256, file.computed_sha256),
-      fingerprint_check("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256),
-      inputs_check(file, plan_path, problem_path)};
-  verification.claims.insert(verification.claims.begin(), std::begin(checks), std::end(checks));
-  verification.pass = verification.pass && all_hold(verification.claims);
+std::string report_line(const ControllerReport& report) {
+  if (!report.finished) {
+    return fmt::format("{:<22} did not finish: {}", report.controller, report.detail);
+  }
+  return fmt::format(
+      "{:<22} after {:g} s the base rotates at {:.3g} deg/s (peak {:.3g}), its attitude changed by "
+      "{:.3g} deg; joint rates {:.3g} rad/s (norm; the fastest joint reached {:.3g})",
+      report.controller, report.horizon, report.residual_base_rate * kDegrees,
+      report.peak_base_rate * kDegrees, report.attitude_turned * kDegrees,
+      report.residual_joint_rate, report.peak_joint_rate);
 }
 
 void print_checks(const Plan& plan, const Verification& verification) {
@@ -164,6 +164,28 @@ void print_verdict(const Verification& verification, const std::string& what) {
                                       static_cast<long>(checks.size()) - open, what, not_checked)
                         : fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}", failed,
                                       checks.size(), what, not_checked));
+}
+
+}  // namespace
+
+void add_input_checks(const PlanFile& file, const std::string& plan_path,
+                      const std::string& problem_path, Verification& verification) {
+  const Claim checks[] = {
+      fingerprint_check("content_fingerprint", file.stated_sha256, file.computed_sha256),
+      fingerprint_check("robot_fingerprint", file.stated_robot_sha256, file.computed_robot_sha256),
+      inputs_check(file, plan_path, problem_path)};
+  verification.claims.insert(verification.claims.begin(), std::begin(checks), std::end(checks));
+  verification.pass = verification.pass && all_hold(verification.claims);
+}
+
+void publish_verification(const Plan& plan, const Verification& verification,
+                          const std::string& text, const OutputFile& output, bool as_json,
+                          const std::string& what) {
+  output.write(text);
+  if (as_json && output.is_given()) write_stdout(text);
+  print_checks(plan, verification);
+  for (const ControllerReport& report : verification.reports) say(report_line(report));
+  print_verdict(verification, what);
 }
 
 }  // namespace stillbase::app

@@ -6,6 +6,8 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/verification/verification.hpp>
 
+#include "app/tool.hpp"
+
 namespace stillbase::app {
 
 /// Puts the checks of fingerprints and input files first.
@@ -13,11 +15,12 @@ namespace stillbase::app {
 void add_input_checks(const PlanFile& file, const std::string& plan_path,
                       const std::string& problem_path, Verification& verification);
 
-/// The problem, and the checks by group, one line each.
-void print_checks(const Plan& plan, const Verification& verification);
-
-/// One line: whether all checks hold, and how many could not be made.
+/// Writes the verification file, and prints the problem, the checks by group, what the controllers
+/// do, and whether all checks hold and how many could not be made.
+/// @param as_json on stdout also beside a file
 /// @param what kind of the checks
-void print_verdict(const Verification& verification, const std::string& what);
+void publish_verification(const Plan& plan, const Verification& verification,
+                          const std::string& text, const OutputFile& output, bool as_json,
+                          const std::string& what);
 
 }  // namespace stillbase::app

@@ -33,12 +33,8 @@ struct PlanRequest {
 };
 
 ObjectiveQuantity quantity_of(const std::string& word) {
-  const auto quantity = io::value_of(io::objective_names(), word);
-  if (!quantity) {
-    throw CommandLineError(fmt::format("--pareto {}: unknown; there are {}", word,
-                                       fmt::join(io::words_of(io::objective_names()), ", ")));
-  }
-  return *quantity;
+  check_known("--pareto " + word, word, io::words_of(io::objective_names()));
+  return *io::value_of(io::objective_names(), word);
 }
 
 std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string& text) {
@@ -138,9 +134,7 @@ int run_pareto(const CaptureProblem& problem, const std::string& quantities, dou
   check_stated(problem, first);
   check_stated(problem, second);
   const std::string extension = extension_of(output.path);
-  if (output.is_given() && extension != ".json" && extension != ".csv" && extension != ".svg") {
-    throw CommandLineError(output.path + ": a front is written as .json, .csv or .svg");
-  }
+  output.check_extension("a front");
   TradeOffOptions options;
   options.optimizer = problem.search.optimizer;
   options.starts = problem.search.starts;
@@ -182,9 +176,8 @@ int plan_capture(const PlanRequest& request) {
   if (is_same_file(request.problem, request.output.path)) {
     throw CommandLineError("--output " + request.output.path + ": is the problem file itself");
   }
-  if (!request.optimizer.empty() && !nlp::make_optimizer(request.optimizer)) {
-    throw CommandLineError(fmt::format("--optimizer {}: unknown; there are {}", request.optimizer,
-                                       fmt::join(nlp::optimizer_names(), ", ")));
+  if (!request.optimizer.empty()) {
+    check_known("--optimizer " + request.optimizer, request.optimizer, nlp::optimizer_names());
   }
   CaptureProblem problem = read_problem(request.problem);
   const std::vector<InputFile> inputs = input_files(request.problem);

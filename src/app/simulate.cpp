@@ -72,10 +72,7 @@ std::string contact_words(const Run& run) {
 }
 
 Run simulate(const Case& subject, const std::string& name, const StopCondition& stop) {
-  if (!controller_from_name(name)) {
-    throw CommandLineError(fmt::format("--controller {}: unknown; there are {}", name,
-                                       fmt::join(controller_names(), ", ")));
-  }
+  check_known("--controller " + name, name, controller_names());
   AfterContact run =
       simulate_post_impact(subject.problem, subject.configuration, subject.impact, name, stop);
   SimulationResult result = std::move(run.simulation);

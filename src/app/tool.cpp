@@ -56,6 +56,12 @@ int signal_exit_code() {
   return number == 0 ? 0 : kSignalBase + number;
 }
 
+void check_known(const std::string& option, const std::string& name,
+                 const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  throw CommandLineError(fmt::format("{}: unknown; there are {}", option, fmt::join(known, ", ")));
+}
+
 std::string extension_of(const std::string& path) {
   std::string text = std::filesystem::path(path).extension().string();
   std::transform(text.begin(), text.end(), text.begin(),
@@ -102,6 +108,12 @@ void OutputFile::check() const {
   if (access(folder.c_str(), W_OK) != 0) {
     throw FileError(path + ": the folder " + folder.string() + " cannot be written");
   }
+}
+
+void OutputFile::check_extension(const std::string& what) const {
+  const std::string extension = extension_of(path);
+  if (!is_given() || extension == ".json" || extension == ".csv" || extension == ".svg") return;
+  throw CommandLineError(path + ": " + what + " is written as .json, .csv or .svg");
 }
 
 void OutputFile::write(std::string_view text) const {

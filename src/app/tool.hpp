@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/robot/robot_model.hpp>
@@ -42,6 +43,11 @@ StopCondition stop_condition(double time_limit = 0);
 /// 130 or 143 after a signal, else 0.
 int signal_exit_code();
 
+/// @param option what was given, with its name: "--optimizer ipopt"
+/// @throws CommandLineError unless the name is one of the known ones
+void check_known(const std::string& option, const std::string& name,
+                 const std::vector<std::string>& known);
+
 /// Extension with its dot, lower case.
 std::string extension_of(const std::string& path);
 
@@ -63,6 +69,9 @@ struct OutputFile {
   /// Before long work: can the file be written?
   /// @throws FileError when it exists without --force, or its folder does not
   void check() const;
+  /// @param what "a front": what is written there
+  /// @throws CommandLineError when a file is given whose extension is none of .json, .csv, .svg
+  void check_extension(const std::string& what) const;
   /// Writes the file, or stdout when none is given.
   /// @throws FileError
   void write(std::string_view text) const;

@@ -12,7 +12,6 @@
 
 #include "app/command_line.hpp"
 #include "app/judgement.hpp"
-#include "app/words.hpp"
 
 namespace stillbase::app {
 
@@ -26,18 +25,6 @@ struct VerifyRequest {
   std::uint64_t seed = 1;
   int jobs = 1;
 };
-
-std::string report_line(const ControllerReport& report) {
-  if (!report.finished) {
-    return fmt::format("{:<22} did not finish: {}", report.controller, report.detail);
-  }
-  return fmt::format(
-      "{:<22} after {:g} s the base rotates at {:.3g} deg/s (peak {:.3g}), its attitude changed by "
-      "{:.3g} deg; joint rates {:.3g} rad/s (norm; the fastest joint reached {:.3g})",
-      report.controller, report.horizon, report.residual_base_rate * kDegrees,
-      report.peak_base_rate * kDegrees, report.attitude_turned * kDegrees,
-      report.residual_joint_rate, report.peak_joint_rate);
-}
 
 void print_trials(const TrialReport& report) {
   say(fmt::format(
@@ -83,11 +70,7 @@ int verify_plan_file(const VerifyRequest& request) {
   if (verification.pass) trials = trials_of(file.plan, request);
   const std::string text =
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
-  request.output.write(text);
-  if (request.json && request.output.is_given()) write_stdout(text);
-  print_checks(file.plan, verification);
-  for (const ControllerReport& report : verification.reports) say(report_line(report));
-  print_verdict(verification, "verification");
+  publish_verification(file.plan, verification, text, request.output, request.json, "verification");
   if (trials) print_trials(trials->second);
   if (trials && trials->second.trials < request.trials) {
     say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));
