@@ -1,6 +1,5 @@
 // Files of the benchmark: requests, records, best known values, what a folder is measured against.
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -16,8 +15,6 @@ namespace stillbase {
 namespace io {
 
 namespace {
-
-constexpr int kMany = std::numeric_limits<int>::max();
 
 /// A number that is negative where it is not known: null then.
 OrNull known_number(double& x) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,6 @@
 namespace stillbase::io {
 
 namespace {
-
-constexpr int kMany = std::numeric_limits<int>::max();
 
 void inconsistent(Table& t, const std::string& message) {
   if (t.reader() == nullptr) return;

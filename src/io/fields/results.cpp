@@ -2,7 +2,6 @@
 #include "io/fields/results.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/dynamics/momentum.hpp>
@@ -14,8 +13,6 @@
 namespace stillbase::io {
 
 namespace {
-
-constexpr int kMany = std::numeric_limits<int>::max();
 
 /// A list of directions (columns).
 Rows directions_of(const Eigen::MatrixXd& columns) { return Rows(columns.transpose()); }

@@ -2,6 +2,7 @@
 // where its fields need the robot or other sections, which are stated before it.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -41,6 +42,7 @@ void campaign_fields(Table& t, CampaignSpec& spec);
 /// @param folder in which the files that the suite names are read; empty: none is read
 void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& folder);
 
+constexpr int kMany = std::numeric_limits<int>::max();  ///< no limit of a count
 constexpr int kManyTimes = 1'000'000'000;
 constexpr double kFastest = 1e5;  ///< m/s, ten times the speed of an orbit
 

@@ -98,8 +98,8 @@ Integer::Integer(int lower, int upper, const std::function<Json()>& get,
 
 Seed::Seed(std::uint64_t& x) {
   read = [&x](ReadContext& context, const Node& node, const std::string& path) {
-    constexpr std::uint64_t kLargest = ~std::uint64_t{0};
-    return read_whole<std::uint64_t>(context, node, path, 0, kLargest, "[0, 2^64 - 1]", x);
+    const std::string range = "[0, 2^64 - 1]";
+    return read_whole<std::uint64_t>(context, node, path, 0, ~std::uint64_t{0}, range, x);
   };
   write = [&x]() -> Json { return x; };
   shape = [](Definitions&) -> Shape { return {{{"type", "integer"}, {"minimum", 0}}}; };

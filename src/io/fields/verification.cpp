@@ -1,6 +1,5 @@
 // Verification files, and trials.
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <stillbase/core/error.hpp>
@@ -14,7 +13,6 @@ namespace io {
 
 namespace {
 
-constexpr int kMany = std::numeric_limits<int>::max();
 constexpr Range kProbability{.lower = 0, .upper = 1};
 
 }  // namespace
