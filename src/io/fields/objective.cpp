@@ -19,7 +19,7 @@ void after_field(Table& t, ObjectiveTerm& term, const char* text) {
 }  // namespace
 
 static void fields(Table& t, ObjectiveTerm& term) {
-  t("quantity", Word(term.quantity, objective_names()), "as above",
+  t("quantity", Word(term.quantity, objective_names()), "as `objective.quantity`",
     {.need = Need::Required, .decides = true});
   const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("quantity");
   t("size", Number(term.size, dimension_of_unit(row_of(term.quantity).unit), kSensible),
