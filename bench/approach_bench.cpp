@@ -60,7 +60,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
   const Proof proof = prove_solutions(default_prover(), problem, formulation, {});
 
   std::vector<double> seconds;
-  double hand = 0, angle = 0, turn = 0;
+  double hand = 0, angle = 0, rotation = 0;
   int reached = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
     std::map<std::string, long> calls;
@@ -72,7 +72,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
     ++reached;
     hand = std::max(hand, choice.approach.hand_position_error);
     angle = std::max(angle, choice.approach.hand_angle_error);
-    turn = std::max(turn, choice.approach.attitude_excursion);
+    rotation = std::max(rotation, choice.approach.attitude_excursion);
   }
   std::sort(seconds.begin(), seconds.end());
   const double median = seconds[seconds.size() / 2];
@@ -80,7 +80,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
                     angle * kDegrees < 0.1;
   std::cout << fmt::format("| {} | {}/{} | {:.3f} | {:.3f} | {:.1e} | {:.1e} | {:.2g} | {} |\n",
                            problem.name, reached, seeds, median, seconds.back(), 1e3 * hand,
-                           angle * kDegrees, turn * kDegrees, good ? "yes" : "NO")
+                           angle * kDegrees, rotation * kDegrees, good ? "yes" : "NO")
             << std::flush;
   return good;
 }
@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
   }
   if (files.empty()) files = shipped_problems();
   std::cout
-      << "| problem | found | median, s | longest, s | hand off by, mm | deg | base turns by up "
+      << "| problem | found | median, s | longest, s | hand off by, mm | deg | base rotates by up "
          "to, deg | level |\n|---|---|---|---|---|---|---|---|\n";
   bool all = true;
   for (const std::string& file : files) {

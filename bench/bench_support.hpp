@@ -1,4 +1,5 @@
-// What the benchmark's source files share: the robot, postures in turn, and the measuring loop.
+// What the benchmark's source files share: the robot, a sequence of postures, and the measuring
+// loop.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@ const RobotModel& robot();
 /// Calls of malloc so far, or -1 when they are not counted.
 long allocations_so_far();
 
-/// Postures in turn, so that no branch and no value can be learnt by heart.
+/// Postures one after the other, so that neither branches nor values can be predicted.
 class Postures {
  public:
   explicit Postures(int n = robot().n()) {

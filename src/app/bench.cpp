@@ -13,11 +13,9 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
-#include <stillbase/io/suite_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "app/bench_page.hpp"
-#include "app/bench_planners.hpp"
 #include "app/bench_runs.hpp"
 #include "app/command_line.hpp"
 

@@ -1,4 +1,4 @@
-#include "app/bench_planners.hpp"
+#include "app/bench_runs.hpp"
 
 #include <chrono>
 #include <ctime>
@@ -18,7 +18,6 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/report/planner_log.hpp>
 
-#include "app/bench_runs.hpp"
 #include "app/tool.hpp"
 #include "io/names.hpp"
 #include "io/problem_reader.hpp"

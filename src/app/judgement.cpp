@@ -20,15 +20,13 @@ namespace {
 Claim fingerprint_check(const std::string& name, const std::string& stated,
                         const std::string& computed) {
   const bool is_same = stated == computed;
-  Claim claim;
-  claim.name = name;
-  claim.value = is_same ? 0 : 1;
-  claim.limit = 0;
-  claim.unit = "1";
-  claim.pass = is_same;
-  claim.detail = is_same ? "SHA-256 of what was read, as stated: " + stated
-                         : "stated " + stated + ", of what was read " + computed;
-  return claim;
+  return {name,
+          is_same ? 0.0 : 1.0,
+          0,
+          "1",
+          is_same,
+          is_same ? "SHA-256 of what was read, as stated: " + stated
+                  : "stated " + stated + ", of what was read " + computed};
 }
 
 /// Path of the problem file: as the user states it, as the plan states it, or beside the plan.
@@ -73,11 +71,7 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
 /// The files that the plan was made from are the ones that it names, and its problem is theirs.
 Claim inputs_check(const PlanFile& file, const std::string& plan_path,
                    const std::string& problem_path) {
-  Claim claim;
-  claim.name = "inputs_unchanged";
-  claim.value = 0;
-  claim.unit = "1";
-  claim.pass = true;
+  Claim claim{"inputs_unchanged", 0.0, 0, "1", true, {}};
   const auto path = problem_file_of(file, plan_path, problem_path);
   if (!path) {
     claim.detail = file.inputs.empty()

@@ -129,10 +129,6 @@ void add_pretty(const Json& json, std::size_t depth, std::string& out) {
   out += json.is_array() ? ']' : '}';
 }
 
-[[noreturn]] void refuse_kind(const char* wanted) {
-  throw JsonError(std::string("a value is not ") + wanted);
-}
-
 }  // namespace
 
 Json::Json(double x) : kind_(Kind::Real), real_(x) {
@@ -217,44 +213,8 @@ void Json::update(const Json& other) {
   for (std::size_t i = 0; i < other.size(); ++i) (*this)[other.keys_[i]] = other.items_[i];
 }
 
-template <>
-bool Json::get<bool>() const {
-  if (kind_ != Kind::Bool) refuse_kind("true or false");
-  return integer_ != 0;
-}
-
-template <>
-double Json::get<double>() const {
-  if (!is_number()) refuse_kind("a number");
-  if (kind_ == Kind::Unsigned) return static_cast<double>(get<std::uint64_t>());
-  return kind_ == Kind::Integer ? static_cast<double>(integer_) : real_;
-}
-
-template <>
-std::int64_t Json::get<std::int64_t>() const {
-  if (!is_number()) refuse_kind("a number");
-  return kind_ == Kind::Real ? static_cast<std::int64_t>(real_) : integer_;
-}
-
-template <>
-std::uint64_t Json::get<std::uint64_t>() const {
-  if (!is_number()) refuse_kind("a number");
-  return kind_ == Kind::Real ? static_cast<std::uint64_t>(real_)
-                             : static_cast<std::uint64_t>(integer_);
-}
-
-template <>
-std::string Json::get<std::string>() const {
-  if (kind_ != Kind::Text) refuse_kind("text");
-  return text_;
-}
-
-template <>
-std::vector<double> Json::get<std::vector<double>>() const {
-  if (!is_array()) refuse_kind("a list");
-  std::vector<double> numbers;
-  for (const Json& item : items_) numbers.push_back(item.get<double>());
-  return numbers;
+void Json::require(bool is_so, const char* wanted) {
+  if (!is_so) throw JsonError(std::string("a value is not ") + wanted);
 }
 
 std::string Json::dump() const {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -94,10 +95,30 @@ class Json {
   /// Takes over the keys and values of another object.
   void update(const Json& other);
 
-  /// bool, a number, std::string, or a std::vector of those.
+  /// bool, a number, std::string, a std::vector of those, or the value itself.
   /// @throws JsonError for another kind of value
   template <class T>
-  T get() const;
+  T get() const {
+    if constexpr (std::is_same_v<T, Json>) {
+      return *this;
+    } else if constexpr (std::is_same_v<T, bool>) {
+      require(kind_ == Kind::Bool, "true or false");
+      return integer_ != 0;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      require(is_number(), "a number");
+      if (kind_ == Kind::Real) return static_cast<T>(real_);
+      return kind_ == Kind::Integer ? static_cast<T>(integer_)
+                                    : static_cast<T>(static_cast<std::uint64_t>(integer_));
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      require(kind_ == Kind::Text, "text");
+      return text_;
+    } else {
+      require(is_array(), "a list");
+      T list;
+      for (const Json& item : items_) list.push_back(item.get<typename T::value_type>());
+      return list;
+    }
+  }
   /// The value of a key, or what stands for it when there is none.
   template <class T>
   T value(std::string_view key, T absent) const {
@@ -115,6 +136,7 @@ class Json {
 
  private:
   explicit Json(Kind kind) : kind_(kind) {}
+  static void require(bool is_so, const char* wanted);  ///< @throws JsonError "a value is not ..."
 
   Kind kind_ = Kind::Null;
   std::int64_t integer_ = 0;  ///< Bool, Integer, Unsigned (its bits)
@@ -123,27 +145,6 @@ class Json {
   std::vector<std::string> keys_;  ///< Object: beside items_
   std::vector<Json> items_;
 };
-
-template <>
-bool Json::get<bool>() const;
-template <>
-double Json::get<double>() const;
-template <>
-std::int64_t Json::get<std::int64_t>() const;
-template <>
-std::uint64_t Json::get<std::uint64_t>() const;
-template <>
-inline int Json::get<int>() const {
-  return static_cast<int>(get<std::int64_t>());
-}
-template <>
-std::string Json::get<std::string>() const;
-template <>
-std::vector<double> Json::get<std::vector<double>>() const;
-template <>
-inline Json Json::get<Json>() const {
-  return *this;
-}
 
 /// Elements of a vector as an array.
 /// @throws NotFiniteError

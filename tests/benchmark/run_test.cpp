@@ -7,7 +7,6 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/io/benchmark_file.hpp>
-#include <stillbase/io/suite_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "../../bench/example_optimizer.cpp"

@@ -6,7 +6,6 @@
 #include <stillbase/benchmark/run.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
-#include <stillbase/io/suite_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 namespace stillbase {

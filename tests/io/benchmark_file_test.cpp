@@ -4,7 +4,6 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
-#include <stillbase/io/suite_file.hpp>
 
 #include "io/io_support.hpp"
 

@@ -15,7 +15,7 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/state_file.hpp>
-#include <stillbase/io/suite_file.hpp>
+#include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/io/target_file.hpp>
 
 #include "io/plan_samples.hpp"

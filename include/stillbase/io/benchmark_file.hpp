@@ -1,4 +1,5 @@
-// Files of the benchmark: requests and records of runs as JSON Lines, best known values.
+// Files of the benchmark: suites (`format: stillbase.suite`), requests and records of runs as JSON
+// Lines, best known values.
 #pragma once
 
 #include <map>
@@ -10,6 +11,11 @@
 #include <stillbase/benchmark/suite.hpp>
 
 namespace stillbase {
+
+/// Reads a suite with the problem files that it names; their paths are relative to the suite's.
+/// Strict as read_problem().
+/// @throws InputError, FileError
+SuiteSpec read_suite(const std::string& path);
 
 /// Fingerprint of everything that makes up an instance: problem, robot text and goal.
 std::string instance_sha256(const BenchmarkInstance& instance);

@@ -4,7 +4,7 @@
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/problem_file.hpp>
-#include <stillbase/io/suite_file.hpp>
+#include <stillbase/io/benchmark_file.hpp>
 
 #include "io/fields/sections.hpp"
 
