@@ -12,7 +12,6 @@
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/report/plot.hpp>
-#include <stillbase/simulation/model_check.hpp>
 
 #include "app/command_line.hpp"
 #include "app/words.hpp"

@@ -11,7 +11,6 @@
 #include <stillbase/io/verification_file.hpp>
 #include <stillbase/search/trade_off.hpp>
 #include <stillbase/simulation/after_contact.hpp>
-#include <stillbase/simulation/model_check.hpp>
 
 #include "io/fields/plan.hpp"
 
