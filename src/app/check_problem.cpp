@@ -129,7 +129,7 @@ std::string problem_report(const CaptureProblem& problem) {
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
   text += fmt::format("objective: {}\n", objective_name(problem));
   for (const ObjectiveTerm& term : problem.objective) {
-    if (term.quantity != ObjectiveQuantity::AttitudeTurned) continue;
+    if (!row_of(term.quantity).needs_time) continue;
     text += fmt::format("attitude change of the base: {:.6g} s after the impact under {}\n",
                         term.after, problem.post_impact.controllers.front());
   }

@@ -46,15 +46,15 @@ std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string&
   return both;
 }
 
-/// attitude_turned needs the time that a term of the problem's objective states.
+/// A quantity at a time after the impact needs the one that a term of the objective states.
 void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
-  if (quantity != ObjectiveQuantity::AttitudeTurned) return;
+  if (!row_of(quantity).needs_time) return;
   for (const ObjectiveTerm& term : problem.objective) {
     if (term.quantity == quantity) return;
   }
-  throw CommandLineError(
-      "--pareto: attitude_turned needs its time; state it with 'after' as a term of the problem's "
-      "objective");
+  throw CommandLineError(fmt::format(
+      "--pareto: {} needs its time; state it with 'after' as a term of the problem's objective",
+      to_string(quantity)));
 }
 
 std::string front_json(const CaptureProblem& problem, TradeOff front) {

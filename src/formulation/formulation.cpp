@@ -37,21 +37,12 @@ ConstraintValue constraint_value(const std::string& name, double value, double l
 }  // namespace
 
 std::string to_string(const std::vector<RedundantRow>& rows) {
-  const auto reason = [](Redundancy why) {
-    switch (why) {
-      case Redundancy::ZeroEverywhere:
-        return "zero everywhere";
-      case Redundancy::ByConstruction:
-        return "holds where other constraints do";
-      case Redundancy::CombinationOfOthers:
-        return "combination of other equations";
-      case Redundancy::ImpliedByOthers:
-        return "implied by other equations";
-    }
-    return "";
-  };
+  static constexpr const char* kReasons[] = {
+      "zero everywhere", "holds where other constraints do", "combination of other equations",
+      "implied by other equations"};  // in the order of Redundancy
   std::string out;
-  for (const RedundantRow& row : rows) out += row.name + ": " + reason(row.reason) + "\n";
+  for (const RedundantRow& row : rows)
+    out += row.name + ": " + kReasons[static_cast<int>(row.reason)] + "\n";
   return out;
 }
 
@@ -218,6 +209,9 @@ Encounter<double> Formulation::encounter(const Configuration& configuration) con
 }
 
 double Formulation::objective_unit() const { return parts_->objective_unit; }
+Power Formulation::objective_power() const {
+  return stillbase::objective_power(parts_->model.problem);
+}
 
 Configuration Formulation::configuration(const Eigen::VectorXd& x) const {
   return parts_->model.configuration(x);

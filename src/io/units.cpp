@@ -38,6 +38,7 @@ constexpr Row kDimensions[] = {
     {"moment", {Unit{"N m", 1}}},
     {"impulse", {Unit{"N s", 1}, {"kg m/s", 1}}},
     {"angular_impulse", {Unit{"N m s", 1}, {"kg m^2/s", 1}}},
+    {"energy", {Unit{"J", 1}}},
     {"stiffness", {Unit{"N m/rad", 1}}},
     {"damping", {Unit{"N m s/rad", 1}}},
     {"linear_stiffness", {Unit{"N/m", 1}}},

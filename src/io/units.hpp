@@ -24,6 +24,7 @@ enum class Dimension {
   Moment,
   Impulse,
   AngularImpulse,
+  Energy,
   Stiffness,        ///< of a revolute joint
   Damping,          ///< of a revolute joint
   LinearStiffness,  ///< of a prismatic joint or a contact

@@ -129,46 +129,28 @@ class MonitoredNlp final : public Ipopt::TNLP {
 };
 
 const char* text_of(Ipopt::ApplicationReturnStatus code) {
-  switch (code) {
-    case Ipopt::Solve_Succeeded:
-      return "Solve_Succeeded";
-    case Ipopt::Solved_To_Acceptable_Level:
-      return "Solved_To_Acceptable_Level";
-    case Ipopt::Infeasible_Problem_Detected:
-      return "Infeasible_Problem_Detected";
-    case Ipopt::Search_Direction_Becomes_Too_Small:
-      return "Search_Direction_Becomes_Too_Small";
-    case Ipopt::Diverging_Iterates:
-      return "Diverging_Iterates";
-    case Ipopt::User_Requested_Stop:
-      return "User_Requested_Stop";
-    case Ipopt::Feasible_Point_Found:
-      return "Feasible_Point_Found";
-    case Ipopt::Maximum_Iterations_Exceeded:
-      return "Maximum_Iterations_Exceeded";
-    case Ipopt::Restoration_Failed:
-      return "Restoration_Failed";
-    case Ipopt::Error_In_Step_Computation:
-      return "Error_In_Step_Computation";
-    case Ipopt::Maximum_CpuTime_Exceeded:
-      return "Maximum_CpuTime_Exceeded";
-    case Ipopt::Not_Enough_Degrees_Of_Freedom:
-      return "Not_Enough_Degrees_Of_Freedom";
-    case Ipopt::Invalid_Problem_Definition:
-      return "Invalid_Problem_Definition";
-    case Ipopt::Invalid_Option:
-      return "Invalid_Option";
-    case Ipopt::Invalid_Number_Detected:
-      return "Invalid_Number_Detected";
-    case Ipopt::Unrecoverable_Exception:
-      return "Unrecoverable_Exception";
-    case Ipopt::NonIpopt_Exception_Thrown:
-      return "NonIpopt_Exception_Thrown";
-    case Ipopt::Insufficient_Memory:
-      return "Insufficient_Memory";
-    case Ipopt::Internal_Error:
-      return "Internal_Error";
-  }
+#define STILLBASE_TEXT(name) \
+  if (code == Ipopt::name) return #name;
+  STILLBASE_TEXT(Solve_Succeeded)
+  STILLBASE_TEXT(Solved_To_Acceptable_Level)
+  STILLBASE_TEXT(Infeasible_Problem_Detected)
+  STILLBASE_TEXT(Search_Direction_Becomes_Too_Small)
+  STILLBASE_TEXT(Diverging_Iterates)
+  STILLBASE_TEXT(User_Requested_Stop)
+  STILLBASE_TEXT(Feasible_Point_Found)
+  STILLBASE_TEXT(Maximum_Iterations_Exceeded)
+  STILLBASE_TEXT(Restoration_Failed)
+  STILLBASE_TEXT(Error_In_Step_Computation)
+  STILLBASE_TEXT(Maximum_CpuTime_Exceeded)
+  STILLBASE_TEXT(Not_Enough_Degrees_Of_Freedom)
+  STILLBASE_TEXT(Invalid_Problem_Definition)
+  STILLBASE_TEXT(Invalid_Option)
+  STILLBASE_TEXT(Invalid_Number_Detected)
+  STILLBASE_TEXT(Unrecoverable_Exception)
+  STILLBASE_TEXT(NonIpopt_Exception_Thrown)
+  STILLBASE_TEXT(Insufficient_Memory)
+  STILLBASE_TEXT(Internal_Error)
+#undef STILLBASE_TEXT
   return "unknown";
 }
 

@@ -138,44 +138,18 @@ void judge(OptimizeResult& result, const Problem& problem, const OptimizeOptions
 
 }  // namespace
 
+// Words in the order of the enumerations.
 std::string_view to_string(Status status) {
-  switch (status) {
-    case Status::Optimal:
-      return "optimal";
-    case Status::Feasible:
-      return "feasible";
-    case Status::Infeasible:
-      return "infeasible";
-    case Status::Limit:
-      return "limit";
-    case Status::Interrupted:
-      return "interrupted";
-    case Status::Failed:
-      return "failed";
-  }
-  return "";
+  static constexpr const char* kWords[] = {"optimal", "feasible",    "infeasible",
+                                           "limit",   "interrupted", "failed"};
+  return kWords[static_cast<int>(status)];
 }
 
 std::string_view to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::SolverEnded:
-      return "solver ended";
-    case StopReason::EvaluationLimit:
-      return "evaluation limit";
-    case StopReason::Deadline:
-      return "deadline";
-    case StopReason::Interrupted:
-      return "interrupted";
-    case StopReason::NonFinite:
-      return "not finite";
-    case StopReason::Stalled:
-      return "stalled";
-    case StopReason::Certified:
-      return "certified";
-    case StopReason::Refused:
-      return "refused";
-  }
-  return "";
+  static constexpr const char* kWords[] = {"solver ended", "evaluation limit", "deadline",
+                                           "interrupted",  "not finite",       "stalled",
+                                           "certified",    "refused"};
+  return kWords[static_cast<int>(reason)];
 }
 
 OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd& x0,

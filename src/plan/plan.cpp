@@ -1,59 +1,46 @@
 #include <stillbase/plan/plan.hpp>
 
+#include <algorithm>
+
 namespace stillbase {
 
+// Names in the order of the enumerations.
 std::string to_string(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::Optimal:
-      return "optimal";
-    case PlanStatus::Feasible:
-      return "feasible";
-    case PlanStatus::Infeasible:
-      return "infeasible";
-    case PlanStatus::Limit:
-      return "limit";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"optimal", "feasible", "infeasible", "limit"};
+  return kNames[static_cast<int>(status)];
 }
 
 std::string to_string(ProofStatus status) {
-  switch (status) {
-    case ProofStatus::NotApplicable:
-      return "not_applicable";
-    case ProofStatus::Complete:
-      return "complete";
-    case ProofStatus::Undecided:
-      return "undecided";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"not_applicable", "complete", "undecided"};
+  return kNames[static_cast<int>(status)];
 }
 
 std::string to_string(ApproachStatus status) {
-  switch (status) {
-    case ApproachStatus::Found:
-      return "found";
-    case ApproachStatus::NotRequested:
-      return "not_requested";
-    case ApproachStatus::StartInvalid:
-      return "start_invalid";
-    case ApproachStatus::GoalInvalid:
-      return "goal_invalid";
-    case ApproachStatus::GoalUnreachable:
-      return "goal_unreachable";
-    case ApproachStatus::UnreachableInBaseMode:
-      return "unreachable_in_base_mode";
-    case ApproachStatus::HitEarly:
-      return "hit_early";
-    case ApproachStatus::TimeOut:
-      return "time_out";
-    case ApproachStatus::Interrupted:
-      return "interrupted";
-    case ApproachStatus::TooSlow:
-      return "too_slow";
-    case ApproachStatus::BaseDriftOpen:
-      return "base_drift_open";
+  static constexpr const char* kNames[] = {
+      "found",        "not_requested",    "start_invalid",
+      "goal_invalid", "goal_unreachable", "unreachable_in_base_mode",
+      "hit_early",    "time_out",         "interrupted",
+      "too_slow",     "base_drift_open"};
+  return kNames[static_cast<int>(status)];
+}
+
+std::optional<double> gap_to_bound(const Plan& plan) {
+  const Proof& proof = plan.certificate.proof;
+  if (!proof.lower_bound) return std::nullopt;
+  double least = kInfinity;
+  if (*proof.lower_bound > 0) {
+    for (const Candidate& candidate : plan.candidates) {
+      if (candidate.max_violation <= kFeasibilityTolerance) {
+        least = std::min(least, candidate.value);
+      }
+    }
+  } else {
+    for (const int c : proof.candidates) {
+      if (c >= 0) least = std::min(least, plan.candidates[static_cast<std::size_t>(c)].objective);
+    }
   }
-  return "";
+  if (least == kInfinity) return std::nullopt;
+  return least - *proof.lower_bound;
 }
 
 }  // namespace stillbase

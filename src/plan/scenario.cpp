@@ -122,10 +122,25 @@ std::string objective_name(const CaptureProblem& problem) {
   return name;
 }
 
-std::string objective_unit_name(const CaptureProblem& problem) {
+namespace {
+
+/// The quantity that the objective consists of, in its own unit; null: a sum of several or scaled.
+const QuantityRow* only_quantity(const CaptureProblem& problem) {
   const ObjectiveTerm& first = problem.objective.front();
   const bool is_alone = problem.objective.size() == 1 && problem.user.terms.empty();
-  return is_alone && first.size == 1 ? unit_of(first.quantity) : "1";
+  return is_alone && first.size == 1 ? &row_of(first.quantity) : nullptr;
+}
+
+}  // namespace
+
+std::string objective_unit_name(const CaptureProblem& problem) {
+  const QuantityRow* const only = only_quantity(problem);
+  return only != nullptr ? only->unit : "1";
+}
+
+Power objective_power(const CaptureProblem& problem) {
+  const QuantityRow* const only = only_quantity(problem);
+  return only != nullptr ? only->power : Power{};
 }
 
 bool simulates_turn(const CaptureProblem& problem) {

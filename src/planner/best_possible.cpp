@@ -145,7 +145,8 @@ std::optional<double> best_value(const SearchResult& found) {
 
 bool is_zero_reached(const Formulation& formulation, const SearchResult& found) {
   const std::optional<double> best = best_value(found);
-  return best && *best <= kZeroObjective * formulation.objective_unit();
+  return best && *best <= formulation.objective_power().value(kZeroObjective *
+                                                              formulation.objective_unit());
 }
 
 std::optional<MinimumBound> bound_measure(const Prover* prover, const CaptureProblem& problem,
@@ -172,16 +173,12 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
 void state_bound(const MinimumBound& bound, Proof& proof) {
   proof.boxes += bound.boxes;
   const bool is_proven = bound.lower_bound > 0;
-  if (proof.status != ProofStatus::NotApplicable) {
-    proof.statement += "; " + bound.statement;
-  } else if (is_proven) {
+  if (is_proven && proof.status == ProofStatus::NotApplicable) {
     proof.statement = "proven: " + bound.statement;
   } else {
     proof.statement += "; " + bound.statement;
   }
-  if (!is_proven) return;
-  proof.lower_bound = bound.lower_bound;
-  proof.gap = bound.gap;
+  if (is_proven) proof.lower_bound = bound.lower_bound;
 }
 
 }  // namespace stillbase

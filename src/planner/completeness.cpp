@@ -106,12 +106,6 @@ void match_candidates(const CaptureProblem& problem, const SearchResult& found, 
       }
     }
   }
-  if (!proof.lower_bound) return;
-  for (const int c : proof.candidates) {
-    if (c < 0) continue;
-    const double gap = found.candidates[static_cast<std::size_t>(c)].objective - *proof.lower_bound;
-    proof.gap = proof.gap ? std::min(*proof.gap, gap) : gap;
-  }
 }
 
 std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof) {

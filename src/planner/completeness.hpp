@@ -13,7 +13,7 @@ namespace stillbase {
 Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
                       const Formulation& formulation, const StopCondition& stop);
 
-/// Fills in which candidate lies in which enclosed solution, and the gap.
+/// Fills in which candidate lies in which enclosed solution.
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof);
 
 /// Middles of the enclosed solutions without a candidate, as points of the formulation.

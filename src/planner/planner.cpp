@@ -68,7 +68,6 @@ void bound_and_search_suspects(
   // Zeros of the nominal objective are no bound of another measure.
   if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
     proof.lower_bound.reset();
-    proof.gap.reset();
   }
   if (proof.status == ProofStatus::NotApplicable && is_zero_reached(formulation, found)) {
     proof.statement += "; the best one is zero, no less is possible";
@@ -223,6 +222,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
   }
   plan.candidates = std::move(found.candidates);
+  plan.certificate.proof.gap = gap_to_bound(plan);
   plan.families = std::move(found.families);
   plan.timing["total"] = seconds_since(begin);
   const bool arrives = plan.approach.status == ApproachStatus::Found ||

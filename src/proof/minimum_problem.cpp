@@ -263,11 +263,15 @@ MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scen
   const auto configuration_at = [&](const Eigen::VectorXd& x) {
     return proof::configuration_at(problem, bounded.where.encounter, x);
   };
+  const Power power = objective_power(problem);
   std::function<double(const Eigen::VectorXd&)> value_at;
   if (options.value_at) {
-    value_at = [&](const Eigen::VectorXd& x) { return options.value_at(configuration_at(x)); };
+    value_at = [&](const Eigen::VectorXd& x) {
+      return power.length(options.value_at(configuration_at(x)));
+    };
   }
-  const proof::Bound found = proof::bound_minimum(bounded, best, options, value_at);
+  proof::Bound found = proof::bound_minimum(bounded, power.length(best), options, value_at);
+  found.lower = power.value(found.lower);
   MinimumBound out;
   out.limit_reached = found.limit_reached;
   for (const Eigen::VectorXd& x : found.suspects) out.suspects.push_back(configuration_at(x));

@@ -157,7 +157,7 @@ class ImpactForms {
   std::vector<S> components(const Response& at) const {
     std::vector<S> out;
     for (const ObjectiveTerm& term : problem_.objective) {
-      const S factor = inverse_of(S(term.size));
+      const S factor = inverse_of(S(row_of(term.quantity).power.length(term.size)));
       for (const QuantityBlock& block : blocks_of(term)) {
         const auto use = [&](const S& y) {
           out.push_back((block.divisor == 1 ? y : y / S(block.divisor)) * factor);

@@ -45,11 +45,7 @@ std::vector<Row> all_rows(const ZeroProblem& problem) {
   const bool coupling = wanted == CaseConstraint::C2 || wanted == CaseConstraint::G3;
   bool base = wanted == CaseConstraint::G2;
   if (problem.zero && wanted != CaseConstraint::C2) {
-    if (*problem.zero == ObjectiveQuantity::TotalAngularMomentum) {
-      total = true;
-    } else {
-      base = true;
-    }
+    (*problem.zero == ResponsePart::TotalAngularMomentum ? total : base) = true;
   }
   if (total) {
     // Without a moment L = r x f is normal to f: two components say it all.
@@ -379,19 +375,6 @@ std::string objection(const CaptureProblem& problem) {
   return "the base attitude is free about more than one axis";
 }
 
-/// Whether the objective is one angular quantity, whose zeros are equations without division.
-bool is_angular(const std::vector<ObjectiveTerm>& objective) {
-  if (objective.size() != 1) return false;
-  switch (objective.front().quantity) {
-    case ObjectiveQuantity::BaseAngularMomentum:
-    case ObjectiveQuantity::BaseAngularVelocity:
-    case ObjectiveQuantity::TotalAngularMomentum:
-      return true;
-    default:
-      return false;
-  }
-}
-
 }  // namespace
 }  // namespace stillbase::proof
 
@@ -408,8 +391,8 @@ Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   Proof out = proof::enclose_solutions(zeros, options);
   if (out.status != ProofStatus::NotApplicable) return out;
   // The equations leave freedom: enclose where the nominal objective vanishes.
-  if (!proof::is_angular(problem.objective)) return out;
-  zeros.zero = problem.objective.front().quantity;
+  zeros.zero = row_of(problem.objective.front().quantity).zero_momentum;
+  if (problem.objective.size() != 1 || !zeros.zero) return out;
   Proof vanishing = proof::enclose_solutions(zeros, options);
   if (vanishing.status == ProofStatus::NotApplicable) return out;
   if (!vanishing.solutions.empty()) vanishing.lower_bound = 0;

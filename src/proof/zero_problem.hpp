@@ -44,7 +44,7 @@ struct ZeroProblem {
   JointVectord added_inertia;  ///< n
   std::vector<bool> locked;    ///< n, or empty
   CaseConstraint impact_case = CaseConstraint::None;
-  std::optional<ObjectiveQuantity> zero;  ///< also this vanishes
+  std::optional<ResponsePart> zero;  ///< also this momentum vanishes
   std::vector<Row> hand_equations;
   std::vector<Row> inequalities;
   bool has_limits = false;  ///< on rates, singular values or clearances: solutions are judged

@@ -34,7 +34,8 @@ class RatedCurve {
 
   bool is_flat() const {
     const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
-    return *most - *least <= kFlat * formulation_.objective_unit();
+    const Power power = formulation_.objective_power();
+    return power.length(*most) - power.length(*least) <= kFlat * formulation_.objective_unit();
   }
 
   /// The point next to i on one side; i itself at the curve's end.

@@ -54,8 +54,8 @@ Solution judge(const CaptureProblem& problem, const Formulation& formulation,
   nlp::Evaluation at_x;
   formulation.evaluate_value(x, at_x);
   if (std::isnan(at_x.objective)) {  // simulations were given up: this one is still needed
-    const double size = nominal_value(problem, formulation, formulation.configuration(x)) /
-                        formulation.objective_unit();
+    const double value = nominal_value(problem, formulation, formulation.configuration(x));
+    const double size = formulation.objective_power().length(value) / formulation.objective_unit();
     at_x.objective = size * size / 2;
   }
   return {x, at_x.objective, largest_violation(problem, formulation, x)};

@@ -43,7 +43,7 @@ class LimitedProgram final : public nlp::Problem {
   LimitedProgram(const Formulation& first, const Formulation& second, double level)
       : first_(first),
         second_(second),
-        limit_(std::pow(level / first.objective_unit(), 2) / 2),
+        limit_(std::pow(first.objective_power().length(level) / first.objective_unit(), 2) / 2),
         m_(second.num_constraints()) {}
 
   int num_variables() const override { return second_.num_variables(); }
@@ -190,7 +190,8 @@ class FrontSearch {
       for (const ConstraintValue& value : first_.report(point.x)) {
         entry.max_violation = std::max(entry.max_violation, value.violation);
       }
-      const double level = std::max(point.first, 1e-12 * first_.objective_unit());
+      const double least = first_.objective_power().value(1e-12 * first_.objective_unit());
+      const double level = std::max(point.first, least);
       entry.kkt_residual =
           nlp::certify(LimitedProgram(first_, second_, level), point.x).kkt_residual;
       out.push_back(entry);

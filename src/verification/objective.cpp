@@ -28,6 +28,14 @@ double base_momentum(const TermCase& at) {
   return momentum.norm();
 }
 
+/// Root of half the sum over the base body of mass times the square of the velocity.
+double root_of_base_energy(const TermCase& at) {
+  const Body& base = at.problem.robot.base;
+  const Vector6d Omega = at.response.impact(at.Fbar).Delta_Omega;
+  const Vector3d v = Omega.head<3>(), omega = Omega.tail<3>();
+  return std::sqrt(0.5 * base.mass * v.dot(v) + 0.5 * omega.dot(base.inertia * omega));
+}
+
 /// Joint rates after an impulse of this size along the base axes: the impulse's own direction may
 /// leave the joints at rest.
 double joint_rate_scale(const TermCase& at) {
@@ -58,6 +66,13 @@ const QuantityRecord kRecords[] = {
     {ObjectiveQuantity::JointRateNorm,
      [](const TermCase& at) { return at.response.impact(at.Fbar).Delta_phidot.norm(); }, 1,
      joint_rate_scale, nullptr},
+    {ObjectiveQuantity::BaseEnergy, root_of_base_energy, 2,
+     // As if the whole impulse went into the base.
+     [](const TermCase& at) {
+       return std::max(impulse_size(at) / std::sqrt(2 * at.problem.robot.base.mass),
+                       root_of_base_energy(at));
+     },
+     nullptr},
     {ObjectiveQuantity::AttitudeTurned, attitude_turned, 1,
      // At the rate that the base would have alone.
      [](const TermCase& at) { return std::min(kPi, rate_scale(at) * at.term.after); }, nullptr},
@@ -65,14 +80,26 @@ const QuantityRecord kRecords[] = {
 
 double raised(double size, int power) { return power == 1 ? size : std::pow(size, power); }
 
+using Number = double (*)(const TermCase&);
+
 double root_of_squares(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar, const RobotModel* planned,
-                       double (*number)(const TermCase&)) {
+                       Number QuantityRecord::*number) {
   double sum = 0;
   for (const ObjectiveTerm& term : problem.objective) {
-    sum += std::pow(number({problem, term, response, Fbar, planned}) / term.size, 2);
+    const QuantityRecord& record = record_of(term.quantity);
+    const double size = (record.*number)({problem, term, response, Fbar, planned});
+    sum += record.power == 2 ? size * size / term.size : std::pow(size / term.size, 2);
   }
   return std::sqrt(sum);
+}
+
+/// Power of the objective as a whole.
+int power_of(const CaptureProblem& problem) {
+  const ObjectiveTerm& first = problem.objective.front();
+  const bool is_alone =
+      problem.objective.size() == 1 && first.size == 1 && problem.user.terms.empty();
+  return is_alone ? record_of(first.quantity).power : 1;
 }
 
 /// A direction by its angle from n and its azimuth (unused in a wedge).
@@ -125,12 +152,14 @@ double term_scale(const TermCase& at) {
 
 double objective_value(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar, const RobotModel* planned) {
-  return root_of_squares(problem, response, Fbar, planned, term_value);
+  return raised(root_of_squares(problem, response, Fbar, planned, &QuantityRecord::size),
+                power_of(problem));
 }
 
 double objective_scale(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar) {
-  return root_of_squares(problem, response, Fbar, nullptr, term_scale);
+  return raised(root_of_squares(problem, response, Fbar, nullptr, &QuantityRecord::rounding_scale),
+                power_of(problem));
 }
 
 double objective_along(const Situation& situation, const Vector3d& d) {
@@ -228,7 +257,9 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
     }
     const PostureResponse& at = displaced ? *displaced : response;
     const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
-    squares.emplace_back(std::pow(objective_value(problem, at, Fbar), 2), scenario.weight);
+    squares.emplace_back(
+        std::pow(root_of_squares(problem, at, Fbar, nullptr, &QuantityRecord::size), 2),
+        scenario.weight);
   }
   // Mean over the largest values that have this share of the weight; 1 for the expectation.
   const double share =
@@ -240,7 +271,7 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
     sum += taken * square;
     left -= taken;
   }
-  return std::sqrt(sum / share);
+  return raised(std::sqrt(sum / share), power_of(problem));
 }
 
 bool is_sampled(RiskMeasure measure) {

@@ -38,7 +38,8 @@ double attitude_turned(const TermCase& at);
 double term_value(const TermCase& at);
 double term_scale(const TermCase& at);
 
-/// The problem's objective for an impulse: sqrt(sum (term / size)^2).
+/// The problem's objective for an impulse: the root of the sum of (term / size)^2, of squares
+/// (power 2) term / size; of one square alone the square.
 /// @param planned robot that the controller was made for; null: the problem's
 double objective_value(const CaptureProblem& problem, const PostureResponse& response,
                        const Vector6d& Fbar, const RobotModel* planned = nullptr);

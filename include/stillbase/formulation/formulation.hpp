@@ -105,6 +105,8 @@ class Formulation final : public nlp::Problem {
                         Eigen::MatrixXd& jacobian) const;
   /// Typical size of y by which the objective is divided.
   double objective_unit() const;
+  /// How the objective's value follows from |y|.
+  Power objective_power() const;
 
   Configuration configuration(const Eigen::VectorXd& x) const;
   /// The variables of a configuration: the inverse of configuration().

@@ -84,7 +84,7 @@ struct Proof {
   long boxes = 0;                   ///< looked at
   /// Of the measure, in its unit; zero: of the nominal objective, the solutions being its zeros.
   std::optional<double> lower_bound;
-  std::optional<double> gap;  ///< the best candidate's value of the same minus the lower bound
+  std::optional<double> gap;  ///< as gap_to_bound()
 };
 
 struct Certificate {
@@ -181,5 +181,10 @@ struct Plan {
   std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
   std::map<std::string, double> timing;      ///< s
 };
+
+/// The least value among the candidates that satisfy the constraints minus the proven lower bound.
+/// Where the bound is a zero of the nominal objective: the least nominal value of the candidates
+/// that are enclosed solutions. Empty without a bound or such a candidate.
+std::optional<double> gap_to_bound(const Plan& plan);
 
 }  // namespace stillbase

@@ -2,11 +2,13 @@
 // documentation come, and the map from the response to an impulse, from which value, gradient,
 // packs and enclosures come.
 //
-// Every quantity is the length |y| of a vector y that is linear in the response: its value is a
-// root, what is minimised is 1/2 |y|^2. A new quantity is an enumerator, a row of the table in
+// Every quantity is |y| or |y|^2, y a vector that is linear in the response (Power). What is
+// minimised is 1/2 |y|^2. A new quantity is an enumerator, a row of the table in
 // src/plan/quantities.cpp, and the verifier's own formula.
 #pragma once
 
+#include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,10 +24,21 @@ enum class ObjectiveQuantity {
   BaseMomentum,
   ImpulseMagnitude,
   JointRateNorm,
+  BaseEnergy,
   AttitudeTurned
 };
 
-/// One of several quantities that are made small together: sum (|y_i| / size_i)^2.
+/// How the value of a quantity follows from |y|. Searches, measures and proofs compute with |y|;
+/// plans, bounds and gaps state values.
+struct Power {
+  int exponent = 1;  ///< 1: a length, such as that of a momentum; 2: a square, such as an energy
+
+  double value(double length) const { return exponent == 1 ? length : length * std::abs(length); }
+  double length(double value) const { return exponent == 1 ? value : std::sqrt(value); }
+};
+
+/// One of several quantities that are made small together: the sum of (|y_i| / |y_i|(size_i))^2,
+/// that is (value / size)^2 of a length and value / size of a square.
 struct ObjectiveTerm {
   ObjectiveQuantity quantity = ObjectiveQuantity::BaseAngularMomentum;
   double size = 1;    ///< value that counts as one, in the unit of the quantity
@@ -43,13 +56,17 @@ struct QuantityBlock {
 
 struct QuantityRow {
   ObjectiveQuantity quantity;
-  std::string name;      ///< in files and output
-  std::string unit;      ///< SI, of the value
-  std::string sentence;  ///< what it is
-  bool needs_length;     ///< a term states `length`
-  bool needs_time;       ///< a term states `after`, and the problem a controller
+  std::string name;           ///< in files and output
+  std::string unit;           ///< SI, of the value
+  std::string sentence;       ///< what it is
+  bool needs_length = false;  ///< a term states `length`
+  bool needs_time = false;    ///< a term states `after`, and the problem a controller
+  Power power = {};
+  /// Angular momentum that vanishes exactly where y does; empty: there is none.
+  std::optional<ResponsePart> zero_momentum = {};
   /// y per unit of impulse; empty where y is no function of the response alone but simulated.
-  std::vector<QuantityBlock> (*blocks)(const ObjectiveTerm& term, const RobotModel& robot);
+  std::vector<QuantityBlock> (*blocks)(const ObjectiveTerm& term,
+                                       const RobotModel& robot) = nullptr;
 
   bool is_simulated() const { return blocks == nullptr; }
 };

@@ -38,5 +38,8 @@ std::string objective_name(const CaptureProblem& problem);
 std::string objective_unit_name(const CaptureProblem& problem);
 /// Whether a term of the objective takes a simulation (attitude_turned).
 bool simulates_turn(const CaptureProblem& problem);
+/// Of the objective's value: that of its quantity where objective_unit_name() is that one's unit,
+/// else a length.
+Power objective_power(const CaptureProblem& problem);
 
 }  // namespace stillbase

@@ -35,8 +35,8 @@ Measure::Measure(const CaptureProblem& problem, const Formulation& formulation)
   }
 }
 
-double Measure::half_square(double size) const {
-  const double ratio = size / formulation_.objective_unit();
+double Measure::half_square(double value) const {
+  const double ratio = formulation_.objective_power().length(value) / formulation_.objective_unit();
   return ratio * ratio / 2;
 }
 
@@ -99,7 +99,8 @@ double Measure::reported(const Eigen::VectorXd& x) {
     const WorstCase worst = worst_at(x);
     return worst.is_complete ? worst.value : kUnknown;
   }
-  return formulation_.objective_unit() * std::sqrt(2 * value(x));
+  return formulation_.objective_power().value(formulation_.objective_unit() *
+                                              std::sqrt(2 * value(x)));
 }
 
 MeasureSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
@@ -192,7 +193,7 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   const double size = value(x);
   // Of a measure that vanishes what is left is rounding: there is no less.
   constexpr double kZero = 1e-9;  // of the objective's typical size
-  const double scale = size > half_square(kZero * formulation_.objective_unit()) ? size : 1;
+  const double scale = size > kZero * kZero / 2 ? size : 1;
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
     const EpigraphProgram program(formulation_, scenarios_of(maxima), scale);

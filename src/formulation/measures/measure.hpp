@@ -23,7 +23,7 @@ class Measure {
   bool is_nominal() const { return problem_.measure.kind == RiskMeasure::Nominal; }
   /// NaN when simulations were given up. Values are kept: a point is evaluated once.
   double value(const Eigen::VectorXd& x);
-  /// The same as a root, in the objective's unit.
+  /// The same as the objective's value, in its unit.
   double reported(const Eigen::VectorXd& x);
   /// Of the problem's cone, whatever the measure is; kept likewise.
   WorstCase worst_at(const Eigen::VectorXd& x);
@@ -53,8 +53,8 @@ class Measure {
   MeasureSolution follow(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0);
   std::vector<ConeMaximum> maxima_at(const Eigen::VectorXd& x) const;
-  /// 1/2 |y|^2 / unit^2 of |y|.
-  double half_square(double size) const;
+  /// 1/2 |y|^2 / unit^2 at a value of the objective.
+  double half_square(double value) const;
   double sampled_value(const Eigen::VectorXd& x);
   std::optional<double> level() const;
 

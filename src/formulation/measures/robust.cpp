@@ -263,7 +263,8 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
                      const Configuration& configuration) {
   const DirectionModel model(problem, formulation, configuration);
   const Place worst = maxima(model).front();
-  return {worst.value, model.direction(worst.c), model.is_complete()};
+  return {formulation.objective_power().value(worst.value), model.direction(worst.c),
+          model.is_complete()};
 }
 
 std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,
@@ -271,7 +272,8 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
   const DirectionModel model(problem, formulation, configuration);
   std::vector<ConeMaximum> out;
   for (const Place& place : maxima(model)) {
-    ConeMaximum maximum{formulation.predicted_scenario(), place.value};
+    ConeMaximum maximum{formulation.predicted_scenario(),
+                        formulation.objective_power().value(place.value)};
     maximum.scenario.direction =
         (model.encounter.contact.R_EB * model.direction(place.c)).normalized();
     out.push_back(maximum);
@@ -288,7 +290,7 @@ std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation&
   for (const Scenario& scenario : from) {
     const Eigen::Vector2d c = model.coordinates(R_EB.transpose() * scenario.direction);
     const Place place = refine(model, {c, model.value(c)});
-    out.push_back({scenario, place.value});
+    out.push_back({scenario, formulation.objective_power().value(place.value)});
     out.back().scenario.direction = (R_EB * model.direction(place.c)).normalized();
   }
   return out;
@@ -297,7 +299,7 @@ std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation&
 double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration) {
   const DirectionModel model(problem, formulation, configuration);
-  return model.value(Eigen::Vector2d::Zero());
+  return formulation.objective_power().value(model.value(Eigen::Vector2d::Zero()));
 }
 
 std::map<std::string, double> objective_terms(const CaptureProblem& problem,
@@ -312,7 +314,8 @@ std::map<std::string, double> objective_terms(const CaptureProblem& problem,
     const JumpObjective jump(one);
     const DifferencedTerms differenced(one);
     const DirectionModel model(problem, formulation, configuration, jump, differenced);
-    out[to_string(term.quantity)] = model.value(Eigen::Vector2d::Zero());
+    const QuantityRow& row = row_of(term.quantity);
+    out[row.name] = row.power.value(model.value(Eigen::Vector2d::Zero()));
   }
   return out;
 }

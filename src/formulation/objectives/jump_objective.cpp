@@ -22,7 +22,8 @@ JumpObjective::JumpObjective(const CaptureProblem& problem) {
     if (row.is_simulated()) continue;
     terms_.emplace_back();
     for (const QuantityBlock& block : row.blocks(term, problem.robot)) {
-      terms_.back().push_back({block.part, block.map * (1 / block.divisor) * (1 / term.size)});
+      terms_.back().push_back(
+          {block.part, block.map * (1 / block.divisor) * (1 / row.power.length(term.size))});
     }
   }
 }

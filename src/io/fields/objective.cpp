@@ -5,6 +5,14 @@ namespace stillbase::io {
 
 namespace {
 
+/// All quantities, by a part of their rows in the catalogue.
+template <class Part>
+std::string each_quantity(const char* separator, const Part& part) {
+  std::string text;
+  for (const QuantityRow& row : quantities()) text += (text.empty() ? "" : separator) + part(row);
+  return text;
+}
+
 /// The time of the attitude change: required by that quantity, refused by the others.
 void after_field(Table& t, ObjectiveTerm& term, const char* text) {
   const bool needs_time = row_of(term.quantity).needs_time;
@@ -66,18 +74,19 @@ void objective_fields(Table& t, CaptureProblem& problem) {
                         (first.length == 1 || !row_of(first.quantity).needs_length);
   if (t.states("terms", !is_plain)) {
     t("terms", maps_of(terms, {.least = 1, .unique_key = "quantity", .of = "{quantity: , size: }"}),
-      "several quantities instead of one: the root of the sum of (value / size)^2 is made small",
+      "several quantities instead of one: the root of the sum of (value / size)^2 is made small, "
+      "of "
+      "an energy value / size",
       {.need = Need::Required, .without = "none"});
     t.not_both("terms", "quantity");
     if (t.reader() != nullptr && terms.empty()) terms.resize(1);
   } else {
     t("quantity", Word(first.quantity, objective_names()),
-      "made small: `base_angular_momentum`, `base_angular_velocity`, `total_angular_momentum`, "
-      "`base_momentum` (linear and angular, equation (1)), `impulse_magnitude`, "
-      "`joint_rate_norm` (after the impact), `attitude_turned` (rotation angle of the base from "
-      "its attitude at the impact, at most pi)",
+      "made small: " +
+          each_quantity(
+              "; ", [](const QuantityRow& row) { return "`" + row.name + "`, " + row.sentence; }),
       {.need = Need::Required,
-       .frame = "N m s, rad/s, N m s, N s, N s, rad/s, rad",
+       .frame = each_quantity(", ", [](const QuantityRow& row) { return row.unit; }),
        .without = "required without terms",
        .decides = true});
     after_field(t, first,

@@ -14,20 +14,20 @@
 namespace stillbase {
 
 struct WorstCase {
-  double value = 0;                       ///< max |y| over the cone, in the objective's unit
+  double value = 0;                       ///< the objective's largest value over the cone
   Vector3d direction = Vector3d::Zero();  ///< where, unit, in B
   /// False: simulations were given up before (Formulation::give_up_simulations_at); the largest
   /// over the directions seen, the nominal one among them.
   bool is_complete = true;
 };
 
-/// Largest |y| over the problem's uncertainty cone at a configuration. A scan of rings (planar: of
-/// the wedge) followed by local refinement of the best places.
+/// The objective's largest value over the problem's uncertainty cone at a configuration. A scan of
+/// rings (planar: of the wedge) followed by local refinement of the best places.
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 
-/// All maxima over the cone that the scan sees, the largest first, as scenarios with their |y|:
-/// where several are as large, all of them hold back a better posture.
+/// All maxima over the cone that the scan sees, the largest first, as scenarios with the
+/// objective's value: where several are as large, each of them limits a better posture.
 struct ConeMaximum {
   Scenario scenario;
   double value = 0;
@@ -46,7 +46,7 @@ std::map<std::string, double> objective_terms(const CaptureProblem& problem,
                                               const Formulation& formulation,
                                               const Configuration& configuration);
 
-/// |y| at the nominal direction. Its simulations are never given up.
+/// The objective's value at the nominal direction. Its simulations are never given up.
 double nominal_value(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 
