@@ -41,10 +41,6 @@ class CompassSearch final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> compass_search_names() { return {"compass-search"}; }
-
-std::unique_ptr<Optimizer> make_compass_search(std::string_view name) {
-  return name == "compass-search" ? std::make_unique<CompassSearch>() : nullptr;
-}
+Optimizers compass_search() { return single<CompassSearch>(); }
 
 }  // namespace stillbase::nlp

@@ -6,7 +6,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
-#include "formulation/measures/epigraph.hpp"
+#include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
 
 namespace stillbase {
@@ -118,7 +118,7 @@ struct BenchmarkProgram::Parts {
       without_case = std::make_unique<Formulation>(problem);
     }
     if (goal == BenchmarkGoal::WorstCase) {
-      program = std::make_unique<EpigraphProgram>(
+      program = std::make_unique<ScenarioProgram>(
           formulation, fixed_directions(instance.problem, formulation), 1);
       // f >= 0, but a bound there would stop a solver that steps onto it twice; postures ten times
       // worse than usual ones, f = 50, are of no interest.
@@ -136,7 +136,7 @@ struct BenchmarkProgram::Parts {
   const Formulation& for_starts() const { return without_case ? *without_case : formulation; }
   Eigen::VectorXd lifted(const Eigen::VectorXd& configuration) const {
     if (goal != BenchmarkGoal::WorstCase) return configuration;
-    return static_cast<const EpigraphProgram&>(inner()).lifted(configuration);
+    return static_cast<const ScenarioProgram&>(inner()).lifted(configuration);
   }
 };
 

@@ -1,9 +1,29 @@
-// Newton-like moves onto the constraints, and onto zeros of the objective.
+// The equations of a formulation (hand, case, zeros of the objective), and Newton-like moves onto
+// them and the other constraints.
 #pragma once
 
 #include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
+
+/// Residual and Jacobian (rows x N) of the equality constraints at x, in their own units.
+/// @param with_zero also those of the objective vector y, in typical sizes
+void evaluate_equations(const Formulation& formulation, const Eigen::VectorXd& x, bool with_zero,
+                        Eigen::VectorXd& residual, Eigen::MatrixXd& jacobian);
+
+/// Orthonormal basis (columns) of the directions in which none of them changes: the null space of
+/// that Jacobian, singular values below 1e-9 of the largest counted as zero.
+Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
+                                bool with_zero);
+
+struct ProjectionOptions {
+  double longest_step = 0.5;  ///< rad: beyond it the linear model does not hold
+  double exact = 1e-14;       ///< largest residual that ends the steps: the rounding of rows
+  /// The same where zeros of a simulated objective are wanted: simulations have larger rounding
+  /// errors and cost too much for the last digits.
+  double exact_simulated = 1e-11;
+  int halvings = 12;  ///< of a step that does not lower the residual; 1/4096 of it is lost anyway
+};
 
 struct ProjectionResult {
   Eigen::VectorXd x;
@@ -13,6 +33,7 @@ struct ProjectionResult {
 /// Gauss-Newton with minimum-norm steps from x onto the constraints, inside the bounds.
 /// @param zero_objective also drive the objective vector y to zero
 ProjectionResult project_onto_constraints(const Formulation& formulation, const Eigen::VectorXd& x,
-                                          bool zero_objective, int max_iterations);
+                                          bool zero_objective, int max_iterations,
+                                          const ProjectionOptions& options = {});
 
 }  // namespace stillbase

@@ -22,7 +22,6 @@
 namespace stillbase::nlp {
 namespace {
 
-constexpr const char* kName = "gradient-projection";
 constexpr int kMemory = 10;       // objectives that the line search compares with
 constexpr int kMaxHalvings = 40;  // 1e-12 of the first trial step
 constexpr int kRestorationSteps = 20;
@@ -94,7 +93,7 @@ class GradientProjection final : public Optimizer {
  public:
   GradientProjection()
       : Optimizer(
-            {.name = kName,
+            {.name = "gradient-projection",
              .about = "projected steepest descent with restoration (Rosen; Wee and Walker)"}) {}
 
  private:
@@ -148,10 +147,6 @@ class GradientProjection final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> gradient_projection_names() { return {kName}; }
-
-std::unique_ptr<Optimizer> make_gradient_projection(std::string_view name) {
-  return name == kName ? std::make_unique<GradientProjection>() : nullptr;
-}
+Optimizers gradient_projection() { return single<GradientProjection>(); }
 
 }  // namespace stillbase::nlp

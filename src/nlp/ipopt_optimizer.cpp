@@ -213,17 +213,12 @@ class IpoptOptimizer final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> ipopt_optimizer_names() { return {"ipopt", "ipopt-lbfgs"}; }
-
-std::unique_ptr<Optimizer> make_ipopt_optimizer(std::string_view name) {
-  if (name == "ipopt") {
-    return std::make_unique<IpoptOptimizer>("ipopt", "interior point, exact Hessian", true);
-  }
-  if (name == "ipopt-lbfgs") {
-    return std::make_unique<IpoptOptimizer>("ipopt-lbfgs", "interior point, limited-memory BFGS",
-                                            false);
-  }
-  return nullptr;
+Optimizers ipopt_optimizers() {
+  Optimizers out;
+  out.push_back(std::make_unique<IpoptOptimizer>("ipopt", "interior point, exact Hessian", true));
+  out.push_back(std::make_unique<IpoptOptimizer>("ipopt-lbfgs",
+                                                 "interior point, limited-memory BFGS", false));
+  return out;
 }
 
 }  // namespace stillbase::nlp

@@ -292,19 +292,12 @@ class NloptOptimizer final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> nlopt_optimizer_names() {
-  std::vector<std::string> names;
+Optimizers nlopt_optimizers() {
+  Optimizers out;
   for (const Row& row : kTable) {
-    if (is_compiled(row)) names.emplace_back(row.name);
+    if (is_compiled(row)) out.push_back(std::make_unique<NloptOptimizer>(row));
   }
-  return names;
-}
-
-std::unique_ptr<Optimizer> make_nlopt_optimizer(std::string_view name) {
-  for (const Row& row : kTable) {
-    if (row.name == name && is_compiled(row)) return std::make_unique<NloptOptimizer>(row);
-  }
-  return nullptr;
+  return out;
 }
 
 }  // namespace stillbase::nlp

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "nlp/monitor.hpp"
-#include "nlp/nearest_point.hpp"
 
 namespace stillbase::nlp {
 namespace {
@@ -93,12 +92,50 @@ int explain_budget(const OptimizeOptions& options) {
              : 0;
 }
 
+// V(x) = 1/2 sum violation^2 in the box. Its gradient J^T violation is continuous, which is all
+// that is needed.
+class ViolationProblem final : public Problem {
+ public:
+  explicit ViolationProblem(const Problem& problem)
+      : problem_(problem),
+        constraint_lower_(problem.constraint_lower()),
+        constraint_upper_(problem.constraint_upper()) {}
+
+  int num_variables() const override { return problem_.num_variables(); }
+  int num_constraints() const override { return 0; }
+  Eigen::VectorXd lower() const override { return problem_.lower(); }
+  Eigen::VectorXd upper() const override { return problem_.upper(); }
+  Eigen::VectorXd constraint_lower() const override { return {}; }
+  Eigen::VectorXd constraint_upper() const override { return {}; }
+
+  void evaluate(const Eigen::VectorXd& x, Evaluation& out) const override {
+    auto& inner = out.workspace_as<Evaluation>();
+    problem_.evaluate(x, inner);
+    const Eigen::VectorXd violation =
+        signed_violation(inner.constraints, constraint_lower_, constraint_upper_);
+    out.objective = 0.5 * violation.squaredNorm();
+    // A NaN compares false with both bounds and would look like no violation.
+    if (!inner.constraints.allFinite()) out.objective = kInfinity;
+    out.gradient.noalias() = inner.jacobian.transpose() * violation;
+    out.constraints.resize(0);
+    out.jacobian.resize(0, x.size());
+  }
+
+ private:
+  const Problem& problem_;
+  const Eigen::VectorXd constraint_lower_, constraint_upper_;
+};
+
 // A violated point that the solver left for no visible reason: say why, or take the nearest
 // attempt.
 void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptions& options) {
   const int budget = explain_budget(options) - 1;
   if (budget < 1) return;
-  const NearestPoint nearest = nearest_point(problem, result.x, budget, options);
+  OptimizeOptions inner = options;
+  inner.max_evaluations = budget;
+  inner.explain_infeasibility = false;
+  const OptimizeResult nearest =
+      make_optimizer("nlopt-slsqp")->minimize(ViolationProblem(problem), result.x, inner);
   Evaluation at_x;
   problem.evaluate(nearest.x, at_x);
   result.evaluations += nearest.evaluations + 1;

@@ -9,14 +9,13 @@
 namespace stillbase::nlp {
 namespace {
 
-constexpr const char* kRandomSearch = "random-search";
 // From a far point, Newton's method either converges within about ten steps or not at all.
 constexpr int kStepsToFeasible = 12;
 
 class RandomSearch final : public Optimizer {
  public:
   RandomSearch()
-      : Optimizer({.name = kRandomSearch,
+      : Optimizer({.name = "random-search",
                    .about = "low-discrepancy points moved onto the constraints, the best counts",
                    .global = true,
                    .stochastic = true}) {}
@@ -40,10 +39,6 @@ class RandomSearch final : public Optimizer {
 
 }  // namespace
 
-std::vector<std::string> random_search_names() { return {kRandomSearch}; }
-
-std::unique_ptr<Optimizer> make_random_search(std::string_view name) {
-  return name == kRandomSearch ? std::make_unique<RandomSearch>() : nullptr;
-}
+Optimizers random_search() { return single<RandomSearch>(); }
 
 }  // namespace stillbase::nlp

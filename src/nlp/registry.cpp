@@ -3,28 +3,27 @@
 namespace stillbase::nlp {
 namespace {
 
-struct Family {
-  std::vector<std::string> (*names)();
-  std::unique_ptr<Optimizer> (*make)(std::string_view);
-};
-
-#define STILLBASE_FAMILY(adapter) {adapter##_names, make_##adapter},
-constexpr Family kFamilies[] = {STILLBASE_ADAPTERS(STILLBASE_FAMILY)};
-#undef STILLBASE_FAMILY
+/// In the order of the documentation.
+Optimizers all_optimizers() {
+  Optimizers all;
+  for (Optimizers (*const adapter)() :
+       {nlopt_optimizers, ipopt_optimizers, gradient_projection, random_search}) {
+    for (std::unique_ptr<Optimizer>& optimizer : adapter()) all.push_back(std::move(optimizer));
+  }
+  return all;
+}
 
 }  // namespace
 
 std::vector<std::string> optimizer_names() {
   std::vector<std::string> names;
-  for (const Family& family : kFamilies) {
-    for (std::string& name : family.names()) names.push_back(std::move(name));
-  }
+  for (const auto& optimizer : all_optimizers()) names.push_back(optimizer->info().name);
   return names;
 }
 
 std::unique_ptr<Optimizer> make_optimizer(std::string_view name) {
-  for (const Family& family : kFamilies) {
-    if (auto optimizer = family.make(name)) return optimizer;
+  for (std::unique_ptr<Optimizer>& optimizer : all_optimizers()) {
+    if (optimizer->info().name == name) return std::move(optimizer);
   }
   return nullptr;
 }

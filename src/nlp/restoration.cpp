@@ -3,22 +3,16 @@
 #include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::nlp {
-namespace {
-
-// min |step| with J step = -violation over the violated rows, inside the box to first order.
-Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
-                            const Evaluation& at_x, const Eigen::VectorXd& violation) {
-  Eigen::MatrixXd J = at_x.jacobian;
-  for (Eigen::Index i = 0; i < violation.size(); ++i) {
-    if (violation[i] == 0.0) J.row(i).setZero();
-  }
+Eigen::VectorXd step_within_box(Eigen::MatrixXd J, const Eigen::VectorXd& r,
+                                const Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                                const Eigen::VectorXd& upper) {
   Eigen::VectorXd step;
   for (Eigen::Index pass = 0; pass <= x.size(); ++pass) {
-    step = -least_norm_solution(J, violation, 1e-9);
+    step = -least_norm_solution(J, r, 1e-9);
     bool held_one = false;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
-      const bool leaves = (x[j] <= monitor.lower()[j] && step[j] < 0.0) ||
-                          (x[j] >= monitor.upper()[j] && step[j] > 0.0);
+      const bool leaves =
+          (x[j] <= lower[j] && step[j] < 0.0) || (x[j] >= upper[j] && step[j] > 0.0);
       if (leaves && !J.col(j).isZero(0.0)) {
         J.col(j).setZero();
         held_one = true;
@@ -29,14 +23,17 @@ Eigen::VectorXd newton_step(const Monitor& monitor, const Eigen::VectorXd& x,
   return step;
 }
 
-}  // namespace
-
 double restore(Monitor& monitor, const Eigen::VectorXd& g_lower, const Eigen::VectorXd& g_upper,
                double tolerance, int max_steps, Eigen::VectorXd& x, Evaluation& at_x) {
   if (at_x.constraints.size() == 0) return 0.0;
   Eigen::VectorXd violation = signed_violation(at_x.constraints, g_lower, g_upper);
   for (int step = 0; step < max_steps && violation.lpNorm<Eigen::Infinity>() > tolerance; ++step) {
-    const Eigen::VectorXd move = newton_step(monitor, x, at_x, violation);
+    Eigen::MatrixXd J = at_x.jacobian;
+    for (Eigen::Index i = 0; i < violation.size(); ++i) {
+      if (violation[i] == 0.0) J.row(i).setZero();
+    }
+    const Eigen::VectorXd move =
+        step_within_box(std::move(J), violation, x, monitor.lower(), monitor.upper());
     if (!(move.norm() > 0.0) || !move.allFinite()) break;
     bool fell = false;
     double alpha = 1.0;

@@ -5,6 +5,12 @@
 
 namespace stillbase::nlp {
 
+/// Step of least norm with J step = -r that keeps inside the box to first order: variables at a
+/// bound that it would cross are held.
+Eigen::VectorXd step_within_box(Eigen::MatrixXd J, const Eigen::VectorXd& r,
+                                const Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                                const Eigen::VectorXd& upper);
+
 /// Moves x onto the violated constraints by Gauss-Newton steps of least length inside the box
 /// (variables at a bound that the step would cross are held), each halved until the violation
 /// falls. Ends at a violation of at most `tolerance`, when nothing falls any more, or when the

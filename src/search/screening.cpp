@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "formulation/measures/sampled_program.hpp"
+#include "formulation/measures/scenario_program.hpp"
 
 namespace stillbase {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stillbase/core/linear_algebra.hpp>
 
-#include "formulation/equations.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 

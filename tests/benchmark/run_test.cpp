@@ -146,7 +146,7 @@ TEST_CASE("the example of bench/README.md is a working optimizer, and the text i
 
   const BenchmarkInstance instance = instance_of("planar_two_link", BenchmarkGoal::Case);
   const BenchmarkProgram program(instance);
-  const auto optimizer = nlp::make_compass_search("compass-search");
+  const auto optimizer = std::move(nlp::compass_search().front());
   REQUIRE(optimizer);
   const auto result = optimizer->minimize(program, program.start(0, 1), {});
   CHECK(result.feasible);

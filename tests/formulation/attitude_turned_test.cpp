@@ -7,8 +7,7 @@
 #include <stillbase/search/trade_off.hpp>
 #include <stillbase/simulation/simulate.hpp>
 
-#include "formulation/measures/epigraph.hpp"
-#include "formulation/measures/sampled_program.hpp"
+#include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
 #include "support/capture_problems.hpp"
 #include "support/shipped_problem.hpp"
@@ -136,8 +135,8 @@ TEST_CASE("scenarios one by one, in a list and of many points have the same simu
   }
   CHECK(most > 1.05 * least);
   // Their programs have no second derivatives of what is simulated.
-  CHECK_FALSE(SampledProgram(formulation, scenarios, std::nullopt, 1).has_hessian());
-  CHECK_FALSE(EpigraphProgram(formulation, scenarios, 1).has_hessian());
+  CHECK_FALSE(ScenarioProgram(formulation, scenarios, std::nullopt, 1).has_hessian());
+  CHECK_FALSE(ScenarioProgram(formulation, scenarios, 1).has_hessian());
 }
 
 TEST_CASE("the worst case over a cone counts what is simulated") {

@@ -6,7 +6,7 @@
 #include <stillbase/search/search.hpp>
 
 #include "formulation/measures/measure.hpp"
-#include "formulation/measures/sampled_program.hpp"
+#include "formulation/measures/scenario_program.hpp"
 #include "support/capture_problems.hpp"
 #include "support/shipped_problem.hpp"
 

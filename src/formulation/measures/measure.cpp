@@ -6,8 +6,7 @@
 
 #include <stillbase/formulation/measures/robust.hpp>
 
-#include "formulation/measures/epigraph.hpp"
-#include "formulation/measures/sampled_program.hpp"
+#include "formulation/measures/scenario_program.hpp"
 
 namespace stillbase {
 
@@ -126,7 +125,7 @@ MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
   }
   const double scale = value(x0);
   if (!(scale > 0)) return {x0, 0};  // nothing left to improve
-  const SampledProgram program(formulation_, samples_, level(), scale);
+  const ScenarioProgram program(formulation_, samples_, level(), scale);
   return {optimizer.minimize(program, program.lifted(x0), options).x.head(x0.size()), 1};
 }
 
@@ -146,7 +145,7 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
   for (int round = 0; round < kRounds; ++round) {
     const double scale = half_square(worst.front().value);
     if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
-    const EpigraphProgram program(formulation_, active, scale);
+    const ScenarioProgram program(formulation_, active, scale);
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), rough);
     ++out.solver_calls;
     if (!result.feasible) break;
@@ -175,7 +174,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     for (const ConeMaximum& maximum : worst) {
       if (half_square(maximum.value) >= kWorthy * scale) following.push_back(maximum.scenario);
     }
-    const EpigraphProgram program(formulation_, following, scale, &problem_);
+    const ScenarioProgram program(formulation_, following, scale, &problem_);
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
     ++out.solver_calls;
     const Eigen::VectorXd x = result.x.head(x0.size());
@@ -196,11 +195,11 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   const double scale = size > kZero * kZero / 2 ? size : 1;
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
-    const EpigraphProgram program(formulation_, scenarios_of(maxima), scale);
+    const ScenarioProgram program(formulation_, scenarios_of(maxima), scale);
     // First order only: that the worst directions turn with x adds curvature which fixed ones lack.
     return nlp::certify(program, program.lifted(x));
   }
-  const SampledProgram program(formulation_, samples_, level(), scale);
+  const ScenarioProgram program(formulation_, samples_, level(), scale);
   return nlp::certify(program, program.lifted(x), {.second_order = true});
 }
 

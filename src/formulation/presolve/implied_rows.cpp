@@ -14,9 +14,8 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 
-#include "formulation/equations.hpp"
-#include "formulation/formulation_parts.hpp"
 #include "formulation/projection.hpp"
+#include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
 
