@@ -5,16 +5,11 @@
 
 namespace stillbase {
 
-namespace {
-
-/// Cosine of the angle of the base's axis from its direction in N.
-class AttitudeCone final : public ConstraintOf<AttitudeCone> {
- public:
-  explicit AttitudeCone(double half_angle)
-      : ConstraintOf("base_attitude_cone", "1", std::cos(half_angle), kInfinity) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+void add_attitude_cone(const CaptureModel& model, ConstraintSet& out) {
+  const VariableSpec& variables = model.problem.variables;
+  if (variables.base_attitude != AttitudeFreedom::Cone) return;
+  // Cosine of the angle of the base's axis from its direction in N.
+  const auto cosine = []<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {
     const CaptureProblem& problem = at.model.problem;
     const Vector3d& axis = problem.variables.base_attitude_axis;
     const Vector3<S> wanted = axis.cast<S>();
@@ -25,15 +20,10 @@ class AttitudeCone final : public ConstraintOf<AttitudeCone> {
       gradient->theta = in_base.cross(Vector3<S>(R_NB.transpose() * wanted));
     }
     return wanted.dot(Vector3<S>(R_NB * in_base));
-  }
-};
-
-}  // namespace
-
-void add_attitude_cone(const CaptureModel& model, ConstraintSet& out) {
-  const VariableSpec& variables = model.problem.variables;
-  if (variables.base_attitude != AttitudeFreedom::Cone) return;
-  out.rows.push_back(std::make_unique<AttitudeCone>(variables.base_attitude_max));
+  };
+  add_constraint(out.rows,
+                 {"base_attitude_cone", "1", std::cos(variables.base_attitude_max), kInfinity},
+                 cosine);
 }
 
 }  // namespace stillbase

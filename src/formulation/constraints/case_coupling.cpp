@@ -8,56 +8,6 @@ namespace stillbase {
 
 namespace {
 
-/// Component i in B of the coupling part per unit of impulse, m, = 0.
-class CaseCoupling final : public ConstraintOf<CaseCoupling> {
- public:
-  explicit CaseCoupling(int i)
-      : ConstraintOf("case_coupling_" + std::to_string(i + 1), "m", 0, 0), i_(i) {
-    needs_impact = is_of_case = true;
-  }
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    if (gradient != nullptr) {
-      ResponseWeights<S> weights;
-      weights.total[i_] = S(1);
-      weights.base = -weights.total;
-      *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
-    }
-    return at.impact.response.coupling()[i_];
-  }
-
- private:
-  int i_;
-};
-
-/// The coupling part along column k of the coupling matrix, per unit of impulse, = 0.
-class CouplingColumn final : public ConstraintOf<CouplingColumn> {
- public:
-  explicit CouplingColumn(int k)
-      : ConstraintOf("case_coupling_column_" + std::to_string(k + 1), "kg m^3", 0, 0), k_(k) {
-    needs_impact = is_of_case = true;
-  }
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const Vector3<S> column = at.posture.tilde.Htilde_omegaphi.col(k_);
-    const Vector3<S> coupling = at.impact.response.coupling();
-    if (gradient != nullptr) {
-      ResponseWeights<S> weights;
-      weights.total = column;
-      weights.base = -column;
-      *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
-      gradient->phi +=
-          coupling_column_gradient<S>(at.model.problem.robot, at.posture, k_, coupling);
-    }
-    return column.dot(coupling);
-  }
-
- private:
-  int k_;
-};
-
 /// Columns of the coupling matrix that span its range almost everywhere.
 std::vector<int> spanning_columns(const CaptureModel& model) {
   constexpr int kSamples = 8;
@@ -99,10 +49,42 @@ void add_case_coupling(const CaptureModel& model, ConstraintSet& out) {
   // they determine little, so the components are reported.
   const std::vector<int> columns = spanning_columns(model);
   const bool has_rows_along_columns = columns.size() == 2;
-  Constraints& components = has_rows_along_columns ? out.implied : out.rows;
-  for (int i = 0; i < 3; ++i) components.push_back(std::make_unique<CaseCoupling>(i));
+  for (int i = 0; i < 3; ++i) {
+    // Component i in B of the coupling part per unit of impulse.
+    add_constraint(has_rows_along_columns ? out.implied : out.rows,
+                   {"case_coupling_" + std::to_string(i + 1), "m", 0, 0, true, true},
+                   [i]<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {
+                     if (gradient != nullptr) {
+                       ResponseWeights<S> weights;
+                       weights.total[i] = S(1);
+                       weights.base = -weights.total;
+                       *gradient =
+                           at.model.template impact_gradient<S>(at.posture, at.impact, weights);
+                     }
+                     return at.impact.response.coupling()[i];
+                   });
+  }
   if (!has_rows_along_columns) return;
-  for (const int k : columns) out.rows.push_back(std::make_unique<CouplingColumn>(k));
+  for (const int k : columns) {
+    // The coupling part along column k of the coupling matrix, per unit of impulse.
+    const auto along = [k]<class S>(const ConstraintPoint<S>& at,
+                                    ScalarGradient<S>* gradient) -> S {
+      const Vector3<S> column = at.posture.tilde.Htilde_omegaphi.col(k);
+      const Vector3<S> coupling = at.impact.response.coupling();
+      if (gradient != nullptr) {
+        ResponseWeights<S> weights;
+        weights.total = column;
+        weights.base = -column;
+        *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
+        gradient->phi +=
+            coupling_column_gradient<S>(at.model.problem.robot, at.posture, k, coupling);
+      }
+      return column.dot(coupling);
+    };
+    add_constraint(out.rows,
+                   {"case_coupling_column_" + std::to_string(k + 1), "kg m^3", 0, 0, true, true},
+                   along);
+  }
 }
 
 }  // namespace stillbase

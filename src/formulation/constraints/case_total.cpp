@@ -3,47 +3,34 @@
 
 namespace stillbase {
 
-namespace {
-
-/// Component of Delta L_g per unit of impulse along a unit vector e of the contact frame, m, = 0.
-class CaseTotal final : public ConstraintOf<CaseTotal> {
- public:
-  CaseTotal(const std::string& title, const Vector3d& e) : ConstraintOf(title, "m", 0, 0), e_(e) {
-    needs_impact = is_of_case = true;
-  }
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const Matrix3<S>& R_EB = at.placement.contact.R_EB;
-    const Vector3<S>& total = at.impact.response.total;
-    const Vector3<S> e = e_.cast<S>();
-    if (gradient != nullptr) {
-      ResponseWeights<S> weights;
-      weights.total = R_EB.transpose() * e;
-      *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
-      at.model.template add_contact_turn<S>(at.placement.rates, total.cross(weights.total),
-                                            *gradient);
-    }
-    return e.dot(Vector3<S>(R_EB * total));
-  }
-
- private:
-  Vector3d e_;
-};
-
-}  // namespace
-
 void add_case_total(const CaptureModel& model, ConstraintSet& out) {
   const CaseConstraint wanted = model.problem.constraints.impact_case;
   if (wanted != CaseConstraint::C && wanted != CaseConstraint::C1 && wanted != CaseConstraint::C2) {
     return;
   }
+  // Component of Delta L_g per unit of impulse along a unit vector e of the contact frame.
+  const auto add = [&out](const char* name, const Vector3d& axis) {
+    const auto component = [axis]<class S>(const ConstraintPoint<S>& at,
+                                           ScalarGradient<S>* gradient) -> S {
+      const Matrix3<S>& R_EB = at.placement.contact.R_EB;
+      const Vector3<S>& total = at.impact.response.total;
+      const Vector3<S> e = axis.cast<S>();
+      if (gradient != nullptr) {
+        ResponseWeights<S> weights;
+        weights.total = R_EB.transpose() * e;
+        *gradient = at.model.template impact_gradient<S>(at.posture, at.impact, weights);
+        at.model.template add_contact_turn<S>(at.placement.rates, total.cross(weights.total),
+                                              *gradient);
+      }
+      return e.dot(Vector3<S>(R_EB * total));
+    };
+    add_constraint(out.rows, {name, "m", 0, 0, true, true}, component);
+  };
   // r_gh x n is normal to n: two independent rows.
   const EncounterModel& encounter = model.encounter;
-  out.rows.push_back(std::make_unique<CaseTotal>("case_total_1", encounter.u));
-  out.rows.push_back(std::make_unique<CaseTotal>("case_total_2", encounter.v));
-  if (encounter.moment.isZero(0)) return;
-  out.rows.push_back(std::make_unique<CaseTotal>("case_total_3", encounter.n));
+  add("case_total_1", encounter.u);
+  add("case_total_2", encounter.v);
+  if (!encounter.moment.isZero(0)) add("case_total_3", encounter.n);
 }
 
 }  // namespace stillbase

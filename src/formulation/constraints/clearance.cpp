@@ -8,68 +8,47 @@ namespace stillbase {
 
 namespace {
 
-/// Signed distance of a pair of shapes, m.
-class Clearance final : public ConstraintOf<Clearance> {
- public:
-  Clearance(const ClearancePair& pair, const TargetPlacement& target, double least)
-      : ConstraintOf(pair.name, "m", least, kInfinity), pair_(pair), target_(target) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const Separation<S> found =
-        separate<S>(placed<S>(pair_.first, at), placed<S>(pair_.second, at));
-    if (gradient != nullptr) {
-      add_gradient_of_body<S>(pair_.first.body, found.normal, found.point, at, *gradient);
-      add_gradient_of_body<S>(pair_.second.body, -found.normal, found.point, at, *gradient);
-    }
-    return found.distance;
+/// A shape in B; the target lies with its contact at the hand.
+template <class S>
+PlacedShape<S> placed(const ClearanceShape& shape, const TargetPlacement& target,
+                      const ConstraintPoint<S>& at) {
+  const Kinematics<S>& kin = at.posture.kinematics;
+  Matrix3<S> R = Matrix3<S>::Identity();
+  Vector3<S> o = Vector3<S>::Zero();
+  if (shape.body >= 0) {
+    R = kin.R[static_cast<std::size_t>(shape.body)];
+    o = kin.o[static_cast<std::size_t>(shape.body)];
+  } else if (shape.body == kTargetBody) {
+    R = at.placement.contact.R_EB.transpose() * target.R_ET.cast<S>();
+    o = kin.r_bh - R * target.r.cast<S>();
   }
+  const Matrix3<S> axes = R * shape.R.cast<S>();
+  return {&shape, axes, o + R * shape.p.cast<S>()};
+}
 
- private:
-  /// A shape in B; the target lies with its contact at the hand.
-  template <class S>
-  PlacedShape<S> placed(const ClearanceShape& shape, const ConstraintPoint<S>& at) const {
-    const Kinematics<S>& kin = at.posture.kinematics;
-    Matrix3<S> R = Matrix3<S>::Identity();
-    Vector3<S> o = Vector3<S>::Zero();
-    if (shape.body >= 0) {
-      R = kin.R[static_cast<std::size_t>(shape.body)];
-      o = kin.o[static_cast<std::size_t>(shape.body)];
-    } else if (shape.body == kTargetBody) {
-      R = at.placement.contact.R_EB.transpose() * target_.R_ET.cast<S>();
-      o = kin.r_bh - R * target_.r.cast<S>();
+/// Of normal . (velocity of the body at a point).
+template <class S>
+void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& point,
+                          const ConstraintPoint<S>& at, ScalarGradient<S>& gradient) {
+  const Kinematics<S>& kin = at.posture.kinematics;
+  if (body == kTargetBody) {
+    // It moves with the hand, but turns with the contact frame: against B's own rotation.
+    for (int k = 0; k < at.model.n(); ++k) {
+      const Vector3<S> column = at.posture.jacobian.J_phi.template block<3, 1>(0, k);
+      gradient.phi[k] += normal.dot(column);
     }
-    const Matrix3<S> axes = R * shape.R.cast<S>();
-    return {&shape, axes, o + R * shape.p.cast<S>()};
+    at.model.template add_contact_turn<S>(at.placement.rates,
+                                          normal.cross(Vector3<S>(point - kin.r_bh)), gradient);
+    return;
   }
-
-  /// Of normal . (velocity of the body at a point).
-  template <class S>
-  void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& point,
-                            const ConstraintPoint<S>& at, ScalarGradient<S>& gradient) const {
-    const Kinematics<S>& kin = at.posture.kinematics;
-    if (body == kTargetBody) {
-      // It moves with the hand, but turns with the contact frame: against B's own rotation.
-      for (int k = 0; k < at.model.n(); ++k) {
-        const Vector3<S> column = at.posture.jacobian.J_phi.template block<3, 1>(0, k);
-        gradient.phi[k] += normal.dot(column);
-      }
-      at.model.template add_contact_turn<S>(at.placement.rates,
-                                            normal.cross(Vector3<S>(point - kin.r_bh)), gradient);
-      return;
-    }
-    const std::vector<Joint>& joints = at.model.problem.robot.joints;
-    for (int k = body; k != kBase; k = joints[static_cast<std::size_t>(k)].parent) {
-      const auto index = static_cast<std::size_t>(k);
-      const Vector3<S> z = kin.z(k);
-      const Vector3<S> lever = point - kin.o[index];
-      gradient.phi[k] += normal.dot(joints[index].is_prismatic() ? z : Vector3<S>(z.cross(lever)));
-    }
+  const std::vector<Joint>& joints = at.model.problem.robot.joints;
+  for (int k = body; k != kBase; k = joints[static_cast<std::size_t>(k)].parent) {
+    const auto index = static_cast<std::size_t>(k);
+    const Vector3<S> z = kin.z(k);
+    const Vector3<S> lever = point - kin.o[index];
+    gradient.phi[k] += normal.dot(joints[index].is_prismatic() ? z : Vector3<S>(z.cross(lever)));
   }
-
-  ClearancePair pair_;
-  TargetPlacement target_;
-};
+}
 
 }  // namespace
 
@@ -92,7 +71,17 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
     target = target_placement(problem, encounter);
   }
   for (const ClearancePair& pair : clearance_pairs(problem)) {
-    out.rows.push_back(std::make_unique<Clearance>(pair, target, *problem.constraints.clearance));
+    const auto distance = [pair, target]<class S>(const ConstraintPoint<S>& at,
+                                                  ScalarGradient<S>* gradient) -> S {
+      const Separation<S> found =
+          separate<S>(placed<S>(pair.first, target, at), placed<S>(pair.second, target, at));
+      if (gradient != nullptr) {
+        add_gradient_of_body<S>(pair.first.body, found.normal, found.point, at, *gradient);
+        add_gradient_of_body<S>(pair.second.body, -found.normal, found.point, at, *gradient);
+      }
+      return found.distance;
+    };
+    add_constraint(out.rows, {pair.name, "m", *problem.constraints.clearance, kInfinity}, distance);
   }
 }
 

@@ -1,8 +1,8 @@
 // One constraint of the nonlinear program, and the set of those that a problem asks for.
 //
-// Each constraint is one file of this folder: a class with name, unit, bounds, and one template
-// that gives value and gradient for any number type, and a function that adds it to the set where
-// the problem asks for it. registry.cpp lists these functions.
+// Each constraint is one file of this folder: a function that adds it to the set where the problem
+// asks for it, with name, unit, bounds, and one generic lambda that gives value and gradient for
+// any number type. registry.cpp lists these functions.
 #pragma once
 
 #include <memory>
@@ -25,18 +25,20 @@ struct ConstraintPoint {
 
 using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 
-/// lower <= value <= upper.
-class Constraint {
- public:
+/// What a constraint states.
+struct ConstraintLabel {
   std::string name;
   std::string unit;
   double lower, upper;
   bool needs_impact = false;
   /// An equation of the impact case: presolve asks whether others imply it.
   bool is_of_case = false;
+};
 
-  Constraint(std::string its_name, std::string its_unit, double lowest, double highest)
-      : name(std::move(its_name)), unit(std::move(its_unit)), lower(lowest), upper(highest) {}
+/// lower <= value <= upper.
+class Constraint : public ConstraintLabel {
+ public:
+  explicit Constraint(ConstraintLabel label) : ConstraintLabel(std::move(label)) {}
   virtual ~Constraint() = default;
 
   bool is_equation() const { return lower == upper; }
@@ -53,37 +55,38 @@ class Constraint {
   virtual bool has_hessian() const { return true; }
 };
 
-/// A constraint from one template of class Own:
-///   template <class S> S evaluate(const ConstraintPoint<S>&, ScalarGradient<S>* gradient) const
-/// returns the value and, unless it is null, fills the gradient, which is zero before.
-template <class Own>
-class ConstraintOf : public Constraint {
+/// A constraint from one generic lambda,
+///   []<class S>(const ConstraintPoint<S>&, ScalarGradient<S>* gradient) -> S
+/// which returns the value and, unless it is null, fills the gradient, which is zero before.
+template <class Evaluate>
+class ConstraintFrom final : public Constraint {
  public:
-  using Constraint::Constraint;
+  ConstraintFrom(ConstraintLabel label, Evaluate evaluate)
+      : Constraint(std::move(label)), evaluate_(std::move(evaluate)) {}
 
   double value(const ConstraintPoint<double>& at) const override {
-    return own().template evaluate<double>(at, nullptr);
+    return evaluate_.template operator()<double>(at, nullptr);
   }
   Tangent value(const ConstraintPoint<Tangent>& at) const override {
-    return own().template evaluate<Tangent>(at, nullptr);
+    return evaluate_.template operator()<Tangent>(at, nullptr);
   }
   double value_and_gradient(const ConstraintPoint<double>& at, GradientRow row) const override {
     ScalarGradient<double> gradient(at.model.n());
-    const double value = own().template evaluate<double>(at, &gradient);
+    const double value = evaluate_.template operator()<double>(at, &gradient);
     at.model.compress_into(at.placement, gradient, row);
     return value;
   }
   void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
                     VectorX<Tangent>& out) const override {
     ScalarGradient<Tangent> gradient(at.model.n());
-    own().template evaluate<Tangent>(at, &gradient);
+    evaluate_.template operator()<Tangent>(at, &gradient);
     VectorX<Tangent> row(out.size());
     at.model.compress_into(at.placement, gradient, row);
     out += row * Tangent(multiplier);
   }
 
  private:
-  const Own& own() const { return static_cast<const Own&>(*this); }
+  Evaluate evaluate_;
 };
 
 using Constraints = std::vector<std::unique_ptr<Constraint>>;
@@ -93,6 +96,12 @@ struct ConstraintSet {
   Constraints implied;   ///< hold where the rows do: reported
   Constraints reported;  ///< change with no variable: reported
 };
+
+/// Appends a constraint from a generic lambda.
+template <class Evaluate>
+void add_constraint(Constraints& to, ConstraintLabel label, Evaluate evaluate) {
+  to.push_back(std::make_unique<ConstraintFrom<Evaluate>>(std::move(label), std::move(evaluate)));
+}
 
 /// All that the problem asks for, in the order of the registry.
 /// @throws InputError for constraints that the problem leaves undefined

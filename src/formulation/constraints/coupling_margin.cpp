@@ -3,37 +3,24 @@
 
 namespace stillbase {
 
-namespace {
-
-/// Least singular value of Htilde_omegaphi, of its generic rank, kg m^2.
-class CouplingMargin final : public ConstraintOf<CouplingMargin> {
- public:
-  CouplingMargin(int rank, double least)
-      : ConstraintOf("coupling_singular_value", "kg m^2", least, kInfinity), rank_(rank) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const SingularTriple<S> triple = singular_triple<S>(at.posture.tilde.Htilde_omegaphi, rank_);
-    if (gradient != nullptr) {  // d sigma = u' dA v
-      gradient->phi = coupling_gradient<S>(at.model.problem.robot, at.posture,
-                                           JointVector<S>(triple.v), Vector3<S>(triple.u));
-    }
-    return triple.sigma;
-  }
-
- private:
-  int rank_;
-};
-
-}  // namespace
-
 void add_coupling_margin(const CaptureModel& model, ConstraintSet& out) {
   const double least = model.problem.constraints.coupling_singular_value_min;
   if (!(least > 0)) return;
   const int rank = generic_rank(model, [](const PostureImpact<double>& posture) {
     return Eigen::MatrixXd(posture.tilde.Htilde_omegaphi);
   });
-  if (rank > 0) out.rows.push_back(std::make_unique<CouplingMargin>(rank, least));
+  if (rank == 0) return;
+  // Least singular value of Htilde_omegaphi, of its generic rank.
+  const auto smallest = [rank]<class S>(const ConstraintPoint<S>& at,
+                                        ScalarGradient<S>* gradient) -> S {
+    const SingularTriple<S> triple = singular_triple<S>(at.posture.tilde.Htilde_omegaphi, rank);
+    if (gradient != nullptr) {  // d sigma = u' dA v
+      gradient->phi = coupling_gradient<S>(at.model.problem.robot, at.posture,
+                                           JointVector<S>(triple.v), Vector3<S>(triple.u));
+    }
+    return triple.sigma;
+  };
+  add_constraint(out.rows, {"coupling_singular_value", "kg m^2", least, kInfinity}, smallest);
 }
 
 }  // namespace stillbase

@@ -48,51 +48,36 @@ void add_hand_rotation_gradient(const ConstraintPoint<S>& at, const Vector3<S>& 
   }
 }
 
-/// Component i in B of the rotation error 1/2 sum r_k x d_k, = 0.
-class HandRotation final : public ConstraintOf<HandRotation> {
- public:
-  explicit HandRotation(int i)
-      : ConstraintOf(std::string("hand_rotation_") + kAxisNames[i], "1", 0, 0), i_(i) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const Matrix3<S>& R = at.posture.kinematics.R_hand;
-    const Matrix3<S> D = wanted_axes_at<S>(at);
-    if (gradient != nullptr) {
-      add_hand_rotation_gradient<S>(at, rotation_error_gradient<S>(R, D, i_),
-                                    -rotation_error_gradient<S>(D, R, i_), *gradient);
-    }
-    return rotation_error<S>(R, D, i_);
-  }
-
- private:
-  int i_;
-};
-
-/// sum r_k . d_k, >= 0: excludes the opposite orientations.
-class HandAlignment final : public ConstraintOf<HandAlignment> {
- public:
-  HandAlignment() : ConstraintOf("hand_facing", "1", 0, kInfinity) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const Matrix3<S>& R = at.posture.kinematics.R_hand;
-    const Matrix3<S> D = wanted_axes_at<S>(at);
-    if (gradient != nullptr) {
-      Vector3<S> g_R;
-      for (int i = 0; i < 3; ++i) g_R[i] = rotation_error<S>(R, D, i) * S(2);
-      add_hand_rotation_gradient<S>(at, g_R, -g_R, *gradient);
-    }
-    return alignment<S>(R, D);
-  }
-};
-
 }  // namespace
 
 void add_hand_pose(const CaptureModel& model, ConstraintSet& out) {
   if (model.problem.hand.constraint != HandConstraint::Pose) return;
-  for (int i = 0; i < 3; ++i) out.rows.push_back(std::make_unique<HandRotation>(i));
-  out.rows.push_back(std::make_unique<HandAlignment>());
+  for (int i = 0; i < 3; ++i) {
+    // Component i in B of the rotation error 1/2 sum r_k x d_k.
+    const auto component = [i]<class S>(const ConstraintPoint<S>& at,
+                                        ScalarGradient<S>* gradient) -> S {
+      const Matrix3<S>& R = at.posture.kinematics.R_hand;
+      const Matrix3<S> D = wanted_axes_at<S>(at);
+      if (gradient != nullptr) {
+        add_hand_rotation_gradient<S>(at, rotation_error_gradient<S>(R, D, i),
+                                      -rotation_error_gradient<S>(D, R, i), *gradient);
+      }
+      return rotation_error<S>(R, D, i);
+    };
+    add_constraint(out.rows, {std::string("hand_rotation_") + kAxisNames[i], "1", 0, 0}, component);
+  }
+  // sum r_k . d_k excludes the opposite orientations.
+  add_constraint(out.rows, {"hand_facing", "1", 0, kInfinity},
+                 []<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {
+                   const Matrix3<S>& R = at.posture.kinematics.R_hand;
+                   const Matrix3<S> D = wanted_axes_at<S>(at);
+                   if (gradient != nullptr) {
+                     Vector3<S> g_R;
+                     for (int i = 0; i < 3; ++i) g_R[i] = rotation_error<S>(R, D, i) * S(2);
+                     add_hand_rotation_gradient<S>(at, g_R, -g_R, *gradient);
+                   }
+                   return alignment<S>(R, D);
+                 });
 }
 
 }  // namespace stillbase

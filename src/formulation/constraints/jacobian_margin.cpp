@@ -18,32 +18,6 @@ FreeMatrix<S> scaled_generalized_jacobian(const PostureImpact<S>& posture, doubl
   return A;
 }
 
-/// Least singular value of that matrix, of its generic rank, m.
-class JacobianMargin final : public ConstraintOf<JacobianMargin> {
- public:
-  JacobianMargin(int rank, double least, double length)
-      : ConstraintOf("jacobian_singular_value", "m", least, kInfinity),
-        rank_(rank),
-        length_(length) {}
-
-  template <class S>
-  S evaluate(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
-    const SingularTriple<S> triple =
-        singular_triple<S>(scaled_generalized_jacobian<S>(at.posture, length_), rank_);
-    if (gradient != nullptr) {  // d sigma = u' dA v
-      Vector6<S> u = triple.u;
-      u.template tail<3>() *= S(length_);
-      gradient->phi = generalized_jacobian_gradient<S>(at.model.problem.robot, at.posture,
-                                                       JointVector<S>(triple.v), u);
-    }
-    return triple.sigma;
-  }
-
- private:
-  int rank_;
-  double length_;
-};
-
 }  // namespace
 
 void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
@@ -53,7 +27,21 @@ void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
   const int rank = generic_rank(model, [&](const PostureImpact<double>& posture) {
     return scaled_generalized_jacobian<double>(posture, length);
   });
-  if (rank > 0) out.rows.push_back(std::make_unique<JacobianMargin>(rank, least, length));
+  if (rank == 0) return;
+  // Least singular value of that matrix, of its generic rank.
+  const auto smallest = [rank, length]<class S>(const ConstraintPoint<S>& at,
+                                                ScalarGradient<S>* gradient) -> S {
+    const SingularTriple<S> triple =
+        singular_triple<S>(scaled_generalized_jacobian<S>(at.posture, length), rank);
+    if (gradient != nullptr) {  // d sigma = u' dA v
+      Vector6<S> u = triple.u;
+      u.template tail<3>() *= S(length);
+      gradient->phi = generalized_jacobian_gradient<S>(at.model.problem.robot, at.posture,
+                                                       JointVector<S>(triple.v), u);
+    }
+    return triple.sigma;
+  };
+  add_constraint(out.rows, {"jacobian_singular_value", "m", least, kInfinity}, smallest);
 }
 
 }  // namespace stillbase

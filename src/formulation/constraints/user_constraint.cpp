@@ -11,10 +11,8 @@ namespace {
 class UserRow final : public Constraint {
  public:
   explicit UserRow(UserConstraint constraint)
-      : Constraint(constraint.name, constraint.unit, constraint.lower, constraint.upper),
-        function_(std::move(constraint.value)) {
-    needs_impact = true;
-  }
+      : Constraint({constraint.name, constraint.unit, constraint.lower, constraint.upper, true}),
+        function_(std::move(constraint.value)) {}
 
   double value(const ConstraintPoint<double>& at) const override {
     return function_(at.model.configuration(at.placement.x),
