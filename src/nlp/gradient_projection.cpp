@@ -22,13 +22,17 @@
 namespace stillbase::nlp {
 namespace {
 
-constexpr int kMemory = 10;       // objectives that the line search compares with
-constexpr int kMaxHalvings = 40;  // 1e-12 of the first trial step
-constexpr int kRestorationSteps = 20;
-constexpr double kDescent = 1e-4;       // fraction of the first-order fall |x+ - x|^2 / t
-constexpr double kWidestActive = 1e-2;  // first epsilon, of variables and constraints of order one
-constexpr double kLeastActive = 1e-6;   // last one, that of the certificate
-constexpr double kFeasible = 1e-12;     // restored to rounding: the judge's tolerance buys nothing
+struct GradientProjectionOptions {
+  std::size_t memory = 10;       ///< objectives that the line search compares with
+  int halvings = 40;             ///< 1e-12 of the first trial step
+  int restoration_steps = 20;    ///< of a trial; ten times as many from the start
+  double descent = 1e-4;         ///< fraction of the first-order fall |x+ - x|^2 / t
+  double widest_active = 1e-2;   ///< first epsilon, of variables and constraints of order one
+  double least_active = 1e-6;    ///< last one, that of the certificate
+  double restored = 1e-12;       ///< to rounding: the judge's tolerance buys nothing
+  double stationary_part = 0.1;  ///< of the judge's tolerance: it certifies the answer once more
+};
+constexpr GradientProjectionOptions kProjection;
 
 struct Iterate {
   Eigen::VectorXd x;
@@ -70,8 +74,8 @@ bool step_to(Monitor& monitor, const OptimizeOptions& options, const Iterate& fr
   const Evaluation* e = monitor.evaluate(to.x.data());
   if (e == nullptr) return false;
   to.at_x = *e;
-  return restore(monitor, g_lower, g_upper, kFeasible, kRestorationSteps, to.x, to.at_x) <=
-         restored_enough(options);
+  return restore(monitor, g_lower, g_upper, kProjection.restored, kProjection.restoration_steps,
+                 to.x, to.at_x) <= restored_enough(options);
 }
 
 // Step that makes the secant equation of the Lagrangian hold best (with one set of multipliers: a
@@ -104,31 +108,33 @@ class GradientProjection final : public Optimizer {
     const Evaluation* e = monitor.evaluate(start.data());
     if (e == nullptr) return {-1, "no finite start", ""};
     now.at_x = *e;
-    if (restore(monitor, monitor.constraint_lower(), monitor.constraint_upper(), kFeasible,
-                10 * kRestorationSteps, now.x, now.at_x) > restored_enough(options)) {
+    if (restore(monitor, monitor.constraint_lower(), monitor.constraint_upper(),
+                kProjection.restored, 10 * kProjection.restoration_steps, now.x,
+                now.at_x) > restored_enough(options)) {
       return {-2, "restoration failed", ""};
     }
-    double epsilon = kWidestActive;
+    double epsilon = kProjection.widest_active;
     project_gradient(monitor.problem(), epsilon, now);
     double t = 0.1 / std::max(now.direction.norm(), 0.1);
     std::deque<double> recent{now.at_x.objective};
     while (!monitor.stopped()) {
-      // A tenth of the judge's tolerance: the certificate is computed once more at the answer.
       if (certify(monitor.problem(), now.x, now.at_x).kkt_residual <=
-          0.1 * options.optimality_tolerance) {
+          kProjection.stationary_part * options.optimality_tolerance) {
         return {0, "stationary", ""};
       }
       const double reference = *std::max_element(recent.begin(), recent.end());
       Iterate next;
       bool accepted = false;
-      for (int halving = 0; halving < kMaxHalvings && !monitor.stopped(); ++halving, t /= 2.0) {
+      for (int halving = 0; halving < kProjection.halvings && !monitor.stopped();
+           ++halving, t /= 2.0) {
         const bool there = step_to(monitor, options, now, t, next);
         const double moved = (next.x - now.x).squaredNorm();
-        accepted = there && moved > 0.0 && next.at_x.objective <= reference - kDescent * moved / t;
+        accepted = there && moved > 0.0 &&
+                   next.at_x.objective <= reference - kProjection.descent * moved / t;
         if (accepted) break;
       }
       if (!accepted) {
-        if (monitor.stopped() || epsilon <= kLeastActive) break;
+        if (monitor.stopped() || epsilon <= kProjection.least_active) break;
         epsilon /= 10.0;
         project_gradient(monitor.problem(), epsilon, now);
         t = 0.1 / std::max(now.direction.norm(), 0.1);
@@ -138,7 +144,7 @@ class GradientProjection final : public Optimizer {
       t = first_trial_step(now, next, t);
       now = std::move(next);
       recent.push_back(now.at_x.objective);
-      if (recent.size() > kMemory) recent.pop_front();
+      if (recent.size() > kProjection.memory) recent.pop_front();
     }
     if (monitor.stopped()) return {-5, "stopped", ""};
     return {1, "step lost in rounding", ""};

@@ -7,20 +7,6 @@
 namespace stillbase::nlp {
 namespace {
 
-// A line search that halves its step 60 times has reached the rounding of its own point.
-constexpr int kMaxRejectedInARow = 60;
-
-// Solvers ask for one point a few times (objective, constraints, gradients). One that asks for it
-// this often is in a loop that the evaluation budget alone would never end.
-constexpr int kMaxRepeatsInARow = 1000;
-
-// Of the tolerances, where a solver is stopped.
-constexpr double kCertain = 1e-3;
-
-// A step that still changes the objective by more than this part is not the last one: its point
-// needs no certificate, which costs half an evaluation of a small model.
-constexpr double kLastChange = 1e-6;
-
 bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();
 }
@@ -78,7 +64,7 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
                       (!with_derivatives || (e.gradient.allFinite() && e.jacobian.allFinite()));
   if (!finite) {
     ++rejected_evaluations_;
-    if (++rejected_in_a_row_ >= kMaxRejectedInARow) stop(StopReason::NonFinite);
+    if (++rejected_in_a_row_ >= options_.max_rejected_in_a_row) stop(StopReason::NonFinite);
     return;
   }
   rejected_in_a_row_ = 0;
@@ -117,11 +103,11 @@ void Monitor::stop_if_certified(const Point& point) {
   const double before = std::exchange(last_objective_, point.evaluation.objective);
   const double objective = point.evaluation.objective;
   const double size = std::max(std::abs(objective), problem_.objective_scale());
-  if (!point.valid || !(std::abs(objective - before) <= kLastChange * size)) return;
-  const double violation = kCertain * options_.feasibility_tolerance;
+  if (!point.valid || !(std::abs(objective - before) <= options_.last_change * size)) return;
+  const double violation = options_.certain * options_.feasibility_tolerance;
   if (point.violation_squared > violation * violation) return;
   Certificate found = certify(problem_, point.x, point.evaluation);
-  if (found.kkt_residual > kCertain * options_.optimality_tolerance) return;
+  if (found.kkt_residual > options_.certain * options_.optimality_tolerance) return;
   if (objective > as_good_as(best_.evaluation.objective, found, options_)) return;
   if (stopped()) return;
   best_ = point;
@@ -134,12 +120,12 @@ const Evaluation* Monitor::evaluate(const double* x) noexcept {
     trial_ = Eigen::Map<const Eigen::VectorXd>(x, trial_.size()).cwiseMax(lower_).cwiseMin(upper_);
     for (Eigen::Index j = 0; j < trial_.size(); ++j) {
       if (!std::isfinite(x[j])) {  // the solver's own overflow; cwiseMax would hide a NaN
-        if (++rejected_in_a_row_ >= kMaxRejectedInARow) stop(StopReason::NonFinite);
+        if (++rejected_in_a_row_ >= options_.max_rejected_in_a_row) stop(StopReason::NonFinite);
         return nullptr;
       }
     }
     if (const Point* known = find_known(trial_)) {
-      if (++repeats_in_a_row_ >= kMaxRepeatsInARow) stop(StopReason::Stalled);
+      if (++repeats_in_a_row_ >= options_.max_repeats_in_a_row) stop(StopReason::Stalled);
       return known->valid ? &known->evaluation : nullptr;
     }
     if (!may_go_on()) return nullptr;

@@ -23,8 +23,7 @@ class Monitor {
           int max_evaluations);
 
   /// From now on the solver is stopped at a point, as good as the best one, whose violation and KKT
-  /// residual are a thousandth of the tolerances; that point is then the best one. A tenth would
-  /// not do: where the objective is flat, the residual says little about the distance.
+  /// residual are OptimizeOptions::certain of the tolerances; that point is then the best one.
   void stop_when_certified() { stops_when_certified_ = true; }
 
   /// Values (and derivatives) at x (N doubles), moved into the box where rounding left it. Null

@@ -75,6 +75,14 @@ struct ConstraintRow {
 // Sequential quadratic programming takes its first step along the gradient, as long as that is.
 // From a steep start it may end where the linearised equations contradict each other: there it
 // lowers the objective by small steps for hundreds of evaluations, and never comes back.
+struct StuckOptions {
+  int patience = 50;           ///< evaluations without a fall of the violation
+  double close = 1e-2;         ///< violation that need not fall: rows are of order one
+  double fallen = 0.9;         ///< part of the last violation that counts as a fall
+  double cautious_step = 0.1;  ///< length of the second run's first step; variables are of order 1
+};
+constexpr StuckOptions kStuck;
+
 class StuckWatch {
  public:
   void look_at(const Monitor& monitor, const Evaluation& e) {
@@ -84,23 +92,17 @@ class StuckWatch {
                                                     monitor.constraint_upper())
                                        .lpNorm<Eigen::Infinity>();
     ++evaluations_;
-    if (violation > std::max(kClose, kFallen * reference_)) return;
+    if (violation > std::max(kStuck.close, kStuck.fallen * reference_)) return;
     reference_ = violation;
     evaluations_ = 0;
   }
-  bool is_stuck() const { return evaluations_ >= kPatience; }
+  bool is_stuck() const { return evaluations_ >= kStuck.patience; }
   void reset() { *this = StuckWatch(); }
 
  private:
-  static constexpr int kPatience = 50;
-  static constexpr double kClose = 1e-2;  // rows are of order one
-  static constexpr double kFallen = 0.9;
   int evaluations_ = 0;
   double reference_ = kInfinity;
 };
-
-// Length of the first step, in variables of order one, of a solver's second run.
-constexpr double kCautiousStep = 0.1;
 
 struct Context {
   Monitor& monitor;
@@ -273,7 +275,7 @@ class NloptOptimizer final : public Optimizer {
     const bool goes_on = context.watch.is_stuck() && !monitor.stopped();
     if (goes_on) {
       const double slope = monitor.best().gradient.norm();
-      context.scale = std::min(1.0, kCautiousStep / slope);
+      context.scale = std::min(1.0, kStuck.cautious_step / slope);
       context.watch.reset();
       nlopt_set_force_stop(opt.get(), 0);
       run(monitor.best_x());

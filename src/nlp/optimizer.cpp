@@ -6,13 +6,6 @@
 namespace stillbase::nlp {
 namespace {
 
-// A violation is at a local minimum when its relative slope is below this. Solvers that minimise a
-// penalty stop at about 1e-4 of it; anywhere else the slope is of order one.
-constexpr double kFlatViolation = 1e-3;
-
-// Enough for SLSQP on a dozen variables several times over, little against a whole search.
-constexpr int kMaxExplainEvaluations = 200;
-
 struct Refusal {
   Status status = Status::Failed;
   std::string message;
@@ -88,7 +81,7 @@ void prefer_certified(OptimizeResult& result, const Monitor& monitor,
 // Evaluations kept back from the solver for explain().
 int explain_budget(const OptimizeOptions& options) {
   return options.explain_infeasibility
-             ? std::min(kMaxExplainEvaluations, options.max_evaluations / 10)
+             ? std::min(options.explain_evaluations, options.max_evaluations / 10)
              : 0;
 }
 
@@ -142,7 +135,7 @@ void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptio
   result.gradient_evaluations += nearest.evaluations + 1;
   const Certificate found = certify(problem, nearest.x, at_x);
   const bool feasible = found.max_violation <= options.feasibility_tolerance;
-  if (!feasible && found.violation_slope > kFlatViolation) return;
+  if (!feasible && found.violation_slope > options.flat_violation) return;
   take_point(result, nearest.x, at_x, found, options);
   remark(result,
          "the solver left a violated point; this one was found by minimising the violation");
@@ -161,7 +154,7 @@ void judge(OptimizeResult& result, const Problem& problem, const OptimizeOptions
     result.status = Status::Interrupted;
   } else if (result.feasible && certificate.kkt_residual <= options.optimality_tolerance) {
     result.status = Status::Optimal;
-  } else if (!result.feasible && certificate.violation_slope <= kFlatViolation) {
+  } else if (!result.feasible && certificate.violation_slope <= options.flat_violation) {
     result.status = Status::Infeasible;
   } else if (limited) {
     result.status = Status::Limit;

@@ -14,14 +14,13 @@ namespace stillbase {
 namespace {
 
 /// Whether the wedge's plane is the same in the contact frame at every configuration.
-bool is_wedge_constant(const CaptureProblem& problem) {
+bool is_wedge_constant(const CaptureProblem& problem, double parallel) {
   const bool is_in_base =
       problem.impulse.direction && problem.impulse.direction_frame == Frame::Base;
   if (is_in_base) return true;
   const Vector3d normal = problem.base.orientation * *problem.uncertainty.cone_plane_normal;
-  constexpr double kParallel = 1e-12;
   const auto turns_within = [&](const Vector3d& axis) {
-    return axis.cross(normal).norm() <= kParallel * axis.norm();
+    return axis.cross(normal).norm() <= parallel * axis.norm();
   };
   const VariableSpec& variables = problem.variables;
   if (variables.base_attitude == AttitudeFreedom::Cone ||
@@ -40,32 +39,31 @@ bool is_wedge_constant(const CaptureProblem& problem) {
   const Vector3d omega = R_TN * problem.target_state.angular_velocity;
   const Vector3d L = target.inertia * omega;
   const bool keeps_axis =
-      target.is_point_mass || L.cross(omega).norm() <= kParallel * L.norm() * omega.norm();
+      target.is_point_mass || L.cross(omega).norm() <= parallel * L.norm() * omega.norm();
   return keeps_axis && turns_within(problem.target_state.angular_velocity);
 }
 
 /// Directions within the cone about n, in the contact frame: its rim and some between.
 /// @param plane_normal of the wedge, in the same frame
 std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vector3d& n,
-                                        const std::optional<Vector3d>& plane_normal) {
+                                        const std::optional<Vector3d>& plane_normal,
+                                        const BoundOptions& options) {
   std::vector<Vector3d> out;
   const double alpha = problem.uncertainty.cone_half_angle;
   const auto add = [&](const Vector3d& side, double angle) {
     out.push_back(std::cos(angle) * n + std::sin(angle) * side);
   };
   if (plane_normal) {
-    constexpr int kEachSide = 6;
     const Vector3d side = plane_normal->cross(n).normalized();
-    for (int i = 1; i <= kEachSide; ++i) {
-      add(side, alpha * i / kEachSide);
-      add(side, -alpha * i / kEachSide);
+    for (int i = 1; i <= options.wedge_directions; ++i) {
+      add(side, alpha * i / options.wedge_directions);
+      add(side, -alpha * i / options.wedge_directions);
     }
     return out;
   }
-  constexpr int kSpokes = 12;
   const Vector3d u = n.unitOrthogonal(), v = n.cross(u);
-  for (int spoke = 0; spoke < kSpokes; ++spoke) {
-    const double azimuth = 2 * kPi * spoke / kSpokes;
+  for (int spoke = 0; spoke < options.spokes; ++spoke) {
+    const double azimuth = 2 * kPi * spoke / options.spokes;
     const Vector3d side = std::cos(azimuth) * u + std::sin(azimuth) * v;
     add(side, alpha);
     if (spoke % 2 == 0) add(side, alpha / 2);
@@ -76,17 +74,14 @@ std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vec
 /// Where the cone's maxima are at the best candidates: there the bound has to be sharp.
 std::vector<Vector3d> active_directions(const CaptureProblem& problem,
                                         const Formulation& formulation, const SearchResult& found,
-                                        double best) {
-  constexpr double kNearlyBest = 1.02;
-  constexpr int kMostCandidates = 6;
-  constexpr double kNearlyActive = 0.95;
+                                        double best, const BoundOptions& options) {
   std::vector<Vector3d> out;
   int looked_at = 0;
   for (const Candidate& candidate : found.candidates) {
-    if (candidate.value > kNearlyBest * best || ++looked_at > kMostCandidates) continue;
+    if (candidate.value > options.nearly_best * best || ++looked_at > options.candidates) continue;
     const auto maxima = cone_maxima(problem, formulation, candidate.configuration);
     for (const ConeMaximum& maximum : maxima) {
-      if (maximum.value < kNearlyActive * maxima.front().value) continue;
+      if (maximum.value < options.nearly_active * maxima.front().value) continue;
       out.push_back(maximum.scenario.direction);
     }
   }
@@ -95,7 +90,8 @@ std::vector<Vector3d> active_directions(const CaptureProblem& problem,
 
 /// The encounters over which the measure is bounded.
 std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulation& formulation,
-                                   const SearchResult& found, double best) {
+                                   const SearchResult& found, double best,
+                                   const BoundOptions& options) {
   const RiskMeasure measure = problem.measure.kind;
   if (measure == RiskMeasure::Expectation || measure == RiskMeasure::Cvar) {
     return draw_scenarios(problem);
@@ -108,21 +104,22 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
   std::optional<Vector3d> plane_normal;
   if (problem.uncertainty.cone_plane_normal) {
     // Of a wedge that turns with the base only its middle is always in it.
-    if (!is_wedge_constant(problem)) return out;
+    if (!is_wedge_constant(problem, options.parallel)) return out;
     plane_normal =
         encounter_at(formulation.encounter_model(), start_configuration(problem)).contact.R_EB *
         *problem.uncertainty.cone_plane_normal;
   }
-  std::vector<Vector3d> directions = active_directions(problem, formulation, found, best);
-  for (const Vector3d& direction : spread_directions(problem, n, plane_normal)) {
+  std::vector<Vector3d> directions = active_directions(problem, formulation, found, best, options);
+  for (const Vector3d& direction : spread_directions(problem, n, plane_normal, options)) {
     directions.push_back(direction);
   }
   std::vector<Vector3d> known = {n};
   for (const Vector3d& direction : directions) {
     // A little inside, so that rounding does not put it outside of the cone.
-    constexpr double kInside = 1e-10, kSame = 1e-6;
-    const Vector3d inside = (direction + kInside * n).normalized();
-    const auto is_same = [&](const Vector3d& other) { return (other - inside).norm() < kSame; };
+    const Vector3d inside = (direction + options.inside * n).normalized();
+    const auto is_same = [&](const Vector3d& other) {
+      return (other - inside).norm() < options.same_direction;
+    };
     if (std::any_of(known.begin(), known.end(), is_same)) continue;
     known.push_back(inside);
     out.push_back(predicted);
@@ -151,7 +148,8 @@ bool is_zero_reached(const Formulation& formulation, const SearchResult& found) 
 
 std::optional<MinimumBound> bound_measure(const Prover* prover, const CaptureProblem& problem,
                                           const Formulation& formulation, const SearchResult& found,
-                                          const Proof& enclosed, MinimumOptions options) {
+                                          const Proof& enclosed, MinimumOptions options,
+                                          const BoundOptions& bound) {
   // A path that decides where the robot is hit leads to other encounters.
   if (!prover || !prover->minimum_objection(problem).empty() || path_decides(problem)) {
     return std::nullopt;
@@ -166,8 +164,8 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
     }
     return measure.reported(x);
   };
-  return prover->prove_minimum(problem, scenarios_of(problem, formulation, found, *best), enclosed,
-                               *best, options);
+  return prover->prove_minimum(problem, scenarios_of(problem, formulation, found, *best, bound),
+                               enclosed, *best, options);
 }
 
 void state_bound(const MinimumBound& bound, Proof& proof) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <stillbase/plan/prover.hpp>
+#include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
 namespace stillbase {
@@ -20,7 +21,8 @@ bool is_zero_reached(const Formulation& formulation, const SearchResult& found);
 /// @return empty where the prover has an objection to the problem, or where is_zero_reached()
 std::optional<MinimumBound> bound_measure(const Prover* prover, const CaptureProblem& problem,
                                           const Formulation& formulation, const SearchResult& found,
-                                          const Proof& enclosed, MinimumOptions options);
+                                          const Proof& enclosed, MinimumOptions options,
+                                          const BoundOptions& bound = {});
 
 /// Adds it to a proof, where it says something. A problem whose solutions could not be enclosed
 /// keeps its status: the bound alone is proven.

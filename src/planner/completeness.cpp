@@ -9,10 +9,6 @@ namespace stillbase {
 
 namespace {
 
-/// A candidate is solved to 1e-9 of its constraints; nothing else is this near to a solution.
-constexpr double kNear = 1e-6;      // rad, m
-constexpr double kNearTime = 1e-5;  // s: targets are slow
-
 double middle_of(const Ends& ends) { return (ends.lower + ends.upper) / 2; }
 
 /// Angle about the attitude's axis from the stated attitude.
@@ -21,23 +17,24 @@ double base_angle(const CaptureProblem& problem, const Configuration& at) {
       .dot(problem.variables.base_attitude_axis);
 }
 
-bool is_near(const CaptureProblem& problem, const JointBox& box, const Configuration& at) {
+bool is_near(const CaptureProblem& problem, const JointBox& box, const Configuration& at,
+             const EnclosureOptions& options) {
   for (int k = 0; k < problem.robot.n(); ++k) {
     const double middle = (box.lower[k] + box.upper[k]) / 2;
     double apart = at.phi[k] - middle;
     const auto index = static_cast<std::size_t>(k);
     if (problem.robot.joints[index].type == JointType::Continuous) apart = wrap_angle(apart);
-    if (std::abs(apart) > (box.upper[k] - box.lower[k]) / 2 + kNear) return false;
+    if (std::abs(apart) > (box.upper[k] - box.lower[k]) / 2 + options.near) return false;
   }
   if (box.base_angle) {
     const double apart = wrap_angle(base_angle(problem, at) - middle_of(*box.base_angle));
     const double half = (box.base_angle->upper - box.base_angle->lower) / 2;
-    if (std::abs(apart) > half + kNear) return false;
+    if (std::abs(apart) > half + options.near) return false;
   }
   if (box.contact_time) {
     const double apart = at.contact_time - middle_of(*box.contact_time);
     const double half = (box.contact_time->upper - box.contact_time->lower) / 2;
-    if (std::abs(apart) > half + kNearTime) return false;
+    if (std::abs(apart) > half + options.near_time) return false;
   }
   return true;
 }
@@ -69,14 +66,13 @@ bool is_limit(const std::string& name) {
 
 /// The planner's own evaluation in the middle of a box.
 WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation,
-                   const JointBox& box) {
-  constexpr double kMargin = 1e-7;  // in the limit's unit
+                   const JointBox& box, double margin) {
   WithinLimits out = WithinLimits::Yes;
   for (const ConstraintValue& limit : formulation.report(middle_of(problem, box))) {
     if (!is_limit(limit.name)) continue;
-    if (limit.violation > kMargin) return WithinLimits::No;
+    if (limit.violation > margin) return WithinLimits::No;
     const double room = std::min(limit.value - limit.lower, limit.upper - limit.value);
-    if (!(room > kMargin)) out = WithinLimits::Undecided;
+    if (!(room > margin)) out = WithinLimits::Undecided;
   }
   return out;
 }
@@ -84,7 +80,8 @@ WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation
 }  // namespace
 
 Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
-                      const Formulation& formulation, const StopCondition& stop) {
+                      const Formulation& formulation, const StopCondition& stop,
+                      const EnclosureOptions& enclosure) {
   if (!prover) {
     Proof out;
     out.statement = "no proof: nothing was proven, the program has no prover (stillbase::proof)";
@@ -92,16 +89,20 @@ Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
   }
   ProofOptions options;
   options.stop = stop;
-  options.judge = [&](const JointBox& box) { return judge(problem, formulation, box); };
+  options.judge = [&](const JointBox& box) {
+    return judge(problem, formulation, box, enclosure.margin);
+  };
   return prover->prove(problem, options);
 }
 
-void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof) {
+void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof,
+                      const EnclosureOptions& options) {
   proof.candidates.assign(proof.solutions.size(), -1);
   for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
     for (std::size_t c = 0; c < found.candidates.size() && proof.candidates[s] < 0; ++c) {
       const bool solved = status_of(found.certificates[c]) != PlanStatus::Infeasible;
-      if (solved && is_near(problem, proof.solutions[s], found.candidates[c].configuration)) {
+      if (solved &&
+          is_near(problem, proof.solutions[s], found.candidates[c].configuration, options)) {
         proof.candidates[s] = static_cast<int>(c);
       }
     }

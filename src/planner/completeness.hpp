@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <stillbase/plan/prover.hpp>
+#include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
 namespace stillbase {
@@ -11,10 +12,12 @@ namespace stillbase {
 /// The proof of a problem, or why there is none.
 /// @param prover null: there is none
 Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
-                      const Formulation& formulation, const StopCondition& stop);
+                      const Formulation& formulation, const StopCondition& stop,
+                      const EnclosureOptions& enclosure = {});
 
 /// Fills in which candidate lies in which enclosed solution.
-void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof);
+void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof,
+                      const EnclosureOptions& options = {});
 
 /// Middles of the enclosed solutions without a candidate, as points of the formulation.
 std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof);

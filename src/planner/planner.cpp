@@ -49,7 +49,7 @@ void bound_and_search_suspects(
       if (!options.on_progress) return;
       options.on_progress("proof", static_cast<int>(boxes), static_cast<int>(effort.max_boxes));
     };
-    return bound_measure(options.prover, problem, formulation, found, proof, effort);
+    return bound_measure(options.prover, problem, formulation, found, proof, effort, options.bound);
   };
   bool was_missed = false;
   std::optional<MinimumBound> bound = bounded();
@@ -61,7 +61,7 @@ void bound_and_search_suspects(
     if (!(best_value(other) < (1 - options.improvement) * best_value(found).value())) break;
     was_missed = true;
     found = std::move(other);
-    match_candidates(problem, found, proof);
+    match_candidates(problem, found, proof, options.enclosure);
     bound = bounded();
   }
   if (bound) state_bound(*bound, proof);
@@ -113,14 +113,14 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   }
   const auto proof_begin = Clock::now();
   progress("proof", 0, 1);
-  proof =
-      prove_solutions(options.prover, problem, formulation, half_of_remaining_time(options.stop));
-  match_candidates(problem, found, proof);
+  proof = prove_solutions(options.prover, problem, formulation,
+                          half_of_remaining_time(options.stop), options.enclosure);
+  match_candidates(problem, found, proof, options.enclosure);
   const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
   proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
   if (!missing.empty() && !options.stop.reached()) {
     found = search_from(missing);
-    match_candidates(problem, found, proof);
+    match_candidates(problem, found, proof, options.enclosure);
   }
   state_what_was_missed(proof);
   bound_and_search_suspects(problem, formulation, options, search_from, found, proof);

@@ -7,8 +7,8 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 
-#include "formulation/projection.hpp"
 #include "formulation/measures/measure.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 

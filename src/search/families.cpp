@@ -11,22 +11,18 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kZero = 1e-9;  ///< an objective that vanishes, over its typical size
-constexpr double kFlat =
-    1e-9;                      ///< worst cases that are the same, over the objective's typical size
-constexpr double kArc = 1e-8;  ///< to which a minimum is placed
-
-bool vanishes(const Formulation& formulation, const Eigen::VectorXd& x) {
+bool vanishes(const Formulation& formulation, const Eigen::VectorXd& x, double zero) {
   nlp::Evaluation at_x;
   formulation.evaluate_value(x, at_x);
-  return std::sqrt(2 * at_x.objective) <= kZero;
+  return std::sqrt(2 * at_x.objective) <= zero;
 }
 
 /// A curve with what is to be made small along it.
 class RatedCurve {
  public:
-  RatedCurve(const CaptureProblem& problem, const Formulation& formulation, SolutionCurve curve)
-      : problem_(problem), formulation_(formulation), curve_(std::move(curve)) {
+  RatedCurve(const CaptureProblem& problem, const Formulation& formulation, SolutionCurve curve,
+             const FamilyOptions& options)
+      : problem_(problem), formulation_(formulation), curve_(std::move(curve)), options_(options) {
     for (const CurvePoint& point : curve_.points) values_.push_back(value_at(point.x));
   }
 
@@ -35,7 +31,8 @@ class RatedCurve {
   bool is_flat() const {
     const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
     const Power power = formulation_.objective_power();
-    return power.length(*most) - power.length(*least) <= kFlat * formulation_.objective_unit();
+    return power.length(*most) - power.length(*least) <=
+           options_.flat * formulation_.objective_unit();
   }
 
   /// The point next to i on one side; i itself at the curve's end.
@@ -79,7 +76,7 @@ class RatedCurve {
     double low = arc_of(bottom, -1), high = arc_of(bottom, 1);
     double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
     double at_a = value_on(a), at_b = value_on(b);
-    while (high - low > kArc) {
+    while (high - low > options_.arc) {
       if (at_a <= at_b) {
         high = b, b = a, at_b = at_a;
         a = high - kGolden * (high - low), at_a = value_on(a);
@@ -132,7 +129,7 @@ class RatedCurve {
   Eigen::VectorXd point_on(double arc) const {
     const double length = curve_.length;
     if (curve_.is_closed) arc -= length * std::floor(arc / length);
-    return point_at(formulation_, curve_, std::clamp(arc, 0.0, length));
+    return point_at(formulation_, curve_, std::clamp(arc, 0.0, length), options_.curve);
   }
   double value_on(double arc) const { return value_at(point_on(arc)); }
   /// Arc of a neighbour, beyond the ends of a closed curve where it is there.
@@ -147,18 +144,18 @@ class RatedCurve {
   const Formulation& formulation_;
   SolutionCurve curve_;
   std::vector<double> values_;
+  const FamilyOptions& options_;
 };
 
-/// From end to end, at most kSpacing apart; of a closed curve the first one is also the last.
-std::vector<Configuration> points_along(const Formulation& formulation,
-                                        const SolutionCurve& curve) {
-  constexpr double kSpacing = 0.09;  // as the crow flies it is a little more than the arc says
+/// From end to end, at most `spacing` apart; of a closed curve the first one is also the last.
+std::vector<Configuration> points_along(const Formulation& formulation, const SolutionCurve& curve,
+                                        double spacing) {
   std::vector<Configuration> out;
   double last = 0;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const bool is_end = i + 1 == curve.points.size();
     const double next = is_end ? curve.length : curve.points[i + 1].arc;
-    const bool is_needed = i == 0 || next - last > kSpacing || (is_end && !curve.is_closed);
+    const bool is_needed = i == 0 || next - last > spacing || (is_end && !curve.is_closed);
     if (!is_needed) continue;
     last = curve.points[i].arc;
     out.push_back(formulation.configuration(formulation.normalised(curve.points[i].x)));
@@ -209,18 +206,19 @@ std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& fo
 Families follow_families(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<FamilyMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop) {
+                         const StopCondition& stop, const FamilyOptions& options) {
   Families out;
   std::vector<SolutionCurve> curves;
   std::vector<std::vector<FamilyMember>> members;
   for (FamilyMember solution : solutions) {
-    solution.x = in_shortest_turns(formulation, solution.x);
-    if (vanishes(formulation, solution.x)) {
+    solution.x = in_shortest_turns(formulation, solution.x, options.curve);
+    if (vanishes(formulation, solution.x, options.zero)) {
       for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
-        if (place_on(formulation, curves[i], solution.x)) solution.family = static_cast<int>(i);
+        if (place_on(formulation, curves[i], solution.x, options.curve))
+          solution.family = static_cast<int>(i);
       }
       if (solution.family < 0 && !stop.reached()) {
-        if (auto curve = trace_curve(formulation, solution.x, stop)) {
+        if (auto curve = trace_curve(formulation, solution.x, stop, options.curve)) {
           solution.family = static_cast<int>(curves.size());
           curves.push_back(std::move(*curve));
           members.emplace_back();
@@ -235,14 +233,14 @@ Families follow_families(const CaptureProblem& problem, const Formulation& formu
   }
   for (std::size_t i = 0; i < curves.size(); ++i) {
     SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0,
-                          points_along(formulation, curves[i])};
+                          points_along(formulation, curves[i], options.spacing)};
     for (const FamilyMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
     if (stop.reached()) {
       out.solutions.insert(out.solutions.end(), members[i].begin(), members[i].end());
       continue;
     }
-    const RatedCurve rated(problem, formulation, std::move(curves[i]));
+    const RatedCurve rated(problem, formulation, std::move(curves[i]), options);
     for (FamilyMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
       out.solutions.push_back(std::move(best));
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
-#include <stillbase/formulation/formulation.hpp>
+#include <stillbase/search/search.hpp>
 
 namespace stillbase {
 
@@ -33,6 +33,6 @@ struct Families {
 Families follow_families(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<FamilyMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop);
+                         const StopCondition& stop, const FamilyOptions& options);
 
 }  // namespace stillbase

@@ -104,9 +104,6 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
                              const std::vector<Eigen::VectorXd>& starts,
                              const MeasureSearchOptions& options) {
-  constexpr double kSameBasin = 0.02;  // rad: rough points this near end at the same minimum
-  constexpr double kPromising = 1.05;  // of the best |y|^2
-  constexpr double kWorthASolve = 1.5;
   MeasureMinima out;
   MinimaFinder finder(formulation, measure, optimizer, solve, out);
 
@@ -115,13 +112,13 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     if (finder.stopped()) break;
     if (auto point = finder.rough(start)) approached.push_back(std::move(*point));
   }
-  approached = distinct(formulation, std::move(approached), kSameBasin);
+  approached = distinct(formulation, std::move(approached), options.same_basin);
 
   std::vector<Point> minima;
   const auto keep = [&](Point point) {
     out.points.push_back(point.x);
     minima.push_back(std::move(point));
-    minima = distinct(formulation, std::move(minima), 1e-3);
+    minima = distinct(formulation, std::move(minima), options.same_minimum);
   };
   const auto most = static_cast<std::size_t>(options.finished);
   for (std::size_t i = 0; i < approached.size() && i < most && !finder.stopped(); ++i) {
@@ -138,8 +135,8 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
   int flips = 0;
   for (std::size_t i = 0; i < minima.size() && flips < options.flips && !finder.stopped();) {
     const Point from = minima[i];
-    if (from.value > kPromising * minima.front().value) break;
-    const bool done = is_near(formulation, flipped, from.x, kSameBasin);
+    if (from.value > options.promising * minima.front().value) break;
+    const bool done = is_near(formulation, flipped, from.x, options.same_basin);
     if (done) {
       ++i;
       continue;
@@ -148,10 +145,10 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     for (const Eigen::VectorXd& other : other_branches(formulation, from.x)) {
       const ProjectionResult start = project_onto_constraints(formulation, other, false, 15);
       if (!(start.violation <= 1e-3)) continue;
-      if (!(measure.value(start.x) <= kWorthASolve * minima.front().value)) continue;
+      if (!(measure.value(start.x) <= options.worth_a_solve * minima.front().value)) continue;
       std::vector<Eigen::VectorXd> known;
       for (const Point& point : minima) known.push_back(point.x);
-      if (is_near(formulation, known, start.x, 5 * kSameBasin)) continue;
+      if (is_near(formulation, known, start.x, 5 * options.same_basin)) continue;
       ++flips;
       if (auto point = finder.fine(start.x)) keep(std::move(*point));
     }

@@ -2,17 +2,11 @@
 // then the other branches of the best.
 #pragma once
 
-#include <stillbase/core/interrupt.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "formulation/measures/measure.hpp"
 
 namespace stillbase {
-
-struct MeasureSearchOptions {
-  int finished = 16;  ///< solves that are carried to the end; most starts end at the same minima
-  int flips = 48;     ///< solves in other branches of the best minima, which often differ by a
-                      ///< percent only
-};
 
 struct MeasureMinima {
   std::vector<Eigen::VectorXd>

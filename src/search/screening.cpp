@@ -8,14 +8,13 @@
 namespace stillbase {
 
 Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formulation,
-                       const std::vector<Eigen::VectorXd>& points) {
-  constexpr int kRim = 8;
-  constexpr int kSamples = 32;
+                       const std::vector<Eigen::VectorXd>& points,
+                       const ScreeningOptions& options) {
   const RiskMeasure kind = problem.measure.kind;
   const bool sampled = kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar;
   std::vector<Scenario> scenarios =
-      sampled ? draw_scenarios(problem) : rim_scenarios(problem, kRim);
-  if (sampled && scenarios.size() > kSamples) scenarios.resize(kSamples);
+      sampled ? draw_scenarios(problem) : rim_scenarios(problem, options.rim_directions);
+  if (sampled && scenarios.size() > options.samples) scenarios.resize(options.samples);
   if (kind == RiskMeasure::Nominal) scenarios.resize(1);
 
   // Where simulations were given up: behind all others.
@@ -39,10 +38,10 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
 
 std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
                                                const Formulation& formulation,
-                                               const std::vector<Eigen::VectorXd>& points, int keep,
-                                               double apart) {
+                                               const std::vector<Eigen::VectorXd>& points,
+                                               const ScreeningOptions& options) {
   if (points.empty()) return {};
-  const Eigen::VectorXd values = screen(problem, formulation, points);
+  const Eigen::VectorXd values = screen(problem, formulation, points, options);
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&values](std::size_t a, std::size_t b) {
@@ -50,9 +49,9 @@ std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
   });
   std::vector<Eigen::VectorXd> out;
   for (const std::size_t i : order) {
-    if (static_cast<int>(out.size()) == keep) break;
+    if (static_cast<int>(out.size()) == options.kept) break;
     const bool known = std::any_of(out.begin(), out.end(), [&](const Eigen::VectorXd& better) {
-      return formulation.distance(better, points[i]) < apart;
+      return formulation.distance(better, points[i]) < options.distance;
     });
     if (!known) out.push_back(points[i]);
   }

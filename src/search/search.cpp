@@ -19,12 +19,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr int kMoreDraws = 8;       ///< of a start point that the constraints refuse
-constexpr int kDrawn = 256;         ///< more postures for the measure, of which the best are kept:
-constexpr int kKept = 16;           ///< they count where few starts are asked for
-constexpr double kSameStart = 0.1;  ///< rad between two of them
-constexpr double kOnConstraints = 1e-3;  ///< violation from which a local solver can go on
-
 /// The measure's value, from nominal value and worst case where these are the measure. The nominal
 /// value where the mean over samples is not known.
 double reported(Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
@@ -43,15 +37,15 @@ double reported(Measure& measure, const Eigen::VectorXd& x, double nominal, doub
 /// The best posture by the nominal value alone; see NominalOptimum. Empty when a limit came first.
 std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
                                               const Formulation& formulation, Measure& measure,
-                                              const std::vector<Solution>& solutions) {
+                                              const std::vector<Solution>& solutions,
+                                              double equal) {
   const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
   double lowest = kInfinity;
   for (const Solution& solution : solutions) lowest = std::min(lowest, size(solution));
-  constexpr double kEqual = 1e-8;  // of the objective's typical size
   NominalOptimum best;
   best.worst_case = kInfinity;
   for (const Solution& solution : solutions) {
-    if (size(solution) > lowest + kEqual) continue;
+    if (size(solution) > lowest + equal) continue;
     const Configuration configuration = formulation.configuration(solution.x);
     const double worst = measure.worst_at(solution.x).value;
     const double measured = measure.value(solution.x);
@@ -62,10 +56,6 @@ std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
   }
   return best;
 }
-
-/// The solver that goes on where another one stopped short of a minimum: equations whose gradients
-/// nearly depend on each other stop sequential quadratic programming, an interior point seldom.
-constexpr const char* kRescuer = "ipopt";
 
 /// Whether what a solver leaves is meant to be a minimum.
 bool ends_at_minima(const nlp::OptimizerInfo& info) {
@@ -81,14 +71,15 @@ class Search {
         options_(options),
         measure_(problem, formulation),
         optimizer_(nlp::make_optimizer(options.optimizer)),
-        rescuer_(nlp::make_optimizer(kRescuer)),
+        rescuer_(nlp::make_optimizer(options.rescuer)),
         isolated_(formulation.freedom() == 0),
         simulates_(simulates_turn(problem)),
-        own_starts_(isolated_ ? 16 * options.starts : options.starts) {
+        own_starts_((isolated_ ? options.starts_per_isolated : 1) * options.starts) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
-    if (!ends_at_minima(optimizer_->info()) || options.optimizer == kRescuer) rescuer_.reset();
-    // A local solve needs about 40; creeping is cut off.
-    solve_.max_evaluations = simulates_ ? 200 : 1000;
+    if (!ends_at_minima(optimizer_->info()) || options.optimizer == options.rescuer)
+      rescuer_.reset();
+    solve_.max_evaluations =
+        simulates_ ? options.max_simulated_evaluations : options.max_evaluations;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasibilityTolerance;
     solve_.optimality_tolerance = kOptimal;
@@ -103,7 +94,8 @@ class Search {
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
-      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+      out_.nominal_optimum =
+          nominal_optimum(problem_, formulation_, measure_, solutions_, options_.equal_nominal);
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
     }
     out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
@@ -124,7 +116,8 @@ class Search {
     }
     ProjectionResult best = projected(drawn(start));
     // Many random postures cannot be projected: another draw costs far less than a solve.
-    for (int draw = 1; draw <= kMoreDraws && !isolated_ && best.violation > kOnConstraints;
+    for (int draw = 1;
+         draw <= options_.more_draws && !isolated_ && best.violation > options_.on_constraints;
          ++draw) {
       const ProjectionResult trial = projected(drawn(start + draw * own_starts_));
       if (trial.violation < best.violation) best = trial;
@@ -168,7 +161,7 @@ class Search {
         return;
       }
       const ProjectionResult posture = posture_of(start);
-      if (posture.violation <= kOnConstraints) on_constraints_.push_back(posture.x);
+      if (posture.violation <= options_.on_constraints) on_constraints_.push_back(posture.x);
       solve_.seed = options_.seed + static_cast<std::uint64_t>(start);
       Solution found = isolated_ && start >= options_.starts
                            ? judge(problem_, formulation_, formulation_.normalised(posture.x))
@@ -176,7 +169,8 @@ class Search {
       found.x = formulation_.normalised(found.x);
       ++out_.starts;
       if (better(found, nearest_)) nearest_ = found;
-      if (found.violation <= kFeasibilityTolerance) keep_distinct(formulation_, found, solutions_);
+      if (found.violation <= kFeasibilityTolerance)
+        keep_distinct(formulation_, found, solutions_, options_.same_configuration);
       if (options_.on_progress) options_.on_progress(start + 1, starts);
     }
   }
@@ -203,8 +197,8 @@ class Search {
   void follow_curves() {
     std::vector<FamilyMember> members;
     for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
-    Families found =
-        follow_families(problem_, formulation_, members, options_.is_free, options_.stop);
+    Families found = follow_families(problem_, formulation_, members, options_.is_free,
+                                     options_.stop, options_.families);
     out_.families = std::move(found.families);
     out_.stopped = out_.stopped || found.stopped;
     if (out_.families.empty()) return;
@@ -214,7 +208,7 @@ class Search {
       solution.reached = member.reached;
       solution.family = member.family;
       if (!(solution.violation <= kFeasibilityTolerance)) continue;
-      keep_distinct(formulation_, solution, solutions_);
+      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
       if (better(solution, nearest_)) nearest_ = solution;
     }
   }
@@ -240,7 +234,7 @@ class Search {
     for (const Solution& solution : solutions_) from.push_back(solution.x);
     for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
     // A long list is asked for where much of it may touch something.
-    MeasureSearchOptions effort;
+    MeasureSearchOptions effort = options_.minima;
     effort.finished = std::max(effort.finished, options_.max_candidates / 2);
     const MeasureMinima found =
         measure_minima(formulation_, measure_, *optimizer_, solve_, from, effort);
@@ -255,7 +249,8 @@ class Search {
     for (Solution& solution : solutions_) {
       const double value = measure_.value(solution.x);
       if (!std::isnan(value)) solution.objective = value;
-      if (!std::isnan(value) || minima.empty()) keep_distinct(formulation_, solution, minima);
+      if (!std::isnan(value) || minima.empty())
+        keep_distinct(formulation_, solution, minima, options_.same_configuration);
     }
     solutions_ = std::move(minima);
   }
@@ -263,11 +258,9 @@ class Search {
   /// With few starts a minimum of the measure can have a lower nominal value than what they found:
   /// the nominal problem is solved from there as well.
   void improve_prediction(const std::vector<Solution>& minima) {
-    constexpr int kTimes = 3;
-    constexpr double kClearly = 1e-7;  // of the objective's typical size
     const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
     bool is_better = false;
-    for (int time = 0; time < kTimes && !options_.stop.reached(); ++time) {
+    for (int time = 0; time < options_.prediction_rounds && !options_.stop.reached(); ++time) {
       double lowest = kInfinity;
       for (const Solution& solution : solutions_) lowest = std::min(lowest, size(solution));
       Solution from;
@@ -275,37 +268,43 @@ class Search {
         const Solution nominal = judge(problem_, formulation_, minimum.x);
         if (better(nominal, from)) from = nominal;
       }
-      if (!(from.violation <= kFeasibilityTolerance && size(from) < lowest - kClearly)) break;
+      if (!(from.violation <= kFeasibilityTolerance &&
+            size(from) < lowest - options_.better_prediction))
+        break;
       const Solution further = local_minimum(from.x);
-      keep_distinct(formulation_, better(further, from) ? further : from, solutions_);
+      keep_distinct(formulation_, better(further, from) ? further : from, solutions_,
+                    options_.same_configuration);
       is_better = true;
     }
     if (is_better) {
       // There was no zero before: now there may be one, on a curve.
       if (!simulates_ && out_.families.empty()) follow_curves();
-      out_.nominal_optimum = nominal_optimum(problem_, formulation_, measure_, solutions_);
+      out_.nominal_optimum =
+          nominal_optimum(problem_, formulation_, measure_, solutions_, options_.equal_nominal);
     }
   }
 
   void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) {
     const double violation = largest_violation(problem_, formulation_, x);
     if (!(violation <= kFeasibilityTolerance)) return;
-    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima);
+    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima,
+                  options_.same_configuration);
   }
 
   /// Goes on from the best minima where the solver stopped short.
   void rescue_best(std::vector<Solution>& minima) {
-    constexpr int kRescued = 2;
-    for (int i = 0; i < kRescued && rescuer_ && !minima.empty() && !options_.stop.reached(); ++i) {
+    for (int i = 0;
+         i < options_.rescued_minima && rescuer_ && !minima.empty() && !options_.stop.reached();
+         ++i) {
       const Eigen::VectorXd best =
           std::min_element(minima.begin(), minima.end(), [](const Solution& a, const Solution& b) {
             return better(a, b);
           })->x;
       if (measure_.certify(best).kkt_residual <= kOptimal) return;
       nlp::OptimizeOptions briefly = solve_;
-      briefly.max_evaluations = 100;  // it is close; an iteration costs ten times one of SLSQP
+      briefly.max_evaluations = options_.max_rescue_evaluations;
       const MeasureSolution further = measure_.finish(*rescuer_, briefly, best);
-      out_.solver_calls[kRescuer] += further.solver_calls;
+      out_.solver_calls[options_.rescuer] += further.solver_calls;
       const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
       if (!(exact.violation <= kFeasibilityTolerance)) return;
       const Eigen::VectorXd x = formulation_.normalised(exact.x);
@@ -316,13 +315,14 @@ class Search {
 
   /// Postures on the constraints that look best for the measure, out of many draws.
   std::vector<Eigen::VectorXd> screened_starts() const {
-    const int first = own_starts_ * (1 + kMoreDraws);
+    const int first = own_starts_ * (1 + options_.more_draws);
     std::vector<Eigen::VectorXd> postures;
-    for (int draw = first; draw < first + kDrawn && !options_.stop.reached(); ++draw) {
+    for (int draw = first; draw < first + options_.screening.drawn && !options_.stop.reached();
+         ++draw) {
       const ProjectionResult posture = projected(drawn(draw));
-      if (posture.violation <= kOnConstraints) postures.push_back(posture.x);
+      if (posture.violation <= options_.on_constraints) postures.push_back(posture.x);
     }
-    return best_by_screening(problem_, formulation_, postures, kKept, kSameStart);
+    return best_by_screening(problem_, formulation_, postures, options_.screening);
   }
 
   /// Candidates by the measure (the nominal one: by their worst case), with certificates.

@@ -13,8 +13,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kSameConfiguration = 1e-5;
-
 /// Momenta that the problem's case wants to be zero, relative to |f| |r_gh| + |t|.
 double case_residual(const CaptureProblem& problem, const Formulation& formulation,
                      const Eigen::VectorXd& x) {
@@ -83,9 +81,9 @@ Solution polish(const CaptureProblem& problem, const Formulation& formulation,
 }
 
 void keep_distinct(const Formulation& formulation, const Solution& found,
-                   std::vector<Solution>& solutions) {
+                   std::vector<Solution>& solutions, double same) {
   for (Solution& known : solutions) {
-    if (formulation.distance(known.x, found.x) > kSameConfiguration) continue;
+    if (formulation.distance(known.x, found.x) > same) continue;
     const int reached = known.reached + found.reached;
     const int family = std::max(known.family, found.family);
     if (better(found, known)) known = found;

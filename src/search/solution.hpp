@@ -34,8 +34,8 @@ bool better(const Solution& a, const Solution& b);
 Solution polish(const CaptureProblem& problem, const Formulation& formulation,
                 const Solution& found);
 
-/// Adds a solution, or a start to the one that it repeats.
+/// Adds a solution, or a start to the one that it repeats. @param same largest distance of these
 void keep_distinct(const Formulation& formulation, const Solution& found,
-                   std::vector<Solution>& solutions);
+                   std::vector<Solution>& solutions, double same);
 
 }  // namespace stillbase

@@ -10,25 +10,15 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kLongestStep = 0.05;
-constexpr double kShortestStep = 1e-6;
-constexpr int kMostPoints = 4000;    ///< of one direction: 200 rad
-constexpr double kExact = 1e-12;     ///< largest residual of a point, typical sizes
-constexpr double kOffTangent = 0.2;  ///< of a step, what Newton's method may move it sideways
-constexpr double kTurn = 0.97;       ///< least cosine between neighbouring tangents
-constexpr double kSamePoint = 1e-6;
-constexpr double kInside = 1e-12;  ///< an inequality that holds with equality
-
 /// Newton's method within the plane through `x` normal to `normal`; empty: it did not converge.
 std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eigen::VectorXd& x,
-                                       const Eigen::VectorXd& normal) {
-  constexpr int kIterations = 8;
+                                       const Eigen::VectorXd& normal, const CurveOptions& options) {
   Eigen::VectorXd at = x, r;
   Eigen::MatrixXd J;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < options.newton_steps; ++iteration) {
     evaluate_equations(formulation, at, true, r, J);
     if (!r.allFinite()) return std::nullopt;
-    if (r.cwiseAbs().maxCoeff() <= kExact) return at;
+    if (r.cwiseAbs().maxCoeff() <= options.exact) return at;
     Eigen::MatrixXd A(J.rows() + 1, J.cols());
     A << J, normal.transpose();
     Eigen::VectorXd b(r.size() + 1);
@@ -36,25 +26,27 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
     at -= least_norm_solution(A, b, 1e-9);  // rows of a planar robot may vanish identically
   }
   evaluate_equations(formulation, at, true, r, J);
-  return r.cwiseAbs().maxCoeff() <= kExact ? std::optional(at) : std::nullopt;
+  return r.cwiseAbs().maxCoeff() <= options.exact ? std::optional(at) : std::nullopt;
 }
 
 /// Whether a turn of the base is its shortest: beyond half a turn other variables say the same.
-bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x) {
-  return (in_shortest_turns(formulation, x) - x).isZero(0);
+bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x,
+                 const CurveOptions& options) {
+  return (in_shortest_turns(formulation, x, options) - x).isZero(0);
 }
 
-bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x) {
-  if (!is_shortest(formulation, x)) return false;
-  if (((formulation.lower() - x).array() > kInside).any()) return false;
-  if (((x - formulation.upper()).array() > kInside).any()) return false;
+bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x,
+               const CurveOptions& options) {
+  if (!is_shortest(formulation, x, options)) return false;
+  if (((formulation.lower() - x).array() > options.inside).any()) return false;
+  if (((x - formulation.upper()).array() > options.inside).any()) return false;
   nlp::Evaluation at_x;
   formulation.evaluate_value(x, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
   const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);
   for (Eigen::Index i = 0; i < violation.size(); ++i) {
-    if (lower[i] != upper[i] && std::abs(violation[i]) > kInside) return false;
+    if (lower[i] != upper[i] && std::abs(violation[i]) > options.inside) return false;
   }
   return true;
 }
@@ -69,36 +61,39 @@ std::optional<Eigen::VectorXd> tangent_at(const Formulation& formulation, const 
 }
 
 /// A step of length h from a point of the curve; empty: too long for the curve's bend.
-std::optional<CurvePoint> stepped(const Formulation& formulation, const CurvePoint& from,
-                                  double h) {
+std::optional<CurvePoint> stepped(const Formulation& formulation, const CurvePoint& from, double h,
+                                  const CurveOptions& options) {
   const Eigen::VectorXd ahead = from.x + h * from.tangent;
-  const auto x = correct(formulation, ahead, from.tangent);
-  if (!x || (*x - ahead).norm() > kOffTangent * h) return std::nullopt;
+  const auto x = correct(formulation, ahead, from.tangent, options);
+  if (!x || (*x - ahead).norm() > options.off_tangent * h) return std::nullopt;
   const auto tangent = tangent_at(formulation, *x, from.tangent);
-  if (!tangent || tangent->dot(from.tangent) < kTurn) return std::nullopt;
+  if (!tangent || tangent->dot(from.tangent) < options.turn_cosine) return std::nullopt;
   return CurvePoint{*x, *tangent, from.arc + h};
 }
 
 /// Step along the tangent of `from` at which the curve passes through x, at most `longest`.
 std::optional<double> step_to(const Formulation& formulation, const CurvePoint& from,
-                              const Eigen::VectorXd& x, double longest) {
+                              const Eigen::VectorXd& x, double longest,
+                              const CurveOptions& options) {
   const Eigen::VectorXd d = formulation.normalised(x - from.x);
   const double h = from.tangent.dot(d);
-  if (h < -kSamePoint || h > longest + kSamePoint) return std::nullopt;
-  if ((d - h * from.tangent).norm() > kOffTangent * h + kSamePoint) return std::nullopt;
-  const auto there = correct(formulation, from.x + h * from.tangent, from.tangent);
-  if (!there || formulation.normalised(*there - x).norm() > kSamePoint) return std::nullopt;
+  if (h < -options.same_point || h > longest + options.same_point) return std::nullopt;
+  if ((d - h * from.tangent).norm() > options.off_tangent * h + options.same_point)
+    return std::nullopt;
+  const auto there = correct(formulation, from.x + h * from.tangent, from.tangent, options);
+  if (!there || formulation.normalised(*there - x).norm() > options.same_point) return std::nullopt;
   return h;
 }
 
 /// The last point before a limit that lies within one step.
-CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, double h) {
+CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, double h,
+                       const CurveOptions& options) {
   CurvePoint last = from;
   double inside = 0, outside = h;
-  for (int halving = 0; halving < 40; ++halving) {
+  for (int halving = 0; halving < options.halvings; ++halving) {
     const double middle = (inside + outside) / 2;
-    const auto trial = stepped(formulation, from, middle);
-    if (trial && is_inside(formulation, trial->x)) {
+    const auto trial = stepped(formulation, from, middle, options);
+    if (trial && is_inside(formulation, trial->x, options)) {
       inside = middle;
       last = *trial;
     } else {
@@ -115,53 +110,54 @@ struct Walk {
   bool is_complete = false;
 };
 
-Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCondition& stop) {
+Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCondition& stop,
+          const CurveOptions& options) {
   Walk out;
   CurvePoint at = start;
-  double h = kLongestStep;
-  while (static_cast<int>(out.points.size()) < kMostPoints && !stop.reached()) {
-    const auto next = stepped(formulation, at, h);
+  double h = options.longest_step;
+  while (static_cast<int>(out.points.size()) < options.most_points && !stop.reached()) {
+    const auto next = stepped(formulation, at, h, options);
     if (!next) {
       h /= 2;
-      if (h < kShortestStep) return out;
+      if (h < options.shortest_step) return out;
       continue;
     }
-    if (at.arc > 10 * kSamePoint && at.tangent.dot(start.tangent) > 0) {
-      if (const auto closing = step_to(formulation, at, start.x, h)) {
+    if (at.arc > 10 * options.same_point && at.tangent.dot(start.tangent) > 0) {
+      if (const auto closing = step_to(formulation, at, start.x, h, options)) {
         out.closing_step = std::max(*closing, 0.0);
         out.is_complete = true;
         return out;
       }
     }
-    if (!is_inside(formulation, next->x)) {
-      const CurvePoint last = last_inside(formulation, at, h);
+    if (!is_inside(formulation, next->x, options)) {
+      const CurvePoint last = last_inside(formulation, at, h, options);
       if (last.arc > at.arc) out.points.push_back(last);
-      const auto beyond = stepped(formulation, last, kShortestStep);
-      out.is_complete = is_shortest(formulation, beyond ? beyond->x : next->x);
+      const auto beyond = stepped(formulation, last, options.shortest_step, options);
+      out.is_complete = is_shortest(formulation, beyond ? beyond->x : next->x, options);
       return out;
     }
     out.points.push_back(*next);
     at = *next;
-    h = std::min(1.5 * h, kLongestStep);
+    h = std::min(1.5 * h, options.longest_step);
   }
   return out;
 }
 
 }  // namespace
 
-Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x) {
-  constexpr double kOther = 1;  // rad: far more than rounding, less than between the two
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
+                                  const CurveOptions& options) {
   const Eigen::VectorXd shortest = formulation.variables(formulation.configuration(x));
-  return (shortest - x).norm() > kOther ? shortest : x;
+  return (shortest - x).norm() > options.other_turn ? shortest : x;
 }
 
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
-                                         const StopCondition& stop) {
+                                         const StopCondition& stop, const CurveOptions& options) {
   const auto tangent = tangent_at(formulation, x, Eigen::VectorXd::Ones(x.size()));
   if (!tangent) return std::nullopt;
   const CurvePoint start{x, *tangent, 0};
   SolutionCurve curve;
-  const Walk ahead = walk(formulation, start, stop);
+  const Walk ahead = walk(formulation, start, stop, options);
   if (ahead.closing_step) {
     curve.points.push_back(start);
     curve.points.insert(curve.points.end(), ahead.points.begin(), ahead.points.end());
@@ -170,7 +166,7 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.length = curve.points.back().arc + *ahead.closing_step;
     return curve;
   }
-  const Walk back = walk(formulation, {x, -*tangent, 0}, stop);
+  const Walk back = walk(formulation, {x, -*tangent, 0}, stop, options);
   const double before = back.points.empty() ? 0 : back.points.back().arc;
   for (auto point = back.points.rbegin(); point != back.points.rend(); ++point) {
     curve.points.push_back({point->x, -point->tangent, before - point->arc});
@@ -190,23 +186,26 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
 }
 
 std::optional<double> place_on(const Formulation& formulation, const SolutionCurve& curve,
-                               const Eigen::VectorXd& x) {
+                               const Eigen::VectorXd& x, const CurveOptions& options) {
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const bool is_last = i + 1 == curve.points.size();
     const double next = is_last ? curve.length : curve.points[i + 1].arc;
-    if (const auto h = step_to(formulation, curve.points[i], x, next - curve.points[i].arc)) {
+    if (const auto h =
+            step_to(formulation, curve.points[i], x, next - curve.points[i].arc, options)) {
       return std::clamp(curve.points[i].arc + *h, 0.0, curve.length);
     }
   }
   return std::nullopt;
 }
 
-Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc) {
+Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc,
+                         const CurveOptions& options) {
   const auto after =
       std::upper_bound(curve.points.begin(), curve.points.end(), arc,
                        [](double value, const CurvePoint& point) { return value < point.arc; });
   const CurvePoint& from = after == curve.points.begin() ? *after : *(after - 1);
-  const auto x = correct(formulation, from.x + (arc - from.arc) * from.tangent, from.tangent);
+  const auto x =
+      correct(formulation, from.x + (arc - from.arc) * from.tangent, from.tangent, options);
   return x ? *x : from.x;
 }
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
-#include <stillbase/formulation/formulation.hpp>
+#include <stillbase/search/search.hpp>
 
 namespace stillbase {
 
@@ -25,26 +25,29 @@ struct CurvePoint {
 };
 
 struct SolutionCurve {
-  std::vector<CurvePoint> points;  ///< at most 0.05 apart
+  std::vector<CurvePoint> points;  ///< at most CurveOptions::longest_step apart
   bool is_closed = false;          ///< the first point follows the last one
   bool is_complete = false;        ///< closed, or followed to limits at both ends
   double length = 0;               ///< with the step back to the first point when closed
 };
 
 /// The same configuration with every turn of the base by half a turn at most.
-Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x);
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
+                                  const CurveOptions& options = {});
 
 /// The curve through x, in both directions, until it closes or reaches a bound or an inequality.
 /// @param x solution of the equations with vanishing objective, in shortest turns
 /// @return empty unless exactly one direction is open at x
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
-                                         const StopCondition& stop);
+                                         const StopCondition& stop,
+                                         const CurveOptions& options = {});
 
 /// Where a solution is on a curve, as a value of `arc`; empty: it is not on it.
 std::optional<double> place_on(const Formulation& formulation, const SolutionCurve& curve,
-                               const Eigen::VectorXd& x);
+                               const Eigen::VectorXd& x, const CurveOptions& options = {});
 
 /// The solution at a value of `arc` in [0, length].
-Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc);
+Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& curve, double arc,
+                         const CurveOptions& options = {});
 
 }  // namespace stillbase

@@ -17,15 +17,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr std::size_t kStartsOfAKind = 6;
-constexpr int kDrawnPerStart = 8;  ///< postures to start from, per start of the search
-/// What counts as having the least of a quantity: so near to it, relative to that value, and, as
-/// the square of a quantity has no gradient at zero that could hold it there, relative to its value
-/// at the other end.
-constexpr double kNearLeast = 1e-6, kNearZero = 1e-5;
-/// What that is worth in the other quantity.
-constexpr double kSame = 1e-4;
-
 CaptureProblem with_objective(CaptureProblem problem, ObjectiveQuantity quantity) {
   ObjectiveTerm alone{quantity};
   for (const ObjectiveTerm& stated : problem.objective) {
@@ -134,7 +125,7 @@ class FrontSearch {
       }
     }
     // A front may jump from one family of postures to another: starts from everywhere.
-    for (int draw = 0; draw < kDrawnPerStart * options_.starts && !stopped(); ++draw) {
+    for (int draw = 0; draw < options_.draws_per_start * options_.starts && !stopped(); ++draw) {
       const Eigen::VectorXd x0 = second_.start_point(
           low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
       const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
@@ -171,7 +162,7 @@ class FrontSearch {
     for (const double level : levels_) {
       const Point* least = nullptr;
       for (const Point& point : points_) {
-        const bool keeps = point.first <= level * (1 + kNearLeast);
+        const bool keeps = point.first <= level * (1 + options_.near_least);
         if (keeps && (least == nullptr || point.second < least->second)) least = &point;
       }
       if (least != nullptr && least->second < best.back().second * (1 - 1e-9) &&
@@ -228,7 +219,7 @@ class FrontSearch {
     }
     const Point* out = nullptr;
     for (const Point& point : points_) {
-      const bool is_best = point.*held <= level && point.*lowered <= best * (1 + kSame);
+      const bool is_best = point.*held <= level && point.*lowered <= best * (1 + options_.same);
       if (is_best && (out == nullptr || point.*held < out->*held)) out = &point;
     }
     return *out;
@@ -246,7 +237,7 @@ class FrontSearch {
     for (const Point& point : points_) {
       if (point.*lowered == least_other) at_other_end = point.*held;
     }
-    return std::max(lowest * (1 + kNearLeast), kNearZero * at_other_end);
+    return std::max(lowest * (1 + options_.near_least), options_.near_zero * at_other_end);
   }
 
   /// Least second quantity with the first at most at the level.
@@ -296,10 +287,10 @@ class FrontSearch {
                      [&](const Point& a, const Point& b) { return a.*held < b.*held; });
     std::vector<Eigen::VectorXd> starts;
     for (const std::vector<Point>& points : {kept, beyond}) {
-      const std::size_t most = starts.size() + kStartsOfAKind;
+      const std::size_t most = starts.size() + options_.solves_per_kind;
       for (const Point& point : points) {
         const bool known = std::any_of(starts.begin(), starts.end(), [&](const auto& other) {
-          return first_.distance(other, point.x) < 0.05;
+          return first_.distance(other, point.x) < options_.start_distance;
         });
         if (!known) starts.push_back(point.x);
         if (starts.size() >= most) break;

@@ -31,10 +31,25 @@ struct OptimizeOptions {
   std::uint64_t seed = 1;  ///< for the stochastic solvers; any number
   /// When the solver ends or reaches its budget at a violated point that is no local minimum of the
   /// violation, minimise the violation from there: the result is a feasible point, from which the
-  /// caller may start once more, or "infeasible" is said with a reason. Takes at most 200
-  /// evaluations and a tenth of max_evaluations, kept back from the solver. The message says when
-  /// it was done.
+  /// caller may start once more, or "infeasible" is said with a reason. Takes at most
+  /// explain_evaluations and a tenth of max_evaluations, kept back from the solver. The message
+  /// says when it was done.
   bool explain_infeasibility = true;
+  int explain_evaluations = 200;  ///< enough for a dozen variables several times over
+  /// Relative slope of a violation below which it is at a local minimum. Solvers that minimise a
+  /// penalty stop at about 1e-4 of it; anywhere else the slope is of order one.
+  double flat_violation = 1e-3;
+  /// Part of the tolerances at which a solver is stopped. A tenth would not do: where the objective
+  /// is flat, the residual says little about the distance.
+  double certain = 1e-3;
+  /// A step that changes the objective by more than this part is not the last one: its point needs
+  /// no certificate, which costs half an evaluation of a small model.
+  double last_change = 1e-6;
+  /// A line search that halves its step 60 times has reached the rounding of its own point.
+  int max_rejected_in_a_row = 60;
+  /// Solvers ask for one point a few times (objective, constraints, gradients). One that asks for
+  /// it this often is in a loop that the evaluation budget alone would never end.
+  int max_repeats_in_a_row = 1000;
   /// Leave the solver's options as its authors set them instead of OptimizerInfo::tuning: what a
   /// user gets who does not read the manual. For comparisons.
   bool library_defaults = false;

@@ -26,6 +26,28 @@ struct ContactRefinementOptions {
   int evaluations = 400;      ///< of the optimizer: its start is close
 };
 
+/// Which candidate lies in which enclosed solution, and whether a solution keeps the limits.
+struct EnclosureOptions {
+  double near = 1e-6;       ///< rad, m: a candidate is solved to 1e-9 of its constraints
+  double near_time = 1e-5;  ///< s: targets are slow
+  double margin = 1e-7;     ///< of a limit, in its unit: nearer values are undecided
+};
+
+/// Directions of the cone over which a worst case is bounded from below: fewer make the bound less
+/// sharp, never wrong.
+struct BoundOptions {
+  int wedge_directions = 6;  ///< on each side of a wedge's middle
+  int spokes = 12;           ///< on the rim of a cone; every other one has a direction half-way
+  /// Directions at which the cone's maxima of the best candidates are: there the bound has to be
+  /// sharp.
+  int candidates = 6;
+  double nearly_best = 1.02;     ///< of the least measure: their candidates count
+  double nearly_active = 0.95;   ///< of a candidate's worst case: its maxima count
+  double inside = 1e-10;         ///< rad towards the axis: rounding leaves no direction outside
+  double same_direction = 1e-6;  ///< rad
+  double parallel = 1e-12;       ///< sine of the angle of two axes that are one
+};
+
 struct PlannerOptions {
   StopCondition stop;
   /// Called as work goes on with (what is being done, done, total); may be empty.
@@ -44,6 +66,8 @@ struct PlannerOptions {
   ApproachOptions approach;
   SelfMotionOptions self_motion;
   ContactRefinementOptions contact_refinement;
+  EnclosureOptions enclosure;
+  BoundOptions bound;
 };
 
 /// Plans a capture.

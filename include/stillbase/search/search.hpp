@@ -12,6 +12,51 @@
 
 namespace stillbase {
 
+/// How curves of solutions are followed. Lengths mix rad, m and s as the variables do.
+struct CurveOptions {
+  double longest_step = 0.05;   ///< a chord of it misses an arc of radius 1 by 3e-4
+  double shortest_step = 1e-6;  ///< where shorter ones were needed the curve is not smooth
+  int most_points = 4000;       ///< of one direction: 200 rad
+  double exact = 1e-12;         ///< largest residual of a point, typical sizes
+  int newton_steps = 8;         ///< from the tangent to the curve; they converge quadratically
+  double off_tangent = 0.2;     ///< of a step, what Newton's method may move it sideways
+  double turn_cosine = 0.97;    ///< least cosine between neighbouring tangents: 14 deg
+  double same_point = 1e-6;     ///< two points of a curve; far more than `exact` leaves open
+  double inside = 1e-12;        ///< violation of an inequality that holds with equality
+  int halvings = 40;            ///< of the step in which the curve leaves its bounds
+  double other_turn = 1;  ///< rad: far more than rounding, less than between two rotation vectors
+                          ///< of one rotation
+};
+
+/// Which points of curves of solutions are listed.
+struct FamilyOptions {
+  double zero = 1e-9;     ///< an objective that vanishes, over its typical size
+  double flat = 1e-9;     ///< worst cases that are the same, over the objective's typical size
+  double arc = 1e-8;      ///< to which a minimum is placed: the value is flat there
+  double spacing = 0.09;  ///< of the stated points, at most 0.1 apart; chords exceed the arc a bit
+  CurveOptions curve;
+};
+
+/// A first judgement of many postures by the measure over a few scenarios.
+struct ScreeningOptions {
+  int drawn = 256;           ///< postures beside the starts: they count where few are asked for
+  int kept = 16;             ///< the best of them
+  double distance = 0.1;     ///< rad between two of them
+  int rim_directions = 8;    ///< on the rim of the cone, beside the nominal direction
+  std::size_t samples = 32;  ///< of a measure over samples: the first ones
+};
+
+/// The local minima of the measure.
+struct MeasureSearchOptions {
+  int finished = 16;  ///< solves that are carried to the end; most starts end at the same minima
+  int flips = 48;     ///< solves in other branches of the best minima, which often differ by a
+                      ///< percent only
+  double same_basin = 0.02;    ///< rad: rough points this near end at the same minimum
+  double same_minimum = 1e-3;  ///< rad: finished ones
+  double promising = 1.05;     ///< of the best |y|^2: minima whose other branches are tried
+  double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
+};
+
 struct SearchOptions {
   std::string optimizer = "nlopt-slsqp";
   int starts = 64;
@@ -24,6 +69,24 @@ struct SearchOptions {
   /// Called after every start with (done, total); may be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;
+
+  std::string rescuer = "ipopt";  ///< goes on where the optimizer stopped short of a minimum:
+                                  ///< equations whose gradients nearly depend on each other stop
+                                  ///< sequential quadratic programming, an interior point seldom
+  int max_evaluations = 1000;     ///< of a local solve, which needs about 40: creeping is cut off
+  int max_simulated_evaluations = 200;  ///< the same of a simulated objective
+  int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of SLSQP
+  int rescued_minima = 2;               ///< of the measure, where the solver stopped short
+  int more_draws = 8;            ///< of a start that the constraints refuse: far less than a solve
+  double on_constraints = 1e-3;  ///< violation from which a local solver can go on
+  int starts_per_isolated = 16;  ///< Newton steps for isolated points cost less than a solve
+  double equal_nominal = 1e-8;   ///< of the objective's typical size: zeros differ by rounding
+  int prediction_rounds = 3;     ///< nominal solves from minima of the measure that are better
+  double better_prediction = 1e-7;   ///< of the objective's typical size
+  double same_configuration = 1e-5;  ///< distance of solutions that are one
+  ScreeningOptions screening;
+  MeasureSearchOptions minima;
+  FamilyOptions families;
 };
 
 struct SearchResult {

@@ -24,6 +24,16 @@ struct TradeOffOptions {
   /// Called after every level with (done, total); may be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;
+
+  std::size_t solves_per_kind = 6;  ///< per level: from points that keep it, and from beyond it
+  int draws_per_start = 8;          ///< postures drawn per start of the search
+  /// What counts as having the least of a quantity: so near to it, relative to that value.
+  double near_least = 1e-6;
+  /// The same relative to the value at the other end: the square of a quantity has no gradient at
+  /// zero that could hold it there.
+  double near_zero = 1e-5;
+  double same = 1e-4;            ///< relative: what that is worth in the other quantity
+  double start_distance = 0.05;  ///< rad: starts nearer to each other are one
 };
 
 /// A configuration that no other one known is better than in both quantities.

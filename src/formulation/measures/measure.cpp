@@ -22,8 +22,9 @@ std::vector<Scenario> scenarios_of(const std::vector<ConeMaximum>& maxima) {
 
 }  // namespace
 
-Measure::Measure(const CaptureProblem& problem, const Formulation& formulation)
-    : problem_(problem), formulation_(formulation) {
+Measure::Measure(const CaptureProblem& problem, const Formulation& formulation,
+                 const MeasureOptions& options)
+    : problem_(problem), formulation_(formulation), options_(options) {
   const RiskMeasure kind = problem.measure.kind;
   if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
     samples_ = draw_scenarios(problem);
@@ -135,14 +136,12 @@ std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
 
 MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
                                   const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
-  constexpr int kRounds = 6;
-  constexpr double kNear = 1e-2;  // the directions hardly turn any more
   nlp::OptimizeOptions rough = options;
-  rough.max_evaluations = std::min(options.max_evaluations, 60);
+  rough.max_evaluations = std::min(options.max_evaluations, options_.exchange_evaluations);
   MeasureSolution out{x0, 0};
   std::vector<ConeMaximum> worst = maxima_at(x0);
   std::vector<Scenario> active = scenarios_of(worst);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);
     if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
     const ScenarioProgram program(formulation_, active, scale);
@@ -152,7 +151,7 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
     out.x = result.x.head(x0.size());
     worst = maxima_at(out.x);
     const double reached = program.lifted(out.x)[x0.size()] * scale;
-    if (half_square(worst.front().value) <= reached * (1 + kNear)) break;
+    if (half_square(worst.front().value) <= reached * (1 + options_.near)) break;
     for (const ConeMaximum& maximum : worst) {
       if (half_square(maximum.value) > reached) active.push_back(maximum.scenario);
     }
@@ -162,17 +161,15 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
 
 MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
-  constexpr int kRounds = 6;
-  constexpr double kWorthy = 0.25;    // of the worst |y|^2: smaller maxima do not count yet
-  constexpr double kFinished = 1e-8;  // KKT residual
   MeasureSolution out{x0, 0};
   std::vector<ConeMaximum> worst = maxima_at(x0);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);
     if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
     std::vector<Scenario> following;
     for (const ConeMaximum& maximum : worst) {
-      if (half_square(maximum.value) >= kWorthy * scale) following.push_back(maximum.scenario);
+      if (half_square(maximum.value) >= options_.counting_maximum * scale)
+        following.push_back(maximum.scenario);
     }
     const ScenarioProgram program(formulation_, following, scale, &problem_);
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
@@ -182,7 +179,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     // A maximum that was left out may have taken over: then x0 stays better.
     if (!result.feasible || half_square(worst.front().value) > scale * (1 + 1e-12)) break;
     out.x = x;
-    if (certify(x).kkt_residual <= kFinished) break;
+    if (certify(x).kkt_residual <= options_.finished) break;
   }
   return out;
 }
@@ -190,9 +187,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
 nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
   const double size = value(x);
-  // Of a measure that vanishes what is left is rounding: there is no less.
-  constexpr double kZero = 1e-9;  // of the objective's typical size
-  const double scale = size > kZero * kZero / 2 ? size : 1;
+  const double scale = size > options_.zero * options_.zero / 2 ? size : 1;
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
     const ScenarioProgram program(formulation_, scenarios_of(maxima), scale);

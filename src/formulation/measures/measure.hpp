@@ -15,9 +15,21 @@ struct MeasureSolution {
   int solver_calls = 0;
 };
 
+/// How the worst case over the cone is minimised.
+struct MeasureOptions {
+  int rounds = 6;                  ///< of a local solve and a new set of directions
+  int exchange_evaluations = 60;   ///< of a solve with fixed directions: most of its way
+  double near = 1e-2;              ///< relative excess at which the directions hardly turn any more
+  double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
+  double finished = 1e-8;          ///< KKT residual after which no round follows
+  double zero = 1e-9;  ///< of the objective's typical size: of a smaller measure only rounding is
+                       ///< left
+};
+
 class Measure {
  public:
-  Measure(const CaptureProblem& problem, const Formulation& formulation);
+  Measure(const CaptureProblem& problem, const Formulation& formulation,
+          const MeasureOptions& options = {});
 
   RiskMeasure kind() const { return problem_.measure.kind; }
   bool is_nominal() const { return problem_.measure.kind == RiskMeasure::Nominal; }
@@ -68,6 +80,7 @@ class Measure {
 
   const CaptureProblem& problem_;
   const Formulation& formulation_;
+  const MeasureOptions options_;
   std::vector<Scenario> samples_;  ///< Expectation, Cvar
   Eigen::VectorXd weights_;
   std::vector<Known> known_;

@@ -21,13 +21,13 @@ struct Place {
   double value;
 };
 
+ConeScan scan_of(const DirectionModel& model) {
+  return model.differenced.is_simulated() ? kSimulatedScan : ConeScan{};
+}
+
 /// Rings about the nominal direction, or a row in the wedge.
 std::vector<Place> scan(const DirectionModel& model) {
-  // A direction that has to be simulated costs as much as all the others together.
-  const bool is_simulated = model.differenced.is_simulated();
-  const int rings = is_simulated ? 3 : 12;
-  const int spokes = is_simulated ? 12 : 36;
-  const int row = is_simulated ? 17 : 97;  // a wedge is one-dimensional: finer for less
+  const auto [rings, spokes, row, climbs] = scan_of(model);
   const double alpha = model.half_angle;
   std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
   std::vector<Vector3d> directions = {model.n};
@@ -179,17 +179,22 @@ Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& 
   return model.coordinates(std::cos(length) * model.direction(c) + std::sin(length) * heading);
 }
 
-Place climb_by_newton(const DirectionModel& model, Place place) {
-  constexpr int kSteps = 50, kHalvings = 6;
-  constexpr double kNothing = 1e-10;  // rad: such a step ends the climb
-  constexpr double kVisible = 1e-7;   // rad: shorter steps change the value by less than rounding
-  for (int i = 0; i < kSteps; ++i) {
+/// Of Newton's method on the sphere of directions.
+struct ClimbOptions {
+  int steps = 50, halvings = 6;
+  double least_step = 1e-10;   ///< rad: a shorter one ends the climb
+  double visible_step = 1e-7;  ///< rad: shorter parts of a step change the value by rounding alone
+  int rounds = 4;              ///< of a climb and a compass search, which leaves saddles
+};
+
+Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptions& options) {
+  for (int i = 0; i < options.steps; ++i) {
     const Step step = newton_step(model, place.c);
     bool rose = false;
     double part = 1;
-    for (int halving = 0; halving < kHalvings && !rose; ++halving, part /= 2) {
+    for (int halving = 0; halving < options.halvings && !rose; ++halving, part /= 2) {
       const double length = part * step.along.norm();
-      if (length < (halving == 0 ? kNothing : kVisible)) return place;
+      if (length < (halving == 0 ? options.least_step : options.visible_step)) return place;
       const Eigen::Vector2d c = moved_along(model, place.c, step, part);
       const Place trial{c, model.value(c)};
       rose = trial.value > place.value;
@@ -207,14 +212,14 @@ Place refine(const DirectionModel& model, Place place) {
   if (!(alpha > 0)) return place;
   if (model.is_linear()) {
     // A round of the compass about the top: off a saddle, and on where |y| was zero.
-    constexpr int kRounds = 4;
-    for (int round = 0; round < kRounds; ++round) {
-      place = climb_by_newton(model, place);
+    const ClimbOptions options;
+    for (int round = 0; round < options.rounds; ++round) {
+      place = climb_by_newton(model, place, options);
       const Place further = ascend(model, place, alpha / 36);
       if (!(further.value > place.value)) return place;
       place = further;
     }
-    return climb_by_newton(model, place);
+    return climb_by_newton(model, place, options);
   }
   for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
   for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
@@ -226,7 +231,7 @@ Place refine(const DirectionModel& model, Place place) {
 /// The maxima over the cone, largest first.
 std::vector<Place> maxima(const DirectionModel& model) {
   const std::vector<Place> places = scan(model);
-  const std::size_t most = model.differenced.is_simulated() ? 3 : 6;
+  const std::size_t most = scan_of(model).climbs;
   // Places apart from each other, so that equal maxima are all found.
   std::vector<Place> seeds;
   while (seeds.size() < most) {

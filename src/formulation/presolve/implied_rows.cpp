@@ -14,8 +14,8 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 
-#include "formulation/projection.hpp"
 #include "formulation/formulation_parts.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 
@@ -32,12 +32,12 @@ Eigen::VectorXd relative_sizes(const Eigen::MatrixXd& J) {
 /// Solutions of the equations: projections of evenly spread points. @param seed of the points
 std::vector<Eigen::VectorXd> find_solutions(const Formulation& formulation, std::uint64_t seed,
                                             std::size_t wanted, const PresolveOptions& options) {
-  constexpr int kIterations = 40;
   std::vector<Eigen::VectorXd> out;
   for (int trial = 0; trial < options.solution_trials && out.size() < wanted; ++trial) {
     const Eigen::VectorXd start =
         formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), seed));
-    const ProjectionResult there = project_onto_constraints(formulation, start, false, kIterations);
+    const ProjectionResult there =
+        project_onto_constraints(formulation, start, false, options.projection_steps);
     if (there.violation <= options.solved) out.push_back(there.x);
   }
   return out;

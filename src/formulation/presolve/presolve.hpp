@@ -21,6 +21,7 @@ struct PresolveOptions {
   double zero = 1e-12;         ///< largest entry of a gradient that counts as zero, in row units
   double combination = 1e-10;  ///< remainder of a combination, of the row's size over all samples
   int solution_trials = 24;    ///< projections onto the equations, to find solutions
+  int projection_steps = 40;   ///< of each
   int solutions_wanted = 8;    ///< Jacobians at solutions that are compared
   int fewest_solutions = 3;    ///< with fewer, no equation counts as implied
   double solved = 1e-10;       ///< violation of a solution
