@@ -71,7 +71,7 @@ class CaseProgram final : public nlp::Problem {
 /// over the wedge.
 std::vector<Scenario> fixed_directions(const CaptureProblem& problem,
                                        const Formulation& formulation) {
-  const Scenario nominal = formulation.predicted_scenario();
+  const Scenario nominal = formulation.nominal_scenario();
   const double half_angle = problem.uncertainty.cone_half_angle;
   std::vector<Scenario> out;
   const auto add = [&](const Vector3d& axis, double angle) {

@@ -152,7 +152,7 @@ void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const
   parts_->evaluate_rows({model, at, posture, impact}, out.constraints, &out.jacobian);
 }
 
-Scenario Formulation::predicted_scenario() const { return parts_->model.nominal; }
+Scenario Formulation::nominal_scenario() const { return parts_->model.nominal; }
 
 void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                                    Eigen::MatrixXd& jacobian) const {

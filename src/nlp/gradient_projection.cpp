@@ -8,10 +8,10 @@
 // multipliers of the active bounds. A bound nearer than epsilon that has a multiplier counts as
 // active and is stepped onto: else every step would bend at a bound that its direction did not know
 // (zigzagging; Polak, Computational Methods in Optimization, 1971, section 4.3). First order only;
-// it creeps along curved valleys. Two standard remedies make it a fair baseline: the first trial
-// step is that of Barzilai and Borwein (IMA J. Numer. Anal. 8, 1988), and the line search compares
-// with the worst of the last ten objectives (Grippo, Lampariello, Lucidi, SIAM J. Numer. Anal. 23,
-// 1986).
+// it makes small steps along curved valleys. Two standard remedies make it a fair baseline: the
+// first trial step is that of Barzilai and Borwein (IMA J. Numer. Anal. 8, 1988), and the line
+// search compares with the worst of the last ten objectives (Grippo, Lampariello, Lucidi, SIAM J.
+// Numer. Anal. 23, 1986).
 #include <algorithm>
 #include <cmath>
 #include <deque>

@@ -170,7 +170,7 @@ void set_tolerances(nlopt_opt opt) {
 constexpr const char* kNloptTuning =
     "ftol_rel 1e-15, xtol_rel 1e-11, xtol_abs 1e-12, vector_storage 20, dual_maxeval 300; in an "
     "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9; sequential quadratic "
-    "programming starts again with a first step of 0.1 when a violation does not fall any more";
+    "programming runs a second time with a first step of 0.1 when a violation does not fall";
 
 std::string library_version() {
   int major = 0, minor = 0, bugfix = 0;

@@ -11,7 +11,7 @@ namespace stillbase {
 
 namespace {
 
-/// The predicted direction and the normal of the wedge's plane, in the contact frame.
+/// The nominal direction and the normal of the wedge's plane, in the contact frame.
 struct ContactAxes {
   Vector3d n;
   std::optional<Vector3d> plane_normal;

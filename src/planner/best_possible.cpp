@@ -96,14 +96,14 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
   if (measure == RiskMeasure::Expectation || measure == RiskMeasure::Cvar) {
     return draw_scenarios(problem);
   }
-  const Scenario predicted = formulation.predicted_scenario();
-  const Vector3d n = predicted.direction;
-  std::vector<Scenario> out = {predicted};
+  const Scenario nominal = formulation.nominal_scenario();
+  const Vector3d n = nominal.direction;
+  std::vector<Scenario> out = {nominal};
   const bool is_cone = problem.uncertainty.cone_half_angle > 0;
   if (measure != RiskMeasure::WorstCase || !is_cone) return out;
   std::optional<Vector3d> plane_normal;
   if (problem.uncertainty.cone_plane_normal) {
-    // Of a wedge that turns with the base only its middle is always in it.
+    // A wedge that rotates with the base has only its middle direction at all configurations.
     if (!is_wedge_constant(problem, options.parallel)) return out;
     plane_normal =
         encounter_at(formulation.encounter_model(), start_configuration(problem)).contact.R_EB *
@@ -115,14 +115,13 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
   }
   std::vector<Vector3d> known = {n};
   for (const Vector3d& direction : directions) {
-    // A little inside, so that rounding does not put it outside of the cone.
     const Vector3d inside = (direction + options.inside * n).normalized();
     const auto is_same = [&](const Vector3d& other) {
       return (other - inside).norm() < options.same_direction;
     };
     if (std::any_of(known.begin(), known.end(), is_same)) continue;
     known.push_back(inside);
-    out.push_back(predicted);
+    out.push_back(nominal);
     out.back().direction = inside;
   }
   return out;
@@ -150,7 +149,7 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
                                           const Formulation& formulation, const SearchResult& found,
                                           const Proof& enclosed, MinimumOptions options,
                                           const BoundOptions& bound) {
-  // A path that decides where the robot is hit leads to other encounters.
+  // A path that decides the contact configuration leads to other encounters.
   if (!prover || !prover->minimum_objection(problem).empty() || path_decides(problem)) {
     return std::nullopt;
   }

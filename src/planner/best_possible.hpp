@@ -9,7 +9,8 @@
 
 namespace stillbase {
 
-/// The least value of the measure among the candidates that meet the constraints; empty: none does.
+/// The least value of the measure among the candidates that satisfy the constraints; empty: none
+/// does.
 std::optional<double> best_value(const SearchResult& found);
 
 /// Whether it is zero but for rounding: no less is possible.

@@ -55,7 +55,7 @@ Eigen::VectorXd middle_of(const CaptureProblem& problem, const JointBox& box) {
   return Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-/// Limits that the equations know nothing of, by the names of Formulation::report().
+/// Limits that are no equations, by the names of Formulation::report().
 bool is_limit(const std::string& name) {
   for (const char* begin :
        {"joint_rate_", "clearance_", "coupling_singular_value", "jacobian_singular_value"}) {

@@ -73,7 +73,7 @@ void bound_and_search_suspects(
     proof.statement += "; the best one is zero, no less is possible";
   }
   if (was_missed) {
-    proof.statement += "; the best one, which the search had missed, turned up in bounding it";
+    proof.statement += "; the best one, which the search had missed, was found in bounding it";
   }
 }
 

@@ -40,8 +40,8 @@ bool is_near(const Formulation& formulation, const std::vector<Eigen::VectorXd>&
 }
 
 /// The postures in which three successive joints change branch: (a, b, c) and (a + pi, -b, c + pi)
-/// turn a wrist, an elbow or a shoulder with intersecting axes to the same pose. Of other arms they
-/// are just other places to start from.
+/// bring a wrist, an elbow or a shoulder with intersecting axes to the same pose. Of other arms
+/// they are just other places to start from.
 std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
                                             const Eigen::VectorXd& x) {
   const Configuration here = formulation.configuration(x);

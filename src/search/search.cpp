@@ -10,7 +10,7 @@
 #include <stillbase/nlp/optimizer.hpp>
 
 #include "formulation/projection.hpp"
-#include "search/families.hpp"
+#include "search/continua.hpp"
 #include "search/measure_search.hpp"
 #include "search/screening.hpp"
 #include "search/solution.hpp"
@@ -195,15 +195,15 @@ class Search {
   /// Where the solutions form curves: the best ones of each curve in place of those that the starts
   /// happened to end at.
   void follow_curves() {
-    std::vector<FamilyMember> members;
+    std::vector<ContinuumMember> members;
     for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
-    Families found = follow_families(problem_, formulation_, members, options_.is_free,
-                                     options_.stop, options_.families);
+    Continua found = follow_continua(problem_, formulation_, members, options_.is_free,
+                                     options_.stop, options_.continua);
     out_.families = std::move(found.families);
     out_.stopped = out_.stopped || found.stopped;
     if (out_.families.empty()) return;
     solutions_.clear();
-    for (const FamilyMember& member : found.solutions) {
+    for (const ContinuumMember& member : found.solutions) {
       Solution solution = judge(problem_, formulation_, member.x);
       solution.reached = member.reached;
       solution.family = member.family;
@@ -233,7 +233,7 @@ class Search {
     std::vector<Eigen::VectorXd> from = std::move(on_constraints_);
     for (const Solution& solution : solutions_) from.push_back(solution.x);
     for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
-    // A long list is asked for where much of it may touch something.
+    // A long list is stated where many candidates may touch something.
     MeasureSearchOptions effort = options_.minima;
     effort.finished = std::max(effort.finished, options_.max_candidates / 2);
     const MeasureMinima found =

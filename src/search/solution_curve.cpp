@@ -29,7 +29,7 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
   return r.cwiseAbs().maxCoeff() <= options.exact ? std::optional(at) : std::nullopt;
 }
 
-/// Whether a turn of the base is its shortest: beyond half a turn other variables say the same.
+/// Whether the rotation angle of the base is at most pi: beyond it other variables say the same.
 bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x,
                  const CurveOptions& options) {
   return (in_shortest_turns(formulation, x, options) - x).isZero(0);

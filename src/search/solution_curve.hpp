@@ -5,8 +5,8 @@
 // Numerical Continuation Methods, SIAM 2003).
 //
 // Assumptions: the curve is smooth and keeps away from points where a second direction opens; a
-// trace ends there and is marked as not complete, as where a base that may turn all the way is half
-// a turn away from its stated attitude: beyond it the variables are others. Lengths mix rad, m and
+// trace ends there and is marked as not complete, as where a free base is rotated by pi from its
+// stated attitude: beyond it other variables describe the same rotation. Lengths mix rad, m and
 // s as the variables do.
 #pragma once
 
@@ -19,7 +19,7 @@
 namespace stillbase {
 
 struct CurvePoint {
-  Eigen::VectorXd x;        ///< continuous angles go on beyond a turn
+  Eigen::VectorXd x;        ///< continuous angles are not wrapped
   Eigen::VectorXd tangent;  ///< unit, all in the sense of the points' order
   double arc = 0;           ///< sum of the steps before it
 };
@@ -31,12 +31,12 @@ struct SolutionCurve {
   double length = 0;               ///< with the step back to the first point when closed
 };
 
-/// The same configuration with every turn of the base by half a turn at most.
+/// The same configuration with a rotation angle of the base of at most pi.
 Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
                                   const CurveOptions& options = {});
 
 /// The curve through x, in both directions, until it closes or reaches a bound or an inequality.
-/// @param x solution of the equations with vanishing objective, in shortest turns
+/// @param x solution of the equations with vanishing objective, by in_shortest_turns()
 /// @return empty unless exactly one direction is open at x
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
                                          const StopCondition& stop,

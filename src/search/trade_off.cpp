@@ -84,7 +84,7 @@ class LimitedProgram final : public nlp::Problem {
   int m_;
 };
 
-/// What is asked, and what every part of the search needs.
+/// The two problems, and what every part of the search needs.
 class FrontSearch {
  public:
   FrontSearch(const CaptureProblem& problem, ObjectiveQuantity first, ObjectiveQuantity second,
@@ -124,7 +124,7 @@ class FrontSearch {
         if (found.candidates[i].max_violation <= kFeasibilityTolerance) add(found.points[i]);
       }
     }
-    // A front may jump from one family of postures to another: starts from everywhere.
+    // A front may jump from one branch of postures to another: starts from everywhere.
     for (int draw = 0; draw < options_.draws_per_start * options_.starts && !stopped(); ++draw) {
       const Eigen::VectorXd x0 = second_.start_point(
           low_discrepancy_point(draw, second_.start_dimension(), options_.seed));

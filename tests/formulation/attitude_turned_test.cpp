@@ -15,7 +15,7 @@
 namespace stillbase {
 namespace {
 
-/// A random arm meets a tumbling box; the turn within half a second is made small.
+/// A random arm captures a tumbling box; the rotation within half a second is minimised.
 CaptureProblem turning_problem(Random& random, int joints, const std::string& controller) {
   CaptureProblem problem = tumbling_problem(random, random_robot(random, joints, false));
   problem.variables.base_position = PositionFreedom::Free;
@@ -42,7 +42,7 @@ Eigen::VectorXd some_point(const Formulation& formulation, int index) {
 
 }  // namespace
 
-TEST_CASE("the turn in an objective is the one that another integrator finds from the same jump") {
+TEST_CASE("the attitude change in an objective is that of another integrator from the same jump") {
   Random random(301);
   for (const char* controller : {"none", "joint_damping", "rns_damped"}) {
     const CaptureProblem problem = turning_problem(random, 5, controller);
@@ -151,7 +151,7 @@ TEST_CASE("the worst case over a cone counts what is simulated") {
     CHECK(worst > nominal * (1 + 1e-3));
     double largest = 0;
     for (int k = -10; k <= 10; ++k) {
-      Scenario scenario = formulation.predicted_scenario();
+      Scenario scenario = formulation.nominal_scenario();
       scenario.direction = rotation_exp(0.01 * k * Vector3d::UnitZ()) * scenario.direction;
       ScenarioEvaluation here;
       formulation.evaluate_scenarios(x, {scenario}, false, here);
@@ -198,7 +198,7 @@ TEST_CASE("an objective that takes a simulation is refused without controller or
   CHECK_THROWS_AS(Formulation(without), InputError);
 }
 
-TEST_CASE("a simulation that breaks off counts as half a turn") {
+TEST_CASE("a simulation that breaks off counts as a rotation by pi") {
   const CaptureProblem problem = planar_problem();
   ObjectiveTerm term = problem.objective[0];
   term.size = 2;
@@ -210,7 +210,7 @@ TEST_CASE("a simulation that breaks off counts as half a turn") {
   CHECK(turn(phi, Vector6d::Zero(), JointVectord::Zero(2), {}).norm() == 0);
 }
 
-TEST_CASE("the turn of the base can be one side of a front") {
+TEST_CASE("the attitude change of the base can be one quantity of a front") {
   CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.measure = {};
   problem.uncertainty.cone_half_angle = 0;

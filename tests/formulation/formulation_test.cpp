@@ -148,7 +148,7 @@ TEST_CASE("objective and gradient come from the objective vector and its Jacobia
   CHECK((J.transpose() * y - at_x.gradient).norm() < 1e-10 * (1 + at_x.gradient.norm()));
 }
 
-TEST_CASE("a limit on the turn of the base bounds its angle, not each component") {
+TEST_CASE("a limit on the rotation of the base bounds its angle, not each component") {
   Random random(16);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));
   problem.variables.base_attitude_max = 0.5;

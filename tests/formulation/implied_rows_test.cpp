@@ -70,7 +70,7 @@ TEST_CASE("equations are counted where they hold also when there are more of the
   }
 }
 
-TEST_CASE("equations that were set aside hold wherever the others do") {
+TEST_CASE("equations that presolve removes hold wherever the others do") {
   CaptureProblem problem = shipped("spart_3dof_point");
   problem.constraints.impact_case = CaseConstraint::C2;
   problem.hand.constraint = HandConstraint::None;
@@ -87,7 +87,7 @@ TEST_CASE("equations that were set aside hold wherever the others do") {
     last = free.configuration(found.x);
   }
   REQUIRE(solved > 30);
-  // With the hand's point fixed there, too: the way back to this posture is found.
+  // With the hand's point fixed there, too: the projection finds this posture.
   problem.hand.constraint = HandConstraint::Position;
   problem.hand.position =
       last.base * Vector3d(compute_kinematics<double>(problem.robot, last.phi).r_bh);

@@ -130,7 +130,7 @@ TEST_CASE("only bodies that may not touch are kept apart") {
   CHECK(has("2_4_link_0_link_2"));
   CHECK(has("1_5_base_target"));
   CHECK(has("3_5_link_1_target"));
-  CHECK_FALSE(has("link_2_target"));  // the hand's body is to meet it
+  CHECK_FALSE(has("link_2_target"));  // the hand's body is to touch it
   problem.allowed_contacts = {{"link_2", "link_0"}};
   CHECK_FALSE(has("2_4_link_0_link_2"));
 }

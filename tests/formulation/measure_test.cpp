@@ -96,7 +96,7 @@ TEST_CASE("the planar three-link arm's global robust optimum is found for every 
     nominal_postures_worst =
         std::max(nominal_postures_worst, found.nominal_optimum->worst_case / best.worst_case);
   }
-  // For some cone the prediction alone would have chosen clearly worse.
+  // For some cone the nominal optimum is clearly worse.
   CHECK(nominal_postures_worst > 1.05);
 }
 

@@ -149,7 +149,7 @@ TEST_CASE("the violation is flat at the nearest attempt alone") {
   CHECK(certify(infeasible_equations(), vec({x, 0.1})).violation_slope > 1e-3);
 }
 
-TEST_CASE("a point that is not finite gets no certificate") {
+TEST_CASE("a point that is not finite has no certificate") {
   const KnownProblem p = hs035();
   Evaluation e;
   p.evaluate(p.start, e);
@@ -161,7 +161,7 @@ TEST_CASE("a point that is not finite gets no certificate") {
 }
 
 // The definition of the solution: y >= 0, slope <= 0, and y times slope zero.
-TEST_CASE("non-negative least squares meets its optimality conditions on random systems") {
+TEST_CASE("non-negative least squares satisfies its optimality conditions on random systems") {
   std::srand(7);
   for (int trial = 0; trial < 300; ++trial) {
     const int rows = 1 + trial % 9, columns = 1 + (trial / 9) % 12;

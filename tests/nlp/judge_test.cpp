@@ -78,7 +78,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("from a violated point that a solver left the judge goes on to a feasible one, aloud") {
+TEST_CASE(
+    "from a violated point of a solver the judge continues to a feasible one, with a message") {
   const KnownProblem p = hs071();
   const OptimizeResult r = Scripted({}).minimize(p, p.start);
   CHECK(r.status == Status::Feasible);
@@ -116,7 +117,7 @@ TEST_CASE("a solver is stopped at a point that is certain to be a minimum, and n
   CHECK(s.x == best);
 }
 
-TEST_CASE("a solver that asks for one point for ever is stopped") {
+TEST_CASE("a solver that evaluates one point for ever is stopped") {
   const KnownProblem p = rosenbrock();
   const OptimizeResult r =
       Scripted(std::vector<Eigen::VectorXd>(5000, vec({0.0, 0.0}))).minimize(p, p.start);

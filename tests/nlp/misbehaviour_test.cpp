@@ -31,7 +31,7 @@ KnownProblem with_event(KnownProblem p, int count, std::function<void(Evaluation
   return p;
 }
 
-TEST_CASE("an exception of the model comes out with type and text") {
+TEST_CASE("an exception of the model is rethrown with type and text") {
   for (const std::string& name : optimizer_names()) {
     const auto optimizer = make_optimizer(name);
     for (const int count : {1, 2, 5}) {
@@ -52,7 +52,7 @@ TEST_CASE("an exception of the model comes out with type and text") {
   }
 }
 
-TEST_CASE("an exception of the Hessian comes out with type and text") {
+TEST_CASE("an exception of the Hessian is rethrown with type and text") {
   KnownProblem p = hs071();
   p.hessian = [](const Eigen::VectorXd&, double, const Eigen::VectorXd&, Eigen::MatrixXd&) {
     throw ModelBroke("no curvature");

@@ -142,7 +142,7 @@ TEST_CASE("the model is evaluated once per point and never outside the box") {
   }
 }
 
-TEST_CASE("a solver without derivatives asks for them once, at its answer") {
+TEST_CASE("a solver without derivatives evaluates them once, at its answer") {
   struct Counting final : Problem {
     KnownProblem inner = hs035();
     mutable int full = 0, values = 0;
@@ -277,7 +277,7 @@ TEST_CASE("the Hessians of the known problems agree with differences of their gr
   }
 }
 
-TEST_CASE("the registry knows its names and no others") {
+TEST_CASE("the registry has its names and no others") {
   const std::vector<std::string> names = optimizer_names();
   CHECK(std::set<std::string>(names.begin(), names.end()).size() == names.size());
   for (const char* name :

@@ -14,8 +14,8 @@
 namespace stillbase {
 namespace {
 
-/// The paper's robot of two links, hit along 210 deg, both joints free: the turn within two seconds
-/// of joint damping is made small.
+/// The paper's robot of two links, impact along 210 deg, both joints free: the rotation within two
+/// seconds of joint damping is made small.
 CaptureProblem turning_problem() {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::None;
@@ -55,7 +55,7 @@ bool passes(const Plan& plan, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a plan that makes the turn after the impact small is verified, misstated it is not") {
+TEST_CASE("a plan with little attitude change after the impact is verified, misstated it is not") {
   const CaptureProblem problem = turning_problem();
   const Plan plan = make_plan(problem);
   REQUIRE(plan.status == PlanStatus::Optimal);
@@ -89,7 +89,7 @@ TEST_CASE("a plan that makes the turn after the impact small is verified, missta
   CHECK_FALSE(judge_plan(misstated).pass);
 }
 
-TEST_CASE("no posture has less of turn and joint rates than the best candidate of a plan") {
+TEST_CASE("no posture has less attitude change and joint rates than the best candidate of a plan") {
   CaptureProblem problem = turning_problem();
   problem.objective[0].size = 0.02;
   problem.objective.push_back({ObjectiveQuantity::JointRateNorm, 0.5});
@@ -118,7 +118,7 @@ TEST_CASE("no posture has less of turn and joint rates than the best candidate o
   CHECK(planned <= least * (1 + 1e-6));
 }
 
-TEST_CASE("the mean turn over uncertain encounters is made small and verified") {
+TEST_CASE("the mean attitude change over uncertain encounters is minimised and verified") {
   CaptureProblem problem = turning_problem();
   problem.objective[0].after = 0.5;
   problem.measure.kind = RiskMeasure::Expectation;

@@ -146,7 +146,8 @@ TEST_CASE("attitude and more than it: no bound, with the number of variables") {
   CHECK(minimum_objection(problem) == "it takes one to three free variables, here are 4");
 }
 
-TEST_CASE("of a wedge that turns with the base only its middle is bounded, which is true") {
+TEST_CASE(
+    "of a wedge that rotates with the base only the middle direction is bounded, a valid bound") {
   CaptureProblem problem = without_path("planar_three_link_null");
   problem.variables.joints = {false, true, false};
   problem.variables.base_attitude = AttitudeFreedom::Axis;
@@ -166,7 +167,7 @@ TEST_CASE("of a wedge that turns with the base only its middle is bounded, which
   CHECK(proof.statement.find("contradiction") == std::string::npos);
   REQUIRE(proof.lower_bound.has_value());
   CHECK(*proof.lower_bound <= best_of(plan));
-  // Of the middle's direction alone: that is as small as any prediction gets.
+  // Of the middle's direction alone: no nominal value is smaller.
   REQUIRE(plan.nominal_optimum.has_value());
   CHECK(*proof.lower_bound <= plan.nominal_optimum->nominal);
   CHECK(*proof.lower_bound >= plan.nominal_optimum->nominal * 0.99);

@@ -8,7 +8,7 @@
 
 namespace stillbase {
 
-TEST_CASE("candidates near postures with parallel columns meet the case, not its rows alone") {
+TEST_CASE("candidates near postures with parallel columns satisfy the case, not its rows alone") {
   CaptureProblem problem = test::shipped("spart_g2");
   problem.constraints.impact_case = CaseConstraint::G3;
   problem.constraints.clearance.reset();

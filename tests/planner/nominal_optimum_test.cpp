@@ -1,4 +1,4 @@
-// What the prediction alone would have chosen.
+// The configuration with the lowest nominal value.
 #include <catch2/catch.hpp>
 
 #include <stillbase/planner/planner.hpp>
@@ -7,8 +7,7 @@
 
 namespace stillbase {
 
-TEST_CASE(
-    "no candidate is better as predicted than the stated nominal optimum, few starts or many") {
+TEST_CASE("no candidate has a lower nominal value than the nominal optimum, few starts or many") {
   CaptureProblem problem = test::without_path("iiwa_cone");
   problem.hand.constraint = HandConstraint::None;
   problem.constraints.joint_limit_margin = 0;

@@ -80,9 +80,9 @@ TEST_CASE("with enough starts the proof says that none was missed, and the gap o
   const Plan isolated = make_plan(shipped("planar_two_link_c2_b"));
   CHECK(isolated.certificate.proof.statement ==
         "proven complete: 10 solutions enclosed, none missed");
-  CaptureProblem predicted = shipped("planar_three_link_null");
-  predicted.measure.kind = RiskMeasure::Nominal;
-  const Plan null = make_plan(predicted);
+  CaptureProblem nominal = shipped("planar_three_link_null");
+  nominal.measure.kind = RiskMeasure::Nominal;
+  const Plan null = make_plan(nominal);
   const Proof& proof = null.certificate.proof;
   INFO(proof.statement);
   CHECK(proof.status == ProofStatus::Complete);
@@ -135,7 +135,8 @@ TEST_CASE("a capture with a seven-joint arm is planned with its approach on a fl
   }
 }
 
-TEST_CASE("a base that starts where it stands turns under the arm and the hand still arrives") {
+TEST_CASE(
+    "a base with a stated start rotates under the arm and the hand still reaches the contact") {
   const CaptureProblem problem = shipped("iiwa_fixed_start");
   const Plan plan = make_plan(problem);
   INFO(plan.approach.detail);

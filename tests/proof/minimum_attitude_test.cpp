@@ -56,7 +56,7 @@ CaptureProblem held_arm(Arm arm, AttitudeFreedom freedom) {
 
 /// Where the size of the impulse depends on its direction the worst one may be within the cone.
 std::vector<Scenario> scenarios_of(CaptureProblem problem) {
-  std::vector<Scenario> out = {Formulation(problem).predicted_scenario()};
+  std::vector<Scenario> out = {Formulation(problem).nominal_scenario()};
   if (problem.measure.kind != RiskMeasure::WorstCase) return out;
   const double rim = problem.uncertainty.cone_half_angle;
   for (const double part : {1.0, 0.6}) {

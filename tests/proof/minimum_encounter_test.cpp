@@ -60,7 +60,7 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
     return draw_scenarios(problem);
   }
   if (kind == RiskMeasure::WorstCase) return rim_scenarios(problem, 8);
-  return {formulation.predicted_scenario()};
+  return {formulation.nominal_scenario()};
 }
 
 /// Onto the equations (Newton); empty: it gets nowhere, or leaves the bounds.
@@ -273,7 +273,7 @@ TEST_CASE("what a form of |y|^2 leaves open falls with the third power of the bo
   CaptureProblem problem = tumbling_client();
   const Formulation formulation(problem);
   const proof::MinimumProblem minimum =
-      proof::minimum_problem(problem, {formulation.predicted_scenario()});
+      proof::minimum_problem(problem, {formulation.nominal_scenario()});
   const proof::WrenchBasis basis = basis_of(minimum);
   const double unit = minimum.where.encounter.time_unit;
   const double time = time_of_approach(problem);

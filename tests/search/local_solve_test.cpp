@@ -9,7 +9,7 @@
 
 namespace stillbase {
 
-TEST_CASE("the prediction alone is evaluated like a scenario among others") {
+TEST_CASE("the nominal encounter is evaluated like one scenario of several") {
   Random random(38);
   const CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
   const Formulation formulation(problem);
@@ -18,7 +18,7 @@ TEST_CASE("the prediction alone is evaluated like a scenario among others") {
   nlp::Evaluation alone;
   formulation.evaluate(x, alone);
   ScenarioEvaluation given;
-  formulation.evaluate_scenarios(x, {formulation.predicted_scenario()}, true, given);
+  formulation.evaluate_scenarios(x, {formulation.nominal_scenario()}, true, given);
   CHECK(alone.objective == given.values[0]);
   CHECK(alone.gradient.transpose() == given.gradients.row(0));
   CHECK(alone.constraints == given.constraints);

@@ -12,7 +12,7 @@
 namespace stillbase {
 namespace {
 
-/// One joint is left over; the turn within a short time is made small.
+/// One joint is redundant; the rotation within a short time is minimised.
 CaptureProblem turning_problem(RiskMeasure measure) {
   CaptureProblem problem = test::shipped("planar_three_link_null");
   problem.objective = {{ObjectiveQuantity::AttitudeTurned}};
@@ -74,8 +74,8 @@ TEST_CASE("after a stop a search takes a few simulations more, and says what it 
       const Run run = stopped_run(problem, stop_at);
       INFO("measure " << static_cast<int>(measure) << ", stopped at " << stop_at << " of " << all
                       << ", " << run.after_stop << " more");
-      // What is under way, and a value as predicted here and there; one worst case takes more than
-      // fifty, the rest of the samples of one gradient as many.
+      // The current simulation and a few nominal values; one worst case takes more than
+      // fifty, the remaining samples of one gradient as many.
       CHECK(run.after_stop <= 24);
       CHECK(run.result.status == PlanStatus::Limit);
       REQUIRE(run.result.candidates.size() >= 1);
@@ -103,7 +103,7 @@ TEST_CASE("after a stop a search takes a few simulations more, and says what it 
   }
 }
 
-TEST_CASE("of the solutions found before a stop the best one as predicted is kept, and alone") {
+TEST_CASE("of the solutions found before a stop only the one with the best nominal value is kept") {
   const CaptureProblem problem = turning_problem(RiskMeasure::WorstCase);
   constexpr int kStarts = 6;
   SearchOptions options;

@@ -92,7 +92,7 @@ class Formulation final : public nlp::Problem {
   const EncounterModel& encounter_model() const;
   /// The nominal encounter at the variables of a configuration.
   Encounter<double> encounter(const Configuration& configuration) const;
-  Scenario predicted_scenario() const;  ///< the nominal encounter
+  Scenario nominal_scenario() const;  ///< the nominal encounter
 
   /// Those that are independent where they hold.
   int num_equations() const;

@@ -19,18 +19,18 @@ struct Configuration {
   JointVectord phi;          ///< n
   Pose base;                 ///< T_NB
   double contact_time = 0;   ///< s
-  std::string feature = {};  ///< name of the contact feature that is met; empty: the problem's own
+  std::string feature = {};  ///< name of the contact feature; empty: the problem's own
 };
 
 struct ObjectiveValue {
   std::string name;                             ///< e.g. "base_angular_momentum"
   std::string unit;                             ///< e.g. "N m s"
-  double nominal = 0;                           ///< at the predicted direction
+  double nominal = 0;                           ///< at the nominal direction
   double worst_case = 0;                        ///< over the direction cone; = nominal without one
   Vector3d worst_direction = Vector3d::Zero();  ///< unit, in B
   double value = 0;                             ///< of the measure that was minimised
   /// False: a limit came before worst case and measure were worked out. Then worst_case is the
-  /// largest value over the directions that were looked at, the predicted one among them, and value
+  /// largest value over the directions that were evaluated, the nominal one among them, and value
   /// is the same (of samples: the nominal value).
   bool is_judged = true;
   std::map<std::string, double> terms;  ///< nominal |y_i|, each in its own unit
@@ -38,8 +38,8 @@ struct ObjectiveValue {
   std::vector<std::string> user_terms;
 };
 
-/// What the prediction alone would have chosen: the lowest nominal value; among equal ones (exact
-/// zeros) the one with the smallest worst case.
+/// The configuration with the lowest nominal value; among equal ones (exact zeros) the one with the
+/// smallest worst case.
 struct NominalOptimum {
   Configuration configuration;
   double nominal = 0;
@@ -100,7 +100,7 @@ struct Certificate {
   Proof proof;  ///< of all candidates together
 };
 
-/// Solutions with vanishing predicted objective that form a curve, followed to its ends.
+/// Solutions with vanishing nominal objective that form a curve, followed to its ends.
 struct SolutionFamily {
   double length = 0;  ///< rad, m and s mixed as the variables are
   bool is_closed = false;
@@ -129,7 +129,7 @@ enum class ApproachStatus {
   StartInvalid,
   GoalInvalid,
   GoalUnreachable,
-  UnreachableInBaseMode,  ///< the arm gets there, but not with the base as asked for
+  UnreachableInBaseMode,  ///< the arm reaches it, but not with the base as stated
   HitEarly,
   TimeOut,      ///< a deadline came first
   Interrupted,  ///< a signal came first
@@ -145,7 +145,7 @@ struct Approach {
   std::vector<JointVectord> joint_positions;
   std::vector<JointVectord> joint_velocities;
   /// At the begin of the segment that starts at each sample; zero at the last one. They follow from
-  /// the rest: a number changed afterwards no longer fits its neighbours.
+  /// positions and rates: a number changed afterwards no longer fits its neighbours.
   std::vector<JointVectord> joint_accelerations;
   /// At the begin of the segment that starts at each sample, by the dynamics of the floating (held)
   /// robot, rotor inertias of the problem included, friction not; zero at the last one. N m (N).
@@ -154,7 +154,7 @@ struct Approach {
   std::vector<Vector6d> base_velocities;  ///< Omega in B
   double duration = 0;                    ///< s of motion
   double path_length = 0;                 ///< rad, by eight chords per segment
-  double attitude_excursion = 0;  ///< rad, largest turn of the base away from its final attitude
+  double attitude_excursion = 0;  ///< rad, largest rotation angle from the base's final attitude
   double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
   double effort_used = 0;    ///< largest part of a joint's effort limit, 0 without limits
   double late_by = 0;        ///< TooSlow: s

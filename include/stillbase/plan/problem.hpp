@@ -31,7 +31,7 @@ enum class ImpulseSource {
 struct ImpulseSpec {
   ImpulseSource source = ImpulseSource::PointMass;
   /// Direction of the impulse on the hand (unit). Empty: the target's outward normal at the contact
-  /// feature, from the predicted motion.
+  /// feature, from the nominal motion.
   std::optional<Vector3d> direction;
   Frame direction_frame = Frame::Base;
   double magnitude = 1;                ///< Given: N s
@@ -68,7 +68,7 @@ struct VariableSpec {
 
 /// What is minimised over the uncertainty set. All are measures of |y|^2, reported as a root.
 enum class RiskMeasure {
-  Nominal,      ///< |y| as predicted
+  Nominal,      ///< |y| at the nominal direction
   WorstCase,    ///< largest |y| over the cone of directions
   Expectation,  ///< root of the mean of |y|^2 over the samples
   Cvar          ///< root of the mean of |y|^2 over the worst samples
@@ -104,13 +104,14 @@ enum class CaseConstraint { None, C, C1, C2, G2, G3 };
 
 struct ConstraintSpec {
   CaseConstraint impact_case = CaseConstraint::None;
-  double joint_limit_margin = 0;    ///< rad or m kept from every joint limit
-  double closing_speed_min = 1e-3;  ///< m/s, > 0: without it the best plan is to be missed
-  /// Rates of the joints right after the impact, as predicted: part of the robot file's limits, or
+  double joint_limit_margin = 0;  ///< rad or m kept from every joint limit
+  double closing_speed_min =
+      1e-3;  ///< m/s, > 0: without it the least objective is that of no contact
+  /// Rates of the joints right after the nominal impact: part of the robot file's limits, or
   /// limits of their own (n, rad/s or m/s; empty: none). At most one of the two.
   std::optional<double> joint_rate_scale;
   JointVectord joint_rate_max;
-  /// Least singular value of Htilde_omegaphi (of its generic rank), kg m^2; 0: not asked for.
+  /// Least singular value of Htilde_omegaphi (of its generic rank), kg m^2; 0: no constraint.
   double coupling_singular_value_min = 0;
   /// The same of the generalized Jacobian Jhat, its angular rows times `jacobian_length`, m.
   double jacobian_singular_value_min = 0;
@@ -126,14 +127,14 @@ struct UncertaintySpec {
   std::optional<double> cone_confidence;
   std::optional<Vector3d>
       cone_plane_normal;  ///< planar problems: the wedge's plane (unit normal, in B)
-  // Half ranges of even distributions about the prediction; for samples alone.
+  // Half ranges of even distributions about the nominal values; for samples alone.
   double closing_speed = 0;     ///< m/s
   double restitution = 0;       ///< on e
   double target_mass = 0;       ///< fraction of the mass
   double target_inertia = 0;    ///< fraction of the inertia
   double contact_point = 0;     ///< m: radius of a disc normal to the direction
   double contact_time = 0;      ///< s
-  JointVectord joint_position;  ///< rad (m), n or empty: the posture in which the arm is hit
+  JointVectord joint_position;  ///< rad (m), n or empty: of the posture at the impact
 };
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
@@ -155,7 +156,7 @@ enum class BaseMode {
 /// What the path is made better in after it was found.
 enum class PathPolish { None, Attitude, Time };
 
-/// A fixed body in the way.
+/// A fixed body that the robot may not touch.
 struct Obstacle {
   std::string name;
   Frame frame = Frame::Inertial;
@@ -179,7 +180,7 @@ struct ApproachSpec {
   std::string planner = "rrt_connect";
   int max_iterations = 20000;  ///< of the planner
   PathPolish polish = PathPolish::None;
-  /// ReactionNull: the base may turn by this much, rad; 0.1 deg.
+  /// ReactionNull: permitted rotation angle of the base, rad; 0.1 deg.
   double attitude_tolerance = 0.0017453292519943296;
 };
 

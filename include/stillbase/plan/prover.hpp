@@ -42,12 +42,12 @@ struct MinimumOptions {
 
 /// What a bound says, in words and numbers.
 struct MinimumBound {
-  std::string statement;   ///< what was proven, or what was not, without "proven: "
-  double lower_bound = 0;  ///< of the problem's measure, in its unit; zero: nothing was found out
-  double gap = 0;          ///< best candidate's measure minus the lower bound
-  long boxes = 0;          ///< examined
+  std::string statement;       ///< what was proven, or what was not, without "proven: "
+  double lower_bound = 0;      ///< of the problem's measure, in its unit; zero: nothing was proven
+  double gap = 0;              ///< best candidate's measure minus the lower bound
+  long boxes = 0;              ///< examined
   bool limit_reached = false;  ///< of boxes or by the stop condition
-  /// Where a search should start: a better configuration that turned up, or, where the limit was
+  /// Where a search should start: a better configuration that was found, or, where the limit was
   /// reached, those of which least is known.
   std::vector<Configuration> suspects;
 };

@@ -1,4 +1,4 @@
-// One way in which the encounter may differ from its prediction.
+// An encounter that differs from the nominal one.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 namespace stillbase {
 
 /// An encounter of the uncertainty set. Vectors are in the contact frame E, the one in which the
-/// predicted direction n never changes: B or N when it is stated there, T (the target's) when it
+/// nominal direction n never changes: B or N when it is stated there, T (the target's) when it
 /// follows from a contact feature. The hand's origin stays where it is.
 struct Scenario {
   Vector3d direction = Vector3d::UnitX();      ///< of the impulse on the hand, unit, in E
@@ -18,8 +18,8 @@ struct Scenario {
   double target_mass_factor = 1;               ///< on the target's mass
   double target_inertia_factor = 1;            ///< on its inertia
   Vector3d contact_offset = Vector3d::Zero();  ///< of the contact point, m
-  double time_offset = 0;                      ///< s by which the target is ahead of its prediction
-  Eigen::VectorXd joint_offset;                ///< added to the joint positions, n or empty
+  double time_offset = 0;        ///< s by which the target is ahead of its nominal motion
+  Eigen::VectorXd joint_offset;  ///< added to the joint positions, n or empty
 };
 
 /// The samples of the problem's uncertainty set, of equal weight: sample k depends on seed and k
@@ -27,7 +27,7 @@ struct Scenario {
 /// the contact point over a disc normal to the direction (a line in a wedge's plane).
 std::vector<Scenario> draw_scenarios(const CaptureProblem& problem);
 
-/// The predicted encounter and `count` others whose directions lie evenly on the rim of the cone
+/// The nominal encounter and `count` others whose directions lie evenly on the rim of the cone
 /// (of a wedge: its two ends).
 std::vector<Scenario> rim_scenarios(const CaptureProblem& problem, int count);
 

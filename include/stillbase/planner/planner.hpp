@@ -15,7 +15,7 @@ namespace stillbase {
 struct SelfMotionOptions {
   double stride = 0.4;        ///< rad of one step
   int max_steps = 6;          ///< of a walk; each walk draws its number
-  int halvings = 2;           ///< of a step that leaves the constraints or gets too bad
+  int halvings = 2;           ///< of a step that leaves the constraints or exceeds the factor
   int projection_steps = 20;  ///< of Newton's method onto the constraints
   double separation = 0.2;    ///< rad: samples nearer to each other are one
 };
@@ -55,7 +55,7 @@ struct PlannerOptions {
   /// Candidates whose approach is tried before giving up. Every try may cost a second.
   int max_approaches = 8;
   /// Candidates are good when their objective is at most this factor times the best one's, >= 1:
-  /// the approach goes for all of them at once.
+  /// the approach has all of them as goals.
   double goal_factor = 1.1;
   /// Proves what the search found; null: plans say that nothing was proven.
   const Prover* prover = default_prover();

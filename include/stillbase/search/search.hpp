@@ -29,7 +29,7 @@ struct CurveOptions {
 };
 
 /// Which points of curves of solutions are listed.
-struct FamilyOptions {
+struct ContinuumOptions {
   double zero = 1e-9;     ///< an objective that vanishes, over its typical size
   double flat = 1e-9;     ///< worst cases that are the same, over the objective's typical size
   double arc = 1e-8;      ///< to which a minimum is placed: the value is flat there
@@ -86,7 +86,7 @@ struct SearchOptions {
   double same_configuration = 1e-5;  ///< distance of solutions that are one
   ScreeningOptions screening;
   MeasureSearchOptions minima;
-  FamilyOptions families;
+  ContinuumOptions continua;
 };
 
 struct SearchResult {

@@ -32,7 +32,7 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
                           const ConstraintPoint<S>& at, ScalarGradient<S>& gradient) {
   const Kinematics<S>& kin = at.posture.kinematics;
   if (body == kTargetBody) {
-    // It moves with the hand, but turns with the contact frame: against B's own rotation.
+    // It moves with the hand and rotates with the contact frame, against the rotation of B.
     for (int k = 0; k < at.model.n(); ++k) {
       const Vector3<S> column = at.posture.jacobian.J_phi.template block<3, 1>(0, k);
       gradient.phi[k] += normal.dot(column);

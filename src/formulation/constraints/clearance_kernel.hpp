@@ -108,7 +108,7 @@ Separation<S> between_segments(const PlacedShape<S>& first, const PlacedShape<S>
   out.point = first.p + u * s;
   const Vector3<S> apart = u * s - v * t - w;
   const S square = apart.squaredNorm();
-  if (!(square > S(1e-20))) {  // the axes meet: no direction is better than another
+  if (!(square > S(1e-20))) {  // the axes intersect: no direction is better than another
     out.normal = first.R.col(0);
     out.distance = S(-first.shape->radius - second.shape->radius);
     return out;

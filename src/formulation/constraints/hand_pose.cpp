@@ -40,7 +40,7 @@ void add_hand_rotation_gradient(const ConstraintPoint<S>& at, const Vector3<S>& 
     const Vector3<S> turn = at.posture.jacobian.J_phi.template block<3, 1>(3, k);
     gradient.phi[k] = turn.dot(g_R);
   }
-  // Turning B against the wanted axes turns them back.
+  // A rotation of B relative to the wanted axes rotates them backwards in B.
   if (!at.model.encounter.stated_hand_axes) {
     at.model.template add_contact_turn<S>(at.placement.rates, -g_D, gradient);
   } else if (at.model.encounter.hand_frame == Frame::Inertial) {

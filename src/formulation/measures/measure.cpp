@@ -191,7 +191,7 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     const auto maxima = cone_maxima(problem_, formulation_, formulation_.configuration(x));
     const ScenarioProgram program(formulation_, scenarios_of(maxima), scale);
-    // First order only: that the worst directions turn with x adds curvature which fixed ones lack.
+    // First order only: worst directions that change with x add curvature which fixed ones lack.
     return nlp::certify(program, program.lifted(x));
   }
   const ScenarioProgram program(formulation_, samples_, level(), scale);

@@ -17,9 +17,9 @@ struct MeasureSolution {
 
 /// How the worst case over the cone is minimised.
 struct MeasureOptions {
-  int rounds = 6;                  ///< of a local solve and a new set of directions
-  int exchange_evaluations = 60;   ///< of a solve with fixed directions: most of its way
-  double near = 1e-2;              ///< relative excess at which the directions hardly turn any more
+  int rounds = 6;                 ///< of a local solve and a new set of directions
+  int exchange_evaluations = 60;  ///< of a solve with fixed directions: most of its descent
+  double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
   double zero = 1e-9;  ///< of the objective's typical size: of a smaller measure only rounding is

@@ -277,7 +277,7 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
   const DirectionModel model(problem, formulation, configuration);
   std::vector<ConeMaximum> out;
   for (const Place& place : maxima(model)) {
-    ConeMaximum maximum{formulation.predicted_scenario(),
+    ConeMaximum maximum{formulation.nominal_scenario(),
                         formulation.objective_power().value(place.value)};
     maximum.scenario.direction =
         (model.encounter.contact.R_EB * model.direction(place.c)).normalized();

@@ -36,7 +36,7 @@ class ScenarioProgram final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override;
   void evaluate(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
-  /// Exact for fixed directions; following ones turn with x, which it leaves out.
+  /// Exact for fixed directions; following ones change with x, which it leaves out.
   bool has_hessian() const override { return follow_ == nullptr && formulation_.has_hessian(); }
   void lagrangian_hessian(const Eigen::VectorXd& xtz, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override;

@@ -44,7 +44,7 @@ Vector3d AttitudeTurned::operator()(const JointVectord& phi, const Vector6d& Del
                                     const JointVectord& Delta_phidot,
                                     const StopCondition& stop) const {
   const Vector3d broken = kPi / size_ * Vector3d::UnitX();
-  // No gravity and no sensor of the attitude: the turn is the same from every attitude.
+  // No gravity and no sensor of the attitude: the rotation is the same from every attitude.
   PlantState state = state_at_rest(Pose{}, phi);
   state.Omega = Delta_Omega;
   state.phidot = Delta_phidot;

@@ -20,7 +20,7 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
     low.push_back(joint.lower + margin);
     high.push_back(joint.upper - margin);
   }
-  // What a cone leaves to the turn as a whole: everything.
+  // A cone bounds no component of the rotation vector.
   const bool is_cone = problem.variables.base_attitude == AttitudeFreedom::Cone;
   const double turn = is_cone ? kPi : problem.variables.base_attitude_max;
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
@@ -104,7 +104,7 @@ Eigen::VectorXd VariableLayout::start_point(const CaptureProblem& problem,
     const double limit = problem.variables.base_attitude_max;
     const double a = u[attitude], b = u[attitude + 1], c = u[attitude + 2];
     if (problem.variables.base_attitude == AttitudeFreedom::Cone) {
-      // The axis even over its cap, the roll even over a turn.
+      // The axis uniform over its cap, the roll uniform over 2 pi.
       const Vector3d& axis = problem.variables.base_attitude_axis;
       const auto [e_1, e_2] = tangent_basis(axis);
       const double tilt = std::acos(1 - a * (1 - std::cos(limit)));

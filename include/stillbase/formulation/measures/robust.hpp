@@ -35,7 +35,7 @@ struct WorstCase {
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 
-/// All maxima over the cone that the scan sees, the largest first, as scenarios with the
+/// All maxima over the cone that the scan finds, the largest first, as scenarios with the
 /// objective's value: where several are as large, each of them limits a better posture.
 struct ConeMaximum {
   Scenario scenario;

@@ -10,19 +10,19 @@
 namespace stillbase {
 
 /// A solution of the nominal problem, as often as starts ended there.
-struct FamilyMember {
+struct ContinuumMember {
   Eigen::VectorXd x;
   int reached = 1;
   int family = -1;  ///< -1: on no curve
 };
 
-struct Families {
+struct Continua {
   std::vector<SolutionFamily> families;
   /// In place of the members of a curve: the local minima of the worst case along it, with the
   /// starts that ended on this side of the next maximum. Where the worst case is the same all along
   /// a curve (the direction is known): the middle of the curve, or of each part that touches
   /// nothing. Those on no curve as they are; after a stop those on curves, too.
-  std::vector<FamilyMember> solutions;
+  std::vector<ContinuumMember> solutions;
   bool stopped = false;
 };
 
@@ -30,9 +30,9 @@ struct Families {
 /// open.
 /// @param is_free may be empty; else the minima over the part of each curve where it holds are kept
 /// as well (reached: 0 where they are no minima of the whole curve)
-Families follow_families(const CaptureProblem& problem, const Formulation& formulation,
-                         const std::vector<FamilyMember>& solutions,
+Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
+                         const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop, const FamilyOptions& options);
+                         const StopCondition& stop, const ContinuumOptions& options);
 
 }  // namespace stillbase

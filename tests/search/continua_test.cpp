@@ -33,7 +33,7 @@ SearchResult solutions_of(const CaptureProblem& problem, const Formulation& form
   return search(problem, formulation, options);
 }
 
-/// One curve for each family of a result.
+/// One curve for each continuum of a result.
 std::vector<SolutionCurve> curves_of(const Formulation& formulation, const SearchResult& result) {
   std::vector<SolutionCurve> curves(result.families.size());
   for (std::size_t i = 0; i < result.candidates.size(); ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("points of a curve are solutions, close to each other, and the curve i
   }
 }
 
-TEST_CASE("a curve ends where a joint meets its limit") {
+TEST_CASE("a curve ends where a joint reaches its limit") {
   CaptureProblem problem = three_link_c2();
   for (Joint& joint : problem.robot.joints) {
     joint.type = JointType::Revolute;

@@ -1,4 +1,4 @@
-#include "search/families.hpp"
+#include "search/continua.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ bool vanishes(const Formulation& formulation, const Eigen::VectorXd& x, double z
 class RatedCurve {
  public:
   RatedCurve(const CaptureProblem& problem, const Formulation& formulation, SolutionCurve curve,
-             const FamilyOptions& options)
+             const ContinuumOptions& options)
       : problem_(problem), formulation_(formulation), curve_(std::move(curve)), options_(options) {
     for (const CurvePoint& point : curve_.points) values_.push_back(value_at(point.x));
   }
@@ -144,7 +144,7 @@ class RatedCurve {
   const Formulation& formulation_;
   SolutionCurve curve_;
   std::vector<double> values_;
-  const FamilyOptions& options_;
+  const ContinuumOptions& options_;
 };
 
 /// From end to end, at most `spacing` apart; of a closed curve the first one is also the last.
@@ -165,14 +165,14 @@ std::vector<Configuration> points_along(const Formulation& formulation, const So
 }
 
 /// One curve's entries in the list of solutions.
-std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& formulation,
-                                  const std::vector<FamilyMember>& members,
-                                  const std::function<bool(const Configuration&)>& is_free,
-                                  const StopCondition& stop) {
+std::vector<ContinuumMember> best_of(const RatedCurve& curve, const Formulation& formulation,
+                                     const std::vector<ContinuumMember>& members,
+                                     const std::function<bool(const Configuration&)>& is_free,
+                                     const StopCondition& stop) {
   const int family = members.front().family;
-  std::vector<FamilyMember> out;
+  std::vector<ContinuumMember> out;
   std::vector<bool> free(curve.size(), true);
-  // A target that comes in is followed for every point: thousands of distances.
+  // The target is followed to the contact for every point: thousands of distances.
   for (std::size_t i = 0; i < curve.size() && is_free && !stop.reached(); ++i) {
     free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
   }
@@ -182,13 +182,13 @@ std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& fo
     }
     if (out.empty()) out.push_back(members.front());
     out.front().reached = 0;
-    for (const FamilyMember& member : members) out.front().reached += member.reached;
+    for (const ContinuumMember& member : members) out.front().reached += member.reached;
     return out;
   }
   const std::vector<bool> all(curve.size(), true);
   const std::vector<std::size_t> bottoms = curve.bottoms(all);
   std::vector<int> reached(curve.size(), 0);
-  for (const FamilyMember& member : members) {
+  for (const ContinuumMember& member : members) {
     reached[curve.bottom_below(curve.nearest_sample(member.x), bottoms)] += member.reached;
   }
   for (const std::size_t i : bottoms) {
@@ -203,14 +203,14 @@ std::vector<FamilyMember> best_of(const RatedCurve& curve, const Formulation& fo
 
 }  // namespace
 
-Families follow_families(const CaptureProblem& problem, const Formulation& formulation,
-                         const std::vector<FamilyMember>& solutions,
+Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
+                         const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop, const FamilyOptions& options) {
-  Families out;
+                         const StopCondition& stop, const ContinuumOptions& options) {
+  Continua out;
   std::vector<SolutionCurve> curves;
-  std::vector<std::vector<FamilyMember>> members;
-  for (FamilyMember solution : solutions) {
+  std::vector<std::vector<ContinuumMember>> members;
+  for (ContinuumMember solution : solutions) {
     solution.x = in_shortest_turns(formulation, solution.x, options.curve);
     if (vanishes(formulation, solution.x, options.zero)) {
       for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
@@ -234,14 +234,14 @@ Families follow_families(const CaptureProblem& problem, const Formulation& formu
   for (std::size_t i = 0; i < curves.size(); ++i) {
     SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0,
                           points_along(formulation, curves[i], options.spacing)};
-    for (const FamilyMember& member : members[i]) family.starts += member.reached;
+    for (const ContinuumMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
     if (stop.reached()) {
       out.solutions.insert(out.solutions.end(), members[i].begin(), members[i].end());
       continue;
     }
     const RatedCurve rated(problem, formulation, std::move(curves[i]), options);
-    for (FamilyMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
+    for (ContinuumMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
       out.solutions.push_back(std::move(best));
     }
   }
