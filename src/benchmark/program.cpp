@@ -19,7 +19,7 @@ class CaseProgram final : public nlp::Problem {
   explicit CaseProgram(const Formulation& formulation) : formulation_(formulation) {
     // report() names the constraints in their order, then what is none.
     const auto values = formulation.report(
-        formulation.start_point(Eigen::VectorXd::Constant(formulation.start_dimension(), 0.5)));
+        formulation.start_point(Eigen::VectorXd::Constant(formulation.num_variables(), 0.5)));
     for (int i = 0; i < formulation.num_constraints(); ++i) {
       const bool of_case = values[static_cast<std::size_t>(i)].name.rfind("case_", 0) == 0;
       (of_case ? equations_ : others_).push_back(i);
@@ -158,7 +158,7 @@ Eigen::VectorXd BenchmarkProgram::start(int index, std::uint64_t seed,
   best.violation = nlp::kInfinity;
   for (int draw = 0; draw < options.draws && best.violation > options.on_constraints; ++draw) {
     const Eigen::VectorXd x = formulation.start_point(
-        low_discrepancy_point(index + draw * kStride, formulation.start_dimension(), seed));
+        low_discrepancy_point(index + draw * kStride, formulation.num_variables(), seed));
     const ProjectionResult moved = project_onto_constraints(formulation, x, false, options.steps);
     if (best.x.size() == 0 || moved.violation < best.violation) best = moved;
   }

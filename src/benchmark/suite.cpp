@@ -113,7 +113,7 @@ bool is_satisfiable(const CaptureProblem& problem, const InstanceOptions& option
   const Formulation formulation(problem);
   for (int start = 0; start < options.starts; ++start) {
     const Eigen::VectorXd x =
-        formulation.start_point(low_discrepancy_point(start, formulation.start_dimension(), 0));
+        formulation.start_point(low_discrepancy_point(start, formulation.num_variables(), 0));
     const ProjectionResult there = project_onto_constraints(formulation, x, false, options.steps);
     // report() also knows a closing speed that is the same for every posture, which is no row.
     const std::vector<ConstraintValue> values = formulation.report(there.x);

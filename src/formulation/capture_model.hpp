@@ -114,4 +114,16 @@ struct CaptureModel {
   }
 };
 
+/// The nominal impact at a point of the search.
+struct NominalPoint {
+  Placement<double> at;
+  PostureImpact<double> posture;
+  ScenarioImpact<double> impact;
+
+  NominalPoint(const CaptureModel& model, const Eigen::VectorXd& x)
+      : at(model.place<double>(x)),
+        posture(model.posture(at)),
+        impact(model.impact(at, posture, model.nominal)) {}
+};
+
 }  // namespace stillbase

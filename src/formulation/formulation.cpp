@@ -20,10 +20,8 @@ double typical_objective(const Formulation::Parts& parts) {
   std::vector<double> sizes;
   for (int sample = 0; sample < kSamples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, model.layout.size, 0);
-    const auto at = model.place<double>(model.layout.start_point(model.problem, u));
-    const auto posture = model.posture(at);
-    const auto impact = model.impact(at, posture, model.nominal);
-    sizes.push_back(std::sqrt(2 * parts.objective(at, posture, impact, model.nominal, nullptr)));
+    const NominalPoint here(model, model.layout.start_point(model.problem, u));
+    sizes.push_back(std::sqrt(2 * parts.objective(here, nullptr)));
   }
   std::nth_element(sizes.begin(), sizes.begin() + kSamples / 2, sizes.end());
   return sizes[kSamples / 2] > 0 ? sizes[kSamples / 2] : 1;
@@ -75,20 +73,24 @@ int Formulation::num_equations() const { return parts_->rows.num_equations(); }
 Eigen::VectorXd Formulation::lower() const { return parts_->model.layout.lower; }
 Eigen::VectorXd Formulation::upper() const { return parts_->model.layout.upper; }
 
-Eigen::VectorXd Formulation::constraint_lower() const {
-  Eigen::VectorXd out(num_constraints());
-  for (int i = 0; i < out.size(); ++i) {
-    out[i] = parts_->rows.kept[static_cast<std::size_t>(i)]->lower;
-  }
+namespace {
+
+/// One of the bounds of the rows.
+Eigen::VectorXd bounds_of(const std::vector<const Constraint*>& rows,
+                          double ConstraintLabel::*bound) {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(rows.size()));
+  std::transform(rows.begin(), rows.end(), out.begin(),
+                 [bound](const Constraint* row) { return row->*bound; });
   return out;
 }
 
+}  // namespace
+
+Eigen::VectorXd Formulation::constraint_lower() const {
+  return bounds_of(parts_->rows.kept, &ConstraintLabel::lower);
+}
 Eigen::VectorXd Formulation::constraint_upper() const {
-  Eigen::VectorXd out(num_constraints());
-  for (int i = 0; i < out.size(); ++i) {
-    out[i] = parts_->rows.kept[static_cast<std::size_t>(i)]->upper;
-  }
-  return out;
+  return bounds_of(parts_->rows.kept, &ConstraintLabel::upper);
 }
 
 double Formulation::Parts::objective(const Placement<double>& at,
@@ -127,29 +129,29 @@ void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen:
   }
 }
 
+double Formulation::Parts::objective(const NominalPoint& here, GradientRow* gradient) const {
+  return objective(here.at, here.posture, here.impact, model.nominal, gradient);
+}
+
 void Formulation::evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
   parts_->count(1);
-  const CaptureModel& model = parts_->model;
-  const auto at = model.place<double>(x);
-  const auto posture = model.posture(at);
-  const auto impact = model.impact(at, posture, model.nominal);
-  out.objective = parts_->objective(at, posture, impact, model.nominal, nullptr);
+  const NominalPoint here(parts_->model, x);
+  out.objective = parts_->objective(here, nullptr);
   out.constraints.resize(num_constraints());
-  parts_->evaluate_rows({model, at, posture, impact}, out.constraints, nullptr);
+  parts_->evaluate_rows({parts_->model, here.at, here.posture, here.impact}, out.constraints,
+                        nullptr);
 }
 
 void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const {
   parts_->count(1);
-  const CaptureModel& model = parts_->model;
-  const auto at = model.place<double>(x);
-  const auto posture = model.posture(at);
-  const auto impact = model.impact(at, posture, model.nominal);
+  const NominalPoint here(parts_->model, x);
   out.gradient.resize(x.size());
   GradientRow gradient = out.gradient.transpose();
-  out.objective = parts_->objective(at, posture, impact, model.nominal, &gradient);
+  out.objective = parts_->objective(here, &gradient);
   out.constraints.resize(num_constraints());
   out.jacobian.resize(num_constraints(), x.size());
-  parts_->evaluate_rows({model, at, posture, impact}, out.constraints, &out.jacobian);
+  parts_->evaluate_rows({parts_->model, here.at, here.posture, here.impact}, out.constraints,
+                        &out.jacobian);
 }
 
 Scenario Formulation::nominal_scenario() const { return parts_->model.nominal; }
@@ -158,9 +160,7 @@ void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                                    Eigen::MatrixXd& jacobian) const {
   parts_->count(1);
   const CaptureModel& model = parts_->model;
-  const auto at = model.place<double>(x);
-  const auto posture = model.posture(at);
-  const auto impact = model.impact(at, posture, model.nominal);
+  const auto [at, posture, impact] = NominalPoint(model, x);
   const double unit = parts_->objective_unit, scale = impact.p / unit;
   std::vector<double> values;
   std::vector<Eigen::RowVectorXd> rows;
@@ -221,8 +221,6 @@ Eigen::VectorXd Formulation::variables(const Configuration& configuration) const
   return parts_->model.layout.variables(parts_->model.problem, configuration);
 }
 
-int Formulation::start_dimension() const { return parts_->model.layout.size; }
-
 Eigen::VectorXd Formulation::start_point(const Eigen::VectorXd& u) const {
   return parts_->model.layout.start_point(parts_->model.problem, u);
 }
@@ -237,10 +235,8 @@ Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
   const CaptureModel& model = parts_->model;
-  const auto at = model.place<double>(x);
-  const auto posture = model.posture(at);
-  const auto impact = model.impact(at, posture, model.nominal);
-  const ConstraintPoint<double> point{model, at, posture, impact};
+  const NominalPoint here(model, x);
+  const ConstraintPoint<double> point{model, here.at, here.posture, here.impact};
   std::vector<ConstraintValue> out;
   const auto add = [&](const Constraint& row) {
     out.push_back(constraint_value(row.name, row.value(point), row.lower, row.upper));

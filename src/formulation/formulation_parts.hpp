@@ -34,6 +34,7 @@ struct Formulation::Parts {
   double objective(const Placement<double>& at, const PostureImpact<double>& posture,
                    const ScenarioImpact<double>& impact, const Scenario& scenario,
                    GradientRow* gradient) const;
+  double objective(const NominalPoint& here, GradientRow* gradient) const;
   /// Adds what differenced terms are worth to a value and its gradient.
   void add_differenced(const Placement<double>& at, const Scenario& scenario, double& value,
                        GradientRow* gradient) const;

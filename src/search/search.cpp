@@ -126,7 +126,7 @@ class Search {
   }
   Eigen::VectorXd drawn(int index) const {
     return formulation_.start_point(
-        low_discrepancy_point(index, formulation_.start_dimension(), options_.seed));
+        low_discrepancy_point(index, formulation_.num_variables(), options_.seed));
   }
   ProjectionResult projected(const Eigen::VectorXd& x) const {
     return project_onto_constraints(formulation_, x, false, isolated_ ? 60 : 15);

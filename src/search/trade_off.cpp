@@ -126,8 +126,8 @@ class FrontSearch {
     }
     // A front may jump from one branch of postures to another: starts from everywhere.
     for (int draw = 0; draw < options_.draws_per_start * options_.starts && !stopped(); ++draw) {
-      const Eigen::VectorXd x0 = second_.start_point(
-          low_discrepancy_point(draw, second_.start_dimension(), options_.seed));
+      const Eigen::VectorXd x0 =
+          second_.start_point(low_discrepancy_point(draw, second_.num_variables(), options_.seed));
       const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
       if (projected.violation <= kFeasibilityTolerance) add(second_.normalised(projected.x));
     }

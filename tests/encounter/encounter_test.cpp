@@ -216,7 +216,7 @@ TEST_CASE("the impact at a configuration is the one that the formulation minimis
     const Formulation formulation(problem);
     const Configuration at =
         formulation.configuration(formulation.start_point(Eigen::VectorXd::NullaryExpr(
-            formulation.start_dimension(), [&] { return random.uniform(); })));
+            formulation.num_variables(), [&] { return random.uniform(); })));
     const ImpactSummary impact = impact_at(problem, at);
     nlp::Evaluation here;
     formulation.evaluate_value(formulation.variables(at), here);

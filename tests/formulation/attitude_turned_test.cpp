@@ -37,7 +37,7 @@ CaptureProblem planar_problem() {
 }
 
 Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), 11));
+  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 11));
 }
 
 }  // namespace

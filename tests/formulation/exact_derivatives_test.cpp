@@ -68,7 +68,7 @@ CaptureProblem rich_problem(Random& random, int trial) {
 }
 
 Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), 3));
+  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 3));
 }
 
 }  // namespace

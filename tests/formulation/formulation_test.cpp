@@ -36,7 +36,7 @@ void check_derivatives(const Formulation& formulation, const Eigen::VectorXd& x)
 }
 
 Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), 3));
+  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 3));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST_CASE("two of the three G2 equations of a rank 2 arm are solved, and the thi
   double worst = 0;
   for (int i = 0; i < 300; ++i) {
     const Eigen::VectorXd start =
-        formulation.start_point(low_discrepancy_point(i, formulation.start_dimension(), 5));
+        formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 5));
     const ProjectionResult there = project_onto_constraints(formulation, start, false, 40);
     if (!(there.violation <= 1e-12)) continue;
     ++solved;
@@ -79,7 +79,7 @@ TEST_CASE("equations that presolve removes hold wherever the others do") {
   int solved = 0;
   for (int i = 0; i < 60; ++i) {
     const Eigen::VectorXd start =
-        free.start_point(low_discrepancy_point(i, free.start_dimension(), 3));
+        free.start_point(low_discrepancy_point(i, free.num_variables(), 3));
     const ProjectionResult found = project_onto_constraints(free, start, false, 60);
     if (!(found.violation <= 1e-12)) continue;
     ++solved;

@@ -32,8 +32,7 @@ TEST_CASE("threads share one formulation and find what one thread finds") {
   constexpr int kPoints = 64;
   const auto evaluate = [&](int index, nlp::Evaluation& out) {
     formulation.evaluate(
-        formulation.start_point(low_discrepancy_point(index, formulation.start_dimension(), 7)),
-        out);
+        formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 7)), out);
   };
   std::vector<nlp::Evaluation> expected(kPoints), found(kPoints);
   for (int i = 0; i < kPoints; ++i) evaluate(i, expected[static_cast<std::size_t>(i)]);

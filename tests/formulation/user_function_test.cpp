@@ -22,7 +22,7 @@ TEST_CASE("a quantity from outside the library can be made small") {
   CHECK_FALSE(formulation.has_hessian());
 
   const Eigen::VectorXd x =
-      formulation.start_point(low_discrepancy_point(3, formulation.start_dimension(), 1));
+      formulation.start_point(low_discrepancy_point(3, formulation.num_variables(), 1));
   nlp::Evaluation at_x, a, b;
   formulation.evaluate(x, at_x);
   for (int i = 0; i < x.size(); ++i) {
@@ -41,7 +41,7 @@ TEST_CASE("a quantity from outside the library can be made small") {
   const double best = found.candidates.front().objective;
   for (int i = 0; i < 400; ++i) {
     Configuration at = formulation.configuration(
-        formulation.start_point(low_discrepancy_point(i, formulation.start_dimension(), 5)));
+        formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 5)));
     CHECK(nominal_value(problem, formulation, at) >= best * (1 - 1e-6));
   }
 }
@@ -66,7 +66,7 @@ TEST_CASE("a constraint from outside the library is kept, listed and differentia
   CHECK_FALSE(formulation.has_hessian());
 
   const Eigen::VectorXd x =
-      formulation.start_point(low_discrepancy_point(3, formulation.start_dimension(), 1));
+      formulation.start_point(low_discrepancy_point(3, formulation.num_variables(), 1));
   nlp::Evaluation at_x, a, b;
   formulation.evaluate(x, at_x);
   const Eigen::Index row = at_x.constraints.size() - 1;

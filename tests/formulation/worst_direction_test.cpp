@@ -22,7 +22,7 @@ TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
     }
     const Formulation formulation(problem);
     const Configuration configuration = formulation.configuration(
-        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 9)));
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 9)));
     const DirectionModel model(problem, formulation, configuration);
     const std::vector<ConeMaximum> maxima = cone_maxima(problem, formulation, configuration);
     REQUIRE_FALSE(maxima.empty());
@@ -49,10 +49,9 @@ TEST_CASE("the derivatives of ln |y|^2 over the direction are those of its diffe
         trial % 2 == 0 ? point_mass_problem(random_robot(random, 6, false), random.unit_vector())
                        : tumbling_problem(random, random_robot(random, 7, false));
     const Formulation formulation(problem);
-    const DirectionModel model(
-        problem, formulation,
-        formulation.configuration(formulation.start_point(
-            low_discrepancy_point(trial, formulation.start_dimension(), 9))));
+    const DirectionModel model(problem, formulation,
+                               formulation.configuration(formulation.start_point(
+                                   low_discrepancy_point(trial, formulation.num_variables(), 9))));
     Vector3d g, g_up, g_down;
     Matrix3d H, unused;
     REQUIRE(model.log_derivatives(model.n, g, H));

@@ -87,7 +87,7 @@ std::vector<Eigen::VectorXd> solutions_by_newton(const CaptureProblem& problem, 
   std::vector<Eigen::VectorXd> found;
   for (int s = 0; s < starts; ++s) {
     Eigen::VectorXd x =
-        formulation.start_point(low_discrepancy_point(s, formulation.start_dimension(), 0));
+        formulation.start_point(low_discrepancy_point(s, formulation.num_variables(), 0));
     Rows at = rows_at(formulation, x, zero);
     for (int i = 0; i < 60 && at.values.norm() > 1e-13; ++i) {
       Eigen::VectorXd step = -at.jacobian.completeOrthogonalDecomposition().solve(at.values);

@@ -85,7 +85,7 @@ double least_measure(const CaptureProblem& problem, int starts) {
   };
   std::vector<std::pair<double, Eigen::Quaterniond>> found;
   for (int s = 0; s < starts; ++s) {
-    const Eigen::VectorXd u = low_discrepancy_point(s, formulation.start_dimension(), 3);
+    const Eigen::VectorXd u = low_discrepancy_point(s, formulation.num_variables(), 3);
     const auto at = formulation.configuration(formulation.start_point(u)).base.orientation;
     found.emplace_back(value_at(at), at);
   }

@@ -109,7 +109,7 @@ double least_measure(const CaptureProblem& problem, const Formulation& formulati
     return true;
   };
   for (int s = 0; s < starts; ++s) {
-    look(formulation.start_point(low_discrepancy_point(s, formulation.start_dimension(), 3)));
+    look(formulation.start_point(low_discrepancy_point(s, formulation.num_variables(), 3)));
   }
   REQUIRE(best.has_value());
   Random random(4);
@@ -178,7 +178,7 @@ TEST_CASE("over a box of joint, base angle and time the forms of |y|^2 hold the 
     const double width = std::pow(10, random.uniform(-5, -0.5));
     Eigen::VectorXd middle =
         formulation.start_point(Vector3d(random.uniform(), random.uniform(), random.uniform())
-                                    .head(formulation.start_dimension()));
+                                    .head(formulation.num_variables()));
     using Form = proof::Form<3>;
     std::array<Form, 3> x;
     const auto unit = [&](int k) {

@@ -51,7 +51,7 @@ std::vector<Eigen::VectorXd> solutions_elsewhere(const Formulation& formulation,
   std::vector<Eigen::VectorXd> found;
   for (int i = 0; i < count; ++i) {
     const Eigen::VectorXd start =
-        formulation.start_point(low_discrepancy_point(i, formulation.start_dimension(), 99));
+        formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 99));
     const ProjectionResult there = project_onto_constraints(formulation, start, true, 60);
     if (there.violation <= 1e-12) found.push_back(there.x);
   }

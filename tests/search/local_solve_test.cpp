@@ -14,7 +14,7 @@ TEST_CASE("the nominal encounter is evaluated like one scenario of several") {
   const CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
   const Formulation formulation(problem);
   const Eigen::VectorXd x =
-      formulation.start_point(low_discrepancy_point(3, formulation.start_dimension(), 9));
+      formulation.start_point(low_discrepancy_point(3, formulation.num_variables(), 9));
   nlp::Evaluation alone;
   formulation.evaluate(x, alone);
   ScenarioEvaluation given;
@@ -34,8 +34,8 @@ TEST_CASE("the local solver ends at a minimum from every start, also from one th
   for (int draw = 0; draw < 256; ++draw) {
     const ProjectionResult start = project_onto_constraints(
         formulation,
-        formulation.start_point(low_discrepancy_point(draw, formulation.start_dimension(), 1)),
-        false, 15);
+        formulation.start_point(low_discrepancy_point(draw, formulation.num_variables(), 1)), false,
+        15);
     if (start.violation > 1e-3) continue;
     ++starts;
     const nlp::OptimizeResult found = solver->minimize(formulation, start.x);

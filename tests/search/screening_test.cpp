@@ -21,7 +21,7 @@ std::vector<Eigen::VectorXd> some_points(const Formulation& formulation, int cou
   std::vector<Eigen::VectorXd> out;
   for (int i = 0; i < count; ++i) {
     out.push_back(
-        formulation.start_point(low_discrepancy_point(i, formulation.start_dimension(), 7)));
+        formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 7)));
   }
   return out;
 }

@@ -157,7 +157,7 @@ TEST_CASE("the worst case over a cone is never below a dense scan") {
     problem.uncertainty.cone_half_angle = 0.1 + 0.2 * trial;
     const Formulation formulation(problem);
     const Configuration configuration = formulation.configuration(
-        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 9)));
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 9)));
     const WorstCase worst = worst_case(problem, formulation, configuration);
 
     const EncounterModel& model = formulation.encounter_model();

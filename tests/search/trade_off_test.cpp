@@ -39,7 +39,7 @@ TEST_CASE("a front holds no point that another one beats, and both extremes") {
   double least_first = kInfinity, least_second = kInfinity;
   for (int i = 0; i < 4000; ++i) {
     const ProjectionResult on = project_onto_constraints(
-        first, first.start_point(low_discrepancy_point(i, first.start_dimension(), 5)), false, 30);
+        first, first.start_point(low_discrepancy_point(i, first.num_variables(), 5)), false, 30);
     if (!(on.violation < 1e-10)) continue;
     const Configuration at = first.configuration(on.x);
     const double a = nominal_value(of_first, first, at), b = nominal_value(of_second, second, at);
@@ -93,8 +93,7 @@ TEST_CASE("of many postures with the least of one quantity, an end has the least
   // The least joint rates among the postures near the curves, of many anywhere.
   double least = kInfinity;
   for (int i = 0; i < 60000; ++i) {
-    const Eigen::VectorXd x =
-        first.start_point(low_discrepancy_point(i, first.start_dimension(), 5));
+    const Eigen::VectorXd x = first.start_point(low_discrepancy_point(i, first.num_variables(), 5));
     const Configuration at = first.configuration(x);
     if (!(nominal_value(problem, first, at) < 5e-3 * most)) continue;
     bool feasible = true;

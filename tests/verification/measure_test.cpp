@@ -56,7 +56,7 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
     CHECK(tolerance == (trial < 3 ? 1e-5 : 1e-10));
     const Formulation formulation(problem);
     const Eigen::VectorXd x =
-        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), 3));
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 3));
     const Configuration at = formulation.configuration(x);
     const auto response = verification::posture_response(problem, at.phi);
     const auto motion = verification::target_motion(

@@ -111,10 +111,9 @@ class Formulation final : public nlp::Problem {
   Configuration configuration(const Eigen::VectorXd& x) const;
   /// The variables of a configuration: the inverse of configuration().
   Eigen::VectorXd variables(const Configuration& configuration) const;
-  /// A start point for u in [0,1)^d, d = start_dimension(): joints within their limits (one turn
-  /// for continuous ones), attitudes uniform over rotations, times uniform.
+  /// A start point for u in [0,1)^N: joints within their limits (2 pi for continuous ones),
+  /// attitudes uniform over rotations, times uniform.
   Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
-  int start_dimension() const;
   /// Distance of two points on the configuration manifold: angles wrapped, rotations by their
   /// angle.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;

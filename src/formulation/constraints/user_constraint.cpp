@@ -21,10 +21,8 @@ class UserRow final : public Constraint {
   double value_and_gradient(const ConstraintPoint<double>& at, GradientRow row) const override {
     const Eigen::VectorXd x = at.placement.x;
     const auto value_at = [&](const Eigen::VectorXd& other) {
-      const auto placement = at.model.place<double>(other);
-      const auto posture = at.model.posture(placement);
-      return value(
-          {at.model, placement, posture, at.model.impact(placement, posture, at.model.nominal)});
+      const NominalPoint there(at.model, other);
+      return value({at.model, there.at, there.posture, there.impact});
     };
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       row[i] = difference_along(at.model.layout, x, i, value_at);

@@ -35,7 +35,7 @@ std::vector<Eigen::VectorXd> find_solutions(const Formulation& formulation, std:
   std::vector<Eigen::VectorXd> out;
   for (int trial = 0; trial < options.solution_trials && out.size() < wanted; ++trial) {
     const Eigen::VectorXd start =
-        formulation.start_point(low_discrepancy_point(trial, formulation.start_dimension(), seed));
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), seed));
     const ProjectionResult there =
         project_onto_constraints(formulation, start, false, options.projection_steps);
     if (there.violation <= options.solved) out.push_back(there.x);

@@ -27,12 +27,11 @@ std::vector<RowProfile> sample_rows(const CaptureModel& model, const ConstraintS
   Eigen::RowVectorXd gradient(size);
   for (int sample = 0; sample < options.samples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, size, 0);
-    const auto placement = model.place<double>(model.layout.start_point(model.problem, u));
-    const auto posture = model.posture(placement);
-    const auto impact = model.impact(placement, posture, model.nominal);
+    const NominalPoint here(model, model.layout.start_point(model.problem, u));
     for (RowProfile& profile : out) {
       const Constraint& row = *profile.row;
-      const double value = row.value_and_gradient({model, placement, posture, impact}, gradient);
+      const double value =
+          row.value_and_gradient({model, here.at, here.posture, here.impact}, gradient);
       profile.is_violated = profile.is_violated || value < row.lower - options.zero ||
                             value > row.upper + options.zero;
       profile.largest_gradient = std::max(profile.largest_gradient, gradient.cwiseAbs().maxCoeff());

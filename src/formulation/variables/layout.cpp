@@ -58,15 +58,6 @@ Eigen::Quaterniond VariableLayout::attitude_of(const CaptureProblem& problem,
   return stated;
 }
 
-Eigen::Matrix3Xd VariableLayout::attitude_rates(const CaptureProblem& problem,
-                                                const Eigen::VectorXd& x) const {
-  if (attitude_size == 1) {
-    return attitude_of(problem, x).conjugate() * problem.variables.base_attitude_axis;
-  }
-  if (attitude_size == 3) return rotation_right_jacobian(x.segment<3>(attitude));
-  return Eigen::Matrix3Xd(3, 0);
-}
-
 double VariableLayout::contact_time(const CaptureProblem& problem, const Eigen::VectorXd& x) const {
   return time < 0 ? problem.variables.contact_time_lower : x[time];
 }

@@ -20,14 +20,12 @@ struct VariableLayout {
 
   JointVectord joint_positions(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
   Eigen::Quaterniond attitude_of(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
-  /// Turn of B (rad, in B) per attitude variable, 3 x attitude_size.
-  Eigen::Matrix3Xd attitude_rates(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
   double contact_time(const CaptureProblem& problem, const Eigen::VectorXd& x) const;
 
   /// The variables of a configuration.
   Eigen::VectorXd variables(const CaptureProblem& problem,
                             const Configuration& configuration) const;
-  /// A start point for u in [0,1)^N: joints within their limits (one turn for continuous ones),
+  /// A start point for u in [0,1)^N: joints within their limits (2 pi for continuous ones),
   /// attitudes uniform over rotations, times uniform.
   Eigen::VectorXd start_point(const CaptureProblem& problem, const Eigen::VectorXd& u) const;
   /// Distance on the configuration manifold: angles wrapped, rotations by their angle.
