@@ -13,6 +13,13 @@ std::string each_quantity(const char* separator, const Part& part) {
   return text;
 }
 
+/// "`name` (what it is)", without the formula before the colon.
+std::string name_and_words(const QuantityRow& row) {
+  const std::size_t colon = row.sentence.rfind(": ");
+  return "`" + row.name + "` (" +
+         (colon == std::string::npos ? row.sentence : row.sentence.substr(colon + 2)) + ")";
+}
+
 /// The time of the attitude change: required by that quantity, refused by the others.
 void after_field(Table& t, ObjectiveTerm& term, const char* text) {
   const bool needs_time = row_of(term.quantity).needs_time;
@@ -75,16 +82,13 @@ void objective_fields(Table& t, CaptureProblem& problem) {
   if (t.states("terms", !is_plain)) {
     t("terms", maps_of(terms, {.least = 1, .unique_key = "quantity", .of = "{quantity: , size: }"}),
       "several quantities instead of one: the root of the sum of (value / size)^2 is made small, "
-      "of "
-      "an energy value / size",
+      "of an energy value / size",
       {.need = Need::Required, .without = "none"});
     t.not_both("terms", "quantity");
     if (t.reader() != nullptr && terms.empty()) terms.resize(1);
   } else {
     t("quantity", Word(first.quantity, objective_names()),
-      "made small: " +
-          each_quantity(
-              "; ", [](const QuantityRow& row) { return "`" + row.name + "`, " + row.sentence; }),
+      "made small: " + each_quantity(", ", name_and_words),
       {.need = Need::Required,
        .frame = each_quantity(", ", [](const QuantityRow& row) { return row.unit; }),
        .without = "required without terms",
