@@ -10,7 +10,7 @@ set(STILLBASE_OWN_UNITS
   robot/urdf_refusal_test simulation/simulate_test
   core/linear_algebra dynamics/inertia encounter/encounter encounter/target_motion
   formulation/capture_model_tangent
-  proof/bound proof/case_rows proof/enclose proof/minimum proof/spin proof/variable_encounter
+  proof/articulated_forms proof/bound proof/case_rows proof/dynamics_over_boxes proof/enclose proof/minimum proof/spin proof/variable_encounter
   reference/reference target/prediction target/target verification/recomputation
   verification/trials)
 

@@ -25,6 +25,7 @@
 #include <stillbase/robot/robot_model.hpp>
 
 #include "dynamics/rigid_inertia.hpp"
+#include "proof/taylor.hpp"
 
 namespace stillbase::proof {
 
@@ -310,5 +311,8 @@ struct ArticulatedForms {
     return Vector3<S>(turned[0] * c + turned[1] * s, turned[1] * c - turned[0] * s, turned[2]);
   }
 };
+
+extern template struct ArticulatedForms<Form<2>>;
+extern template struct ArticulatedForms<Form<3>>;
 
 }  // namespace stillbase::proof

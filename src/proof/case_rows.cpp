@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "dynamics/inertia_kernel.hpp"
-#include "dynamics/kinematics_kernel.hpp"
-#include "impact/jump_kernel.hpp"
+#include <stillbase/dynamics/inertia.hpp>
+
 #include "proof/elimination.hpp"
 #include "proof/taylor.hpp"
 
@@ -67,7 +66,8 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
   const TildeInertia<S> tilde = compute_tilde_inertia<S>(inertia);
   const Vector6<S>& F = at.F;
   const Vector3<S> f = F.template head<3>();
-  const Vector3<S> L = momentum_change<S>(inertia, jacobian, F);
+  const Vector3<S> r_gh = jacobian.r_bh() - inertia.r_bg;
+  const Vector3<S> L = r_gh.cross(f) + F.template tail<3>();  // (16)
 
   std::optional<JointPart<S>> joint_part;
   JointVector<S> torque(robot.n());  // s

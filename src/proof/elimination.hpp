@@ -10,7 +10,6 @@
 
 #include <array>
 
-#include "dynamics/kinematics_kernel.hpp"
 #include "proof/dense.hpp"
 #include "proof/interval.hpp"
 
