@@ -35,7 +35,9 @@ std::vector<Quadratic<N>> with_eliminations(std::vector<Quadratic<N>> equations)
 template <int N>
 class Multipliers {
  public:
-  Multipliers(const std::vector<Quadratic<N>>& equations, const Part<N>& part) : part_(part) {
+  Multipliers(const std::vector<Quadratic<N>>& equations, const Part<N>& part,
+              double dependent_rows)
+      : part_(part) {
     for (const Quadratic<N>& g : equations) {
       if (!g.is_bounded() || g.size_of(1) == 0 || rows_.size() == static_cast<std::size_t>(N)) {
         continue;
@@ -47,8 +49,7 @@ class Multipliers {
     J_.resize(m, N);
     for (Eigen::Index j = 0; j < m; ++j) J_.row(j) = slopes(rows_[static_cast<std::size_t>(j)]);
     normal_ = J_ * J_.transpose();
-    // dependent rows are harmless
-    normal_.diagonal().array() += 1e-13 * normal_.trace() + 1e-300;
+    normal_.diagonal().array() += dependent_rows * normal_.trace() + 1e-300;
     // J's rows as if they were orthonormal: the squares then bend all forbidden directions alike.
     const Eigen::MatrixXd whitening = inverse_cholesky_factor(normal_);
     if (whitening.size() == 0) return;
@@ -133,9 +134,9 @@ Quadratic<N> best_mixture(const std::vector<Quadratic<N>>& forms, const Part<N>&
 }
 
 /// Work for threads: f(i) for all i below count, each with its own rounding mode.
+/// @param per_thread fewer calls are not worth a thread
 template <class F>
-void in_threads(std::size_t count, const F& f) {
-  constexpr std::size_t kEach = 8;  // fewer calls are not worth a thread
+void in_threads(std::size_t count, std::size_t per_thread, const F& f) {
   const std::size_t most = std::max(1u, std::thread::hardware_concurrency());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
@@ -143,7 +144,7 @@ void in_threads(std::size_t count, const F& f) {
     for (std::size_t i = next++; i < count; i = next++) f(i);
   };
   std::vector<std::thread> others;
-  while (others.size() + 1 < std::min(most, count / kEach)) others.emplace_back(work);
+  while (others.size() + 1 < std::min(most, count / per_thread)) others.emplace_back(work);
   work();
   for (std::thread& other : others) other.join();
 }
@@ -205,7 +206,8 @@ class Search {
   /// Cuts boxes, bounds what remains and puts it on the list.
   void examine_all(const std::vector<Node>& boxes) {
     std::vector<Examined> results(boxes.size());
-    in_threads(boxes.size(), [&](std::size_t i) { results[i] = examine(boxes[i]); });
+    in_threads(boxes.size(), options_.boxes_per_thread,
+               [&](std::size_t i) { results[i] = examine(boxes[i]); });
     for (std::size_t i = 0; i < results.size(); ++i) {
       Examined& seen = results[i];
       out_.boxes += seen.evaluations;
@@ -284,7 +286,7 @@ class Search {
     for (const Quadratic<N>& row : rows) {
       if (!cut_by_equation(row, part)) return false;
     }
-    const Multipliers<N> multipliers(equations, part);
+    const Multipliers<N> multipliers(equations, part, options_.dependent_rows);
     for (Quadratic<N>& excess : excesses) excess = multipliers.relieved(excess);
     const Quadratic<N> mixed = best_mixture(excesses, part, options_);
     if (!cut_above_zero(mixed, part)) return false;

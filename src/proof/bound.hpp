@@ -61,15 +61,17 @@ struct BoundOptions {
   // Effort. Every choice is right; these need the fewest boxes on the shipped problems.
   /// A box that has lost this part of its volume is examined once more before it is divided.
   double worthwhile = 0.5;
-  int max_rounds = 6;           ///< examinations of one box
-  std::size_t max_mixed = 5;    ///< of several f_k, the largest ones that are combined
-  int max_mixtures = 4;         ///< rounds of combining
-  double wide_side = 0.25;      ///< sides below this part of the widest one are not divided
+  int max_rounds = 6;             ///< examinations of one box
+  std::size_t max_mixed = 5;      ///< of several f_k, the largest ones that are combined
+  int max_mixtures = 4;           ///< rounds of combining
+  double dependent_rows = 1e-13;  ///< of the trace, added to the normal matrix of the equations
+  double wide_side = 0.25;        ///< sides below this part of the widest one are not divided
   double worth_a_proof = 1e-3;  ///< of the goal: where a point's value is below it, none is sought
   /// Boxes that are divided before the list is sorted. Not the number of threads: the answer
   /// does not depend on them.
   std::size_t at_a_time = 64;
-  std::size_t max_suspects = 8;  ///< where the limit was reached
+  std::size_t boxes_per_thread = 8;  ///< fewer are not worth a thread
+  std::size_t max_suspects = 8;      ///< where the limit was reached
 };
 
 struct Bound {

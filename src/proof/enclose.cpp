@@ -8,23 +8,6 @@
 namespace stillbase::proof {
 namespace {
 
-constexpr double kSteep = 1e200;  ///< unbounded slopes count as this
-
-template <int N>
-Box<N> hull_of(const Box<N>& A, const Box<N>& B) {
-  Box<N> out;
-  for (int i = 0; i < N; ++i) out[i] = boost::numeric::hull(A[i], B[i]);
-  return out;
-}
-
-template <int N>
-Box<N> inflated(const Box<N>& X) {
-  Box<N> out;
-  const double margin = 0.25 * width_of(X) + 1e-14;
-  for (int i = 0; i < N; ++i) out[i] = X[i] + Interval(-margin, margin);
-  return out;
-}
-
 /// A box cut by second-order forms of f.
 template <int N>
 struct FormCut {
@@ -182,16 +165,17 @@ Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
 
 /// The zero of a box that holds exactly one, to rounding.
 template <int N>
-Box<N> tighten(const System<N>& system, Box<N> X) {
-  for (int round = 0; round < 60; ++round) {
+Box<N> tighten(const System<N>& system, const EncloseOptions& options, Box<N> X) {
+  for (int round = 0; round < options.tightening_rounds; ++round) {
     const double before = width_of(X);
     bool is_regular = false;
     Box<N> next = X;
     if (krawczyk(linearise(system, X), next, is_regular) == Verdict::Empty) break;
     X = next;
     // Slow at first where slopes change much, fast near the zero, and at an end by rounding.
-    const bool is_slow = width_of(X) > 0.5 * before;
-    if (is_slow && (width_of(X) < 1e-9 || width_of(X) > 0.99 * before)) break;
+    const bool is_slow = width_of(X) > options.tightening_slow * before;
+    const bool is_stalled = width_of(X) > options.tightening_stalled * before;
+    if (is_slow && (width_of(X) < options.tight_width || is_stalled)) break;
   }
   return X;
 }
@@ -261,7 +245,9 @@ class Search {
   }
 
   bool try_inflated(const Box<N>& X) {
-    const Box<N> larger = inflated(X);
+    Box<N> larger = X;
+    const double margin = options_.inflated_by * width_of(X) + options_.inflated_least;
+    for (Interval& side : larger.side) side += Interval(-margin, margin);
     const Linearised<N> at = linearise(system_, larger);
     if (!at.may_have_zero) return true;
     bool is_regular = false;
@@ -272,7 +258,7 @@ class Search {
   }
 
   void keep(const Box<N>& unique, const Box<N>& cut) {
-    const Box<N> tight = tighten(system_, cut);
+    const Box<N> tight = tighten(system_, options_, cut);
     for (Zero<N>& known : out_.zeros) {
       // Both boxes hold one zero, and this one's zero is in the other's: the same zero.
       if (is_inside(tight, known.unique) || is_inside(known.tight, unique)) {
@@ -293,7 +279,7 @@ class Search {
       double slope = 0;
       // Unbounded slopes: the widest side is divided.
       for (int i = 0; i < N; ++i) {
-        slope = std::fmax(slope, std::fmin(boost::numeric::norm(at.J[i][j]), kSteep));
+        slope = std::fmax(slope, std::fmin(boost::numeric::norm(at.J[i][j]), options_.steepest));
       }
       change_[j] = slope * width_of(X[j]);
     }
@@ -336,7 +322,9 @@ std::vector<Box<N>> joined(std::vector<Box<N>> boxes, std::size_t max_joined) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       for (std::size_t j = boxes.size(); j-- > i + 1;) {
         if (is_disjoint(boxes[i], boxes[j])) continue;
-        boxes[i] = hull_of(boxes[i], boxes[j]);
+        for (int k = 0; k < N; ++k) {
+          boxes[i][k] = boost::numeric::hull(boxes[i][k], boxes[j][k]);
+        }
         boxes.erase(boxes.begin() + static_cast<long>(j));
         changed = true;
       }

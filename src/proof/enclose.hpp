@@ -46,8 +46,15 @@ struct EncloseOptions {
   /// Rows whose slopes change by more than this part of themselves are not tested by Krawczyk's
   /// operator, which takes slopes that change by less than themselves.
   double nearly_linear = 0.5;
-  double inflated_width = 0.5;  ///< boxes wider than this are not tried enlarged
-  double split = 0.4857;  ///< where sides are divided: off the middle, zeros sit at round numbers
+  double inflated_width = 0.5;    ///< boxes wider than this are not tried enlarged
+  double inflated_by = 0.25;      ///< of the widest side, on either side
+  double inflated_least = 1e-14;  ///< the same of a box without width
+  int tightening_rounds = 60;     ///< of Krawczyk's operator on the box of one zero
+  /// The rounds end where one leaves more than the first part of the width of a box below
+  /// `tight_width`, or of any box more than the second part.
+  double tightening_slow = 0.5, tightening_stalled = 0.99, tight_width = 1e-9;
+  double steepest = 1e200;  ///< unbounded slopes count as this
+  double split = 0.4857;    ///< where sides are divided: off the middle, zeros sit at round numbers
   /// Zeros this far outside of the domain are undecided: a solver meets its equations to a
   /// tolerance, and just inside a limit takes a zero just outside for one inside.
   double edge = 1e-7;

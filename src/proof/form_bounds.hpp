@@ -62,6 +62,12 @@ bool cut_above_zero(const Quadratic<N>& form, Part<N>& part) {
   return true;
 }
 
+/// How a convex part is found and its least value. Any choice is right.
+struct ParabolaOptions {
+  double curvature_margin = 1e-9;  ///< of the largest entry: what certainty costs
+  int sweeps = 8;                  ///< of coordinate descent to the minimum
+};
+
 /// c + a' eta + eta' Q eta over eta in [-1, 1]^N, Q with halves of the mixed coefficients beside
 /// the diagonal.
 template <int N>
@@ -126,13 +132,13 @@ struct Parabola {
   /// A lower bound: what is not convex of it, s |eta|^2 with s <= 0, at its least, and the convex
   /// part by its tangent plane near its minimum (alpha-BB: Androulakis, Maranas and Floudas, J.
   /// Glob. Optim. 7, 1995).
-  double least() const {
+  double least(const ParabolaOptions& options = {}) const {
     double size = 0;
     for (int i = 0; i < N; ++i) size = std::fmax(size, boost::numeric::norm(Q[i][i]));
-    const double s = std::fmin(least_curvature(), 0) - 1e-9 * size - 1e-290;
+    const double s = std::fmin(least_curvature(), 0) - options.curvature_margin * size - 1e-290;
     if (!is_convex_without(s)) return -kInfinite;
     std::array<double, N> eta{};
-    for (int sweep = 0; sweep < 8; ++sweep) {
+    for (int sweep = 0; sweep < options.sweeps; ++sweep) {
       for (int i = 0; i < N; ++i) {
         double slope = middle(a[i]);
         for (int j = 0; j < N; ++j) {

@@ -25,12 +25,14 @@ class MeanSquares {
   /// @param level of the root of the mean, where it has to be sharp
   /// @param gram, impulses, weights outlive this
   MeanSquares(const ResponseGram<Form<N>>& gram, const std::vector<ImpulseCase>& impulses,
-              const std::vector<PairWeights>& weights, double level)
+              const std::vector<PairWeights>& weights, double level,
+              const MinimumTolerances& tolerances = {})
       : gram_(gram),
         low_(folded(gram)),
         impulses_(impulses),
         weights_(weights),
         level_(level),
+        tolerances_(tolerances),
         least_factors_(impulses.size(), Interval(1.0)) {
     for (std::size_t k = 0; k < impulses.size(); ++k) {
       numerators_.push_back(low_.square_of(weights[k]) * square(low_.scale_of(impulses[k])));
@@ -70,7 +72,7 @@ class MeanSquares {
     }
     std::vector<double> out(impulses_.size(), 0.0);
     if (!(mean > 0)) return out;
-    const double part_of_middle = level_ * (1 + kAboveLevel) / std::sqrt(mean);
+    const double part_of_middle = level_ * (1 + tolerances_.above_level) / std::sqrt(mean);
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
       out[k] = least_square(k, ratios[k] * part_of_middle);
     }
@@ -80,15 +82,12 @@ class MeanSquares {
   bool is_contact() const { return impulses_.front().target_inverse_mass.has_value(); }
 
  private:
-  static constexpr double kNearlyConstant = 0.5;
-  static constexpr double kAboveLevel = 1e-5;
-
   void compare_divisors() {
     least_ = *impulses_.front().target_inverse_mass;
     D_0_ = gram_.W.front() + Form<N>(least_);
     const double least = std::fmax(D_0_.range().lower(), least_);
     const Form<N> inverse = inverse_of(D_0_);
-    is_sharp_ = inverse.is_bounded() && D_0_.size_of(1) < kNearlyConstant * D_0_.c();
+    is_sharp_ = inverse.is_bounded() && D_0_.size_of(1) < tolerances_.nearly_constant * D_0_.c();
     const T low_D_0 = D_0_.folded(), low_inverse = inverse.folded();
     for (std::size_t k = 0; k < impulses_.size(); ++k) {
       const T D = low_.divisor_of(impulses_[k], weights_[k]);
@@ -152,6 +151,7 @@ class MeanSquares {
   const std::vector<ImpulseCase>& impulses_;
   const std::vector<PairWeights>& weights_;
   const double level_;
+  const MinimumTolerances tolerances_;
   std::vector<T> numerators_;            ///< of the impulses' own fractions
   std::vector<T> divisors_;              ///< D; of given impulses empty
   std::vector<Interval> least_factors_;  ///< by which the numerators are multiplied at least

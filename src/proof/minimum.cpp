@@ -145,7 +145,8 @@ class ImpactProgram final : public Program<N> {
       }
       return;
     }
-    const MeanSquares<N> squares(forms.gram(), impulses, basis_.weights, level_);
+    const MeanSquares<N> squares(forms.gram(), impulses, basis_.weights, level_,
+                                 problem_.tolerances);
     const std::vector<std::vector<double>> shares =
         is_tail ? tails(squares.squares()) : std::vector<std::vector<double>>{weights_of(impulses)};
     for (const std::vector<double>& each : shares) squares.add_mean(each, values);

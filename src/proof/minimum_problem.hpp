@@ -36,8 +36,11 @@ struct MinimumTolerances {
   /// By which the contact point of the planner's integrated target may be off, m: four times what
   /// tests/proof/spin_test.cpp finds.
   double integrated = 4e-9;
-  double best_value = 1e-6;           ///< relative error of the best known value
-  double unit_vector = 1e-12;         ///< of the lengths of directions, and of the sum of weights
+  double best_value = 1e-6;    ///< relative error of the best known value
+  double unit_vector = 1e-12;  ///< of the lengths of directions, and of the sum of weights
+  /// Divisors that change by less than this part over a box are expanded to second order.
+  double nearly_constant = 0.5;
+  double above_level = 1e-5;  ///< of the level, by which squares of impulses are tried above it
   double impulses_per_posture = 128;  ///< impulses of a mean that cost as much as a box itself
 };
 
