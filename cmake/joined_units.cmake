@@ -8,9 +8,10 @@ set(STILLBASE_OWN_UNITS
   audit/proof_test cli/inputs_test cli/limits_test cli/refusal_test cli/schema_test
   formulation/exact_derivatives_test formulation/formulation_test io/post_impact_section_test
   robot/urdf_refusal_test simulation/simulate_test
-  core/linear_algebra dynamics/inertia encounter/encounter encounter/target_motion
+  core/linear_algebra dynamics/double encounter/encounter encounter/target_motion
   formulation/capture_model_tangent
-  proof/articulated_forms proof/bound proof/case_rows proof/dynamics_over_boxes proof/enclose proof/minimum proof/spin proof/variable_encounter
+  proof/articulated_forms proof/bound proof/case_rows proof/dynamics_over_boxes proof/enclose
+  proof/minimum proof/spin proof/variable_encounter
   reference/reference target/prediction target/target verification/recomputation
   verification/trials)
 
