@@ -11,7 +11,6 @@
 #include <stillbase/dynamics/kinematics.hpp>
 
 #include "app/words.hpp"
-#include "impact/case_lever.hpp"
 
 namespace stillbase::app {
 

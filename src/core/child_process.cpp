@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Exit codes of a child; any other way to end is a crash.
+// Exit codes of a child; any other end is a crash.
 constexpr int kReturned = 0, kThrew = 81, kNoMemory = 82;
 
 /// Writes all bytes, or gives up when nobody reads.

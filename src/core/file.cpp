@@ -32,7 +32,7 @@ class Descriptor {
   int fd_;
 };
 
-/// Removes a file on the way out unless it was released.
+/// Removes a file at the end of its life unless it was released.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& path) : path_(path) {}
@@ -112,7 +112,7 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   if (S_ISREG(status.st_mode) && static_cast<std::uintmax_t>(status.st_size) > max_bytes) {
     throw too_large();
   }
-  // The size is counted again while reading: pipes have none and files grow.
+  // The size is also counted while reading: pipes have none and files grow.
   std::string text;
   char buffer[1 << 16];
   for (;;) {

@@ -12,10 +12,11 @@ namespace stillbase {
 namespace {
 
 // Beyond this the direction is a guess, and the integration takes seconds.
-constexpr double kMaxTurn = 300;  // rad
+constexpr double kMaxRotation = 300;  // rad
 
-/// No less than the turn (rad) of the target, or of one somewhat off the estimate, over `duration`.
-double turn_bound(const CaptureProblem& problem, double duration) {
+/// Upper bound (rad) of the rotation of the target over `duration`, deviations of the estimate
+/// counted in.
+double rotation_bound(const CaptureProblem& problem, double duration) {
   const TargetBody& body = *problem.target;
   if (body.is_point_mass) return 0;
   const EstimateDeviations& sigma = *problem.target_deviations;
@@ -26,8 +27,8 @@ double turn_bound(const CaptureProblem& problem, double duration) {
          (problem.target_state.angular_velocity.norm() + 2 * sigma.angular_velocity.maxCoeff());
 }
 
-}  // namespace
-
+/// The contact feature of a problem at instants spread evenly over the window of contact times,
+/// ends included (one when the time is fixed), with the uncertainty of the estimate carried there.
 std::vector<ContactPrediction> predict_contacts(const CaptureProblem& problem) {
   constexpr int kIntervals = 8;
   const double lower = problem.variables.contact_time_lower;
@@ -38,14 +39,17 @@ std::vector<ContactPrediction> predict_contacts(const CaptureProblem& problem) {
   }
   const double start = problem.target_state.time;
   const double duration = std::max(std::abs(lower - start), std::abs(upper - start));
-  if (!(turn_bound(problem, duration) <= kMaxTurn)) {
+  if (!(rotation_bound(problem, duration) <= kMaxRotation)) {
     throw std::invalid_argument(
-        "the target may turn by more than 300 rad from its estimate to the contact; its direction "
+        "the target may rotate by more than 300 rad from its estimate to the contact; its "
+        "direction "
         "cannot be predicted");
   }
   return predict_contact({*problem.target, problem.target_state},
                          covariance_of(*problem.target_deviations), chosen_feature(problem), times);
 }
+
+}  // namespace
 
 DirectionCone direction_cone(const CaptureProblem& problem, double probability) {
   const auto& plane = problem.uncertainty.cone_plane_normal;

@@ -3,19 +3,17 @@
 namespace stillbase {
 
 std::string to_string(ImpactCase impact_case) {
-  switch (impact_case) {
-    case ImpactCase::G1:
-      return "G1";
-    case ImpactCase::G2:
-      return "G2";
-    case ImpactCase::G3:
-      return "G3";
-    case ImpactCase::C1:
-      return "C1";
-    case ImpactCase::C2:
-      return "C2";
-  }
-  return "";
+  constexpr const char* kNames[] = {"G1", "G2", "G3", "C1", "C2"};
+  return kNames[static_cast<std::size_t>(impact_case)];
+}
+
+bool is_at_centroid(const Vector3d& r_bh, const Vector3d& r_bg) {
+  constexpr double kCoincident = 1e-6;  // of what r_gh is the difference of
+  return (r_bh - r_bg).norm() <= kCoincident * (r_bh.norm() + r_bg.norm());
+}
+
+double case_lever(const Vector3d& r_bh, const Vector3d& r_bg) {
+  return is_at_centroid(r_bh, r_bg) ? r_bh.norm() + r_bg.norm() : (r_bh - r_bg).norm();
 }
 
 CaseJudgement judge_case(const Vector3d& total, const Vector3d& base, const Vector3d& coupling,

@@ -21,23 +21,22 @@ void require_inertia(const ContactTarget& target) {
   }
 }
 
-Vector3d turn(const ContactTarget& target, const Vector3d& moment) {
+Vector3d angular_velocity_change(const ContactTarget& target, const Vector3d& moment) {
   if (target.is_point_mass()) return Vector3d::Zero();
   return target.inertia.llt().solve(moment);
 }
 
 }  // namespace
 
+double normal_impulse(double restitution, double closing_speed, double hand_inverse_mass,
+                      double target_inverse_mass) {
+  if (closing_speed <= 0) return 0;
+  return (1 + restitution) * closing_speed / (hand_inverse_mass + target_inverse_mass);
+}
+
 std::string to_string(ContactStatus status) {
-  switch (status) {
-    case ContactStatus::Hit:
-      return "hit";
-    case ContactStatus::Separating:
-      return "separating";
-    case ContactStatus::Pulling:
-      return "pulling";
-  }
-  return "";
+  constexpr const char* kNames[] = {"hit", "separating", "pulling"};
+  return kNames[static_cast<std::size_t>(status)];
 }
 
 Vector6d ContactTarget::contact_velocity() const {
@@ -123,7 +122,7 @@ ContactOutcome apply_contact(const RobotModel& robot, const JointVectord& phi,
   const Vector3d f = Fbar.head<3>(), t = Fbar.tail<3>();
   out.after.target_velocity = target.velocity - f / target.mass;
   out.after.target_angular_velocity =
-      target.angular_velocity - turn(target, lever(target).cross(f) + t);
+      target.angular_velocity - angular_velocity_change(target, lever(target).cross(f) + t);
 
   ContactTarget moved = target;
   moved.velocity = out.after.target_velocity;

@@ -3,18 +3,11 @@
 namespace stillbase {
 
 JointVectord added_impact_inertia(const JointResistance& resistance, int n) {
-  switch (resistance.model) {
-    case ResistanceModel::RotorInertia:
-      return resistance.rotor_inertia;
-    case ResistanceModel::Servo: {
-      const double h = resistance.contact_duration;
-      return resistance.damping * (h / 2) + resistance.stiffness * (h * h / 6);
-    }
-    case ResistanceModel::Free:
-    case ResistanceModel::Locked:
-      break;
+  if (resistance.model == ResistanceModel::Servo) {
+    const double h = resistance.contact_duration;
+    return resistance.damping * (h / 2) + resistance.stiffness * (h * h / 6);
   }
-  return JointVectord::Zero(n);
+  return added_plant_inertia(resistance, n);
 }
 
 JointVectord added_plant_inertia(const JointResistance& resistance, int n) {
@@ -23,17 +16,8 @@ JointVectord added_plant_inertia(const JointResistance& resistance, int n) {
 }
 
 std::string to_string(ResistanceModel model) {
-  switch (model) {
-    case ResistanceModel::Free:
-      return "free";
-    case ResistanceModel::RotorInertia:
-      return "rotor_inertia";
-    case ResistanceModel::Servo:
-      return "servo";
-    case ResistanceModel::Locked:
-      return "locked";
-  }
-  return "";
+  constexpr const char* kNames[] = {"free", "rotor_inertia", "servo", "locked"};
+  return kNames[static_cast<std::size_t>(model)];
 }
 
 }  // namespace stillbase

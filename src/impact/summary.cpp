@@ -2,8 +2,6 @@
 
 #include <stillbase/impact/gradient.hpp>
 
-#include "impact/case_lever.hpp"
-
 namespace stillbase {
 
 ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,

@@ -105,8 +105,8 @@ struct BodyInertia {
   }
 
   /// Rotates it about z by the angle whose cosine and sine, and those of twice it, are given.
-  void turn_about_z(const S& c, const S& s, const S& c2, const S& s2) {
-    const auto turn = [](S& x, S& y, const S& cosine, const S& sine) {
+  void rotate_about_z(const S& c, const S& s, const S& c2, const S& s2) {
+    const auto rotate = [](S& x, S& y, const S& cosine, const S& sine) {
       if (x.is_zero() && y.is_zero()) return;
       const S old = x;
       x = old * cosine - y * sine;
@@ -115,19 +115,19 @@ struct BodyInertia {
     const S half(0.5);
     for (Matrix3<S>* block : {&M, &J}) {
       Matrix3<S>& X = *block;
-      turn(X(2, 0), X(2, 1), c, s);
+      rotate(X(2, 0), X(2, 1), c, s);
       const S mean = (X(0, 0) + X(1, 1)) * half;
       S along = (X(0, 0) - X(1, 1)) * half;
-      turn(along, X(1, 0), c2, s2);
+      rotate(along, X(1, 0), c2, s2);
       X(0, 0) = mean + along;
       X(1, 1) = mean - along;
     }
-    turn(H(0, 2), H(1, 2), c, s);
-    turn(H(2, 0), H(2, 1), c, s);
+    rotate(H(0, 2), H(1, 2), c, s);
+    rotate(H(2, 0), H(2, 1), c, s);
     // Of the plane's four entries trace and skew part stay, the others rotate by twice the angle.
     const S mean = (H(0, 0) + H(1, 1)) * half, twist = (H(0, 1) - H(1, 0)) * half;
     S along = (H(0, 0) - H(1, 1)) * half, across = (H(0, 1) + H(1, 0)) * half;
-    turn(along, across, c2, s2);
+    rotate(along, across, c2, s2);
     H(0, 0) = mean + along;
     H(1, 1) = mean - along;
     H(0, 1) = across + twist;
@@ -136,7 +136,7 @@ struct BodyInertia {
   }
 
   /// Into the axes of the columns of R'.
-  void turn(const Matrix3d& R) {
+  void rotate(const Matrix3d& R) {
     if (R == Matrix3d::Identity()) return;
     for (Matrix3<S>* block : {&M, &H, &J}) {
       // R X R' = R (R X')'
@@ -293,22 +293,23 @@ struct ArticulatedForms {
   void move_to_parent(int k, const S& phi, BodyInertia<S>& inertia) const {
     if (!robot.joints[k].is_prismatic()) {
       const S twice = phi + phi;
-      inertia.turn_about_z(cosine[k], sine[k], cos(twice), sin(twice));
+      inertia.rotate_about_z(cosine[k], sine[k], cos(twice), sin(twice));
     }
-    inertia.turn(robot.joints[k].R);
+    inertia.rotate(robot.joints[k].R);
     inertia.shift(p[k]);
   }
 
   /// Axes of body k to axes of its parent.
   Vector3<S> outwards(int k, const Vector3<S>& x) const {
     const S &c = cosine[k], &s = sine[k];
-    const Vector3<S> turned(x[0] * c - x[1] * s, x[0] * s + x[1] * c, x[2]);
-    return rotated(robot.joints[k].R, turned);
+    const Vector3<S> rotated_about_z(x[0] * c - x[1] * s, x[0] * s + x[1] * c, x[2]);
+    return rotated(robot.joints[k].R, rotated_about_z);
   }
   Vector3<S> inwards(int k, const Vector3<S>& x) const {
     const S &c = cosine[k], &s = sine[k];
-    const Vector3<S> turned = rotated(robot.joints[k].R.transpose(), x);
-    return Vector3<S>(turned[0] * c + turned[1] * s, turned[1] * c - turned[0] * s, turned[2]);
+    const Vector3<S> rotated_about_z = rotated(robot.joints[k].R.transpose(), x);
+    return Vector3<S>(rotated_about_z[0] * c + rotated_about_z[1] * s,
+                      rotated_about_z[1] * c - rotated_about_z[0] * s, rotated_about_z[2]);
   }
 };
 

@@ -55,7 +55,7 @@ struct EncloseOptions {
   double tightening_slow = 0.5, tightening_stalled = 0.99, tight_width = 1e-9;
   double steepest = 1e200;  ///< unbounded slopes count as this
   double split = 0.4857;    ///< where sides are divided: off the middle, zeros sit at round numbers
-  /// Zeros this far outside of the domain are undecided: a solver meets its equations to a
+  /// Zeros this far outside of the domain are undecided: a solver solves its equations to a
   /// tolerance, and just inside a limit takes a zero just outside for one inside.
   double edge = 1e-7;
   /// More undecided boxes than this are not joined to clusters: they say nothing anyway.

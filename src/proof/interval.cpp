@@ -35,16 +35,16 @@ Interval range_of_wave(const std::array<double, 2>& ends, bool has_maximum, bool
 
 Interval sine(const Interval& x) {
   if (!is_angle(x)) return Interval(-1, 1);
-  const Interval turns = x / (kPi * 2.0);
+  const Interval revolutions = x / (kPi * 2.0);
   return range_of_wave(values_at_ends(x, [](double a) { return std::sin(a); }),
-                       has_integer(turns - 0.25), has_integer(turns + 0.25));
+                       has_integer(revolutions - 0.25), has_integer(revolutions + 0.25));
 }
 
 Interval cosine(const Interval& x) {
   if (!is_angle(x)) return Interval(-1, 1);
-  const Interval turns = x / (kPi * 2.0);
-  return range_of_wave(values_at_ends(x, [](double a) { return std::cos(a); }), has_integer(turns),
-                       has_integer(turns + 0.5));
+  const Interval revolutions = x / (kPi * 2.0);
+  return range_of_wave(values_at_ends(x, [](double a) { return std::cos(a); }),
+                       has_integer(revolutions), has_integer(revolutions + 0.5));
 }
 
 }  // namespace stillbase::proof

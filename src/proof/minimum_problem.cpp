@@ -38,7 +38,7 @@ bool counts_by_direction(const CaptureProblem& problem, const ZeroProblem& where
 }
 
 /// Target and E as it is nominally, relative to each other where the target is ahead of its nominal
-/// motion: it has turned.
+/// motion: it has rotated.
 ContactKinematics<double> contact_in_E(const VariableEncounter& encounter, double time_offset) {
   ContactKinematics<double> out;
   const bool is_time_free = encounter.has(VariableKind::Time);
@@ -167,8 +167,8 @@ Configuration configuration_at(const CaptureProblem& problem, const VariableEnco
   }
   if (model.has(VariableKind::BaseParameter)) {
     const Vector3d part = 2 * sigma;
-    const Eigen::Quaterniond turn(1 - sigma.squaredNorm(), part.x(), part.y(), part.z());
-    out.base.orientation = (turn.normalized() * problem.base.orientation).normalized();
+    const Eigen::Quaterniond rotation(1 - sigma.squaredNorm(), part.x(), part.y(), part.z());
+    out.base.orientation = (rotation.normalized() * problem.base.orientation).normalized();
   }
   return out;
 }

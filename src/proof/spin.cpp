@@ -121,12 +121,12 @@ void sum_over(const std::vector<Matrix>& c, double r, Matrix& value, Matrix& rat
 }
 
 /// A rotation about a constant axis at a constant rate.
-struct Turning {
+struct RotationAtRate {
   Matrix3<Dual> R, rate;
 };
 
 /// exp([omega x] dt) and its derivative.
-Turning turning(const Vector3<Dual>& omega, const Interval& dt) {
+RotationAtRate rotation_at_rate(const Vector3<Dual>& omega, const Interval& dt) {
   const Interval speed = length(omega);
   if (speed.upper() == 0) return {Matrix3<Dual>::Identity(), Matrix3<Dual>::Zero()};
   Matrix3<Dual> K = skew<Dual>(omega);
@@ -134,7 +134,7 @@ Turning turning(const Vector3<Dual>& omega, const Interval& dt) {
   const Matrix3<Dual> K2 = K * K;
   const Dual angle(speed * dt);
   const Dual s = sin(angle), c = cos(angle);
-  Turning out;
+  RotationAtRate out;
   out.R = K * s + K2 * (Dual(1.0) - c);
   for (int i = 0; i < 3; ++i) out.R(i, i) += Dual(1.0);
   out.rate = Matrix3<Dual>(K * c + K2 * s) * Dual(speed);
@@ -157,11 +157,11 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
     : options_(options), start_(estimate.time), lower_(lower), upper_(upper) {
   const Eigen::Quaterniond q = estimate.pose.orientation.normalized();
   R_0_ = q.toRotationMatrix();
-  const bool turns =
+  const bool rotates =
       !body.is_point_mass && !body.inertia.isZero(0) && !estimate.angular_velocity.isZero(0);
   bool has_constant_rate = true;
   double between = 0;  // smallest and largest moment, inverted
-  if (turns) {
+  if (rotates) {
     // Constant up to rounding: as the planner decides it.
     const Vector3d w = q.conjugate() * estimate.angular_velocity;
     const Vector3d L = body.inertia * w;
@@ -175,7 +175,7 @@ SpinEnclosure::SpinEnclosure(const TargetBody& body, const TargetState& estimate
   omega_0_.setZero();
   nutation_.setZero();
   const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
-  if (turns) {
+  if (rotates) {
     omega_0_ = R_0.transpose() * Vector3<Dual>(estimate.angular_velocity.cast<Dual>());
     rate_ = length(omega_0_).upper();
   }
@@ -287,8 +287,8 @@ SpinEnclosure::State SpinEnclosure::at_instant(double time) const {
 SpinRange SpinEnclosure::closed_form(const Interval& time) const {
   const Interval dt = time - start_;
   const Matrix3<Dual> R_0 = R_0_.cast<Dual>();
-  const Turning outer = turning(precession_, dt);
-  const Turning inner = turning(nutation_, dt);
+  const RotationAtRate outer = rotation_at_rate(precession_, dt);
+  const RotationAtRate inner = rotation_at_rate(nutation_, dt);
   const Matrix3<Dual> back = inner.R.transpose(), back_rate = inner.rate.transpose();
   SpinRange out;
   out.R = R_0 * Matrix3<Dual>(outer.R * back);

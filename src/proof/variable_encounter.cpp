@@ -7,7 +7,7 @@ namespace {
 
 /// Attitude and rate of the target over a span of time.
 template <class S>
-struct TargetTurn {
+struct TargetAttitude {
   Matrix3<S> R_NT;
   Vector3<S> omega;  ///< in T, rad/s
 };
@@ -27,21 +27,21 @@ Eigen::Matrix<Dual, Rows, Cols> in_time(const Eigen::Matrix<Dual, Rows, Cols>& v
 }
 
 /// The target's attitude and rate with their derivatives.
-TargetTurn<Dual> turn_over(const SpinEnclosure& spin, const Dual& time) {
+TargetAttitude<Dual> attitude_over(const SpinEnclosure& spin, const Dual& time) {
   const SpinRange range = spin.over(time.v);
   return {in_time(range.R, range.R_rate, time), in_time(range.omega, range.omega_rate, time)};
 }
 
 /// The target's attitude and rate to fourth order in time, about the middle of the box.
 template <int N, int K>
-TargetTurn<Taylor<N, K>> turn_over(const SpinEnclosure& spin, const Taylor<N, K>& time) {
+TargetAttitude<Taylor<N, K>> attitude_over(const SpinEnclosure& spin, const Taylor<N, K>& time) {
   const SpinSeries motion = spin.series(time.c(), time.range());
   const auto entry = [&](const auto& f, const auto& whole, Eigen::Index i) {
     std::array<Interval, SpinSeries::kTerms> terms;
     for (std::size_t k = 0; k < terms.size(); ++k) terms[k] = f[k].data()[i].v;
     return series(time, terms, whole.data()[i].v);
   };
-  TargetTurn<Taylor<N, K>> out;
+  TargetAttitude<Taylor<N, K>> out;
   for (Eigen::Index i = 0; i < 9; ++i) {
     out.R_NT.data()[i] = entry(motion.R, motion.whole.R, i);
   }
@@ -94,11 +94,11 @@ EncounterRange<S> encounter_over(const VariableEncounter& model, std::span<const
   if (!model.follows_target()) {
     out.contact = contact_kinematics<S>(model, out.R_NB);
   } else if (model.has(VariableKind::Time)) {
-    const TargetTurn<S> turn = turn_over(*model.spin, time);
+    const TargetAttitude<S> attitude = attitude_over(*model.spin, time);
     const Vector3<S> velocity = model.estimate.linear_velocity.template cast<S>();
     const Vector3<S> position = Vector3<S>(model.estimate.pose.position.template cast<S>()) +
                                 velocity * (time - S(model.estimate.time));
-    const TargetKinematics<S> target{turn.R_NT, position, velocity, turn.omega};
+    const TargetKinematics<S> target{attitude.R_NT, position, velocity, attitude.omega};
     out.contact = contact_kinematics<S>(model, out.R_NB, target);
     out.closing_speed = speed_along<S>(out.contact, model.n, model.r);
   } else {

@@ -77,7 +77,7 @@ TEST_CASE("the right Jacobian leaves its own axis alone and is transposed for -a
   CHECK((rotation_right_jacobian(-a) - J.transpose()).norm() < 1e-15);
 }
 
-TEST_CASE("roll, pitch and yaw turn about fixed axes in this order") {
+TEST_CASE("roll, pitch and yaw rotate about fixed axes in this order") {
   const Vector3d x = Vector3d::UnitX();
   CHECK((rotation_rpy(0, 0, kPi / 2) * x - Vector3d::UnitY()).norm() < 1e-15);
   CHECK((rotation_rpy(0, kPi / 2, 0) * x + Vector3d::UnitZ()).norm() < 1e-15);

@@ -88,7 +88,7 @@ TEST_CASE("(7): with more than six joints the base accelerates as wanted under e
   }
 }
 
-TEST_CASE("(9): with more than three joints the base turns as wanted under external forces") {
+TEST_CASE("(9): with more than three joints the base rotates as wanted under external forces") {
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 4 + trial % 5;
     const Case c = random_case(502, trial, n, trial % 3 == 0);

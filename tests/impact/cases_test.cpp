@@ -21,7 +21,7 @@ TEST_CASE("what counts as zero is relative to the impulse and its lever") {
 }
 
 TEST_CASE(
-    "an impulse through the system centroid is C1 when arm and base turn against each other") {
+    "an impulse through the system centroid is C1 when arm and base rotate against each other") {
   const Vector3d a(0, 0, 2);
   CHECK(judge_case(Vector3d::Zero(), a, -a, 0).impact_case == ImpactCase::C1);
   CHECK(judge_case(Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), 0).impact_case ==

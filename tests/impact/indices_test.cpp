@@ -61,7 +61,8 @@ Posture random_posture(Random& random, int n) {
 }  // namespace
 
 TEST_CASE(
-    "a straight arm hit along its line shows its whole mass, and closes to the anchor impulse") {
+    "a straight arm with an impulse along its line shows its whole mass, and closes to the anchor "
+    "impulse") {
   const auto posture = at(shipped_robot("planar_two_link_a"), degrees({0, 0}));
   const Matrix6d W = extended_inverse_inertia(posture.factor, posture.jacobian);
   CHECK(std::abs(effective_mass(W, Vector3d::UnitX()) - 1200) < 1e-9);
@@ -137,7 +138,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a planar robot cannot turn its base in more than two ways by a push at the hand") {
+TEST_CASE("a planar robot cannot rotate its base in more than two ways by a push at the hand") {
   const auto posture = at(shipped_robot("planar_two_link_a"), degrees({-80, 160}));
   CHECK(base_reaction_ellipsoid(posture).rank == 2);
 }

@@ -66,7 +66,7 @@ TEST_CASE("every posture of a redundant planar arm that keeps the base still is 
   }
 }
 
-TEST_CASE("the straight arm hit along its axis is among the C2 postures") {
+TEST_CASE("the straight arm with an impulse along its axis is among the C2 postures") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.impulse.direction = Vector3d(-1, 0, 0);
   const Proof proof = prove(problem);

@@ -114,7 +114,7 @@ TEST_CASE("a double zero is never lost and never called proven") {
   CHECK(width_of(found.undecided[0]) < 1e-3);
 }
 
-TEST_CASE("the same angle at both ends of its turn is one zero") {
+TEST_CASE("the same angle at both ends of its range of 360 deg is one zero") {
   const RoundUpward upward;
   const auto found = zeros_of<2>(
       [](const auto& x, auto& f) {
@@ -140,7 +140,7 @@ TEST_CASE("a zero outside a limit is not reported, one on it or just beside it i
   CHECK(holds<1>(at_limit, {1.0 / 3}));
 }
 
-TEST_CASE("three spheres meet in two points") {
+TEST_CASE("three spheres intersect in two points") {
   const RoundUpward upward;
   const auto found = zeros_of<3>(
       [](const auto& x, auto& f) {
@@ -156,7 +156,7 @@ TEST_CASE("three spheres meet in two points") {
   CHECK(holds<3>(found, {1, 1, -1}));
 }
 
-TEST_CASE("a limit of boxes leaves the rest undecided and loses nothing") {
+TEST_CASE("a limit of boxes leaves the other boxes undecided and loses nothing") {
   const RoundUpward upward;
   const auto found = zeros_of<2>(
       [](const auto& x, auto& f) {

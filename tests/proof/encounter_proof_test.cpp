@@ -213,7 +213,7 @@ TEST_CASE("two joints and the base attitude: the hand at a turning client, base 
   CHECK_FALSE(proof.solutions.empty());
 }
 
-TEST_CASE("a free contact time: two joints meet a turning client in case C") {
+TEST_CASE("a free contact time: two joints reach a rotating client in case C") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   problem.constraints.impact_case = CaseConstraint::C;
   add_turning_client(problem, {5.9, 0.42, 0}, 5 * M_PI / 180);
@@ -224,7 +224,7 @@ TEST_CASE("a free contact time: two joints meet a turning client in case C") {
   CHECK_FALSE(proof.solutions.empty());
 }
 
-TEST_CASE("a free contact time and station: where the client turns decides the impulse alone") {
+TEST_CASE("a free contact time and station: the attitude of the client decides the impulse alone") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   add_turning_client(problem, {5.9, 0.42, 0}, 5 * M_PI / 180);
   problem.variables.base_position = PositionFreedom::Free;
@@ -276,7 +276,7 @@ TEST_CASE("the pose of a hand in the plane: position and both ways of the elbow"
   CHECK(proof.solutions.size() == 2);
 }
 
-TEST_CASE("a robot in space meets a client that tumbles about no principal axis") {
+TEST_CASE("a robot in space reaches a client that tumbles about no principal axis") {
   CaptureProblem problem = robot_in_space(11);
   const JointVectord known = Vector3d(0.8, 1.1, -0.7);
   const double time = 20;

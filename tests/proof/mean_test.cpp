@@ -95,7 +95,7 @@ TEST_CASE("means over samples: no bound is above the least one, and all are near
   CHECK(found.lower >= least * (1 - 2e-3));
 }
 
-TEST_CASE("products of an impulse's coefficients make its wrench again, rounding enclosed") {
+TEST_CASE("products of an impulse's coefficients give its wrench, rounding enclosed") {
   CaptureProblem problem = test::shipped("spart_3dof_point");
   problem.measure.kind = RiskMeasure::Expectation;
   problem.uncertainty.cone_half_angle = 0.4;

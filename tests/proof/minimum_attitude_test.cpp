@@ -113,7 +113,7 @@ double least_measure(const CaptureProblem& problem, int starts) {
 
 }  // namespace
 
-TEST_CASE("the parameters of a turn give the turn") {
+TEST_CASE("the parameters of a rotation give the rotation") {
   Random random(5);
   for (int i = 0; i < 200; ++i) {
     const double angle = random.uniform(0, M_PI);

@@ -102,7 +102,7 @@ TEST_CASE("a bound holds and is sharp for every quantity, and for several togeth
   }
 }
 
-TEST_CASE("two free joints without any equation: predicted value and worst case over a wedge") {
+TEST_CASE("two free joints without any equation: nominal value and worst case over a wedge") {
   CaptureProblem problem = test::shipped("planar_two_link_c2_a");
   const double middle = 210 * M_PI / 180;
   for (const int directions : {1, 9}) {

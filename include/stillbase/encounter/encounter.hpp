@@ -1,4 +1,4 @@
-// The encounter of hand and target: who meets whom, where, how fast and along which direction.
+// The encounter of hand and target: contact point, time, closing speed and impulse direction.
 //
 // Between a problem file and a plan the impulse direction has four representations:
 //   1. ImpulseSpec::direction or ContactFeature::normal   as stated

@@ -31,7 +31,7 @@ struct Contact {
 struct ContactTarget {
   double mass = 0;                       ///< kg, > 0
   Matrix3d inertia = Matrix3d::Zero();   ///< about the centroid, kg m^2; zero: a point mass, which
-                                         ///< has no extent (r counts as zero) and does not turn
+                                         ///< has no extent (r counts as zero) and does not rotate
   Vector3d r = Vector3d::Zero();         ///< contact point from the centroid, m
   Vector3d velocity = Vector3d::Zero();  ///< of the centroid, m/s
   Vector3d angular_velocity = Vector3d::Zero();  ///< rad/s
@@ -69,7 +69,7 @@ struct ContactImpulse {
 ///   Sticking:     f = (W_h3 + W_t3)^-1 v_rel, no moment,
 ///   Latch:        Fbar = (W_h6 + W_t6)^-1 V_rel.
 /// Frictionless and sticking contacts need a closing speed > 0. A latch also holds at closing speed
-/// zero (the target may still turn or slide); where the points separate there is no impulse.
+/// zero (the target may still rotate or slide); where the points separate there is no impulse.
 /// @param W_h extended_inverse_inertia() with the joint resistance of the impact, 6x6
 /// @param hand_velocity [v_h; omega_h] before
 /// @throws std::invalid_argument for a latch onto a point mass

@@ -74,7 +74,7 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
                                       const ResponseWeights<S>& weights);
 
 /// d/dphi of y . Htilde_omegaphi e_i, y fixed in B (n): how column i of the angular coupling matrix
-/// turns with the posture.
+/// changes with the posture.
 template <class S>
 JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                         int i, const Vector3<S>& y);
@@ -85,7 +85,7 @@ JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>
                                  const JointVector<S>& w, const Vector3<S>& y);
 
 /// d/dphi of y . Jhat_phi w, w (n) and y = [linear; angular] fixed, in B (n): how the hand's motion
-/// with the base floating turns with the posture.
+/// with the base floating changes with the posture.
 template <class S>
 JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
                                              const PostureImpact<S>& posture,

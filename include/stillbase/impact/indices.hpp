@@ -84,7 +84,7 @@ struct ZeroDirections {
 /// with the same tolerance.
 struct CaseDirections {
   double tolerance = kCaseTolerance;
-  ZeroDirections base;      ///< G2 (or C2): the base does not start to turn
+  ZeroDirections base;      ///< G2 (or C2): the base does not start to rotate
   ZeroDirections coupling;  ///< G3 (or C2)
   ZeroDirections total;     ///< C1 (or C2): r_gh itself, unless it is not allowed
   ZeroDirections all;       ///< C2

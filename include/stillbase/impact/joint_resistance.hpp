@@ -10,7 +10,7 @@
 namespace stillbase {
 
 enum class ResistanceModel {
-  Free,          ///< the paper: joints turn freely during the impact
+  Free,          ///< the paper: joints move freely during the impact
   RotorInertia,  ///< Yoshida's virtual rotor inertia: H_phi + diag(I_r); stays in the plant
                  ///< afterwards
   Servo,         ///< stiffness K and damping D over a contact of duration h under a constant force:
