@@ -6,17 +6,23 @@
 #include <vector>
 
 #include "approach/motion_check.hpp"
-#include "approach/task.hpp"
 
 namespace stillbase {
 
-/// How one attempt differs from the next.
-struct AttemptOptions {
-  std::uint64_t seed = 1;
-  double resolution = 0.02;
-  int max_iterations = 0;     ///< of the planner
-  double wait = 0;            ///< s
+/// A goal and how it is attempted.
+struct AttemptGoal {
+  explicit AttemptGoal(ApproachTask what);
+  /// The target as a still obstacle where it will be at the arrival.
+  void avoid_target_at_arrival();
+
+  ApproachTask task;
+  double resolution;          ///< rad
+  int max_iterations;         ///< of the planner
+  double wait;                ///< s
   std::vector<Pose> targets;  ///< T_NT to avoid; those that start or goal touch are left out
+  double weight = 1;          ///< how often it is sampled, relative to the other goals
+  std::size_t index = 0;      ///< among those asked for
+  int failures = 0;           ///< of attempts that led to it
 };
 
 struct AttemptResult {
@@ -28,28 +34,25 @@ struct AttemptResult {
   bool hit_by_target = false;
   bool hopeless = false;  ///< the target hits a body that no path moves
   TimedMotion motion;
-  std::optional<TargetMotion> target;  ///< its motion to where the hand ends
-  Configuration end;                   ///< configuration at the end; set when there is a motion
-  bool has_end = false;
+  std::optional<TargetMotion> target;          ///< its motion to where the hand ends
+  std::optional<Configuration> end;            ///< configuration at the end, when there is a motion
   double before_polish = 0, after_polish = 0;  ///< s or rad
+
+  const TargetMotion* target_or_null() const { return target ? &*target : nullptr; }
 };
+
+/// The target's motion to the hand at `end`.
+std::optional<TargetMotion> target_for(const ApproachTask& task, const Configuration& end);
 
 /// From a joint path at rest to rest (times from 0 on) to a motion that arrives `wait` before the
 /// contact: closed where the base starts as stated, slowed to the torque limits, with base motion,
 /// limits and collisions checked. Sets everything of `result` but way_points and the polish.
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result);
 
-/// One of the goals of an attempt.
-struct AttemptGoal {
-  const ApproachTask* task = nullptr;
-  AttemptOptions options;
-  double weight = 1;  ///< how often it is sampled, relative to the others
-};
-
 /// Path, time law, base motion, checks and polish, to the goal that the planner reaches first.
-/// @param goals at least one, of the same problem; random numbers follow from the first one's seed
+/// @param goals at least one, of the same problem
 /// @param reached index in `goals` of the goal that the result is about
-AttemptResult try_approach(const std::vector<AttemptGoal>& goals, const StopCondition& stop,
-                           std::size_t& reached);
+AttemptResult try_approach(const std::vector<const AttemptGoal*>& goals, std::uint64_t seed,
+                           const StopCondition& stop, std::size_t& reached);
 
 }  // namespace stillbase

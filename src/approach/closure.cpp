@@ -21,31 +21,40 @@ Pose moved(const Pose& pose, const Vector6d& by) {
   return {pose.position + by.head<3>(), pose.orientation * rotation_exp(by.tail<3>())};
 }
 
+/// Joint path shifted smoothly, by nothing at its start and by `shift` (n) at its end.
+JointPath shifted(const JointPath& path, const JointVectord& shift) {
+  JointPath out = path;
+  const double begin = path.times.front(), duration = path.times.back() - begin;
+  if (!(duration > 0)) return out;
+  for (std::size_t i = 0; i < path.times.size(); ++i) {
+    const double u = (path.times[i] - begin) / duration;
+    out.phi[i] += (u * u * u * (10 + u * (6 * u - 15))) * shift;
+    out.phidot[i] += (30 * u * u * (1 - u) * (1 - u) / duration) * shift;
+  }
+  out.phidot.front().setZero();
+  out.phidot.back().setZero();
+  return out;
+}
+
 /// From an assumed final base pose to the pose in which the path to its posture leaves the base.
-class Loop {
- public:
-  Loop(const CaptureProblem& problem, const JointPath& path, const ContactSolver& solve,
-       const ClosureOptions& options)
-      : problem_(problem), path_(path), solve_(solve), options_(options) {}
+struct Loop {
+  const CaptureProblem& problem;
+  const JointPath& path;
+  const ContactSolver& solve;
+  double far;
 
   bool go(const Pose& base, ContactSolve how, ClosedPath& out) const {
-    const auto end = solve_.at_base(base, how);
+    const auto end = solve.at_base(base, how);
     if (!end) return false;
-    const JointVectord shift = end->phi - path_.phi.back();
-    if (!(shift.cwiseAbs().maxCoeff() < options_.far)) return false;
+    const JointVectord shift = end->phi - path.phi.back();
+    if (!(shift.cwiseAbs().maxCoeff() < far)) return false;
     out.end = *end;
-    out.path = shifted(path_, shift);
+    out.path = shifted(path, shift);
     out.path.phi.back() = end->phi;
-    out.base_poses = base_poses_from(problem_.robot, out.path, problem_.base);
+    out.base_poses = base_poses_from(problem.robot, out.path, problem.base);
     out.open = pose_error(base, out.base_poses.back()).norm();
     return true;
   }
-
- private:
-  const CaptureProblem& problem_;
-  const JointPath& path_;
-  const ContactSolver& solve_;
-  const ClosureOptions& options_;
 };
 
 /// d(pose left - pose assumed) / d(pose assumed).
@@ -62,23 +71,9 @@ std::optional<Matrix6d> slope(const Loop& loop, const Pose& base, const Vector6d
 
 }  // namespace
 
-JointPath shifted(const JointPath& path, const JointVectord& shift) {
-  JointPath out = path;
-  const double begin = path.times.front(), duration = path.times.back() - begin;
-  if (!(duration > 0)) return out;
-  for (std::size_t i = 0; i < path.times.size(); ++i) {
-    const double u = (path.times[i] - begin) / duration;
-    out.phi[i] += (u * u * u * (10 + u * (6 * u - 15))) * shift;
-    out.phidot[i] += (30 * u * u * (1 - u) * (1 - u) / duration) * shift;
-  }
-  out.phidot.front().setZero();
-  out.phidot.back().setZero();
-  return out;
-}
-
 ClosedPath close_path(const CaptureProblem& problem, const JointPath& path, const Pose& assumed,
                       const ContactSolver& solve, const ClosureOptions& options) {
-  const Loop loop(problem, path, solve, options);
+  const Loop loop{problem, path, solve, options.far};
   Pose base = assumed;
   ClosedPath best, now;
   best.open = kInfinity;

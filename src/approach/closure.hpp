@@ -8,9 +8,6 @@
 
 namespace stillbase {
 
-/// Joint path shifted smoothly, by nothing at its start and by `shift` (n) at its end.
-JointPath shifted(const JointPath& path, const JointVectord& shift);
-
 struct ClosedPath {
   JointPath path;                ///< its last posture is that of `end`
   std::vector<Pose> base_poses;  ///< T_NB at its samples, from problem.base

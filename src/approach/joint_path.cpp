@@ -5,16 +5,6 @@
 
 namespace stillbase {
 
-Eigen::VectorXd free_part(const JointVectord& phi, const std::vector<Eigen::Index>& free) {
-  return phi(free);
-}
-
-JointVectord with_free_part(JointVectord phi, const std::vector<Eigen::Index>& free,
-                            const Eigen::VectorXd& part) {
-  phi(free) = part;
-  return phi;
-}
-
 JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t) {
   const double h = path.times[i + 1] - path.times[i];
   const double u = (t - path.times[i]) / h;
@@ -46,8 +36,7 @@ JointVectord peak_rates(const JointPath& path, std::size_t i, double t0, double 
   return peak;
 }
 
-double stretch_for_limits(const JointPath& path, const JointVectord& max_rate,
-                          const JointVectord& max_acceleration) {
+double stretch_for_limits(const JointPath& path, const MotionLimits& limits) {
   double factor = 0;
   for (std::size_t i = 0; i < path.segments(); ++i) {
     const double t0 = path.times[i], t1 = path.times[i + 1];
@@ -58,8 +47,8 @@ double stretch_for_limits(const JointPath& path, const JointVectord& max_rate,
             .phiddot.cwiseAbs()
             .cwiseMax(motion_on_segment(path, i, t1).phiddot.cwiseAbs());
     for (Eigen::Index k = 0; k < rate.size(); ++k) {
-      factor = std::max(factor, rate[k] / max_rate[k]);
-      factor = std::max(factor, std::sqrt(acceleration[k] / max_acceleration[k]));
+      factor = std::max(factor, rate[k] / limits.rate[k]);
+      factor = std::max(factor, std::sqrt(acceleration[k] / limits.acceleration[k]));
     }
   }
   return factor;
@@ -70,19 +59,9 @@ void stretch(JointPath& path, double factor) {
   for (JointVectord& rate : path.phidot) rate /= factor;
 }
 
-double length(const JointPath& path) {
-  constexpr int kParts = 8;
-  double sum = 0;
-  for (std::size_t i = 0; i < path.segments(); ++i) {
-    const double h = (path.times[i + 1] - path.times[i]) / kParts;
-    JointVectord last = path.phi[i];
-    for (int part = 1; part <= kParts; ++part) {
-      const JointVectord phi = motion_on_segment(path, i, path.times[i] + part * h).phi;
-      sum += (phi - last).norm();
-      last = phi;
-    }
-  }
-  return sum;
+void keep_limits(JointPath& path, const MotionLimits& limits) {
+  const double factor = stretch_for_limits(path, limits);
+  if (factor > 1) stretch(path, factor * (1 + 1e-9));
 }
 
 }  // namespace stillbase

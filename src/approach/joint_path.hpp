@@ -18,11 +18,17 @@ struct JointMotion {
   JointVectord phi, phidot, phiddot;
 };
 
-/// The entries of a posture (n) that belong to the free joints.
-Eigen::VectorXd free_part(const JointVectord& phi, const std::vector<Eigen::Index>& free);
-/// `phi` (n) with those entries replaced.
-JointVectord with_free_part(JointVectord phi, const std::vector<Eigen::Index>& free,
-                            const Eigen::VectorXd& part);
+/// Rate and acceleration limits of the joints: n each, > 0; rates may be infinite.
+struct MotionLimits {
+  JointVectord rate, acceleration;
+};
+
+/// `phi` (n) with the entries of the free joints replaced.
+inline JointVectord with_free_part(JointVectord phi, const std::vector<Eigen::Index>& free,
+                                   const Eigen::VectorXd& part) {
+  phi(free) = part;
+  return phi;
+}
 
 /// Motion on segment `i` (between samples i and i + 1) at time t.
 JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t);
@@ -30,16 +36,14 @@ JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t);
 /// Largest |phidot_k| of each joint on segment i for t in [t0, t1]; exact.
 JointVectord peak_rates(const JointPath& path, std::size_t i, double t0, double t1);
 
-/// How far the limits are overstepped: the factor by which all times must be stretched so that
-/// every joint's rate and acceleration, taken on the Hermite segments themselves, are within them.
-/// At most 1 when they already are.
-double stretch_for_limits(const JointPath& path, const JointVectord& max_rate,
-                          const JointVectord& max_acceleration);
+/// Factor by which all times must be stretched so that rate and acceleration of every joint are
+/// within the limits everywhere on the Hermite segments. At most 1 when they already are.
+double stretch_for_limits(const JointPath& path, const MotionLimits& limits);
 
-/// Slows the whole motion down: times from the first one stretched by `factor`.
+/// Stretches the times from the first one on by `factor`; the rates are divided by it.
 void stretch(JointPath& path, double factor);
 
-/// Euclidean length in joint space, rad.
-double length(const JointPath& path);
+/// Stretches the times where the limits ask for it.
+void keep_limits(JointPath& path, const MotionLimits& limits);
 
 }  // namespace stillbase

@@ -9,18 +9,16 @@
 
 namespace stillbase {
 
-StillScene::StillScene(const CaptureProblem& problem, const CollisionScene& scene,
-                       const Configuration& goal, std::vector<Pose> targets, double resolution)
-    : problem_(problem),
-      scene_(scene),
-      target_scene_(scene.target_pairs_only()),
-      goal_base_(goal.base),
-      centroid_levers_(centroid_levers(problem.robot)),
+StillScene::StillScene(const ApproachTask& task, std::vector<Pose> targets, double resolution)
+    : problem_(task.problem),
+      scene_(task.scene),
+      target_scene_(task.scene.target_pairs_only()),
+      goal_base_(task.goal.base),
+      centroid_(goal_base_ * system_centroid(problem_.robot, compute_kinematics<double>(
+                                                                 problem_.robot, task.goal.phi))),
+      centroid_levers_(centroid_levers(problem_.robot)),
       targets_(std::move(targets)),
-      resolution_(resolution) {
-  centroid_ = goal.base *
-              system_centroid(problem.robot, compute_kinematics<double>(problem.robot, goal.phi));
-}
+      resolution_(resolution) {}
 
 Pose StillScene::base_at(const Kinematics<double>& kinematics) const {
   if (problem_.approach.base == BaseMode::Held) return goal_base_;
@@ -39,12 +37,8 @@ std::optional<Proximity> StillScene::first_hit(const JointVectord& phi) const {
   return std::nullopt;
 }
 
-bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b) const {
-  return is_clear_between(a, b, 0, 1);
-}
-
-bool StillScene::is_clear_between(const JointVectord& a, const JointVectord& b, double begin,
-                                  double end) const {
+bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b, double begin,
+                                 double end) const {
   const JointVectord phi = a + (begin + end) / 2 * (b - a);
   const auto kinematics = compute_kinematics<double>(problem_.robot, phi);
   const Pose base = base_at(kinematics);
@@ -66,153 +60,134 @@ bool StillScene::is_clear_between(const JointVectord& a, const JointVectord& b, 
   }
   if (clear || (end - begin) * (b - a).norm() <= resolution_) return true;
   const double middle = (begin + end) / 2;
-  return is_clear_between(a, b, begin, middle) && is_clear_between(a, b, middle, end);
+  return is_motion_clear(a, b, begin, middle) && is_motion_clear(a, b, middle, end);
 }
 
 namespace {
 
 /// Bound on the target's rate of turning at all times: |omega| <= |L| / smallest principal moment.
-double largest_rate(const TargetMotion& target, double time) {
-  const TargetState state = target.state(time);
-  const Matrix3d& inertia = target.body().inertia;
+double largest_rate(const TargetBody& body, const TargetState& state) {
   const double rate = state.angular_velocity.norm();
-  if (target.body().is_point_mass || rate == 0) return rate;
+  if (body.is_point_mass || rate == 0) return rate;
   const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
-  return (inertia * omega_T).norm() / principal_moments(inertia)[0];
+  return (body.inertia * omega_T).norm() / principal_moments(body.inertia)[0];
 }
 
-/// Follows a timed motion; each interval is proven clear or split.
+/// Follows a timed motion, the wait as a last segment without motion of the robot.
 class Follower {
  public:
-  Follower(const CaptureProblem& problem, const CollisionScene& scene, const TimedMotion& motion,
-           const TargetMotion* target)
-      : problem_(problem), scene_(scene), motion_(motion), target_(target) {
+  Follower(const ApproachTask& task, const TimedMotion& motion, const TargetMotion* target)
+      : task_(task),
+        path_(motion.path),
+        base_poses_(motion.base_poses),
+        moving_(motion.path.segments()),
+        contact_time_(motion.contact_time),
+        target_(target) {
+    if (contact_time_ > path_.times.back()) {
+      path_.times.push_back(contact_time_);
+      path_.phi.push_back(path_.phi.back());
+      path_.phidot.push_back(JointVectord::Zero(path_.phi.back().size()));
+      base_poses_.push_back(base_poses_.back());
+    }
     if (target_ != nullptr) {
-      const TargetState state = target_->state(motion.contact_time);
+      const TargetState state = target_->state(contact_time_);
       target_speed_ = state.linear_velocity.norm();
-      target_rate_ = largest_rate(*target_, motion.contact_time);
+      target_rate_ = largest_rate(target_->body(), state);
     }
   }
 
   std::optional<TimedHit> first_hit() const {
-    const JointPath& path = motion_.path;
-    for (std::size_t i = 0; i < path.segments(); ++i) {
-      if (auto hit = on_segment(i, path.times[i], path.times[i + 1])) return hit;
+    for (std::size_t i = 0; i < path_.segments(); ++i) {
+      if (i == moving_ && target_ == nullptr) continue;
+      if (auto hit = on_segment(i, path_.times[i], path_.times[i + 1])) return hit;
     }
-    const double arrival = path.times.back();
-    if (motion_.contact_time > arrival && target_ != nullptr) {
-      if (auto hit = waiting(arrival, motion_.contact_time)) return hit;
-    }
-    return at(path.phi.back(), motion_.base_poses.back(), motion_.contact_time);
+    Pose storage;
+    const auto hit = task_.scene.first_hit(kinematics(path_.phi.back()), base_poses_.back(),
+                                           target_pose(contact_time_, storage), clearance());
+    if (!hit) return std::nullopt;
+    return TimedHit{*hit, contact_time_};
   }
 
   Proximity smallest_clearance() const {
     Proximity least;
     least.distance = kInfinity;
     const auto look = [&](const JointVectord& phi, const Pose& base, double time) {
-      const Pose pose = target_pose(time);
-      const auto nearest = scene_.nearest(compute_kinematics<double>(problem_.robot, phi), base,
-                                          target_ != nullptr ? &pose : nullptr, false);
+      Pose storage;
+      const auto nearest =
+          task_.scene.nearest(kinematics(phi), base, target_pose(time, storage), false);
       if (nearest && nearest->distance < least.distance) least = *nearest;
     };
-    const double step = problem_.approach.resolution / 2;
-    const JointPath& path = motion_.path;
-    for (std::size_t i = 0; i < path.segments(); ++i) {
-      const double t0 = path.times[i], h = path.times[i + 1] - t0;
-      const int parts = parts_for((peak_rates(path, i, t0, t0 + h) * h).norm() / step);
+    const double step = task_.problem.approach.resolution / 2;
+    for (std::size_t i = 0; i < path_.segments(); ++i) {
+      const double t0 = path_.times[i], h = path_.times[i + 1] - t0;
+      const double travel = i == moving_ ? (target_speed_ + target_rate_) * h
+                                         : (peak_rates(path_, i, t0, t0 + h) * h).norm();
+      const int parts = static_cast<int>(std::clamp(std::ceil(travel / step), 1.0, 10000.0));
       for (int part = 0; part < parts; ++part) {
         const double t = t0 + h * part / parts;
-        look(motion_on_segment(path, i, t).phi, base_at(i, t), t);
+        look(motion_on_segment(path_, i, t).phi, base_at(i, t), t);
       }
     }
-    const double arrival = path.times.back(), wait = motion_.contact_time - arrival;
-    const int parts = parts_for((target_speed_ + target_rate_) * wait / step);
-    for (int part = 0; part <= parts; ++part) {
-      look(path.phi.back(), motion_.base_poses.back(), arrival + wait * part / parts);
-    }
+    look(path_.phi.back(), base_poses_.back(), contact_time_);
     return least;
   }
 
  private:
-  static int parts_for(double ratio) {
-    return static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 10000.0));
+  Kinematics<double> kinematics(const JointVectord& phi) const {
+    return compute_kinematics<double>(task_.problem.robot, phi);
   }
-
-  Pose target_pose(double time) const {
-    return target_ != nullptr ? target_->state(time).pose : Pose{};
+  double clearance() const { return task_.problem.approach.clearance; }
+  /// Null when there is no target.
+  const Pose* target_pose(double time, Pose& storage) const {
+    if (target_ == nullptr) return nullptr;
+    storage = target_->state(time).pose;
+    return &storage;
   }
-
-  bool floating() const { return problem_.approach.base == BaseMode::Floating; }
-
+  /// Whether the base drifts during segment i.
+  bool drifts(std::size_t i) const {
+    return task_.problem.approach.base == BaseMode::Floating && i != moving_;
+  }
   Pose base_at(std::size_t i, double t) const {
-    const Pose& begin = motion_.base_poses[i];
-    if (!floating() || t <= motion_.path.times[i]) return begin;
-    return begin * base_step(problem_.robot, motion_.path, i, motion_.path.times[i], t);
-  }
-
-  std::optional<TimedHit> at(const JointVectord& phi, const Pose& base, double time) const {
-    const Pose pose = target_pose(time);
-    const auto hit =
-        scene_.first_hit(compute_kinematics<double>(problem_.robot, phi), base,
-                         target_ != nullptr ? &pose : nullptr, problem_.approach.clearance);
-    if (!hit) return std::nullopt;
-    return TimedHit{*hit, time};
-  }
-
-  SceneTravel target_travel(double half) const {
-    SceneTravel travel;
-    travel.joints = JointVectord::Zero(problem_.robot.n());
-    travel.target_translation = target_speed_ * half;
-    travel.target_rotation = target_rate_ * half;
-    return travel;
-  }
-
-  bool is_small(const SceneTravel& travel) const {
-    return std::max({travel.joints.norm(), travel.base_translation, travel.base_rotation,
-                     travel.target_translation, travel.target_rotation}) <=
-           problem_.approach.resolution / 16;
+    if (!drifts(i) || t <= path_.times[i]) return base_poses_[i];
+    return base_poses_[i] * base_step(task_.problem.robot, path_, i, path_.times[i], t);
   }
 
   std::optional<TimedHit> on_segment(std::size_t i, double t0, double t1) const {
+    const MotionCheckOptions& options = task_.options.motion_check;
     const double middle = (t0 + t1) / 2, half = (t1 - t0) / 2;
-    const JointMotion motion = motion_on_segment(motion_.path, i, middle);
-    const Pose base = base_at(i, middle), target = target_pose(middle);
-    SceneTravel travel = target_travel(half);
-    travel.joints = peak_rates(motion_.path, i, t0, t1) * half;
-    if (floating()) {
-      // Largest of three base velocities; half as much again for what lies between.
+    SceneTravel travel;
+    travel.joints = peak_rates(path_, i, t0, t1) * half;
+    travel.target_translation = target_speed_ * half;
+    travel.target_rotation = target_rate_ * half;
+    if (drifts(i)) {
+      // Largest of three base velocities, with a margin for those between.
       for (const double t : {t0, middle, t1}) {
-        const Vector6d Omega = base_velocity(problem_.robot, motion_on_segment(motion_.path, i, t));
-        travel.base_translation =
-            std::max(travel.base_translation, 1.5 * half * Omega.head<3>().norm());
-        travel.base_rotation = std::max(travel.base_rotation, 1.5 * half * Omega.tail<3>().norm());
+        const Vector6d Omega = base_velocity(task_.problem.robot, motion_on_segment(path_, i, t));
+        travel.base_translation = std::max(travel.base_translation,
+                                           options.velocity_margin * half * Omega.head<3>().norm());
+        travel.base_rotation =
+            std::max(travel.base_rotation, options.velocity_margin * half * Omega.tail<3>().norm());
       }
     }
+    Pose storage;
     const SweepResult result =
-        scene_.sweep(compute_kinematics<double>(problem_.robot, motion.phi), base,
-                     target_ != nullptr ? &target : nullptr, travel, problem_.approach.clearance);
+        task_.scene.sweep(kinematics(motion_on_segment(path_, i, middle).phi), base_at(i, middle),
+                          target_pose(middle, storage), travel, clearance());
     if (result.verdict == SweepVerdict::Hit) return TimedHit{result.closest, middle};
-    if (result.verdict == SweepVerdict::Clear || is_small(travel)) return std::nullopt;
+    const bool is_small =
+        std::max({travel.joints.norm(), travel.base_translation, travel.base_rotation,
+                  travel.target_translation, travel.target_rotation}) <=
+        options.finest / 2 * task_.problem.approach.resolution;
+    if (result.verdict == SweepVerdict::Clear || is_small) return std::nullopt;
     if (auto hit = on_segment(i, t0, middle)) return hit;
     return on_segment(i, middle, t1);
   }
 
-  std::optional<TimedHit> waiting(double t0, double t1) const {
-    const double middle = (t0 + t1) / 2;
-    const SceneTravel travel = target_travel((t1 - t0) / 2);
-    const Pose target = target_pose(middle);
-    const SweepResult result =
-        scene_.sweep(compute_kinematics<double>(problem_.robot, motion_.path.phi.back()),
-                     motion_.base_poses.back(), &target, travel, problem_.approach.clearance);
-    if (result.verdict == SweepVerdict::Hit) return TimedHit{result.closest, middle};
-    if (result.verdict == SweepVerdict::Clear || is_small(travel)) return std::nullopt;
-    if (auto hit = waiting(t0, middle)) return hit;
-    return waiting(middle, t1);
-  }
-
-  const CaptureProblem& problem_;
-  const CollisionScene& scene_;
-  const TimedMotion& motion_;
+  const ApproachTask& task_;
+  JointPath path_;
+  std::vector<Pose> base_poses_;
+  std::size_t moving_;  ///< number of segments on which the robot moves
+  double contact_time_;
   const TargetMotion* target_;
   double target_speed_ = 0, target_rate_ = 0;
 };
@@ -225,14 +200,14 @@ TimedMotion waiting_motion(const Configuration& at, double wait) {
           at.contact_time};
 }
 
-std::optional<TimedHit> first_hit(const CaptureProblem& problem, const CollisionScene& scene,
-                                  const TimedMotion& motion, const TargetMotion* target) {
-  return Follower(problem, scene, motion, target).first_hit();
+std::optional<TimedHit> first_hit(const ApproachTask& task, const TimedMotion& motion,
+                                  const TargetMotion* target) {
+  return Follower(task, motion, target).first_hit();
 }
 
-Proximity smallest_clearance(const CaptureProblem& problem, const CollisionScene& scene,
-                             const TimedMotion& motion, const TargetMotion* target) {
-  return Follower(problem, scene, motion, target).smallest_clearance();
+Proximity smallest_clearance(const ApproachTask& task, const TimedMotion& motion,
+                             const TargetMotion* target) {
+  return Follower(task, motion, target).smallest_clearance();
 }
 
 }  // namespace stillbase

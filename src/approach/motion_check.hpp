@@ -5,11 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <stillbase/collision/scene.hpp>
-#include <stillbase/plan/plan.hpp>
-#include <stillbase/target/target.hpp>
-
-#include "approach/joint_path.hpp"
+#include "approach/task.hpp"
 
 namespace stillbase {
 
@@ -19,22 +15,20 @@ namespace stillbase {
 class StillScene {
  public:
   /// @param targets poses T_NT that must all be avoided
-  StillScene(const CaptureProblem& problem, const CollisionScene& scene, const Configuration& goal,
-             std::vector<Pose> targets, double resolution);
-
+  StillScene(const ApproachTask& task, std::vector<Pose> targets, double resolution);
   std::optional<Proximity> first_hit(const JointVectord& phi) const;
-  /// On the straight line between two postures: proven clear, or checked at the resolution.
-  bool is_motion_clear(const JointVectord& a, const JointVectord& b) const;
+  /// On the straight line between two postures, parts `begin` to `end` of it: proven clear, or
+  /// checked at the resolution.
+  bool is_motion_clear(const JointVectord& a, const JointVectord& b, double begin = 0,
+                       double end = 1) const;
 
  private:
   Pose base_at(const Kinematics<double>& kinematics) const;
-  bool is_clear_between(const JointVectord& a, const JointVectord& b, double begin,
-                        double end) const;
 
   const CaptureProblem& problem_;
   CollisionScene scene_, target_scene_;
   Pose goal_base_;
-  Vector3d centroid_ = Vector3d::Zero();  ///< of the system in N
+  Vector3d centroid_;  ///< of the system in N
   JointVectord centroid_levers_;
   std::vector<Pose> targets_;
   double resolution_;
@@ -56,13 +50,13 @@ struct TimedMotion {
 TimedMotion waiting_motion(const Configuration& at, double wait);
 
 /// First hit along the motion and the wait: every interval is proven clear or split until nothing
-/// in it moves further than an eighth of the resolution (rad, or m per metre).
+/// in it moves further than MotionCheckOptions::finest says.
 /// @param target null: not there. @throws std::out_of_range beyond the horizon of the prediction
-std::optional<TimedHit> first_hit(const CaptureProblem& problem, const CollisionScene& scene,
-                                  const TimedMotion& motion, const TargetMotion* target);
+std::optional<TimedHit> first_hit(const ApproachTask& task, const TimedMotion& motion,
+                                  const TargetMotion* target);
 
 /// Smallest distance along the motion and the wait, sampled at half the resolution.
-Proximity smallest_clearance(const CaptureProblem& problem, const CollisionScene& scene,
-                             const TimedMotion& motion, const TargetMotion* target);
+Proximity smallest_clearance(const ApproachTask& task, const TimedMotion& motion,
+                             const TargetMotion* target);
 
 }  // namespace stillbase

@@ -12,12 +12,6 @@ namespace stillbase {
 
 namespace {
 
-/// Squares of singular values of the coupling matrix below this part of the largest count as zero.
-constexpr double kRankSquared = 1e-12;
-constexpr double kDifference = 1e-6;      ///< rad
-constexpr double kGoalDifference = 1e-5;  ///< rad
-constexpr double kReached = 1e-9;         ///< rad
-
 struct Reference {
   Eigen::VectorXd r, slope;
 };
@@ -44,14 +38,11 @@ Reference reference_at(const Knots& knots, double s) {
 NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
                          std::vector<Eigen::Index> free, const NullSpaceOptions& options)
     : robot_(robot), start_(start), free_(std::move(free)), options_(options) {
-  const auto m = static_cast<Eigen::Index>(free_.size());
-  lower_.resize(m);
-  upper_.resize(m);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Index k = free_[static_cast<std::size_t>(i)];
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-    lower_[i] = std::min(joint.lower + options_.limit_margin, start[k]);
-    upper_[i] = std::max(joint.upper - options_.limit_margin, start[k]);
+  lower_ = upper_ = start(free_);
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    const Joint& joint = robot.joints[free_[i]];
+    lower_[i] = std::min(joint.lower + options_.limit_margin, lower_[i]);
+    upper_[i] = std::max(joint.upper - options_.limit_margin, upper_[i]);
   }
 }
 
@@ -64,7 +55,7 @@ Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
   Vector3d momentum = square.vectors.transpose() * (A * wanted);
   const Vector3d sizes = square.values;
   for (int k = 0; k < 3; ++k) {
-    momentum[k] = sizes[k] > kRankSquared * sizes[2] ? momentum[k] / sizes[k] : 0;
+    momentum[k] = sizes[k] > options_.rank_squared * sizes[2] ? momentum[k] / sizes[k] : 0;
   }
   return wanted - A.transpose() * (square.vectors * momentum);
 }
@@ -109,13 +100,13 @@ Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& c
     // A knot bends the reference from two knots before it on.
     const int from = static_cast<int>(std::max<Eigen::Index>(k - 2, 0)) * steps;
     for (Eigen::Index row = 0; row < m; ++row) {
-      beside(row, k) += kDifference;
-      JointVectord phi = curve.phi[static_cast<std::size_t>(from)];
+      beside(row, k) += options_.difference;
+      JointVectord phi = curve.phi[from];
       for (int i = from; i < total; ++i) {
         const double s = static_cast<double>(i) / total;
         phi = step(beside, s, 1.0 / total, phi, slope(beside, s, phi));
       }
-      J.col((k - 1) * m + row) = (free_part(phi) - end) / kDifference;
+      J.col((k - 1) * m + row) = (free_part(phi) - end) / options_.difference;
       beside(row, k) = knots(row, k);
     }
   }
@@ -131,11 +122,11 @@ Eigen::MatrixXd NullTracker::directions_asked(const GoalNear& goal, const JointV
   if (!here) return asked;
   for (Eigen::Index i = 0; i < m; ++i) {
     JointVectord beside = end;
-    beside[free_[static_cast<std::size_t>(i)]] += kGoalDifference;
+    beside[free_[i]] += options_.goal_difference;
     const auto there = goal(beside);
     // A jump to another goal says nothing about this one.
-    if (!there || (there->phi - here->phi).norm() > 10 * kGoalDifference) continue;
-    asked.col(i) -= (free_part(there->phi) - free_part(here->phi)) / kGoalDifference;
+    if (!there || (there->phi - here->phi).norm() > 10 * options_.goal_difference) continue;
+    asked.col(i) -= (free_part(there->phi) - free_part(here->phi)) / options_.goal_difference;
   }
   return asked;
 }
@@ -160,7 +151,7 @@ Knots NullTracker::shifted_knots(const Knots& knots, const Eigen::VectorXd& shif
   return there.cwiseMax(lower_.replicate(1, count + 1)).cwiseMin(upper_.replicate(1, count + 1));
 }
 
-std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind kind, Knots& knots,
+std::optional<Configuration> NullTracker::reach(const GoalNear& goal, Knots& knots,
                                                 JointPath& curve) const {
   const Eigen::Index m = knots.rows();
   std::optional<Configuration> wanted;
@@ -176,19 +167,19 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, GoalKind k
   for (int newton = 0; newton < options_.newton_steps; ++newton) {
     const Eigen::VectorXd error = missing(curve);  // also sets the goal of this very curve
     if (!error.allFinite()) return std::nullopt;
-    if (error.norm() < kReached && steps == options_.fine_steps) {
+    if (error.norm() < options_.reached && steps == options_.fine_steps) {
       curve.phi.back() = wanted->phi;
       return wanted;
     }
-    if (error.norm() < 1e-6 && steps != options_.fine_steps) {
+    if (error.norm() < options_.nearly_reached && steps != options_.fine_steps) {
       steps = options_.fine_steps;
       curve = follow(knots, steps);
       continue;
     }
     const JointPath coarse =
         steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
-    Eigen::MatrixXd J = end_jacobian(knots, coarse, options_.coarse_steps);
-    if (kind == GoalKind::Smooth) J = (directions_asked(goal, curve.phi.back()) * J).eval();
+    const Eigen::MatrixXd J = directions_asked(goal, curve.phi.back()) *
+                              end_jacobian(knots, coarse, options_.coarse_steps);
     const Eigen::MatrixXd square = J * J.transpose();
     bool better = false;
     for (int trial = 0; trial < options_.dampings && !better; ++trial) {

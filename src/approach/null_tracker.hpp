@@ -29,28 +29,19 @@ class NullTracker {
   /// are values of s, `phidot` the slopes.
   JointPath follow(const Knots& knots, int steps) const;
 
-  /// A goal near a posture (n); nothing when there is none.
+  /// The goal near a posture (n), moving smoothly with it; nothing when there is none.
   using GoalNear = std::function<std::optional<Configuration>(const JointVectord&)>;
 
-  /// How goals near neighbouring postures belong together.
-  enum class GoalKind {
-    Smooth,    ///< of one continuum: the nearest moves smoothly with the posture
-    Scattered  ///< isolated
-  };
-
-  /// Shifts the knots until the curve ends at a goal, to 1e-9 rad; its last posture is then made
-  /// that of the goal. Nothing: it does not get there.
-  std::optional<Configuration> reach(const GoalNear& goal, GoalKind kind, Knots& knots,
-                                     JointPath& curve) const;
+  /// Shifts the knots until the curve ends at a goal; its last posture is then that of the goal.
+  /// Nothing: it does not get there.
+  std::optional<Configuration> reach(const GoalNear& goal, Knots& knots, JointPath& curve) const;
 
   /// Knots shifted so that the end of the curve moves by about `stride` (rad), as the null space
   /// allows, in the direction `push` (m).
   Knots bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
              double stride) const;
 
-  Eigen::VectorXd free_part(const JointVectord& phi) const {
-    return stillbase::free_part(phi, free_);
-  }
+  Eigen::VectorXd free_part(const JointVectord& phi) const { return phi(free_); }
 
  private:
   /// Slope of the curve at s.

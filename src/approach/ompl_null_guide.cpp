@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <ompl/base/ProblemDefinition.h>
-#include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/control/DirectedControlSampler.h>
 #include <ompl/control/PathControl.h>
 #include <ompl/control/SpaceInformation.h>
@@ -12,7 +11,6 @@
 #include <ompl/control/planners/rrt/RRT.h>
 #include <ompl/control/spaces/RealVectorControlSpace.h>
 
-#include "approach/null_guide.hpp"
 #include "approach/ompl_support.hpp"
 
 namespace stillbase {
@@ -21,47 +19,42 @@ namespace {
 
 namespace ob = ompl::base;
 namespace oc = ompl::control;
-using Space = ob::RealVectorStateSpace;
 using Controls = oc::RealVectorControlSpace;
-
-Eigen::VectorXd values_of(const double* values, unsigned dimension) {
-  return Eigen::Map<const Eigen::VectorXd>(values, dimension);
-}
+using Projected = std::function<JointVectord(const JointVectord&, const JointVectord&)>;
 
 class Propagator : public oc::StatePropagator {
  public:
-  Propagator(const oc::SpaceInformationPtr& si, const GuideQuery& query)
-      : oc::StatePropagator(si), query_(query), dimension_(si->getStateDimension()) {}
+  Propagator(const oc::SpaceInformationPtr& si, const Projected& projected)
+      : oc::StatePropagator(si), projected_(projected), joints_(si->getStateDimension()) {}
 
   void propagate(const ob::State* from, const oc::Control* control, double duration,
                  ob::State* to) const override {
-    const Eigen::VectorXd x = values_of(from->as<Space::StateType>()->values, dimension_);
-    const Eigen::VectorXd u = values_of(control->as<Controls::ControlType>()->values, dimension_);
-    const Eigen::VectorXd middle = x + duration / 2 * query_.projected(x, u);
-    const Eigen::VectorXd end = x + duration * query_.projected(middle, u);
-    double* values = to->as<Space::StateType>()->values;
-    for (unsigned k = 0; k < dimension_; ++k) values[k] = end[k];
+    const JointVectord x = posture_of(from, joints_);
+    const JointVectord u =
+        Eigen::Map<const Eigen::VectorXd>(control->as<Controls::ControlType>()->values, joints_);
+    const JointVectord middle = x + duration / 2 * projected_(x, u);
+    const JointVectord end = x + duration * projected_(middle, u);
+    std::copy(end.begin(), end.end(), values_of(to));
   }
   bool canPropagateBackward() const override { return true; }
 
  private:
-  const GuideQuery& query_;
-  unsigned dimension_;
+  const Projected& projected_;
+  unsigned joints_;
 };
 
 /// Heads for a sample as directly as the null space allows.
 class Steering : public oc::DirectedControlSampler {
  public:
   Steering(const oc::SpaceInformation* si, const NullSpaceOptions& options)
-      : oc::DirectedControlSampler(si), dimension_(si->getStateDimension()), options_(options) {}
+      : oc::DirectedControlSampler(si), joints_(si->getStateDimension()), options_(options) {}
 
   unsigned sampleTo(oc::Control* control, const ob::State* from, ob::State* to) override {
-    const Eigen::VectorXd a = values_of(from->as<Space::StateType>()->values, dimension_);
-    const Eigen::VectorXd b = values_of(to->as<Space::StateType>()->values, dimension_);
+    const JointVectord a = posture_of(from, joints_), b = posture_of(to, joints_);
     const double distance = (b - a).norm();
     if (!(distance > 0)) return 0;
     double* values = control->as<Controls::ControlType>()->values;
-    for (unsigned k = 0; k < dimension_; ++k) values[k] = (b[k] - a[k]) / distance;
+    for (unsigned k = 0; k < joints_; ++k) values[k] = (b[k] - a[k]) / distance;
     const auto steps = static_cast<int>(std::min(std::ceil(distance / options_.guide_step),
                                                  static_cast<double>(options_.guide_edge_steps)));
     return si_->propagateWhileValid(from, control, steps, to);
@@ -72,75 +65,59 @@ class Steering : public oc::DirectedControlSampler {
   }
 
  private:
-  unsigned dimension_;
+  unsigned joints_;
   const NullSpaceOptions& options_;
-};
-
-class SeededRrt : public oc::RRT {
- public:
-  SeededRrt(const oc::SpaceInformationPtr& si, std::uint_fast32_t seed, double goal_bias)
-      : oc::RRT(si) {
-    rng_.setLocalSeed(seed);
-    setGoalBias(goal_bias);
-  }
 };
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> find_guide(const GuideQuery& query) {
-  const auto m = static_cast<unsigned>(query.start.size());
-  if (!query.start.allFinite() || !query.goal.allFinite() || !query.lower.allFinite() ||
-      !query.upper.allFinite() || !(query.lower.array() < query.upper.array()).all()) {
-    throw std::invalid_argument("path query with numbers that are not finite or empty bounds");
-  }
+std::vector<JointVectord> find_guide(const PathQuery& query, const NullSpaceOptions& options,
+                                     const Projected& projected) {
+  query.check();
+  const auto m = static_cast<unsigned>(query.lower.size());
   Random seeds(query.seed);
   const auto lock = share_ompl();
-  auto space = std::make_shared<Space>(m);
-  ob::RealVectorBounds bounds(m), speeds(m);
-  for (unsigned k = 0; k < m; ++k) {
-    bounds.setLow(k, query.lower[k]);
-    bounds.setHigh(k, query.upper[k]);
-  }
-  space->setBounds(bounds);
+  auto space = std::make_shared<ob::RealVectorStateSpace>(m);
+  space->setBounds(bounds_of(query, m));
   space->setStateSamplerAllocator([&seeds](const ob::StateSpace* s) {
     return std::make_shared<SeededSampler>(s, local_seed(seeds));
   });
   auto controls = std::make_shared<Controls>(space, m);
+  ob::RealVectorBounds speeds(m);
   speeds.setLow(-1);
   speeds.setHigh(1);
   controls->setBounds(speeds);
 
   auto si = std::make_shared<oc::SpaceInformation>(space, controls);
   si->setStateValidityChecker([&](const ob::State* state) {
-    return si->satisfiesBounds(state) &&
-           query.is_valid(values_of(state->as<Space::StateType>()->values, m));
+    return si->satisfiesBounds(state) && query.is_valid(0, posture_of(state, m));
   });
-  si->setStatePropagator(std::make_shared<Propagator>(si, query));
+  si->setStatePropagator(std::make_shared<Propagator>(si, projected));
   si->setDirectedControlSamplerAllocator(
-      [&](const oc::SpaceInformation* s) { return std::make_shared<Steering>(s, query.options); });
-  si->setPropagationStepSize(query.options.guide_step);
-  si->setMinMaxControlDuration(1, static_cast<unsigned>(query.options.guide_edge_steps));
+      [&](const oc::SpaceInformation* s) { return std::make_shared<Steering>(s, options); });
+  si->setPropagationStepSize(options.guide_step);
+  si->setMinMaxControlDuration(1, static_cast<unsigned>(options.guide_edge_steps));
   si->setup();
 
-  ob::ScopedState<Space> start(space), goal(space);
+  ob::ScopedState<> start(si), goal(si);
   for (unsigned k = 0; k < m; ++k) {
-    start[k] = query.start[k];
-    goal[k] = query.goal[k];
+    start[k] = query.ends.front().start[k];
+    goal[k] = query.ends.front().goal[k];
   }
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
-  definition->setStartAndGoalStates(start, goal, query.options.guide_ends);
-  SeededRrt planner(si, local_seed(seeds), query.options.guide_goal_bias);
+  definition->setStartAndGoalStates(start, goal, options.guide_ends);
+  Seeded<oc::RRT> planner(si, local_seed(seeds));
+  planner.setGoalBias(options.guide_goal_bias);
   planner.setProblemDefinition(definition);
   planner.setup();
   int asked = 0;
   const ob::PlannerTerminationCondition finished(
       [&] { return ++asked > query.max_iterations || query.stop.reached(); });
-  std::vector<Eigen::VectorXd> postures;
+  std::vector<JointVectord> postures;
   if (planner.solve(finished) != ob::PlannerStatus::EXACT_SOLUTION) return postures;
   const auto& path = *definition->getSolutionPath()->as<oc::PathControl>();
-  for (std::size_t i = 0; i < path.getStateCount(); ++i) {
-    postures.push_back(
-        values_of(path.getState(static_cast<unsigned>(i))->as<Space::StateType>()->values, m));
+  for (unsigned i = 0; i < path.getStateCount(); ++i) {
+    postures.push_back(posture_of(path.getState(i), m));
   }
   return postures;
 }

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <stdexcept>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -27,9 +27,7 @@
 
 #include <stillbase/approach/approach.hpp>
 
-#include "approach/ompl_layers.hpp"
 #include "approach/ompl_support.hpp"
-#include "approach/path_planner.hpp"
 
 namespace stillbase {
 
@@ -37,101 +35,113 @@ namespace {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
-using Space = ob::RealVectorStateSpace;
 
-class SeededRrtConnect : public og::RRTConnect {
- public:
-  SeededRrtConnect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed)
-      : og::RRTConnect(si) {
-    rng_.setLocalSeed(seed);
-  }
-};
+/// rad between two layers; far more than any path is long.
+constexpr double kLayerHeight = 1000;
 
-class SeededSimplifier : public og::PathSimplifier {
- public:
-  SeededSimplifier(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed)
-      : og::PathSimplifier(si) {
-    rng_.setLocalSeed(seed);
-  }
-};
-
-/// The query's worlds as OMPL sees them: one goal as it is, several in layers.
-class Worlds {
+/// The worlds of a query as a space of OMPL: one goal as it is, several as one layer of postures
+/// for each.
+///
+/// With several goals a state is [posture; layer * kLayerHeight]. Layers are far from each other
+/// and nothing leads from one to another, so that a tree grows in the world of one goal alone.
+/// Informed samplers put states slightly above and below a layer: they belong to the nearest one.
+class Worlds : public ob::RealVectorStateSpace {
  public:
   explicit Worlds(const PathQuery& query)
-      : query_(query), joints_(static_cast<unsigned>(query.lower.size())) {
-    const unsigned layers = static_cast<unsigned>(query.ends.size());
-    if (layers > 1) {
-      layered_ = std::make_shared<LayeredSpace>(joints_);
-      space_ = layered_;
-    } else {
-      space_ = std::make_shared<Space>(joints_);
-    }
-    ob::RealVectorBounds bounds(space_->getDimension());
-    for (unsigned k = 0; k < joints_; ++k) {
-      bounds.setLow(k, query.lower[k]);
-      bounds.setHigh(k, query.upper[k]);
-    }
-    if (layered_) {
+      : ob::RealVectorStateSpace(
+            static_cast<unsigned>(query.lower.size() + (query.ends.size() > 1 ? 1 : 0))),
+        query_(query),
+        joints_(static_cast<unsigned>(query.lower.size())),
+        is_layered_(query.ends.size() > 1) {
+    ob::RealVectorBounds bounds = bounds_of(query, getDimension());
+    if (is_layered_) {
       bounds.setLow(joints_, -kLayerHeight / 4);
-      bounds.setHigh(joints_, (layers - 0.75) * kLayerHeight);
+      bounds.setHigh(joints_, (static_cast<double>(query.ends.size()) - 0.75) * kLayerHeight);
     }
-    space_->setBounds(bounds);
+    setBounds(bounds);
   }
 
-  const std::shared_ptr<Space>& space() const { return space_; }
+  const PathQuery& query() const { return query_; }
+  unsigned joints() const { return joints_; }
+  bool is_layered() const { return is_layered_; }
 
-  void seed_samplers(Random& seeds) {
-    std::vector<double> weights;
-    for (const PathEnds& ends : query_.ends) weights.push_back(ends.weight);
-    space_->setStateSamplerAllocator(
-        [&seeds, weights](const ob::StateSpace* s) -> ob::StateSamplerPtr {
-          if (weights.size() > 1) {
-            return std::make_shared<LayeredSampler>(s, local_seed(seeds), weights);
-          }
-          return std::make_shared<SeededSampler>(s, local_seed(seeds));
-        });
+  double distance(const ob::State* a, const ob::State* b) const override {
+    if (!is_layered_) return ob::RealVectorStateSpace::distance(a, b);
+    double square = 0;
+    for (unsigned k = 0; k < joints_; ++k) {
+      const double difference = values_of(a)[k] - values_of(b)[k];
+      square += difference * difference;
+    }
+    const long from = world(a), to = world(b);
+    const bool same = from == to && from >= 0;
+    return std::sqrt(square) + (same ? 0 : kLayerHeight);
+  }
+
+  void interpolate(const ob::State* from, const ob::State* to, double t,
+                   ob::State* state) const override {
+    const bool same = world(from) == world(to);
+    ob::RealVectorStateSpace::interpolate(from, to, t, state);
+    if (!same) values_of(state)[joints_] = -kLayerHeight / 2;  // in no layer
   }
 
   void add_ends(const ob::SpaceInformationPtr& si, ob::ProblemDefinition& definition) const {
     auto goals = std::make_shared<ob::GoalStates>(si);
-    ob::ScopedState<Space> start(space_), goal(space_);
+    ob::ScopedState<> start(si), goal(si);
     for (std::size_t i = 0; i < query_.ends.size(); ++i) {
       for (unsigned k = 0; k < joints_; ++k) {
         start[k] = query_.ends[i].start[k];
         goal[k] = query_.ends[i].goal[k];
       }
-      if (layered_) start[joints_] = goal[joints_] = kLayerHeight * static_cast<double>(i);
+      if (is_layered_) start[joints_] = goal[joints_] = kLayerHeight * static_cast<double>(i);
       definition.addStartState(start);
       goals->addState(goal);
     }
     definition.setGoal(goals);
   }
 
-  JointVectord posture(const ob::State* state) const {
-    JointVectord phi(static_cast<Eigen::Index>(joints_));
-    const double* values = state->as<Space::StateType>()->values;
-    for (unsigned k = 0; k < joints_; ++k) phi[k] = values[k];
-    return phi;
+  /// Index in the query's ends; negative: between two layers.
+  long world(const ob::State* state) const {
+    if (!is_layered_) return 0;
+    const double place = values_of(state)[joints_] / kLayerHeight;
+    const double nearest = std::round(place);
+    return std::abs(place - nearest) < 0.25 ? std::lround(nearest) : -1;
   }
-  /// Index in the query's ends; negative: in no world.
-  long world(const ob::State* state) const { return layered_ ? layered_->layer_of(state) : 0; }
-
   bool is_valid(const ob::State* state) const {
     const long at = world(state);
-    return at >= 0 && query_.is_valid(static_cast<std::size_t>(at), posture(state));
+    return at >= 0 && query_.is_valid(at, posture_of(state, joints_));
   }
   bool is_motion_valid(const ob::State* a, const ob::State* b) const {
     const long at = world(a);
     return at >= 0 && at == world(b) && is_valid(b) &&
-           query_.is_motion_valid(static_cast<std::size_t>(at), posture(a), posture(b));
+           query_.is_motion_valid(at, posture_of(a, joints_), posture_of(b, joints_));
   }
 
  private:
   const PathQuery& query_;
   unsigned joints_;
-  std::shared_ptr<LayeredSpace> layered_;
-  std::shared_ptr<Space> space_;
+  bool is_layered_;
+};
+
+/// Draws a posture, and with several goals a layer by its weight.
+class WorldSampler : public SeededSampler {
+ public:
+  WorldSampler(const ob::StateSpace* space, std::uint_fast32_t seed)
+      : SeededSampler(space, seed), worlds_(*space->as<Worlds>()) {}
+
+  void sampleUniform(ob::State* state) override {
+    SeededSampler::sampleUniform(state);
+    if (!worlds_.is_layered()) return;
+    const std::vector<PathEnds>& ends = worlds_.query().ends;
+    double left = rng_.uniformReal(
+        0, std::accumulate(ends.begin(), ends.end(), 0.0,
+                           [](double sum, const PathEnds& end) { return sum + end.weight; }));
+    std::size_t layer = 0;
+    while (layer + 1 < ends.size() && left > ends[layer].weight) left -= ends[layer++].weight;
+    values_of(state)[worlds_.joints()] = kLayerHeight * static_cast<double>(layer);
+  }
+
+ private:
+  const Worlds& worlds_;
 };
 
 class MotionCheck : public ob::MotionValidator {
@@ -142,7 +152,7 @@ class MotionCheck : public ob::MotionValidator {
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
     return worlds_.is_motion_valid(a, b);
   }
-  // How far one could go is not known; none of the planners used here asks.
+  // How far a motion is valid is not known; none of the planners used here asks.
   bool checkMotion(const ob::State* a, const ob::State* b,
                    std::pair<ob::State*, double>& last_valid) const override {
     const bool valid = checkMotion(a, b);
@@ -157,30 +167,29 @@ class MotionCheck : public ob::MotionValidator {
 
 /// Alternates OMPL's simplification steps until they no longer shorten the path.
 void simplify(const ob::SpaceInformationPtr& si, og::PathGeometric& path, std::uint_fast32_t seed,
-              const StopCondition& stop, int rounds) {
-  SeededSimplifier simplifier(si, seed);
-  for (int round = 0; round < rounds && !stop.reached(); ++round) {
+              const StopCondition& stop, const PathPlannerOptions& options) {
+  Seeded<og::PathSimplifier> simplifier(si, seed);
+  for (int round = 0; round < options.simplification_rounds && !stop.reached(); ++round) {
     const double before = path.length();
     simplifier.reduceVertices(path);
     simplifier.collapseCloseVertices(path);
     simplifier.shortcutPath(path);
-    if (path.length() > 0.99 * before && round > 0) break;
+    if (path.length() > options.worthwhile * before && round > 0) break;
   }
   simplifier.reduceVertices(path);
 }
 
-struct NamedPlanner {
-  std::string_view name;
-  ob::PlannerPtr (*make)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed,
-                         double tree_range);
-  bool improves;      ///< goes on after its first solution
-  bool hides_random;  ///< generators that cannot be seeded one by one
-  bool takes_sets;    ///< takes several starts and goals
-};
+using MakePlanner = ob::PlannerPtr (*)(const ob::SpaceInformationPtr&, std::uint_fast32_t seed,
+                                       double tree_range);
+
+template <class Planner>
+ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t, double) {
+  return std::make_shared<Planner>(si);
+}
 
 ob::PlannerPtr make_rrt_connect(const ob::SpaceInformationPtr& si, std::uint_fast32_t seed,
                                 double tree_range) {
-  auto planner = std::make_shared<SeededRrtConnect>(si, seed);
+  auto planner = std::make_shared<Seeded<og::RRTConnect>>(si, seed);
   planner->setRange(tree_range);
   return planner;
 }
@@ -197,21 +206,23 @@ class ShoulderProjection : public ob::ProjectionEvaluator {
  public:
   ShoulderProjection(const ob::StateSpacePtr& space, double cell_size)
       : ob::ProjectionEvaluator(space),
-        layered_(dynamic_cast<const LayeredSpace*>(space.get()) != nullptr),
-        shoulder_(std::min(3u, space->getDimension() - (layered_ ? 1u : 0u))) {
+        worlds_(*space->as<Worlds>()),
+        shoulder_(std::min(3u, worlds_.joints())) {
     std::vector<double> sizes(shoulder_, cell_size);
-    if (layered_) sizes.push_back(kLayerHeight / 2);
+    if (worlds_.is_layered()) sizes.push_back(kLayerHeight / 2);
     setCellSizes(sizes);
   }
-  unsigned int getDimension() const override { return shoulder_ + (layered_ ? 1u : 0u); }
+  unsigned int getDimension() const override {
+    return shoulder_ + (worlds_.is_layered() ? 1u : 0u);
+  }
   void project(const ob::State* state, Eigen::Ref<Eigen::VectorXd> out) const override {
-    const double* values = state->as<Space::StateType>()->values;
+    const double* values = values_of(state);
     for (unsigned k = 0; k < shoulder_; ++k) out[k] = values[k];
-    if (layered_) out[shoulder_] = values[space_->getDimension() - 1];
+    if (worlds_.is_layered()) out[shoulder_] = values[worlds_.joints()];
   }
 
  private:
-  bool layered_;
+  const Worlds& worlds_;
   unsigned shoulder_;
 };
 
@@ -224,10 +235,13 @@ ob::PlannerPtr make_kpiece(const ob::SpaceInformationPtr& si, std::uint_fast32_t
   return planner;
 }
 
-template <class Planner>
-ob::PlannerPtr make_plain(const ob::SpaceInformationPtr& si, std::uint_fast32_t, double) {
-  return std::make_shared<Planner>(si);
-}
+struct NamedPlanner {
+  std::string_view name;
+  MakePlanner make;
+  bool improves;      ///< goes on after its first solution
+  bool hides_random;  ///< generators that cannot be seeded one by one
+  bool takes_sets;    ///< takes several starts and goals
+};
 
 // PRM* with lazy checks: OMPL's eager one looks for the solution in a second thread, so that what
 // it finds depends on the load of the machine. KPIECE in its bidirectional form.
@@ -239,13 +253,6 @@ constexpr std::array<NamedPlanner, 6> kPlanners = {
      {"ait_star", make_plain<og::AITstar>, true, true, true},
      {"kpiece", make_kpiece, false, true, true}}};
 
-const NamedPlanner* find_planner(const std::string& name) {
-  for (const NamedPlanner& planner : kPlanners) {
-    if (planner.name == name) return &planner;
-  }
-  return nullptr;
-}
-
 /// Whether an improving planner reports the cost of a solution.
 bool states_cost(const ob::Planner& planner) {
   const auto& properties = planner.getPlannerProgressProperties();
@@ -256,15 +263,7 @@ bool states_cost(const ob::Planner& planner) {
 }
 
 PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
-  // The gate: OMPL takes NaN for a valid state, and NaN bounds end the process.
-  bool sound = !query.ends.empty() && query.lower.allFinite() && query.upper.allFinite() &&
-               (query.lower.array() < query.upper.array()).all();
-  for (const PathEnds& ends : query.ends) {
-    sound = sound && ends.start.allFinite() && ends.goal.allFinite() && ends.weight > 0;
-  }
-  if (!sound) {
-    throw std::invalid_argument("path query with numbers that are not finite or empty bounds");
-  }
+  query.check();
   Random seeds(query.seed);
   const auto planner_seed = local_seed(seeds), simplifier_seed = local_seed(seeds);
   std::shared_lock<std::shared_mutex> shared;
@@ -274,19 +273,19 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
   } else {
     shared = share_ompl();
   }
-  Worlds worlds(query);
-  worlds.seed_samplers(seeds);
-  const std::shared_ptr<Space>& space = worlds.space();
-  space->setLongestValidSegmentFraction(
-      std::min(query.resolution / space->getMaximumExtent(), 1.0));
-
-  auto si = std::make_shared<ob::SpaceInformation>(space);
-  si->setStateValidityChecker([&](const ob::State* state) { return worlds.is_valid(state); });
-  si->setMotionValidator(std::make_shared<MotionCheck>(si, worlds));
+  const auto worlds = std::make_shared<Worlds>(query);
+  worlds->setStateSamplerAllocator([&seeds](const ob::StateSpace* space) {
+    return std::make_shared<WorldSampler>(space, local_seed(seeds));
+  });
+  worlds->setLongestValidSegmentFraction(
+      std::min(query.resolution / worlds->getMaximumExtent(), 1.0));
+  auto si = std::make_shared<ob::SpaceInformation>(worlds);
+  si->setStateValidityChecker([&](const ob::State* state) { return worlds->is_valid(state); });
+  si->setMotionValidator(std::make_shared<MotionCheck>(si, *worlds));
   si->setup();
 
   auto definition = std::make_shared<ob::ProblemDefinition>(si);
-  worlds.add_ends(si, *definition);
+  worlds->add_ends(si, *definition);
   definition->setOptimizationObjective(std::make_shared<ob::PathLengthOptimizationObjective>(si));
   bool solved = false;  // planners report it by one of three means before they end
   definition->setIntermediateSolutionCallback([&](const ob::Planner*,
@@ -314,16 +313,16 @@ PathAnswer plan_with(const NamedPlanner& named, const PathQuery& query) {
     return answer;
   }
   auto& path = *definition->getSolutionPath()->as<og::PathGeometric>();
-  simplify(si, path, simplifier_seed, query.stop, query.options.simplification_rounds);
+  simplify(si, path, simplifier_seed, query.stop, query.options);
   if (query.stop.reached()) {
     answer.outcome = PathOutcome::Stopped;
     return answer;
   }
   answer.outcome = PathOutcome::Found;
   for (const ob::State* state : path.getStates()) {
-    answer.points.push_back(worlds.posture(state));
+    answer.points.push_back(posture_of(state, worlds->joints()));
   }
-  answer.reached = static_cast<std::size_t>(worlds.world(path.getStates().front()));
+  answer.reached = static_cast<std::size_t>(worlds->world(path.getStates().front()));
   return answer;
 }
 
@@ -348,8 +347,10 @@ PathAnswer plan_in_turn(const NamedPlanner& named, const PathQuery& query) {
 }  // namespace
 
 PathPlanner find_path_planner(const std::string& name) {
-  const NamedPlanner* named = find_planner(name);
-  if (named == nullptr) return nullptr;
+  const auto* named =
+      std::find_if(kPlanners.begin(), kPlanners.end(),
+                   [&](const NamedPlanner& planner) { return planner.name == name; });
+  if (named == kPlanners.end()) return nullptr;
   return [named](const PathQuery& query) {
     const bool in_turn = query.ends.size() > 1 && !named->takes_sets;
     return in_turn ? plan_in_turn(*named, query) : plan_with(*named, query);

@@ -14,10 +14,9 @@
 
 #include <stillbase/core/random.hpp>
 
-namespace stillbase {
+#include "approach/path_planner.hpp"
 
-/// OMPL writes to the console by itself; outcomes are reported by status instead.
-void silence_ompl();
+namespace stillbase {
 
 /// OMPL's seeds are 32 bits; 0 means "draw one from the clock".
 std::uint_fast32_t local_seed(Random& random);
@@ -27,12 +26,28 @@ std::shared_lock<std::shared_mutex> share_ompl();
 /// The same alone, with OMPL's global sequence of seeds begun anew.
 std::unique_lock<std::shared_mutex> own_ompl(std::uint_fast32_t seed);
 
-class SeededSampler : public ompl::base::RealVectorStateSampler {
+/// A class of OMPL with a generator `rng_` of its own, seeded.
+template <class Base>
+class Seeded : public Base {
  public:
-  SeededSampler(const ompl::base::StateSpace* space, std::uint_fast32_t seed)
-      : ompl::base::RealVectorStateSampler(space) {
-    rng_.setLocalSeed(seed);
+  template <class Argument>
+  Seeded(const Argument& argument, std::uint_fast32_t seed) : Base(argument) {
+    this->rng_.setLocalSeed(seed);
   }
 };
+using SeededSampler = Seeded<ompl::base::RealVectorStateSampler>;
+
+inline const double* values_of(const ompl::base::State* state) {
+  return state->as<ompl::base::RealVectorStateSpace::StateType>()->values;
+}
+inline double* values_of(ompl::base::State* state) {
+  return state->as<ompl::base::RealVectorStateSpace::StateType>()->values;
+}
+inline JointVectord posture_of(const ompl::base::State* state, unsigned joints) {
+  return Eigen::Map<const Eigen::VectorXd>(values_of(state), joints);
+}
+
+/// Bounds of a query as OMPL's, in a space of `dimension` >= joints.
+ompl::base::RealVectorBounds bounds_of(const PathQuery& query, unsigned dimension);
 
 }  // namespace stillbase

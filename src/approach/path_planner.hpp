@@ -31,8 +31,12 @@ struct PathQuery {
   PathPlannerOptions options;
   /// In the world of a goal (index in `ends`).
   std::function<bool(std::size_t, const JointVectord&)> is_valid;
-  std::function<bool(std::size_t, const JointVectord&, const JointVectord&)>
-      is_motion_valid;  ///< on the straight line between two valid postures
+  /// On the straight line between two valid postures.
+  std::function<bool(std::size_t, const JointVectord&, const JointVectord&)> is_motion_valid;
+
+  /// OMPL takes NaN for a valid state, and NaN bounds end the process.
+  /// @throws std::invalid_argument for numbers that are not finite or bounds that are empty
+  void check() const;
 };
 
 enum class PathOutcome { Found, NotFound, Stopped };
@@ -47,5 +51,13 @@ using PathPlanner = std::function<PathAnswer(const PathQuery&)>;
 
 /// The planner of this name; empty when there is none.
 PathPlanner find_path_planner(const std::string& name);
+
+/// A rough path within the reaction null space, for curves to follow: postures from the start to
+/// one within `guide_ends` of the goal, found by OMPL's RRT over joint velocities. Empty: none.
+/// @param query with one goal; is_motion_valid and resolution are not used
+/// @param projected velocity in the null space nearest to a wanted one, at a posture
+std::vector<JointVectord> find_guide(
+    const PathQuery& query, const NullSpaceOptions& options,
+    const std::function<JointVectord(const JointVectord&, const JointVectord&)>& projected);
 
 }  // namespace stillbase

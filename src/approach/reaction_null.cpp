@@ -5,58 +5,35 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/core/constants.hpp>
 #include <stillbase/core/random.hpp>
 
-#include "approach/geometric_path.hpp"
-#include "approach/null_guide.hpp"
 #include "approach/null_tracker.hpp"
-#include "approach/task.hpp"
+#include "approach/time_law.hpp"
 
 namespace stillbase {
 
 namespace {
 
-constexpr double kSlopeDifference = 1e-4;  ///< rad
-constexpr double kSameMeasure = 1e-9;      ///< in the unit of the objective
-
 /// The straight line, and wider detours the longer one tries.
 Knots reference(const NullTracker& tracker, const JointVectord& start, const JointVectord& goal,
-                int number, int count, Random& random) {
+                int number, const NullSpaceOptions& options, Random& random) {
+  const int count = options.knots;
   const Eigen::VectorXd a = tracker.free_part(start), b = tracker.free_part(goal);
   Knots knots(a.size(), count + 1);
   for (int k = 0; k <= count; ++k) knots.col(k) = a + (b - a) * k / count;
-  const double width = 0.15 * number;
-  for (int wave = 1; wave <= 3 && number > 0; ++wave) {
+  const double width = options.detour_width * number;
+  for (int wave = 1; wave <= options.detour_waves && number > 0; ++wave) {
     for (Eigen::Index row = 0; row < a.size(); ++row) {
       const double size = width / wave * random.normal();
-      for (int k = 1; k < count; ++k) {
-        knots(row, k) += size * std::sin(kPi * wave * k / count);
-      }
+      for (int k = 1; k < count; ++k) knots(row, k) += size * std::sin(kPi * wave * k / count);
     }
   }
   return knots;
 }
 
-bool keeps_limits(const RobotModel& robot, const JointPath& curve) {
-  return std::all_of(curve.phi.begin(), curve.phi.end(), [&](const JointVectord& phi) {
-    return joint_outside_limits(robot, phi, 0) == nullptr;
-  });
-}
-
-bool is_clear(const StillScene& scene, const JointPath& curve) {
-  constexpr std::size_t kStride = 8;
-  for (std::size_t i = 0; i + 1 < curve.phi.size(); i += kStride) {
-    const std::size_t next = std::min(i + kStride, curve.phi.size() - 1);
-    if (!scene.is_motion_clear(curve.phi[i], curve.phi[next])) return false;
-  }
-  return true;
-}
-
 /// Knots along a rough path to near the goal, and on to it.
-Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& goal,
+Knots along(std::vector<JointVectord> points, const JointVectord& goal,
             const NullSpaceOptions& options) {
-  std::vector<Eigen::VectorXd> points = guide;
   points.push_back(goal);
   std::vector<double> lengths(1, 0.0);
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -76,103 +53,146 @@ Knots along(const std::vector<Eigen::VectorXd>& guide, const Eigen::VectorXd& go
   return knots;
 }
 
+/// A goal with its own obstacles.
+struct NullGoal {
+  const AttemptGoal& attempt;
+  const StillScene& scene;
+
+  const ApproachTask& task() const { return attempt.task; }
+  std::optional<Configuration> near(const JointVectord& phi, ContactSolve how) const {
+    const auto& solve = task().contact.near_posture;
+    return solve ? solve(phi, how) : task().goal;
+  }
+  double measure(const Configuration& end) const {
+    return task().contact.measure ? task().contact.measure(end) : 0.0;
+  }
+  /// Whether nothing touches while the robot waits at a configuration.
+  bool can_wait(const Configuration& end) const {
+    const std::optional<TargetMotion> target = target_for(task(), end);
+    return !first_hit(task(), waiting_motion(end, attempt.wait), target ? &*target : nullptr);
+  }
+  bool keeps_limits(const JointPath& curve) const {
+    return std::all_of(curve.phi.begin(), curve.phi.end(), [&](const JointVectord& phi) {
+      return joint_outside_limits(task().problem.robot, phi, 0) == nullptr;
+    });
+  }
+  bool is_clear(const JointPath& curve) const {
+    const std::size_t stride = task().options.null_space.clearance_stride;
+    for (std::size_t i = 0; i + 1 < curve.phi.size(); i += stride) {
+      const std::size_t next = std::min(i + stride, curve.phi.size() - 1);
+      if (!scene.is_motion_clear(curve.phi[i], curve.phi[next])) return false;
+    }
+    return true;
+  }
+};
+
+/// A curve within the null space, its reference and its end.
+struct NullCurve {
+  Knots knots;
+  JointPath path;
+  Configuration end;
+};
+
 /// Curves tried one after the other; the one with the best end is kept, of equals the shortest.
 class Search {
  public:
-  Search(const NullPathQuery& query, const CaptureProblem& problem, const NullTracker& tracker)
-      : query_(query), problem_(problem), tracker_(tracker) {}
+  Search(const NullTracker& tracker, const NullSpaceOptions& options, const StopCondition& stop)
+      : tracker_(tracker), options_(options), stop_(stop) {}
 
-  void try_reference(std::size_t number, Knots knots) {
-    const NullGoal& goal = query_.goals[number];
+  void try_reference(const NullGoal& goal, std::size_t number, Knots knots) {
     ++tried_;
-    JointPath curve;
-    // Too far off for the contact to be found: head for the goal itself.
-    auto end = tracker_.reach(
-        [&](const JointVectord& phi) {
-          auto near = goal.near(phi, ContactSolve::Nearest);
-          return near ? near : goal.near(goal.posture, ContactSolve::Nearest);
-        },
-        NullTracker::GoalKind::Smooth, knots, curve);
+    // Where the contact cannot be solved nearby the curve heads for the goal itself.
+    const auto nearest = [&](const JointVectord& phi) {
+      auto near = goal.near(phi, ContactSolve::Nearest);
+      return near ? near : goal.near(goal.task().goal.phi, ContactSolve::Nearest);
+    };
+    NullCurve curve{std::move(knots), {}, {}};
+    const auto end = tracker_.reach(nearest, curve.knots, curve.path);
     if (!end) return;
     ++arrived_;
-    if (!keeps_limits(problem_.robot, curve)) return;
+    if (!goal.keeps_limits(curve.path)) return;
     ++within_limits_;
-    if (!is_clear(*goal.scene, curve) || !goal.can_wait(*end)) return;
+    if (!goal.is_clear(curve.path) || !goal.can_wait(*end)) return;
     ++clear_;
-    improve(goal, knots, curve, *end);
-    JointPath path = over_length(curve);
-    const double measure = goal.measure(*end);
-    if (measure < measure_ - kSameMeasure ||
-        (measure < measure_ + kSameMeasure && path.times.back() < best_.times.back())) {
+    curve.end = *end;
+    improve(goal, curve);
+    JointPath path = over_length(curve.path);
+    const double measure = goal.measure(curve.end);
+    if (measure < measure_ - options_.same_measure ||
+        (measure < measure_ + options_.same_measure && path.times.back() < best_.times.back())) {
       best_ = std::move(path);
-      end_ = *end;
+      end_ = curve.end;
       goal_ = number;
       measure_ = measure;
     }
   }
 
-  int clear() const { return clear_; }
-  bool is_done() const { return clear_ >= query_.options.enough || measure_ <= kSameMeasure; }
-  NullPathAnswer answer() const {
-    return {
-        best_, end_, goal_,
-        fmt::format("of {} curves within the reaction null space {} end at the goal, {} of them "
-                    "within the joint limits, {} of these clear of bodies",
-                    tried_, arrived_, within_limits_, clear_),
-        false};
+  bool found() const { return clear_ > 0; }
+  bool is_done() const { return clear_ >= options_.enough || measure_ <= options_.same_measure; }
+
+  JointPath take(AttemptResult& result, std::size_t& reached) {
+    if (found()) {
+      result.end = end_;
+      reached = goal_;
+    } else if (stop_.reached()) {
+      result.status = ApproachStatus::TimeOut;
+      result.detail = "stopped while the path was planned";
+    } else {
+      result.status = ApproachStatus::UnreachableInBaseMode;
+      result.detail = fmt::format(
+          "of {} curves within the reaction null space {} end at the goal, {} of them "
+          "within the joint limits, {} of these clear of bodies",
+          tried_, arrived_, within_limits_, clear_);
+    }
+    return std::move(best_);
   }
 
  private:
   /// Bends the curve on to a best posture near its end; when it does not go there, downhill as far
   /// as it can be bent.
-  void improve(const NullGoal& goal, Knots& knots, JointPath& curve, Configuration& end) const {
-    const auto best = [&](const JointVectord& phi) { return goal.near(phi, ContactSolve::Best); };
-    if (bend(goal, best, knots, knots, curve, end) || query_.stop.reached()) return;
-    double stride = query_.options.first_stride;
-    for (int round = 0; round < query_.options.improvements && stride > query_.options.last_stride;
-         ++round) {
-      if (query_.stop.reached()) return;
-      const Eigen::VectorXd slope = measure_slope(goal, end);
+  void improve(const NullGoal& goal, NullCurve& curve) const {
+    if (bend(goal, ContactSolve::Best, curve.knots, curve)) return;
+    double stride = options_.first_stride;
+    for (int round = 0; round < options_.improvements && stride > options_.last_stride; ++round) {
+      if (stop_.reached()) return;
+      const Eigen::VectorXd slope = measure_slope(goal, curve.end);
       if (!(slope.norm() > 0)) return;
-      const Knots bent = tracker_.bent(knots, curve, -slope, stride);
-      const auto nearest = [&](const JointVectord& phi) {
-        return goal.near(phi, ContactSolve::Nearest);
-      };
-      stride = bend(goal, nearest, bent, knots, curve, end) ? 2 * stride : stride / 3;
+      const Knots bent = tracker_.bent(curve.knots, curve.path, -slope, stride);
+      stride = bend(goal, ContactSolve::Nearest, bent, curve) ? 2 * stride : stride / 3;
     }
   }
 
   /// Takes the curve along other knots to a goal, when it is better, within limits and clear.
-  bool bend(const NullGoal& goal, const NullTracker::GoalNear& near, Knots bent, Knots& knots,
-            JointPath& curve, Configuration& end) const {
-    JointPath there;
-    const auto reached = tracker_.reach(near, NullTracker::GoalKind::Smooth, bent, there);
-    if (!reached || !(goal.measure(*reached) < goal.measure(end) - kSameMeasure)) return false;
-    if (!keeps_limits(problem_.robot, there) || !is_clear(*goal.scene, there)) return false;
-    if (!goal.can_wait(*reached)) return false;
-    knots = std::move(bent);
-    curve = std::move(there);
-    end = *reached;
+  bool bend(const NullGoal& goal, ContactSolve how, const Knots& knots, NullCurve& curve) const {
+    NullCurve bent{knots, {}, {}};
+    const auto reached = tracker_.reach(
+        [&](const JointVectord& phi) { return goal.near(phi, how); }, bent.knots, bent.path);
+    if (!reached || !(goal.measure(*reached) < goal.measure(curve.end) - options_.same_measure) ||
+        !goal.keeps_limits(bent.path) || !goal.is_clear(bent.path) || !goal.can_wait(*reached)) {
+      return false;
+    }
+    bent.end = *reached;
+    curve = std::move(bent);
     return true;
   }
 
   /// d measure / d free joints of the end, along the contact: by differences.
   Eigen::VectorXd measure_slope(const NullGoal& goal, const Configuration& end) const {
     const double here = goal.measure(end);
-    Eigen::VectorXd slope = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(query_.free.size()));
-    for (std::size_t i = 0; i < query_.free.size(); ++i) {
+    const std::vector<Eigen::Index>& free = goal.task().free;
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size()));
+    for (std::size_t i = 0; i < free.size(); ++i) {
       JointVectord beside = end.phi;
-      beside[query_.free[i]] += kSlopeDifference;
+      beside[free[i]] += options_.measure_difference;
       const auto there = goal.near(beside, ContactSolve::Nearest);
-      if (!there) continue;
-      slope[static_cast<Eigen::Index>(i)] = (goal.measure(*there) - here) / kSlopeDifference;
+      if (there) slope[i] = (goal.measure(*there) - here) / options_.measure_difference;
     }
     return slope;
   }
 
-  const NullPathQuery& query_;
-  const CaptureProblem& problem_;
   const NullTracker& tracker_;
+  const NullSpaceOptions& options_;
+  const StopCondition& stop_;
   JointPath best_;
   Configuration end_;
   std::size_t goal_ = 0;
@@ -180,55 +200,55 @@ class Search {
   int tried_ = 0, arrived_ = 0, within_limits_ = 0, clear_ = 0;
 };
 
-/// A rough path around the obstacles to a goal.
-std::vector<Eigen::VectorXd> guide_to(const NullPathQuery& query, const NullTracker& tracker,
-                                      const NullGoal& goal, std::uint64_t seed) {
-  const auto full = [&](const Eigen::VectorXd& part) {
-    return with_free_part(query.start, query.free, part);
+/// A rough path around the obstacles to a goal: postures of the free joints. Empty: none found.
+std::vector<JointVectord> guide_to(const NullGoal& goal, const ApproachTask& first,
+                                   const NullTracker& tracker, PathQuery query) {
+  const auto full = [&](const JointVectord& part) {
+    return with_free_part(first.start, first.free, part);
   };
-  GuideQuery rough;
-  rough.start = tracker.free_part(query.start);
-  rough.goal = tracker.free_part(goal.posture);
-  rough.lower = query.lower;
-  rough.upper = query.upper;
-  rough.seed = seed;
-  rough.max_iterations = query.max_iterations / query.options.guide_effort;
-  rough.stop = query.stop;
-  rough.options = query.options;
-  rough.is_valid = [&](const Eigen::VectorXd& part) { return !goal.scene->first_hit(full(part)); };
-  rough.projected = [&](const Eigen::VectorXd& part, const Eigen::VectorXd& wanted) {
-    return tracker.projected(full(part), wanted);
+  query.ends = {{tracker.free_part(first.start), tracker.free_part(goal.task().goal.phi), 1}};
+  set_bounds(first, query.lower, query.upper);
+  query.is_valid = [&](std::size_t, const JointVectord& part) {
+    return !goal.scene.first_hit(full(part));
   };
-  return find_guide(rough);
+  return find_guide(query, first.options.null_space,
+                    [&](const JointVectord& part, const JointVectord& wanted) {
+                      return JointVectord(tracker.projected(full(part), wanted));
+                    });
 }
 
 }  // namespace
 
-NullPathAnswer plan_null_path(const NullPathQuery& query, const CaptureProblem& problem) {
-  const NullTracker tracker(problem.robot, query.start, query.free, query.options);
-  Random random(query.seed);
-  Search search(query, problem, tracker);
+JointPath plan_null_path(const std::vector<const AttemptGoal*>& goals,
+                         const std::vector<StillScene>& scenes, std::uint64_t seed,
+                         const StopCondition& stop, AttemptResult& result, std::size_t& reached) {
+  const ApproachTask& first = goals.front()->task;
+  const NullSpaceOptions& options = first.options.null_space;
+  const NullTracker tracker(first.problem.robot, first.start, first.free, options);
+  Random random(seed);
+  Search search(tracker, options, stop);
+  const std::size_t count = goals.size();
   // The straight lines to all goals first: what is near in the null space is reached by one of
   // them.
-  const std::size_t count = query.goals.size();
-  const auto tries = static_cast<std::size_t>(count > 1 ? query.options.references_of_set
-                                                        : query.options.references);
-  for (std::size_t i = 0; i < tries && !search.is_done() && !query.stop.reached(); ++i) {
-    const JointVectord& goal = query.goals[i % count].posture;
-    search.try_reference(i % count,
-                         reference(tracker, query.start, goal, static_cast<int>(i / count),
-                                   query.options.knots, random));
+  const int tries = count > 1 ? options.references_of_set : options.references;
+  for (int i = 0; i < tries && !search.is_done() && !stop.reached(); ++i) {
+    const std::size_t k = i % count;
+    search.try_reference({*goals[k], scenes[k]}, k,
+                         reference(tracker, first.start, goals[k]->task.goal.phi,
+                                   static_cast<int>(i / count), options, random));
   }
-  const auto guides = static_cast<std::size_t>(query.options.guides);
-  for (std::size_t i = 0; i < guides && search.clear() == 0 && !query.stop.reached(); ++i) {
-    const Eigen::VectorXd goal = tracker.free_part(query.goals[i % count].posture);
-    const auto guide = guide_to(query, tracker, query.goals[i % count], random.next());
-    if (guide.size() >= 2) search.try_reference(i % count, along(guide, goal, query.options));
+  PathQuery query;
+  query.max_iterations = goals.front()->max_iterations / options.guide_effort;
+  query.stop = stop;
+  for (int i = 0; i < options.guides && !search.found() && !stop.reached(); ++i) {
+    const std::size_t k = i % count;
+    const NullGoal goal{*goals[k], scenes[k]};
+    query.seed = random.next();
+    const auto guide = guide_to(goal, first, tracker, query);
+    if (guide.size() < 2) continue;
+    search.try_reference(goal, k, along(guide, tracker.free_part(goal.task().goal.phi), options));
   }
-  NullPathAnswer answer = search.answer();
-  answer.stopped = answer.curve.times.empty() && query.stop.reached();
-  if (answer.stopped) answer.detail = "stopped while the path was planned";
-  return answer;
+  return search.take(result, reached);
 }
 
 }  // namespace stillbase

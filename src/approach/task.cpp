@@ -40,30 +40,19 @@ void check_input(const CaptureProblem& problem, const Configuration& goal) {
   demand(static_cast<bool>(find_path_planner(spec.planner)), "unknown planner");
 }
 
-JointVectord wrapped_start(const CaptureProblem& problem, const Configuration& goal) {
-  JointVectord start = problem.start;
-  for (int k = 0; k < problem.robot.n(); ++k) {
-    if (problem.robot.joints[static_cast<std::size_t>(k)].type == JointType::Continuous) {
-      start[k] += 2 * kPi * std::round((goal.phi[k] - start[k]) / (2 * kPi));
-    }
-  }
-  return start;
-}
-
 }  // namespace
 
 ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
                        const TargetMotion* target, const ContactSolver& contact,
                        const ApproachOptions& options) {
   check_input(problem, goal);
-  const int n = problem.robot.n();
   ApproachTask task{problem,
                     goal,
                     target,
                     CollisionScene(problem),
                     find_path_planner(problem.approach.planner),
-                    wrapped_start(problem, goal),
-                    JointVectord(n),
+                    problem.start,
+                    {JointVectord(problem.robot.n()), problem.approach.acceleration_limit},
                     {},
                     -kInfinity,
                     contact,
@@ -72,13 +61,16 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
     throw std::invalid_argument(
         "approach: a floating base with a stated start needs ContactSolver::at_base");
   }
-  for (int k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    task.max_rate[k] = problem.robot.joints[i].max_velocity * problem.approach.velocity_scale;
-    const bool may_move = problem.variables.joints.empty() || problem.variables.joints[i];
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    if (joint.type == JointType::Continuous) {
+      task.start[k] += 2 * kPi * std::round((goal.phi[k] - task.start[k]) / (2 * kPi));
+    }
+    task.limits.rate[k] = joint.max_velocity * problem.approach.velocity_scale;
+    const bool may_move = problem.variables.joints.empty() || problem.variables.joints[k];
     if (may_move || task.start[k] != goal.phi[k]) task.free.push_back(k);
   }
-  // A predicted target is known from its estimate on; one with a stated direction at all times.
+  // A predicted target is known from its estimate on, one with a stated direction at all times.
   if (target != nullptr && !problem.impulse.direction) {
     task.earliest_start = problem.target_state.time;
   }
@@ -87,15 +79,27 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
 
 const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack) {
   for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    const Joint& joint = robot.joints[k];
     if (phi[k] < joint.lower - slack || phi[k] > joint.upper + slack) return &joint;
   }
   return nullptr;
 }
 
+void set_bounds(const ApproachTask& task, JointVectord& lower, JointVectord& upper) {
+  const JointVectord low = task.start.cwiseMin(task.goal.phi);
+  const JointVectord high = task.start.cwiseMax(task.goal.phi);
+  lower = low(task.free).array() - 2 * kPi;
+  upper = high(task.free).array() + 2 * kPi;
+  for (std::size_t i = 0; i < task.free.size(); ++i) {
+    const Joint& joint = task.problem.robot.joints[task.free[i]];
+    if (std::isfinite(joint.lower)) lower[i] = std::min(joint.lower, low[task.free[i]]);
+    if (std::isfinite(joint.upper)) upper[i] = std::max(joint.upper, high[task.free[i]]);
+  }
+}
+
 JointPath straight_path(const ApproachTask& task) {
   return time_path(
-      {task.start, task.goal.phi}, task.max_rate, task.problem.approach.acceleration_limit,
+      {task.start, task.goal.phi}, task.limits,
       [](const JointVectord&, const JointVectord&) { return true; }, task.options.time_law);
 }
 

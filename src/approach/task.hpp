@@ -20,11 +20,11 @@ struct ApproachTask {
   const TargetMotion* target;
   CollisionScene scene;
   PathPlanner planner;
-  JointVectord start;              ///< continuous joints whole turns away from problem.start
-  JointVectord max_rate;           ///< scaled
+  JointVectord start;              ///< n; continuous joints whole turns away from problem.start
+  MotionLimits limits;             ///< scaled
   std::vector<Eigen::Index> free;  ///< joints that may move
   double earliest_start;           ///< s; -infinity when nothing is predicted
-  const ContactSolver& contact;    ///< for a base with a stated start
+  const ContactSolver& contact;
   ApproachOptions options;
 
   bool has_stated_start() const {
@@ -39,6 +39,10 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
 
 /// The first joint that a posture (n) puts further outside its limits than `slack`; null: none.
 const Joint* joint_outside_limits(const RobotModel& robot, const JointVectord& phi, double slack);
+
+/// Bounds of the free joints (m) for the planner: joint limits, and a full turn around start and
+/// goal where there are none.
+void set_bounds(const ApproachTask& task, JointVectord& lower, JointVectord& upper);
 
 /// The straight line to the goal with its time law, from time 0.
 JointPath straight_path(const ApproachTask& task);

@@ -1,28 +1,34 @@
 // From waypoints to a motion: corners rounded, rates and accelerations within limits.
 #pragma once
 
+#include <functional>
 #include <vector>
 
-#include "approach/geometric_path.hpp"
+#include <stillbase/approach/options.hpp>
+
+#include "approach/joint_path.hpp"
 
 namespace stillbase {
+
+/// Whether the straight line between two postures is free.
+using IsClear = std::function<bool(const JointVectord&, const JointVectord&)>;
 
 /// A motion along the waypoints, from time 0, at rest at both ends.
 ///
 /// Corners are replaced by parabolas as large as `is_clear` allows (the robot stops at a corner
-/// that cannot be rounded); along that path the fastest speed profile is found by a forward and a
-/// backward pass, then averaged over a window, which makes the acceleration continuous. The result
-/// is sampled, and the samples are stretched in time by what the limits on the Hermite segments
-/// demand.
+/// that cannot be rounded). Along that path a forward and a backward pass find the fastest speed
+/// profile, which is then averaged over a window: this makes the acceleration continuous. The
+/// samples of the result are stretched in time by what the limits on the Hermite segments demand.
 /// @param points waypoints joined by straight lines; at least one; neighbours may coincide
-/// @param max_rate n, > 0, may be infinite; @param max_acceleration n, > 0, finite
-/// @param is_clear whether the straight line between two postures is free
-JointPath time_path(const std::vector<JointVectord>& points, const JointVectord& max_rate,
-                    const JointVectord& max_acceleration, const IsClear& is_clear,
-                    const TimeLawOptions& options = {});
+JointPath time_path(const std::vector<JointVectord>& points, const MotionLimits& limits,
+                    const IsClear& is_clear, const TimeLawOptions& options = {});
 
 /// The same along a smooth curve: `times` are values of any parameter, `phidot` the slopes there.
-JointPath time_curve(const JointPath& curve, const JointVectord& max_rate,
-                     const JointVectord& max_acceleration, const TimeLawOptions& options = {});
+JointPath time_curve(const JointPath& curve, const MotionLimits& limits,
+                     const TimeLawOptions& options = {});
+
+/// A curve over its length (rad) instead of another parameter, slopes of norm 1. Samples at which
+/// it stands still are left out.
+JointPath over_length(const JointPath& curve);
 
 }  // namespace stillbase

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "approach/polish_problem.hpp"
+#include "approach/polish.hpp"
 #include "approach/problems.hpp"
 #include "approach/rest_spline.hpp"
 #include "approach/shipped_robot.hpp"
@@ -59,16 +59,12 @@ TEST_CASE("slopes of the polish are those of its values") {
   const Configuration goal = goal_at(posture({60, 60, 20, -40, 0, 30, 40}), 400);
   const ContactSolver contact;
   const ApproachTask task = make_task(problem, goal, nullptr, contact);
-  AttemptOptions first;
+  CaptureProblem plain = problem;
+  plain.approach.polish = PathPolish::None;
+  AttemptGoal first(make_task(plain, goal, nullptr, contact));
   first.max_iterations = 2000;
   std::size_t reached = 0;
-  AttemptResult found;
-  {
-    CaptureProblem plain = problem;
-    plain.approach.polish = PathPolish::None;
-    const ApproachTask planned = make_task(plain, goal, nullptr, contact);
-    found = try_approach({{&planned, first, 1}}, {}, reached);
-  }
+  const AttemptResult found = try_approach({&first}, 1, {}, reached);
   REQUIRE(found.status == ApproachStatus::Found);
   const PolishProblem polish(task, found, problem.approach.wait);
   Eigen::VectorXd x = polish.start();

@@ -40,7 +40,7 @@ TEST_CASE("one joint over a long way reaches its rate limit and takes about the 
   const JointVectord start = JointVectord::Zero(1), end = JointVectord::Constant(1, 10.0);
   const JointVectord rate = JointVectord::Constant(1, 0.5),
                      acceleration = JointVectord::Constant(1, 0.1);
-  const JointPath path = time_path({start, end}, rate, acceleration, always);
+  const JointPath path = time_path({start, end}, {rate, acceleration}, always);
   const double shortest = 10 / 0.5 + 0.5 / 0.1;  // accelerate, cruise, brake
   CHECK(path.times.back() >= shortest);
   CHECK(path.times.back() <= 1.2 * shortest);
@@ -62,7 +62,7 @@ TEST_CASE("zigzags keep rate and acceleration limits on a fine grid, with and wi
       acceleration[k] = random.uniform(0.01, 1);
     }
     for (const bool rounded : {true, false}) {
-      const JointPath path = time_path(points, rate, acceleration, rounded ? always : never);
+      const JointPath path = time_path(points, {rate, acceleration}, rounded ? always : never);
       CHECK(path.phi.front() == points.front());
       CHECK(path.phi.back() == points.back());
       CHECK(path.phidot.front().isZero(0));
@@ -92,8 +92,8 @@ TEST_CASE("rounding corners is faster than stopping at them") {
   double rounded = 0, stopping = 0;
   for (int i = 0; i < 20; ++i) {
     const std::vector<JointVectord> points = zigzag(random, 3, 5);
-    rounded += time_path(points, limit, limit, always).times.back();
-    stopping += time_path(points, limit, limit, never).times.back();
+    rounded += time_path(points, {limit, limit}, always).times.back();
+    stopping += time_path(points, {limit, limit}, never).times.back();
   }
   CHECK(rounded < 0.97 * stopping);
 }
@@ -101,11 +101,11 @@ TEST_CASE("rounding corners is faster than stopping at them") {
 TEST_CASE("a way that turns straight back is driven with a stop") {
   const JointVectord a = JointVectord::Zero(2), b = JointVectord::Constant(2, 1.0);
   const JointVectord limit = JointVectord::Constant(2, 0.2);
-  const JointPath path = time_path({a, b, 0.5 * b}, limit, limit, always);
+  const JointPath path = time_path({a, b, 0.5 * b}, {limit, limit}, always);
   bool passes_corner_at_rest = false;
   for (std::size_t i = 0; i < path.times.size(); ++i) {
     if (path.phi[i] == b && path.phidot[i].isZero(0)) passes_corner_at_rest = true;
   }
   CHECK(passes_corner_at_rest);
-  CHECK(stretch_for_limits(path, limit, limit) <= 1 + 1e-6);
+  CHECK(stretch_for_limits(path, {limit, limit}) <= 1 + 1e-6);
 }

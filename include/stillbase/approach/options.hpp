@@ -13,15 +13,27 @@ struct PathPlannerOptions {
   /// Iterations of planners that improve a path, after their first solution. Simplification and
   /// polish do the remainder.
   int improvement_iterations = 500;
-  /// Alternations of OMPL's simplification steps, ended when a path gets no shorter.
+  /// Alternations of OMPL's simplification steps, ended when one leaves more than this part of the
+  /// path's length.
   int simplification_rounds = 6;
+  double worthwhile = 0.99;
 };
 
 /// From way points to a motion.
 struct TimeLawOptions {
-  double largest_cut = 0.5;    ///< length of a straight line given up to round a corner
-  double smallest_cut = 1e-3;  ///< below this the robot stops at the corner
-  int corner_checks = 8;       ///< chords of a rounded corner that are checked for collisions
+  double largest_cut = 0.5;    ///< rad of a straight line given up to round a corner
+  double smallest_cut = 1e-3;  ///< rad; below this the robot stops at the corner
+  double cut_share = 0.45;  ///< of a line, at most: two corners share it, some of it stays straight
+  /// |d1 + d2| of the unit directions before and after a corner. Below this the path turns back,
+  /// and a parabola would stand still at its tip.
+  double sharpest_corner = 0.05;
+  int corner_checks = 8;  ///< chords of a rounded corner that are checked for collisions
+  /// On a curve this part of the acceleration limit is for the change of speed, as much as the
+  /// direction may use.
+  double curve_share = 0.5;
+  double grid_per_section = 400;  ///< intervals of the speed profile, by length
+  int grid_per_piece = 16;        ///< at least, in a section of fewer than 32 pieces
+  int grid_per_short_piece = 4;   ///< at least, in a section of more: a curve with many samples
   /// Parts of the duration over which the speed is averaged: a wide window is smooth, a narrow one
   /// keeps the slow speed of a tight corner to the corner. The fastest result is taken.
   std::array<double, 3> windows{0.15, 0.06, 0.025};
@@ -48,48 +60,77 @@ struct ClosureOptions {
   int newton_rounds = 12;
 };
 
-/// Paths within the angular reaction null space.
+/// Paths within the angular reaction null space, see reaction_null.hpp.
 struct NullSpaceOptions {
   int knots = 8;              ///< of the reference curve, beside the start
   int coarse_steps = 6;       ///< Runge-Kutta steps between two knots, for Newton's matrix
   int fine_steps = 40;        ///< of the curve that is kept
   double pull = 4;            ///< kappa, towards the reference
-  double limit_margin = 0.1;  ///< distance of the knots from the joint limits
+  double limit_margin = 0.1;  ///< rad, distance of the knots from the joint limits
+  /// Squares of singular values of the coupling matrix below this part of the largest count as
+  /// zero.
+  double rank_squared = 1e-12;
+  double difference = 1e-6;          ///< rad, step of a knot in difference quotients
+  double goal_difference = 1e-5;     ///< rad, of the end: goals are exact to about 1e-9
+  double measure_difference = 1e-4;  ///< rad, of the end: the objective at a goal is less exact
   int newton_steps = 60;
-  double first_damping = 1e-2;  ///< of Newton's steps, beside squares of sensitivities of about 1
-  int dampings = 10;            ///< tried in one step
-  double largest_shift = 0.7;   ///< of a knot in one step
+  double reached = 1e-9;         ///< rad between the end of the curve and the goal
+  double nearly_reached = 1e-6;  ///< rad; from here on with fine steps
+  double first_damping = 1e-2;   ///< of Newton's steps, beside squares of sensitivities of about 1
+  int dampings = 10;             ///< tried in one step
+  double largest_shift = 0.7;    ///< rad, of a knot in one step
 
   int references = 8;          ///< to one goal: the straight line, then ever wider detours
   int references_of_set = 32;  ///< to several goals together
-  int enough = 2;         ///< curves clear of bodies, of which the one with the best end is taken
-  int improvements = 12;  ///< strides of the end towards a better contact
-  double first_stride = 0.2;  ///< of the end in one improvement
-  double last_stride = 0.01;
+  double detour_width = 0.15;  ///< rad, standard deviation that each detour adds to the last one's
+  int detour_waves = 3;        ///< half waves of a detour, the shorter ones smaller
+  int clearance_stride = 8;    ///< samples of the curve between two that are checked for collisions
+  int enough = 2;              ///< curves clear of bodies, of which the best end is taken
+  int improvements = 12;       ///< strides of the end towards a better contact
+  double first_stride = 0.2;   ///< rad, of the end in one improvement
+  double last_stride = 0.01;   ///< rad
+  double same_measure = 1e-9;  ///< in the unit of the objective: less is rounding
 
   int guides = 2;              ///< paths around obstacles by OMPL, when no such curve is clear
   int guide_effort = 10;       ///< each takes the planner's iterations divided by this
-  double guide_spacing = 0.4;  ///< between the knots along a guide
-  double guide_ends = 0.6;     ///< from the goal: the last part is left to Newton's method
-  double guide_step = 0.05;    ///< of wanted motion per step of the propagator
+  double guide_spacing = 0.4;  ///< rad between the knots along a guide
+  double guide_ends = 0.6;     ///< rad from the goal: the last part is left to Newton's method
+  double guide_step = 0.05;    ///< rad of wanted motion per step of the propagator
   int guide_edge_steps = 12;   ///< of one edge of the tree, at most
   double guide_goal_bias = 0.15;
 };
 
-/// Polish by Ipopt, see polish_problem.hpp. v is the planned duration over the new one.
+/// Polish by Ipopt, see polish.hpp. v is the planned duration over the new one.
 struct PolishOptions {
-  int intervals = 16;            ///< of the spline, between knots
-  int places_per_interval = 2;   ///< where rates and clearances are constrained
-  int evaluations = 120;         ///< of Ipopt
+  int intervals = 16;           ///< of the spline, between knots
+  int places_per_interval = 2;  ///< where rates and clearances are constrained
+  int stored = 4;               ///< samples per interval of the result
+  int evaluations = 120;        ///< of Ipopt
+  /// Of Ipopt's answer, parts of limits: the motion that comes out is judged by the exact check.
+  double feasibility_tolerance = 1e-4;
+  /// Steps from the planned motion to Ipopt's answer that are judged: a part of the gain is kept
+  /// where the check refuses the whole.
+  std::array<double, 5> parts{1, 0.8, 0.6, 0.4, 0.2};
   double worthwhile = 1e-6;      ///< least relative gain
   double slowest = 1 / 1.5;      ///< v of the attitude polish: half as long again
   double first_speed = 0.6;      ///< v to begin with: well inside all limits, else Ipopt fails
   double fastest = 4;            ///< v
-  double room = 1.5;             ///< beyond start, end and planned path for control points
+  double room = 1.5;             ///< rad beyond start, end and planned path for control points
   double usable = 0.995;         ///< part of the limits: there may be more between the places
   double extra_clearance = 1.1;  ///< factor: the clearance may be less between the places
   double far_away = 0.2;         ///< m: greater distances are not constrained
   double small_torque = 0.05;    ///< part of a limit; a quarter of the time makes 16 times that
+  double difference = 1e-6;      ///< rad, step of joints in difference quotients of the dynamics
+  double distance_difference = 1e-5;  ///< rad: distances are less exact than dynamics
+};
+
+/// Collisions along the motion as stored.
+struct MotionCheckOptions {
+  /// Largest motion within an interval that is not split any further, over the resolution (rad, or
+  /// m per metre): the clearance is checked eight times as finely as the path was planned.
+  double finest = 1.0 / 8;
+  /// Factor on the largest of three base velocities of an interval: there may be more in between.
+  double velocity_margin = 1.5;
 };
 
 struct ApproachOptions {
@@ -98,7 +139,12 @@ struct ApproachOptions {
   double limit_slack = 1e-6;  ///< what optimizers leave outside a joint limit
   int swept_poses = 8;        ///< target poses during a motion with a collision, then avoided
   int swept_effort = 5;       ///< the planner's iterations are divided by this around them
+  int longer_wait_every =
+      3;                 ///< collisions with the target: then the wait grows by half the motion
+  int length_parts = 8;  ///< chords of a segment that measure its length
+  int limit_checks = 4;  ///< postures of a segment whose joint limits are checked
   PathPlannerOptions path;
+  MotionCheckOptions motion_check;
   TimeLawOptions time_law;
   EffortOptions effort;
   ClosureOptions closure;
