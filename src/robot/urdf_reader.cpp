@@ -1,76 +1,46 @@
-#include <console_bridge/console.h>
-#include <fmt/format.h>
-#include <urdf_parser/urdf_parser.h>
-
-#include <algorithm>
-#include <cassert>
-#include <mutex>
-
-#include <stillbase/core/error.hpp>
-#include <stillbase/core/file.hpp>
-#include <stillbase/robot/physical_checks.hpp>
+// URDF text -> checked XML -> tree of links -> RobotModel.
+//
+// The text is parsed by TinyXML 2, which bounds the nesting and knows the line of every element and
+// attribute, and held against a table of the URDF elements that we read (urdf_schema.cpp). After
+// that every number in it is known to be finite and the joints are known to form a tree.
 #include <stillbase/robot/urdf_reader.hpp>
 
-#include "robot/urdf_guard.hpp"
-#include "robot/urdf_schema.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/file.hpp>
+#include <stillbase/robot/physical_checks.hpp>
+
+#include "robot/urdf_tree.hpp"
 
 namespace stillbase {
 
 namespace {
 
-using urdf::Findings;
-using urdf::Outline;
-using urdf::quoted;
+using namespace urdf;
 
-/// Keeps urdfdom's error messages instead of printing them.
-class MessageCollector : public console_bridge::OutputHandler {
- public:
-  explicit MessageCollector(Findings& findings) : findings_(findings) {
-    console_bridge::useOutputHandler(this);
-    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+/// The pose of <origin> in an element; fixed axes roll, pitch, yaw.
+Pose origin_of(const XMLElement& element) {
+  const XMLElement* origin = element.FirstChildElement("origin");
+  Vector3d c, s;
+  for (int i = 0; i < 3; ++i) {
+    const double half = vector(origin, "rpy")[i] / 2;
+    c[i] = std::cos(half);
+    s[i] = std::sin(half);
   }
-  ~MessageCollector() override {
-    console_bridge::setLogLevel(level_);
-    console_bridge::useOutputHandler(previous_);
-  }
-  MessageCollector(const MessageCollector&) = delete;
-  MessageCollector& operator=(const MessageCollector&) = delete;
-
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) findings_.add(0, "urdf", text);
-  }
-
- private:
-  Findings& findings_;
-  console_bridge::OutputHandler* previous_ = console_bridge::getOutputHandler();
-  console_bridge::LogLevel level_ = console_bridge::getLogLevel();
-};
-
-// Any error that urdfdom logs refuses the robot: it often goes on with a default instead.
-::urdf::ModelInterfaceSharedPtr parse(const std::string& text, Findings& findings) {
-  static std::mutex mutex;  // console_bridge's handler is global
-  ::urdf::ModelInterfaceSharedPtr model;
-  {
-    const std::scoped_lock lock(mutex);
-    const MessageCollector collector(findings);
-    model = ::urdf::parseURDF(text);
-  }
-  findings.raise();
-  if (model == nullptr) findings.add(0, "urdf", "urdfdom refuses the file without a reason");
-  findings.raise();
-  return model;
+  const double x = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
+  const double y = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
+  const double z = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
+  const double w = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
+  const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+  return {vector(origin, "xyz"),
+          Eigen::Quaterniond(w / norm, x / norm, y / norm, z / norm).normalized()};
 }
 
-Pose pose_of(const ::urdf::Pose& origin) {
-  Pose pose;
-  pose.position << origin.position.x, origin.position.y, origin.position.z;
-  const ::urdf::Rotation& q = origin.rotation;
-  pose.orientation = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
-  return pose;
-}
-
-// Axes with z along the unit vector a: the shortest turn from z. For a below the xy plane it is
-// taken from -z, after half a turn about x, so that nothing is divided by nearly zero.
+// Axes with z along the unit vector a: the shortest rotation from z. For a below the xy plane it
+// is taken from -z, after half a turn about x, so that nothing is divided by nearly zero.
 Matrix3d axes_with_z_along(const Vector3d& a) {
   const double side = a.z() < 0 ? -1 : 1;
   const Vector3d from(0, 0, side);
@@ -86,13 +56,16 @@ struct Part {
   Matrix3d inertia;  // about the part's own centroid
 };
 
-Part part_of(const ::urdf::Inertial& inertial, const Pose& T_body_link) {
-  const Pose T_body_inertial = T_body_link * pose_of(inertial.origin);
+Part part_of(const XMLElement& inertial, const Pose& T_body_link) {
+  const Pose T_body_inertial = T_body_link * origin_of(inertial);
+  const XMLElement* inertia = inertial.FirstChildElement("inertia");
+  const auto entry = [&](const char* name) { return number(inertia, name); };
   Matrix3d I;
-  I << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz,
-      inertial.ixz, inertial.iyz, inertial.izz;
+  I << entry("ixx"), entry("ixy"), entry("ixz"), entry("ixy"), entry("iyy"), entry("iyz"),
+      entry("ixz"), entry("iyz"), entry("izz");
   const Matrix3d R = T_body_inertial.orientation.toRotationMatrix();
-  return {inertial.mass, T_body_inertial.position, R * I * R.transpose()};
+  return {number(inertial.FirstChildElement("mass"), "value"), T_body_inertial.position,
+          R * I * R.transpose()};
 }
 
 // Sum of masses, mean of centroids, parallel-axis theorem.
@@ -110,34 +83,28 @@ void merge(const std::vector<Part>& parts, Body& body) {
   body.inertia = 0.5 * (body.inertia + body.inertia.transpose()).eval();
 }
 
-Geometry geometry_of(const ::urdf::Collision& collision) {
-  const auto& geometry = *collision.geometry;
-  if (const auto* sphere = dynamic_cast<const ::urdf::Sphere*>(&geometry)) {
-    return Sphere{sphere->radius};
-  }
-  if (const auto* box = dynamic_cast<const ::urdf::Box*>(&geometry)) {
-    return Box{Vector3d(box->dim.x, box->dim.y, box->dim.z)};
-  }
-  const auto* cylinder = dynamic_cast<const ::urdf::Cylinder*>(&geometry);
-  assert(cylinder != nullptr);  // the guard lets nothing else through
-  static const std::string kSuffix = "_capsule";
-  const std::string& name = collision.name;
-  const bool is_capsule = name.size() >= kSuffix.size() &&
-                          name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
-  if (is_capsule) return Capsule{cylinder->radius, cylinder->length};
-  return Cylinder{cylinder->radius, cylinder->length};
+/// A cylinder whose <collision> has a name that ends in "_capsule" is a capsule.
+Geometry geometry_of(const XMLElement& collision) {
+  constexpr std::string_view kSuffix = "_capsule";
+  const XMLElement* shape = collision.FirstChildElement("geometry")->FirstChildElement();
+  const std::string_view type = shape->Name();
+  const double radius = number(shape, "radius"), length = number(shape, "length");
+  if (type == "sphere") return Sphere{radius};
+  if (type == "box") return Box{vector(shape, "size")};
+  const char* attribute = collision.Attribute("name");
+  const std::string_view name = attribute != nullptr ? attribute : "";
+  if (name.ends_with(kSuffix)) return Capsule{radius, length};
+  return Cylinder{radius, length};
 }
 
 /// Walks the tree depth-first in file order and fills the model.
 class Builder {
  public:
-  Builder(const Outline& outline, const ::urdf::ModelInterface& model)
-      : outline_(outline), model_(model) {
-    robot_.name = model.getName();
-    robot_.links.resize(outline.links.size());
-    parts_.resize(1);
-    place(outline.root, kBase, Pose{});
-    collect_shapes();
+  Builder(const Tree& tree, const std::string& name) : tree_(tree), parts_(1) {
+    robot_.name = name;
+    robot_.links.resize(tree.links.size());
+    place(tree.root, kBase, Pose{});
+    for (std::size_t i = 0; i < tree.links.size(); ++i) add_shapes(tree.links[i], robot_.links[i]);
     merge_bodies();
     move_origin_to_base_centroid();
   }
@@ -145,70 +112,65 @@ class Builder {
   RobotModel take() { return std::move(robot_); }
 
  private:
-  void place(int link, int body, const Pose& pose) {
-    const urdf::OutlineLink& outline = outline_.links[link];
+  void place(int index, int body, const Pose& pose) {
+    const TreeLink& link = tree_.links[index];
     const std::string parent =
-        outline.parent_joint < 0
-            ? ""
-            : outline_.links[outline_.joints[outline.parent_joint].parent].name;
-    robot_.links[link] = {outline.name, body, pose, parent};
-    if (const auto& inertial = model_.getLink(outline.name)->inertial) {
+        link.parent_joint < 0 ? "" : tree_.links[tree_.joints[link.parent_joint].parent].name;
+    robot_.links[index] = {link.name, body, pose, parent};
+    if (const XMLElement* inertial = link.element->FirstChildElement("inertial")) {
       parts_[body + 1].push_back(part_of(*inertial, pose));
     }
-    for (const int j : outline.child_joints) {
-      const auto& source = *model_.getJoint(outline_.joints[j].name);
-      const Pose T_body_joint = pose * pose_of(source.parent_to_joint_origin_transform);
-      const int child = outline_.joints[j].child;
-      if (source.type == ::urdf::Joint::FIXED) {
-        place(child, body, T_body_joint);
+    for (const int j : link.child_joints) {
+      const TreeJoint& joint = tree_.joints[j];
+      const Pose T_body_joint = pose * origin_of(*joint.element);
+      if (std::string_view(joint.element->Attribute("type")) == "fixed") {
+        place(joint.child, body, T_body_joint);
       } else {
-        add_joint(source, child, body, T_body_joint);
+        add_joint(joint, body, T_body_joint);
       }
     }
   }
 
-  void add_joint(const ::urdf::Joint& source, int child, int parent, const Pose& T_parent_joint) {
+  void add_joint(const TreeJoint& source, int parent, const Pose& T_parent_joint) {
+    const XMLElement& element = *source.element;
+    const std::string_view type = element.Attribute("type");
     Joint joint;
     joint.name = source.name;
-    joint.type = source.type == ::urdf::Joint::PRISMATIC    ? JointType::Prismatic
-                 : source.type == ::urdf::Joint::CONTINUOUS ? JointType::Continuous
-                                                            : JointType::Revolute;
+    joint.type = type == "prismatic"    ? JointType::Prismatic
+                 : type == "continuous" ? JointType::Continuous
+                                        : JointType::Revolute;
     joint.parent = parent;
-    const Vector3d axis(source.axis.x, source.axis.y, source.axis.z);
+    const Vector3d axis = vector(element.FirstChildElement("axis"), "xyz", Vector3d::UnitX());
     const Matrix3d R_align = axes_with_z_along(axis.stableNormalized());
     joint.R = T_parent_joint.orientation.toRotationMatrix() * R_align;
     joint.p = T_parent_joint.position;
-    if (source.limits) {
-      if (joint.type != JointType::Continuous) {
-        joint.lower = source.limits->lower;
-        joint.upper = source.limits->upper;
-      }
-      joint.max_velocity = source.limits->velocity;
-      joint.max_effort = source.limits->effort;
+    const XMLElement* limit = element.FirstChildElement("limit");
+    if (joint.type != JointType::Continuous) {
+      joint.lower = number(limit, "lower");
+      joint.upper = number(limit, "upper");
     }
-    if (source.dynamics) {
-      joint.viscous_friction = source.dynamics->damping;
-      joint.coulomb_friction = source.dynamics->friction;
-    }
+    joint.max_velocity = number(limit, "velocity", joint.max_velocity);
+    joint.max_effort = number(limit, "effort", joint.max_effort);
+    const XMLElement* dynamics = element.FirstChildElement("dynamics");
+    joint.viscous_friction = number(dynamics, "damping");
+    joint.coulomb_friction = number(dynamics, "friction");
     const int body = robot_.n();
     robot_.joints.push_back(std::move(joint));
     robot_.bodies.emplace_back();
-    robot_.bodies.back().name = outline_.links[child].name;
+    robot_.bodies.back().name = tree_.links[source.child].name;
     parts_.emplace_back();
-    place(child, body, Pose{Vector3d::Zero(), Eigen::Quaterniond(R_align.transpose())});
+    place(source.child, body, Pose{Vector3d::Zero(), Eigen::Quaterniond(R_align.transpose())});
   }
 
-  void collect_shapes() {
-    for (const LinkFrame& link : robot_.links) {
-      for (const auto& collision : model_.getLink(link.name)->collision_array) {
-        robot_.shapes.push_back({link.body, link.name, link.pose * pose_of(collision->origin),
-                                 geometry_of(*collision)});
-      }
+  void add_shapes(const TreeLink& source, const LinkFrame& link) {
+    for (const XMLElement* collision : children(*source.element, "collision")) {
+      robot_.shapes.push_back(
+          {link.body, link.name, link.pose * origin_of(*collision), geometry_of(*collision)});
     }
   }
 
   void merge_bodies() {
-    robot_.base.name = outline_.links[outline_.root].name;
+    robot_.base.name = tree_.links[tree_.root].name;
     for (const LinkFrame& link : robot_.links) {
       Body& body = link.body == kBase ? robot_.base : robot_.bodies[link.body];
       if (link.name != body.name) body.merged_links.push_back(link.name);
@@ -233,8 +195,7 @@ class Builder {
     }
   }
 
-  const Outline& outline_;
-  const ::urdf::ModelInterface& model_;
+  const Tree& tree_;
   RobotModel robot_;
   std::vector<std::vector<Part>> parts_;  // [0]: base, [k + 1]: body k
 };
@@ -251,14 +212,15 @@ void check_body(const Body& body, int line, Findings& findings) {
   }
 }
 
-void check_physics(const RobotModel& robot, const Outline& outline, Findings& findings) {
-  const auto line_of = [&](const std::string& link) {
-    const auto found = std::find_if(outline.links.begin(), outline.links.end(),
-                                    [&](const urdf::OutlineLink& l) { return l.name == link; });
-    return found->line;
+void check_physics(const RobotModel& robot, const Tree& tree, Findings& findings) {
+  const auto check = [&](const Body& body) {
+    const auto link =
+        std::find_if(tree.links.begin(), tree.links.end(),
+                     [&](const TreeLink& candidate) { return candidate.name == body.name; });
+    check_body(body, link->element->GetLineNum(), findings);
   };
-  check_body(robot.base, line_of(robot.base.name), findings);
-  for (const Body& body : robot.bodies) check_body(body, line_of(body.name), findings);
+  check(robot.base);
+  for (const Body& body : robot.bodies) check(body);
 }
 
 std::string choose_hand(const RobotModel& robot, const std::string& hand, Findings& findings) {
@@ -283,19 +245,11 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, Findin
 }  // namespace
 
 RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand) {
-  const Outline outline = urdf::guard(text, source);
   Findings findings(source);
-  const ::urdf::ModelInterfaceSharedPtr model = parse(std::string(text), findings);
-  for (const auto& link : outline.links) {
-    if (!model->getLink(link.name)) findings.add(link.line, "urdf", "urdfdom lost the link");
-  }
-  for (const auto& joint : outline.joints) {
-    if (!model->getJoint(joint.name)) findings.add(joint.line, "urdf", "urdfdom lost the joint");
-  }
-  findings.raise();
-
-  RobotModel robot = Builder(outline, *model).take();
-  check_physics(robot, outline, findings);
+  tinyxml2::XMLDocument document;
+  const Tree tree = read_tree(text, document, findings);
+  RobotModel robot = Builder(tree, document.RootElement()->Attribute("name")).take();
+  check_physics(robot, tree, findings);
   const std::string hand_link = choose_hand(robot, hand, findings);
   findings.raise();
   return with_hand(std::move(robot), hand_link);

@@ -4,11 +4,9 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -16,7 +14,7 @@ namespace stillbase::urdf {
 
 namespace {
 
-enum class Value { Text, Number, NonNegative, Positive, Vector, PositiveVector, Axis };
+enum class Value { Text, Version, Number, NonNegative, Positive, Vector, PositiveVector, Axis };
 
 struct AttributeRule {
   std::string_view name;
@@ -35,44 +33,43 @@ constexpr int kAny = 1 << 20;
 constexpr double kLargestNumber = 1e60;
 
 struct ElementRule {
-  std::vector<AttributeRule> attributes;
-  std::vector<ChildRule> children;
-  std::vector<std::string_view> ignored;  ///< children that say nothing about mechanics
+  std::vector<AttributeRule> attributes = {};
+  std::vector<ChildRule> children = {};
+  std::vector<std::string_view> ignored = {};  ///< children that say nothing about mechanics
 };
 
 const std::map<std::string_view, ElementRule>& rules() {
   using enum Value;
+  constexpr bool kRequired = true, kOptional = false;
   static const std::map<std::string_view, ElementRule> table = {
       {"robot",
-       {{{"name", Text, true}, {"version", Text, false}},
+       {{{"name", Text, kRequired}, {"version", Version, kOptional}},
         {{"link", 1, kAny}, {"joint", 0, kAny}},
         {"material", "transmission", "gazebo", "sensor"}}},
       {"link",
-       {{{"name", Text, true}, {"type", Text, false}},
+       {{{"name", Text, kRequired}, {"type", Text, kOptional}},
         {{"inertial", 0, 1}, {"collision", 0, kAny}},
         {"visual", "contact", "sensor", "gazebo"}}},
-      {"inertial", {{}, {{"origin", 0, 1}, {"mass", 1, 1}, {"inertia", 1, 1}}, {}}},
-      {"origin", {{{"xyz", Vector, false}, {"rpy", Vector, false}}, {}, {}}},
-      {"mass", {{{"value", NonNegative, true}}, {}, {}}},
+      {"inertial", {{}, {{"origin", 0, 1}, {"mass", 1, 1}, {"inertia", 1, 1}}}},
+      {"origin", {{{"xyz", Vector, kOptional}, {"rpy", Vector, kOptional}}}},
+      {"mass", {{{"value", NonNegative, kRequired}}}},
       {"inertia",
-       {{{"ixx", Number, true},
-         {"iyy", Number, true},
-         {"izz", Number, true},
-         {"ixy", Number, true},
-         {"ixz", Number, true},
-         {"iyz", Number, true}},
-        {},
-        {}}},
+       {{{"ixx", Number, kRequired},
+         {"iyy", Number, kRequired},
+         {"izz", Number, kRequired},
+         {"ixy", Number, kRequired},
+         {"ixz", Number, kRequired},
+         {"iyz", Number, kRequired}}}},
       {"collision",
-       {{{"name", Text, false}, {"group", Text, false}},
+       {{{"name", Text, kOptional}, {"group", Text, kOptional}},
         {{"origin", 0, 1}, {"geometry", 1, 1}},
         {"material", "verbose"}}},
-      {"geometry", {{}, {{"sphere", 0, 1}, {"box", 0, 1}, {"cylinder", 0, 1}}, {}}},
-      {"sphere", {{{"radius", Positive, true}}, {}, {}}},
-      {"box", {{{"size", PositiveVector, true}}, {}, {}}},
-      {"cylinder", {{{"radius", Positive, true}, {"length", Positive, true}}, {}, {}}},
+      {"geometry", {{}, {{"sphere", 0, 1}, {"box", 0, 1}, {"cylinder", 0, 1}}}},
+      {"sphere", {{{"radius", Positive, kRequired}}}},
+      {"box", {{{"size", PositiveVector, kRequired}}}},
+      {"cylinder", {{{"radius", Positive, kRequired}, {"length", Positive, kRequired}}}},
       {"joint",
-       {{{"name", Text, true}, {"type", Text, true}},
+       {{{"name", Text, kRequired}, {"type", Text, kRequired}},
         {{"origin", 0, 1},
          {"parent", 1, 1},
          {"child", 1, 1},
@@ -80,17 +77,15 @@ const std::map<std::string_view, ElementRule>& rules() {
          {"limit", 0, 1},
          {"dynamics", 0, 1}},
         {"calibration", "safety_controller"}}},
-      {"parent", {{{"link", Text, true}}, {}, {}}},
-      {"child", {{{"link", Text, true}}, {}, {}}},
-      {"axis", {{{"xyz", Axis, true}}, {}, {}}},
+      {"parent", {{{"link", Text, kRequired}}}},
+      {"child", {{{"link", Text, kRequired}}}},
+      {"axis", {{{"xyz", Axis, kRequired}}}},
       {"limit",
-       {{{"lower", Number, false},
-         {"upper", Number, false},
-         {"velocity", NonNegative, true},
-         {"effort", NonNegative, true}},
-        {},
-        {}}},
-      {"dynamics", {{{"damping", NonNegative, false}, {"friction", NonNegative, false}}, {}, {}}},
+       {{{"lower", Number, kOptional},
+         {"upper", Number, kOptional},
+         {"velocity", NonNegative, kRequired},
+         {"effort", NonNegative, kRequired}}}},
+      {"dynamics", {{{"damping", NonNegative, kOptional}, {"friction", NonNegative, kOptional}}}},
   };
   return table;
 }
@@ -100,10 +95,10 @@ struct Complaint {
   std::string rule, message;
 };
 
-// One finite decimal number and nothing else. from_chars is deaf to locales and takes no blanks,
+// One finite decimal number and nothing else. from_chars ignores the locale and takes no blanks,
 // hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
 Complaint parse_number(std::string_view text, double& number) {
-  const std::string shown = quoted(std::string(text));
+  const std::string shown = quoted(text);
   std::string_view digits = text;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
@@ -132,13 +127,20 @@ std::vector<std::string_view> split_at_blanks(std::string_view text) {
   return parts;
 }
 
-Complaint check_numbers(std::string_view text, Value kind) {
+Complaint check_value(std::string_view text, Value kind, bool required) {
+  if (kind == Value::Text) {
+    return required && text.empty() ? Complaint{"missing-attribute", "the value is empty"}
+                                    : Complaint{};
+  }
+  if (kind == Value::Version) {
+    return text == "1.0" ? Complaint{} : Complaint{"version", quoted(text) + " must be 1.0"};
+  }
   const bool is_vector =
       kind == Value::Vector || kind == Value::PositiveVector || kind == Value::Axis;
   const std::vector<std::string_view> parts =
       is_vector ? split_at_blanks(text) : std::vector<std::string_view>{text};
   if (is_vector && parts.size() != 3) {
-    return {"not-a-vector", quoted(std::string(text)) + " must be three numbers between blanks"};
+    return {"not-a-vector", quoted(text) + " must be three numbers between blanks"};
   }
   double largest = 0;
   for (const std::string_view part : parts) {
@@ -148,14 +150,14 @@ Complaint check_numbers(std::string_view text, Value kind) {
     }
     largest = std::max(largest, std::abs(number));
     if ((kind == Value::Positive || kind == Value::PositiveVector) && !(number > 0)) {
-      return {"out-of-range", quoted(std::string(text)) + " must be greater than 0"};
+      return {"out-of-range", quoted(text) + " must be greater than 0"};
     }
     if (kind == Value::NonNegative && number < 0) {
-      return {"out-of-range", quoted(std::string(text)) + " must not be negative"};
+      return {"out-of-range", quoted(text) + " must not be negative"};
     }
   }
   if (kind == Value::Axis && largest == 0) {
-    return {"joint-axis", quoted(std::string(text)) + " has no direction"};
+    return {"joint-axis", quoted(text) + " has no direction"};
   }
   return {};
 }
@@ -163,11 +165,8 @@ Complaint check_numbers(std::string_view text, Value kind) {
 void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& rule,
                       Findings& findings) {
   const std::string tag = fmt::format("<{}>", element.Name());
-  std::set<std::string> seen;
   for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string name = a->Name();
-    const std::string where = fmt::format("{} {}", tag, name);
-    seen.insert(name);  // repeated ones are no XML
     const auto known = std::find_if(rule.attributes.begin(), rule.attributes.end(),
                                     [&](const AttributeRule& r) { return r.name == name; });
     if (known == rule.attributes.end()) {
@@ -177,16 +176,13 @@ void check_attributes(const tinyxml2::XMLElement& element, const ElementRule& ru
       findings.add(a->GetLineNum(), "unknown-attribute",
                    fmt::format("{} has no attribute {}; allowed:{}", tag, quoted(name),
                                allowed.empty() ? " none" : allowed));
-    } else if (known->value == Value::Text) {
-      if (known->required && std::string_view(a->Value()).empty()) {
-        findings.add(a->GetLineNum(), "missing-attribute", where + " is empty");
-      }
-    } else if (const Complaint c = check_numbers(a->Value(), known->value); !c.rule.empty()) {
-      findings.add(a->GetLineNum(), c.rule, fmt::format("{}: {}", where, c.message));
+    } else if (const Complaint c = check_value(a->Value(), known->value, known->required);
+               !c.rule.empty()) {
+      findings.add(a->GetLineNum(), c.rule, fmt::format("{} {}: {}", tag, name, c.message));
     }
   }
   for (const AttributeRule& r : rule.attributes) {
-    if (r.required && seen.count(std::string(r.name)) == 0) {
+    if (r.required && element.Attribute(r.name.data()) == nullptr) {
       findings.add(element.GetLineNum(), "missing-attribute",
                    fmt::format("{} needs the attribute {}", tag, r.name));
     }
@@ -233,8 +229,8 @@ void check_children(const tinyxml2::XMLElement& element, const ElementRule& rule
       std::string allowed;
       for (const ChildRule& r : rule.children) allowed += fmt::format(" {}", r.name);
       findings.add(child->GetLineNum(), name == "mimic" ? "mimic" : "unknown-element",
-                   reason.empty() ? fmt::format("{} in {}; allowed:{}", quoted(std::string(name)),
-                                                tag, allowed.empty() ? " none" : allowed)
+                   reason.empty() ? fmt::format("{} in {}; allowed:{}", quoted(name), tag,
+                                                allowed.empty() ? " none" : allowed)
                                   : reason);
       continue;
     }
@@ -254,10 +250,9 @@ void check_children(const tinyxml2::XMLElement& element, const ElementRule& rule
 
 }  // namespace
 
-std::string quoted(const std::string& text) {
+std::string quoted(std::string_view text) {
   constexpr std::size_t kLongest = 60;
-  std::string shown(1, '\'');
-  shown.append(text, 0, kLongest);
+  std::string shown = "'" + std::string(text.substr(0, kLongest));
   for (char& c : shown) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
   }
@@ -267,31 +262,39 @@ std::string quoted(const std::string& text) {
     if (static_cast<unsigned char>(shown.back()) >= 0xc0) shown.pop_back();
     shown += "...";
   }
-  shown += '\'';
-  return shown;
-}
-
-double number(const char* text) {
-  double value = 0;
-  [[maybe_unused]] const Complaint complaint = parse_number(text, value);
-  assert(complaint.rule.empty());
-  return value;
+  return shown + "'";
 }
 
 void check_element(const tinyxml2::XMLElement& element, Findings& findings) {
   const ElementRule& rule = rules().at(element.Name());
   check_attributes(element, rule, findings);
   check_children(element, rule, findings);
-  if (std::string_view(element.Name()) == "geometry") {
-    int shapes = 0;
-    for (const auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
-      ++shapes;
-    }
-    if (shapes != 1) {
-      findings.add(element.GetLineNum(), "geometry",
-                   fmt::format("<geometry> holds {} shapes, must be one", shapes));
-    }
+  if (std::string_view(element.Name()) != "geometry") return;
+  int shapes = 0;
+  for (const auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    ++shapes;
   }
+  if (shapes != 1) {
+    findings.add(element.GetLineNum(), "geometry",
+                 fmt::format("<geometry> holds {} shapes, must be one", shapes));
+  }
+}
+
+double number(const tinyxml2::XMLElement* element, const char* attribute, double otherwise) {
+  const char* text = element != nullptr ? element->Attribute(attribute) : nullptr;
+  double value = otherwise;
+  if (text != nullptr) parse_number(text, value);
+  return value;
+}
+
+Vector3d vector(const tinyxml2::XMLElement* element, const char* attribute,
+                const Vector3d& otherwise) {
+  const char* text = element != nullptr ? element->Attribute(attribute) : nullptr;
+  if (text == nullptr) return otherwise;
+  const std::vector<std::string_view> parts = split_at_blanks(text);
+  Vector3d value;
+  for (int i = 0; i < 3; ++i) parse_number(parts[i], value[i]);
+  return value;
 }
 
 }  // namespace stillbase::urdf

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/core/types.hpp>
 
 namespace tinyxml2 {
 class XMLElement;
@@ -31,12 +33,14 @@ class Findings {
 };
 
 /// A piece of the file for a message: in quotes, short, without control characters.
-std::string quoted(const std::string& text);
-
-/// Value of an attribute that passed check_element (TinyXML's own conversion follows the locale).
-double number(const char* text);
+std::string quoted(std::string_view text);
 
 /// Holds the element and everything below it against the table: names, counts and values.
 void check_element(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// Value of an attribute of a checked element; `otherwise` without element or attribute.
+double number(const tinyxml2::XMLElement* element, const char* attribute, double otherwise = 0);
+Vector3d vector(const tinyxml2::XMLElement* element, const char* attribute,
+                const Vector3d& otherwise = Vector3d::Zero());
 
 }  // namespace stillbase::urdf

@@ -72,7 +72,7 @@ std::string urdf_of(const std::vector<SourceLink>& links) {
     }
     out << "</link>\n";
     if (i == 0) continue;
-    // Names that sort against the file order: urdfdom keeps its joints sorted by name.
+    // Names that sort against the file order: a map of joints by name would reorder them.
     out << "<joint name=\"j" << 900 - i << "\" type=\"" << link.type << "\"><parent link=\"l"
         << link.parent << "\"/><child link=\"l" << i << "\"/><origin xyz=" << text_of(link.xyz)
         << " rpy=" << text_of(link.rpy) << "/><axis xyz=" << text_of(link.axis)

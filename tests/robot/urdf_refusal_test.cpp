@@ -101,7 +101,7 @@ TEST_CASE("texts that are no XML or no robot are refused") {
   refused("<robot name=\"r\"/>", 1, "missing-element");
   refused(kGood + "<robot name=\"s\"/>", 22, "xml");
   refused(with(" name=\"r\"", ""), 1, "missing-attribute");
-  refused(with("<robot ", "<robot version=\"2.0\" "), 0, "urdf");
+  refused(with("<robot ", "<robot version=\"2.0\" "), 1, "version");
 }
 
 TEST_CASE("files built to hurt the parser are refused") {

@@ -86,7 +86,6 @@ std::optional<std::string> library_of(const std::string& header) {
       {std::regex("Ip[A-Z].*|coin.*"), "Ipopt"},
       {std::regex("ompl/.*"), "OMPL"},
       {std::regex("(fcl|ccd|octomap)/.*"), "FCL"},
-      {std::regex("(urdf_.*|console_bridge)/.*"), "urdfdom"},
       {std::regex("tinyxml2?\\.h"), "tinyxml2"},
       {std::regex("yaml-cpp/.*"), "yaml-cpp"},
       {std::regex("nlohmann/.*"), "json"},

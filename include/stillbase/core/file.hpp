@@ -17,6 +17,10 @@ inline constexpr std::size_t kMaxInputBytes = 64u << 20;
 /// @throws FileError when the system refuses to open or read it
 std::string read_text_file(const std::string& path, std::size_t max_bytes = kMaxInputBytes);
 
+/// Position of the first byte of a text that is not valid UTF-8 (RFC 3629) or a control character
+/// other than line feed, carriage return and tab; npos when there is none.
+std::size_t first_bad_byte(std::string_view text);
+
 /// Writes a file: temporary file in the same folder, flush to the disk, then rename.
 /// Guarantees: readers see the old content or the new one, never a part; after an error the old
 /// content is untouched and no temporary file is left. A path that names anything but a regular

@@ -1,4 +1,4 @@
-// URDF text to RobotModel, through urdfdom behind a guard of our own.
+// URDF text to RobotModel.
 #pragma once
 
 #include <cstddef>
