@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/collision/scene.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 
 namespace stillbase {
@@ -82,28 +83,15 @@ std::vector<Pose> base_poses_from(const RobotModel& robot, const JointPath& path
 
 Vector3d system_centroid(const RobotModel& robot, const Kinematics<double>& kinematics) {
   Vector3d sum = Vector3d::Zero();  // the base body's centroid is B's origin
-  for (int k = 0; k < robot.n(); ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    sum += robot.bodies[i].mass * kinematics.c[i];
-  }
+  for (int k = 0; k < robot.n(); ++k) sum += robot.bodies[k].mass * kinematics.c[k];
   return sum / robot.total_mass();
 }
 
-// Each body's centroid moves at most by its distance from the joint, however the chain is folded.
 JointVectord centroid_levers(const RobotModel& robot) {
   JointVectord levers = JointVectord::Zero(robot.n());
   for (int b = 0; b < robot.n(); ++b) {
-    const Body& body = robot.bodies[static_cast<std::size_t>(b)];
-    double reach = body.centroid.norm();
-    for (int k = b; k != kBase;) {
-      const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
-      levers[k] += body.mass / robot.total_mass() * (joint.is_prismatic() ? 1.0 : reach);
-      reach += joint.p.norm();
-      if (joint.is_prismatic()) {
-        reach += std::min(std::max(std::abs(joint.lower), std::abs(joint.upper)), 1e3);
-      }
-      k = joint.parent;
-    }
+    const Body& body = robot.bodies[b];
+    levers += body.mass / robot.total_mass() * motion_bound(robot, b, body.centroid.norm()).lever;
   }
   return levers;
 }

@@ -16,8 +16,13 @@ double point_segment_distance(const Vector3d& p, const Vector3d& a, const Vector
   return (p - a - t * d).norm();
 }
 
-bool positive(double x) { return std::isfinite(x) && x > 0; }
-bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
+/// One function per kind of shape.
+template <class... F>
+struct Cases : F... {
+  using F::operator()...;
+};
+template <class... F>
+Cases(F...) -> Cases<F...>;
 
 }  // namespace
 
@@ -46,92 +51,95 @@ double round_distance(const RoundSegment& a, const RoundSegment& b) {
   return segment_distance(a.a, a.b, b.a, b.b) - a.radius - b.radius;
 }
 
-bool as_round_segment(const Geometry& geometry, RoundSegment& round) {
+std::optional<RoundSegment> round_segment(const Geometry& geometry) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-    round = {Vector3d::Zero(), Vector3d::Zero(), sphere->radius};
-    return true;
+    return RoundSegment{Vector3d::Zero(), Vector3d::Zero(), sphere->radius};
   }
   if (const auto* capsule = std::get_if<Capsule>(&geometry)) {
-    const Vector3d half = Vector3d(0, 0, capsule->length / 2);
-    round = {-half, half, capsule->radius};
-    return true;
+    const Vector3d half(0, 0, capsule->length / 2);
+    return RoundSegment{-half, half, capsule->radius};
   }
-  return false;
+  return std::nullopt;
 }
 
 double point_distance(const Geometry& geometry, const Vector3d& point) {
-  RoundSegment round;
-  if (as_round_segment(geometry, round)) {
-    return std::max(point_segment_distance(point, round.a, round.b) - round.radius, 0.0);
-  }
-  if (const auto* box = std::get_if<Box>(&geometry)) {
-    return (point.cwiseAbs() - box->size / 2).cwiseMax(0.0).norm();
-  }
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
-    const double radial = std::max(point.head<2>().norm() - cylinder->radius, 0.0);
-    const double axial = std::max(std::abs(point.z()) - cylinder->length / 2, 0.0);
-    return std::hypot(radial, axial);
-  }
-  const auto& mesh = std::get<ConvexMesh>(geometry);
-  double distance = 0;
-  for (const std::vector<int>& face : mesh.faces) {
-    const Vector3d& a = mesh.vertices[static_cast<std::size_t>(face[0])];
-    const Vector3d& b = mesh.vertices[static_cast<std::size_t>(face[1])];
-    const Vector3d& c = mesh.vertices[static_cast<std::size_t>(face[2])];
-    const Vector3d normal = (b - a).cross(c - a).normalized();
-    distance = std::max(distance, normal.dot(point - a));
-  }
-  return distance;
+  const auto to_capsule = [&](double radius, double length) {
+    const Vector3d half(0, 0, length / 2);
+    return std::max(point_segment_distance(point, -half, half) - radius, 0.0);
+  };
+  return std::visit(
+      Cases{[&](const Sphere& s) { return to_capsule(s.radius, 0); },
+            [&](const Capsule& c) { return to_capsule(c.radius, c.length); },
+            [&](const Cylinder& c) {
+              return std::hypot(std::max(point.head<2>().norm() - c.radius, 0.0),
+                                std::max(std::abs(point.z()) - c.length / 2, 0.0));
+            },
+            [&](const Box& b) { return (point.cwiseAbs() - b.size / 2).cwiseMax(0.0).norm(); },
+            [&](const ConvexMesh& mesh) {
+              double distance = 0;
+              for (const std::vector<int>& face : mesh.faces) {
+                const Vector3d& a = mesh.vertices[face[0]];
+                const Vector3d& b = mesh.vertices[face[1]];
+                const Vector3d& c = mesh.vertices[face[2]];
+                const Vector3d normal = (b - a).cross(c - a).normalized();
+                distance = std::max(distance, normal.dot(point - a));
+              }
+              return distance;
+            }},
+      geometry);
 }
 
 BoundingSphere bounding_sphere(const Geometry& geometry) {
-  RoundSegment round;
-  if (as_round_segment(geometry, round)) {
-    return {Vector3d::Zero(), round.b.norm() + round.radius};
-  }
-  if (const auto* box = std::get_if<Box>(&geometry)) {
-    return {Vector3d::Zero(), box->size.norm() / 2};
-  }
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
-    return {Vector3d::Zero(), std::hypot(cylinder->radius, cylinder->length / 2)};
-  }
-  const auto& mesh = std::get<ConvexMesh>(geometry);
-  Vector3d lower = mesh.vertices.front(), upper = lower;
-  for (const Vector3d& v : mesh.vertices) {
-    lower = lower.cwiseMin(v);
-    upper = upper.cwiseMax(v);
-  }
-  BoundingSphere sphere{(lower + upper) / 2, 0};
-  for (const Vector3d& v : mesh.vertices) {
-    sphere.radius = std::max(sphere.radius, (v - sphere.centre).norm());
-  }
-  return sphere;
+  const Vector3d origin = Vector3d::Zero();
+  return std::visit(Cases{[&](const Sphere& s) {
+                            return BoundingSphere{origin, s.radius};
+                          },
+                          [&](const Capsule& c) {
+                            return BoundingSphere{origin, c.length / 2 + c.radius};
+                          },
+                          [&](const Cylinder& c) {
+                            return BoundingSphere{origin, std::hypot(c.radius, c.length / 2)};
+                          },
+                          [&](const Box& b) {
+                            return BoundingSphere{origin, b.size.norm() / 2};
+                          },
+                          [&](const ConvexMesh& mesh) {
+                            Vector3d lower = mesh.vertices.front(), upper = lower;
+                            for (const Vector3d& v : mesh.vertices) {
+                              lower = lower.cwiseMin(v);
+                              upper = upper.cwiseMax(v);
+                            }
+                            BoundingSphere sphere{(lower + upper) / 2, 0};
+                            for (const Vector3d& v : mesh.vertices) {
+                              sphere.radius = std::max(sphere.radius, (v - sphere.centre).norm());
+                            }
+                            return sphere;
+                          }},
+                    geometry);
 }
 
 bool is_valid(const Geometry& geometry) {
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) return positive(sphere->radius);
-  if (const auto* capsule = std::get_if<Capsule>(&geometry)) {
-    return positive(capsule->radius) && not_negative(capsule->length);
-  }
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
-    return positive(cylinder->radius) && positive(cylinder->length);
-  }
-  if (const auto* box = std::get_if<Box>(&geometry)) {
-    return positive(box->size.x()) && positive(box->size.y()) && positive(box->size.z());
-  }
-  const auto& mesh = std::get<ConvexMesh>(geometry);
-  const int count = static_cast<int>(mesh.vertices.size());
-  if (count < 4 || mesh.faces.size() < 4) return false;
-  for (const Vector3d& v : mesh.vertices) {
-    if (!v.allFinite()) return false;
-  }
-  for (const std::vector<int>& face : mesh.faces) {
-    if (face.size() < 3) return false;
-    for (const int i : face) {
-      if (i < 0 || i >= count) return false;
-    }
-  }
-  return true;
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+  return std::visit(
+      Cases{[&](const Sphere& s) { return positive(s.radius); },
+            [&](const Capsule& c) {
+              return positive(c.radius) && (positive(c.length) || c.length == 0);
+            },
+            [&](const Cylinder& c) { return positive(c.radius) && positive(c.length); },
+            [&](const Box& b) { return b.size.allFinite() && b.size.minCoeff() > 0; },
+            [&](const ConvexMesh& mesh) {
+              const int count = static_cast<int>(mesh.vertices.size());
+              return count >= 4 && mesh.faces.size() >= 4 &&
+                     std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                 [](const Vector3d& v) { return v.allFinite(); }) &&
+                     std::all_of(mesh.faces.begin(), mesh.faces.end(),
+                                 [&](const std::vector<int>& face) {
+                                   return face.size() >= 3 &&
+                                          std::all_of(face.begin(), face.end(),
+                                                      [&](int i) { return i >= 0 && i < count; });
+                                 });
+            }},
+      geometry);
 }
 
 }  // namespace stillbase

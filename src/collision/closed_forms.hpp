@@ -1,6 +1,8 @@
 // Distances and extents of simple shapes in closed form.
 #pragma once
 
+#include <optional>
+
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
@@ -18,8 +20,8 @@ double segment_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& 
 /// Signed distance of spheres and capsules: negative when they overlap.
 double round_distance(const RoundSegment& a, const RoundSegment& b);
 
-/// The segment and radius of a sphere or capsule in its own frame. False for other shapes.
-bool as_round_segment(const Geometry& geometry, RoundSegment& round);
+/// The segment and radius of a sphere or capsule in its own frame; nothing for other shapes.
+std::optional<RoundSegment> round_segment(const Geometry& geometry);
 
 /// Distance of a point from a shape, both in the shape's frame; 0 inside. For a convex mesh the
 /// largest distance from a face plane, which is a lower bound.
@@ -32,7 +34,7 @@ struct BoundingSphere {
 };
 BoundingSphere bounding_sphere(const Geometry& geometry);
 
-/// Sizes finite and positive (a capsule's or cylinder's length may be 0), meshes with four or more
+/// Sizes finite and positive (a capsule's length may be 0), meshes with four or more
 /// finite vertices and valid faces.
 bool is_valid(const Geometry& geometry);
 

@@ -1,17 +1,224 @@
-// Asking a scene. Everything is expressed in B, so that self-collision does not see the base pose.
+// Building a scene by the pair rules of scene.hpp, and asking it. Everything is expressed in B, so
+// that self-collision does not see the base pose.
 #include <stillbase/collision/scene.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "collision/scene_data.hpp"
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/rotation.hpp>
+
+#include "collision/closed_forms.hpp"
+#include "collision/fcl_shape.hpp"
 
 namespace stillbase {
+
+namespace {
+
+enum class Carrier { Robot, Target, Inertial };
+
+/// One shape and what carries it. An obstacle fixed in B is a shape of the base body.
+struct Item {
+  Carrier carrier;
+  int body;  ///< Robot: body index
+  std::string name;
+  Pose pose;  ///< shape frame in the carrier's frame
+  Matrix3d R;
+  BoundingSphere bounds;              ///< in the shape's frame
+  std::optional<RoundSegment> round;  ///< in the shape's frame
+  std::shared_ptr<const FclShape> fcl;
+  double reach;        ///< no point is further from the carrier's origin, m
+  MotionBound motion;  ///< Robot
+};
+
+struct Pair {
+  std::size_t a = 0, b = 0;
+  bool is_target = false;  ///< a belongs to the target
+  bool is_hand_and_target = false;
+};
+
+}  // namespace
+
+struct CollisionScene::Data {
+  std::vector<Item> items;
+  std::vector<Pair> pairs;
+  bool has_contact_point = false;
+  Vector3d contact_point = Vector3d::Zero();  ///< in T
+  double contact_radius = 0;  ///< of the sphere that is touched when there is no feature
+  double contact_allowance = 0;
+  MotionBound hand;
+};
+
+namespace {
+
+Item make_item(Carrier carrier, int body, const std::string& name, const Pose& pose,
+               const Geometry& geometry) {
+  if (!pose.is_finite() || !is_valid(geometry)) {
+    throw std::invalid_argument("collision shape of " + name +
+                                ": pose and sizes must be finite, sizes positive");
+  }
+  const BoundingSphere bounds = bounding_sphere(geometry);
+  return {carrier,
+          body,
+          name,
+          pose,
+          pose.orientation.toRotationMatrix(),
+          bounds,
+          round_segment(geometry),
+          make_fcl_shape(geometry),
+          (pose * bounds.centre).norm() + bounds.radius,
+          {}};
+}
+
+/// The shapes of a joint's child and parent overlap wherever the joint stands (looked at in
+/// SceneOptions::overlap_positions positions of its range): nothing that a path could avoid.
+bool overlap_always(const Joint& joint, const CollisionShape& child, const CollisionShape& parent,
+                    int positions) {
+  const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
+  const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
+  const auto child_fcl = make_fcl_shape(child.geometry),
+             parent_fcl = make_fcl_shape(parent.geometry);
+  for (int i = 0; i < positions; ++i) {
+    const double phi = low + (high - low) * i / (positions - 1);
+    Pose moved;
+    if (joint.is_prismatic()) {
+      moved.position.z() = phi;
+    } else {
+      moved.orientation = rotation_exp(Vector3d(0, 0, phi));
+    }
+    const Pose in_parent = Pose{joint.p, Eigen::Quaterniond(joint.R)} * moved * child.pose;
+    if (fcl_distance(*child_fcl, in_parent.orientation.toRotationMatrix(), in_parent.position,
+                     *parent_fcl, parent.pose.orientation.toRotationMatrix(),
+                     parent.pose.position) > 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The shapes belong to bodies joined by one joint and overlap there by construction.
+bool overlap_at_joint(const RobotModel& robot, const CollisionShape& a, const CollisionShape& b,
+                      const SceneOptions& options) {
+  const CollisionShape& child = a.body > b.body ? a : b;
+  const CollisionShape& parent = a.body > b.body ? b : a;
+  if (child.body == kBase) return false;
+  const Joint& joint = robot.joints[child.body];
+  if (joint.parent != parent.body) return false;
+  const bool both_reach =
+      point_distance(child.geometry, child.pose.inverse().position) <= options.reaches_joint &&
+      point_distance(parent.geometry, parent.pose.inverse() * joint.p) <= options.reaches_joint;
+  return both_reach || overlap_always(joint, child, parent, options.overlap_positions);
+}
+
+bool is_allowed(const SceneParts& parts, const std::string& a, const std::string& b) {
+  return std::any_of(
+      parts.allowed_contacts.begin(), parts.allowed_contacts.end(), [&](const auto& pair) {
+        return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+      });
+}
+
+SceneParts parts_of(const CaptureProblem& problem) {
+  SceneParts parts{problem.allowed_contacts, problem.obstacles, problem.target, std::nullopt,
+                   problem.approach.contact_allowance};
+  const std::string& name = problem.variables.feature;
+  if (problem.target && !name.empty()) {
+    for (const ContactFeature& feature : problem.target->features) {
+      if (feature.name == name) parts.feature = feature;
+    }
+    if (!parts.feature) throw std::invalid_argument("target has no contact feature " + name);
+  }
+  return parts;
+}
+
+}  // namespace
 
 std::string to_string(const Proximity& proximity) {
   return proximity.first + " with " + proximity.second;
 }
+
+MotionBound motion_bound(const RobotModel& robot, int body, double reach,
+                         const SceneOptions& options) {
+  MotionBound bound{JointVectord::Zero(robot.n()), reach};
+  for (int k = body; k != kBase; k = robot.joints[k].parent) {
+    const Joint& joint = robot.joints[k];
+    const double stroke = std::max(std::abs(joint.lower), std::abs(joint.upper));
+    bound.lever[k] = joint.is_prismatic() ? 1.0 : bound.base_reach;
+    bound.base_reach +=
+        (joint.is_prismatic() ? std::min(stroke, options.unlimited_stroke) : 0) + joint.p.norm();
+  }
+  return bound;
+}
+
+CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts) {
+  auto data = std::make_shared<Data>();
+  std::vector<Item>& items = data->items;
+  for (const CollisionShape& shape : robot.shapes) {
+    items.push_back(make_item(Carrier::Robot, shape.body, shape.link, shape.pose, shape.geometry));
+  }
+  const std::size_t robot_count = items.size();
+  for (const Obstacle& obstacle : parts.obstacles) {
+    items.push_back(make_item(obstacle.frame == Frame::Base ? Carrier::Robot : Carrier::Inertial,
+                              kBase, obstacle.name, obstacle.pose, obstacle.geometry));
+  }
+  const std::size_t target_begin = items.size();
+  if (parts.target) {
+    for (const TargetShape& shape : parts.target->shapes) {
+      items.push_back(make_item(Carrier::Target, kBase, kTargetName, shape.pose, shape.geometry));
+    }
+  }
+  for (Item& item : items) {
+    if (item.carrier != Carrier::Robot) continue;
+    item.motion = motion_bound(robot, item.body, item.reach, parts.options);
+  }
+  const auto add = [&](std::size_t a, std::size_t b, bool is_hand_and_target) {
+    if (is_allowed(parts, items[a].name, items[b].name)) return;
+    data->pairs.push_back({a, b, items[a].carrier == Carrier::Target, is_hand_and_target});
+  };
+  for (std::size_t i = 0; i < robot_count; ++i) {
+    for (std::size_t j = i + 1; j < target_begin; ++j) {
+      if (items[j].carrier == Carrier::Robot && items[i].body == items[j].body) continue;
+      const bool is_obstacle = j >= robot_count;
+      if (!is_obstacle &&
+          overlap_at_joint(robot, robot.shapes[i], robot.shapes[j], parts.options)) {
+        continue;
+      }
+      const bool i_first = is_obstacle || items[i].body > items[j].body;
+      add(i_first ? i : j, i_first ? j : i, false);
+    }
+  }
+  for (std::size_t t = target_begin; t < items.size(); ++t) {
+    for (std::size_t i = 0; i < target_begin; ++i) {
+      if (items[i].carrier == Carrier::Inertial) continue;
+      add(t, i, i < robot_count && items[i].body == robot.hand_body);
+    }
+    data->contact_radius = std::max(data->contact_radius, items[t].reach);
+  }
+  data->contact_allowance = parts.contact_allowance;
+  data->has_contact_point = parts.feature || target_begin < items.size();
+  if (parts.feature) {
+    data->contact_point = parts.feature->point;
+    data->contact_radius = 0;
+  }
+  if (!data->contact_point.allFinite() || !(data->contact_allowance >= 0)) {
+    throw std::invalid_argument("contact feature and allowance must be finite");
+  }
+  data->hand = motion_bound(robot, robot.hand_body, robot.p_hand.norm(), parts.options);
+  data_ = std::move(data);
+}
+
+CollisionScene::CollisionScene(const CaptureProblem& problem)
+    : CollisionScene(problem.robot, parts_of(problem)) {}
+
+CollisionScene CollisionScene::target_pairs_only() const {
+  auto reduced = std::make_shared<Data>(*data_);
+  std::erase_if(reduced->pairs, [](const Pair& pair) { return !pair.is_target; });
+  CollisionScene scene(*this);
+  scene.data_ = std::move(reduced);
+  return scene;
+}
+
+int CollisionScene::pair_count() const { return static_cast<int>(data_->pairs.size()); }
 
 namespace {
 
@@ -19,141 +226,104 @@ namespace {
 struct Placed {
   Matrix3d R;
   Vector3d p;
-  Vector3d centre;  ///< of the bounding sphere
-  RoundSegment round;
+  Vector3d centre;     ///< of the bounding sphere
+  RoundSegment round;  ///< of spheres and capsules
 };
-
-Placed place(const SceneItem& item, const Matrix3d& R, const Vector3d& p) {
-  Placed placed;
-  placed.R = R * item.R;
-  placed.p = R * item.pose.position + p;
-  placed.centre = placed.R * item.bounds.centre + placed.p;
-  if (item.is_round) {
-    placed.round = {placed.R * item.round.a + placed.p, placed.R * item.round.b + placed.p,
-                    item.round.radius};
-  }
-  return placed;
-}
 
 /// All shapes in B at one instant, and the hand's distance from where it will touch.
-struct Instant {
-  std::vector<Placed> placed;
-  bool target_present = false;
+class Instant {
+ public:
+  Instant(const CollisionScene::Data& data, const Kinematics<double>& kinematics, const Pose& base,
+          const Pose* target)
+      : data_(data), has_target_(target != nullptr) {
+    const Pose T_BN = base.inverse();
+    const Matrix3d R_BN = T_BN.orientation.toRotationMatrix();
+    const Pose T_BT = target != nullptr ? T_BN * *target : Pose{};
+    const Matrix3d R_BT = T_BT.orientation.toRotationMatrix();
+    if (target != nullptr) {
+      const Vector3d contact = R_BT * data.contact_point + T_BT.position;
+      hand_to_contact = std::max((kinematics.r_bh - contact).norm() - data.contact_radius, 0.0);
+    }
+    placed_.reserve(data.items.size());
+    bool finite = std::isfinite(hand_to_contact);
+    for (const Item& item : data.items) {
+      if (item.carrier == Carrier::Target) {
+        place(item, R_BT, T_BT.position);
+      } else if (item.carrier == Carrier::Inertial) {
+        place(item, R_BN, T_BN.position);
+      } else if (item.body == kBase) {
+        place(item, Matrix3d::Identity(), Vector3d::Zero());
+      } else {
+        place(item, kinematics.R[item.body], kinematics.o[item.body]);
+      }
+      finite = finite && placed_.back().R.allFinite() && placed_.back().p.allFinite();
+    }
+    // FCL would end the process.
+    if (!finite) throw std::invalid_argument("collision query with a pose that is not finite");
+  }
+
+  /// Whether the target is there, where the pair needs it.
+  bool is_present(const Pair& pair) const { return has_target_ || !pair.is_target; }
+  /// The pair may touch now.
+  bool may_touch(const Pair& pair) const {
+    return pair.is_hand_and_target && data_.has_contact_point &&
+           hand_to_contact <= data_.contact_allowance;
+  }
+
+  /// Distance of a pair, or a lower bound of it that is above `enough`.
+  double distance(const Pair& pair, double enough) const {
+    const Item &a = data_.items[pair.a], &b = data_.items[pair.b];
+    const Placed &pa = placed_[pair.a], &pb = placed_[pair.b];
+    const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
+    if (bound > enough) return bound;
+    if (!a.round || !b.round) return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
+    return round_distance(pa.round, pb.round);
+  }
+
   double hand_to_contact = 0;
+
+ private:
+  void place(const Item& item, const Matrix3d& R, const Vector3d& p) {
+    const Matrix3d R_item = R * item.R;
+    const Vector3d p_item = R * item.pose.position + p;
+    placed_.push_back({R_item, p_item, R_item * item.bounds.centre + p_item, {}});
+    if (!item.round) return;
+    placed_.back().round = {R_item * item.round->a + p_item, R_item * item.round->b + p_item,
+                            item.round->radius};
+  }
+
+  const CollisionScene::Data& data_;
+  bool has_target_;
+  std::vector<Placed> placed_;
 };
 
-Instant place_all(const CollisionScene::Data& data, const Kinematics<double>& kinematics,
-                  const Pose& base, const Pose* target) {
-  const Pose T_BN = base.inverse();
-  const Matrix3d R_BN = T_BN.orientation.toRotationMatrix();
-  Instant instant;
-  instant.target_present = target != nullptr;
-  Matrix3d R_BT = Matrix3d::Identity();
-  Vector3d p_BT = Vector3d::Zero();
-  if (target != nullptr) {
-    const Pose T_BT = T_BN * *target;
-    R_BT = T_BT.orientation.toRotationMatrix();
-    p_BT = T_BT.position;
-    const Vector3d contact = R_BT * data.contact_point + p_BT;
-    instant.hand_to_contact =
-        std::max((kinematics.r_bh - contact).norm() - data.contact_radius, 0.0);
-  }
-  instant.placed.reserve(data.items.size());
-  bool finite = std::isfinite(instant.hand_to_contact);
-  for (const SceneItem& item : data.items) {
-    switch (item.carrier) {
-      case Carrier::Robot:
-        if (item.body == kBase) {
-          instant.placed.push_back(place(item, Matrix3d::Identity(), Vector3d::Zero()));
-        } else {
-          const auto k = static_cast<std::size_t>(item.body);
-          instant.placed.push_back(place(item, kinematics.R[k], kinematics.o[k]));
-        }
-        break;
-      case Carrier::Target:
-        instant.placed.push_back(place(item, R_BT, p_BT));
-        break;
-      case Carrier::FixedInBase:
-        instant.placed.push_back(place(item, Matrix3d::Identity(), Vector3d::Zero()));
-        break;
-      case Carrier::FixedInInertial:
-        instant.placed.push_back(place(item, R_BN, T_BN.position));
-        break;
-    }
-    finite = finite && instant.placed.back().R.allFinite() && instant.placed.back().p.allFinite();
-  }
-  // The gate before FCL, which would end the process.
-  if (!finite) throw std::invalid_argument("collision query with a pose that is not finite");
-  return instant;
-}
-
-/// Distance of a pair, or a lower bound of it that is above `enough`.
-double pair_distance(const CollisionScene::Data& data, const Instant& instant,
-                     const ScenePair& pair, double enough) {
-  const SceneItem& a = data.items[pair.a];
-  const SceneItem& b = data.items[pair.b];
-  const Placed& pa = instant.placed[pair.a];
-  const Placed& pb = instant.placed[pair.b];
-  const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
-  if (bound > enough) return bound;
-  if (a.is_round && b.is_round) return round_distance(pa.round, pb.round);
-  return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
-}
-
-bool is_target_pair(const CollisionScene::Data& data, const ScenePair& pair) {
-  return data.items[pair.a].carrier == Carrier::Target;
-}
-
-/// The pair is not looked at now: no target there, or its hand may touch.
-bool is_exempt(const CollisionScene::Data& data, const Instant& instant, const ScenePair& pair) {
-  if (is_target_pair(data, pair) && !instant.target_present) return true;
-  return pair.hand_and_target && data.has_contact_point &&
-         instant.hand_to_contact <= data.contact_allowance;
-}
-
-Proximity proximity(const CollisionScene::Data& data, const ScenePair& pair, double distance) {
+Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double distance) {
   return {data.items[pair.a].name, data.items[pair.b].name, distance};
 }
 
-double motion_in_base(const SceneItem& item, const SceneTravel& travel) {
-  return item.carrier == Carrier::Robot ? item.lever.dot(travel.joints) : 0.0;
+/// Motion in N of a point that the base carries.
+double motion_with_base(const MotionBound& bound, const SceneTravel& travel) {
+  return bound.lever.dot(travel.joints) + travel.base_translation +
+         travel.base_rotation * bound.base_reach;
 }
 
 /// How far any point of the item moves in N.
-double motion_in_inertial(const SceneItem& item, const SceneTravel& travel) {
-  switch (item.carrier) {
-    case Carrier::Robot:
-      return motion_in_base(item, travel) + travel.base_translation +
-             travel.base_rotation * item.base_reach;
-    case Carrier::Target:
-      return travel.target_translation + travel.target_rotation * item.reach;
-    case Carrier::FixedInBase:
-      return travel.base_translation + travel.base_rotation * item.reach;
-    case Carrier::FixedInInertial:
-      return 0;
-  }
-  return 0;
+double motion_in_inertial(const Item& item, const SceneTravel& travel) {
+  if (item.carrier == Carrier::Robot) return motion_with_base(item.motion, travel);
+  if (item.carrier == Carrier::Inertial) return 0;
+  return travel.target_translation + travel.target_rotation * item.reach;
 }
 
 /// Bound on how much the distance of a pair can change.
-double pair_motion(const CollisionScene::Data& data, const ScenePair& pair,
-                   const SceneTravel& travel) {
-  const SceneItem& a = data.items[pair.a];
-  const SceneItem& b = data.items[pair.b];
-  const auto rides_on_base = [](const SceneItem& item) {
-    return item.carrier == Carrier::Robot || item.carrier == Carrier::FixedInBase;
-  };
-  if (!rides_on_base(a) || !rides_on_base(b)) {
-    return motion_in_inertial(a, travel) + motion_in_inertial(b, travel);
-  }
+double pair_motion(const Item& a, const Item& b, const SceneTravel& travel) {
   if (a.carrier != Carrier::Robot || b.carrier != Carrier::Robot) {
-    return motion_in_base(a, travel) + motion_in_base(b, travel);
+    return motion_in_inertial(a, travel) + motion_in_inertial(b, travel);
   }
   // Joints that carry both do not move one against the other.
   double motion = 0;
   for (Eigen::Index k = 0; k < travel.joints.size(); ++k) {
-    const bool carries_a = a.lever[k] > 0, carries_b = b.lever[k] > 0;
-    if (carries_a != carries_b) motion += travel.joints[k] * (carries_a ? a.lever[k] : b.lever[k]);
+    const double lever_a = a.motion.lever[k], lever_b = b.motion.lever[k];
+    if ((lever_a > 0) != (lever_b > 0)) motion += travel.joints[k] * std::max(lever_a, lever_b);
   }
   return motion;
 }
@@ -163,10 +333,10 @@ double pair_motion(const CollisionScene::Data& data, const ScenePair& pair,
 std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kinematics,
                                                    const Pose& base, const Pose* target,
                                                    double margin) const {
-  const Instant instant = place_all(*data_, kinematics, base, target);
-  for (const ScenePair& pair : data_->pairs) {
-    if (is_exempt(*data_, instant, pair)) continue;
-    const double distance = pair_distance(*data_, instant, pair, std::max(margin, 0.0));
+  const Instant instant(*data_, kinematics, base, target);
+  for (const Pair& pair : data_->pairs) {
+    if (!instant.is_present(pair) || instant.may_touch(pair)) continue;
+    const double distance = instant.distance(pair, std::max(margin, 0.0));
     if (distance <= 0 || distance < margin) return proximity(*data_, pair, distance);
   }
   return std::nullopt;
@@ -174,13 +344,16 @@ std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kin
 
 std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinematics,
                                                  const Pose& base, const Pose* target,
-                                                 bool meeting) const {
-  const Instant instant = place_all(*data_, kinematics, base, target);
-  const ScenePair* closest = nullptr;
+                                                 bool with_hand_and_target) const {
+  const Instant instant(*data_, kinematics, base, target);
+  const Pair* closest = nullptr;
   double least = kInfinity;
-  for (const ScenePair& pair : data_->pairs) {
-    if (is_exempt(*data_, instant, pair) || (!meeting && pair.hand_and_target)) continue;
-    const double distance = pair_distance(*data_, instant, pair, least);
+  for (const Pair& pair : data_->pairs) {
+    if (!instant.is_present(pair) || instant.may_touch(pair) ||
+        (pair.is_hand_and_target && !with_hand_and_target)) {
+      continue;
+    }
+    const double distance = instant.distance(pair, least);
     if (closest == nullptr || distance < least) {
       least = distance;
       closest = &pair;
@@ -193,25 +366,23 @@ std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinem
 SweepResult CollisionScene::sweep(const Kinematics<double>& kinematics, const Pose& base,
                                   const Pose* target, const SceneTravel& travel,
                                   double margin) const {
-  const Instant instant = place_all(*data_, kinematics, base, target);
+  const Instant instant(*data_, kinematics, base, target);
   SweepResult result;
   double smallest_reserve = 0;
-  for (const ScenePair& pair : data_->pairs) {
-    if (is_target_pair(*data_, pair) && !instant.target_present) continue;
-    const double motion = pair_motion(*data_, pair, travel);
+  for (const Pair& pair : data_->pairs) {
+    if (!instant.is_present(pair)) continue;
+    const double motion = pair_motion(data_->items[pair.a], data_->items[pair.b], travel);
     double reserve = kInfinity;  // how much more the pair could have moved
     double distance = 0;
-    if (is_exempt(*data_, instant, pair)) {
+    if (instant.may_touch(pair)) {
       // The hand may touch now; is that so during the whole interval?
-      const double hand_motion = data_->hand_lever.dot(travel.joints) + travel.base_translation +
-                                 travel.base_rotation * data_->hand_base_reach +
-                                 travel.target_translation +
-                                 travel.target_rotation * data_->contact_point.norm();
-      reserve = data_->contact_allowance - instant.hand_to_contact - hand_motion;
+      reserve = data_->contact_allowance - instant.hand_to_contact -
+                (motion_with_base(data_->hand, travel) + travel.target_translation +
+                 travel.target_rotation * data_->contact_point.norm());
       if (reserve >= 0) continue;
     }
     if (reserve == kInfinity) {
-      distance = pair_distance(*data_, instant, pair, margin + motion);
+      distance = instant.distance(pair, margin + motion);
       if (distance <= 0 || distance < margin) {
         return {SweepVerdict::Hit, proximity(*data_, pair, distance)};
       }

@@ -22,9 +22,9 @@ double distance(const Geometry& a, const Pose& pose_a, const Geometry& b, const 
 }
 
 RoundSegment moved(const Geometry& geometry, const Pose& pose) {
-  RoundSegment round;
-  REQUIRE(as_round_segment(geometry, round));
-  return {pose * round.a, pose * round.b, round.radius};
+  const auto round = round_segment(geometry);
+  REQUIRE(round);
+  return {pose * round->a, pose * round->b, round->radius};
 }
 
 /// Least distance of the points of a capsule's axis from a convex shape, by ternary search: the

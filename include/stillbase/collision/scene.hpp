@@ -61,6 +61,25 @@ struct SweepResult {
   Proximity closest;  ///< the pair that decides, unless Clear
 };
 
+struct SceneOptions {
+  double reaches_joint = 1e-6;  ///< m from a joint's origin: a shape this close reaches it
+  /// m, bound on the stroke of a prismatic joint without limits. Only motion bounds use it: a large
+  /// one makes the sweep split more intervals and changes no verdict.
+  double unlimited_stroke = 1e3;
+  /// Positions of a joint's range at which its two shapes must overlap to count as overlapping
+  /// wherever the joint stands.
+  int overlap_positions = 64;
+};
+
+/// Bounds on the motion of a body's points: by the triangle inequality along the chain.
+struct MotionBound {
+  JointVectord lever;  ///< m of motion in B per rad (m) of each joint, 0 for those not in the chain
+  double base_reach = 0;  ///< no point is ever further from B's origin, m
+};
+/// @param reach largest distance of a point from the origin of `body`, m
+MotionBound motion_bound(const RobotModel& robot, int body, double reach,
+                         const SceneOptions& options = {});
+
 /// What a scene is made of beside the robot.
 struct SceneParts {
   std::vector<std::pair<std::string, std::string>> allowed_contacts;
@@ -68,6 +87,7 @@ struct SceneParts {
   std::optional<TargetBody> target;
   std::optional<ContactFeature> feature;  ///< where the hand touches the target
   double contact_allowance = 0;           ///< m
+  SceneOptions options = {};
 };
 
 /// Immutable; copies are cheap and share their shapes. Any number of threads may ask at once.
@@ -89,10 +109,11 @@ class CollisionScene {
                                      const Pose* target, double margin = 0) const;
 
   /// The closest pair among those that may not touch. Empty when there is no such pair.
-  /// @param meeting false: leave out the hand's body against the target, which are meant to come
-  ///   together (their distance just outside contact_allowance says nothing about the path)
+  /// @param with_hand_and_target false: leave out the hand's body against the target, which touch
+  /// at
+  ///   the contact (their distance just outside contact_allowance says nothing about the path)
   std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
-                                   const Pose* target, bool meeting = true) const;
+                                   const Pose* target, bool with_hand_and_target = true) const;
 
   /// Looks at one instant and concludes for an interval around it: no point of a body moves further
   /// than the travel bounds allow, pair by pair.
@@ -108,7 +129,6 @@ class CollisionScene {
   struct Data;  ///< private to src/collision
 
  private:
-  explicit CollisionScene(std::shared_ptr<const Data> data);
   std::shared_ptr<const Data> data_;
 };
 
