@@ -33,7 +33,7 @@ std::shared_lock<std::shared_mutex> share_ompl() { return std::shared_lock(ompl_
 
 std::unique_lock<std::shared_mutex> own_ompl(std::uint_fast32_t seed) {
   std::unique_lock lock(ompl_in_use());
-  // Complains on the console when it is not the first call, and does what it is asked for.
+  // Logs an error when it is not the first call, and sets the seed all the same.
   ompl::RNG::setSeed(seed);
   return lock;
 }

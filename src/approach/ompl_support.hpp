@@ -1,5 +1,5 @@
-// What every use of OMPL here shares: silence, and random numbers that depend on nothing but a
-// seed.
+// Shared by every use of OMPL here: no console output, and random numbers that depend on a seed
+// alone.
 //
 // OMPL draws the seeds of its generators from one global sequence, which threads share. Generators
 // that can be reached get local seeds; planners that hide theirs run alone, with the global
@@ -18,12 +18,12 @@
 
 namespace stillbase {
 
-/// OMPL's seeds are 32 bits; 0 means "draw one from the clock".
+/// A seed of 32 bits, never 0: OMPL would take one from the clock.
 std::uint_fast32_t local_seed(Random& random);
 
 /// Held while OMPL works: shared by those that seed every generator themselves.
 std::shared_lock<std::shared_mutex> share_ompl();
-/// The same alone, with OMPL's global sequence of seeds begun anew.
+/// Exclusive, with OMPL's global sequence of seeds restarted.
 std::unique_lock<std::shared_mutex> own_ompl(std::uint_fast32_t seed);
 
 /// A class of OMPL with a generator `rng_` of its own, seeded.

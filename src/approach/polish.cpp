@@ -14,7 +14,7 @@ namespace stillbase {
 
 namespace {
 
-/// Of an interval: where the base's motion is looked at, as in base_step().
+/// Gauss points of an interval, as in base_step().
 constexpr double kGaussPoints[] = {0.21132486540518713, 0.7886751345948129};
 
 Vector3d turning(const RobotModel& robot, const JointVectord& phi, const JointVectord& first) {

@@ -23,7 +23,7 @@ using TurnSlopes = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 ///   x = [control points of the free joints, column by column; v]   v = planned duration / duration
 ///   time       minimise 1 / v
 ///   attitude   minimise the mean square of the base's rotation angle from its final attitude (the
-///              largest angle is not smooth), the duration left as long as it need be
+///              largest angle is not smooth), with the duration that the limits ask for
 ///   subject to rates at knots and between, accelerations at knots, torques at knots where they
 ///              matter, as parts of their limits; clearances at knots and between, the target where
 ///              it is at that time
@@ -81,7 +81,8 @@ class PolishProblem final : public nlp::Problem {
   void evaluate(const Eigen::VectorXd& x, bool with_slopes, nlp::Evaluation& out) const;
   /// Mean square of the base's rotation angle from its final attitude, rad^2.
   double excursion(const State& state) const;
-  /// How the base at each place is turned, seen from the last one, by the control points (3 x N-1).
+  /// Rotation vector of the base at each place, in the axes of the last one, per control point (3 x
+  /// N-1).
   std::vector<TurnSlopes> turn_slopes(const State& state, const Eigen::MatrixXd& points) const;
   Eigen::VectorXd torques(const Place& knot, const Eigen::MatrixXd& points, double v) const;
   double clearance(const JointVectord& phi, const Pose& base, double u, double v) const;
@@ -96,7 +97,7 @@ class PolishProblem final : public nlp::Problem {
   RestSpline spline_;
   std::vector<Place> places_;  ///< knots and what is between them, in order
   Eigen::VectorXd x_start_, lower_, upper_;
-  JointVectord effort_;  ///< limits of the joints whose torques are looked at; infinite: not
+  JointVectord effort_;  ///< limits of the joints whose torques are constrained; infinite: none
   int torque_rows_ = 0;
 };
 

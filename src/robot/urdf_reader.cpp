@@ -1,8 +1,4 @@
-// URDF text -> checked XML -> tree of links -> RobotModel.
-//
-// The text is parsed by TinyXML 2, which bounds the nesting and knows the line of every element and
-// attribute, and held against a table of the URDF elements that we read (urdf_schema.cpp). After
-// that every number in it is known to be finite and the joints are known to form a tree.
+// URDF text -> tree of links -> RobotModel.
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include <algorithm>
@@ -21,24 +17,6 @@ namespace {
 
 using namespace urdf;
 
-/// The pose of <origin> in an element; fixed axes roll, pitch, yaw.
-Pose origin_of(const XMLElement& element) {
-  const XMLElement* origin = element.FirstChildElement("origin");
-  Vector3d c, s;
-  for (int i = 0; i < 3; ++i) {
-    const double half = vector(origin, "rpy")[i] / 2;
-    c[i] = std::cos(half);
-    s[i] = std::sin(half);
-  }
-  const double x = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
-  const double y = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
-  const double z = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
-  const double w = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
-  const double norm = std::sqrt(x * x + y * y + z * z + w * w);
-  return {vector(origin, "xyz"),
-          Eigen::Quaterniond(w / norm, x / norm, y / norm, z / norm).normalized()};
-}
-
 // Axes with z along the unit vector a: the shortest rotation from z. For a below the xy plane it
 // is taken from -z, after half a turn about x, so that nothing is divided by nearly zero.
 Matrix3d axes_with_z_along(const Vector3d& a) {
@@ -56,16 +34,10 @@ struct Part {
   Matrix3d inertia;  // about the part's own centroid
 };
 
-Part part_of(const XMLElement& inertial, const Pose& T_body_link) {
-  const Pose T_body_inertial = T_body_link * origin_of(inertial);
-  const XMLElement* inertia = inertial.FirstChildElement("inertia");
-  const auto entry = [&](const char* name) { return number(inertia, name); };
-  Matrix3d I;
-  I << entry("ixx"), entry("ixy"), entry("ixz"), entry("ixy"), entry("iyy"), entry("iyz"),
-      entry("ixz"), entry("iyz"), entry("izz");
+Part part_of(const Inertial& inertial, const Pose& T_body_link) {
+  const Pose T_body_inertial = T_body_link * inertial.origin;
   const Matrix3d R = T_body_inertial.orientation.toRotationMatrix();
-  return {number(inertial.FirstChildElement("mass"), "value"), T_body_inertial.position,
-          R * I * R.transpose()};
+  return {inertial.mass, T_body_inertial.position, R * inertial.inertia * R.transpose()};
 }
 
 // Sum of masses, mean of centroids, parallel-axis theorem.
@@ -83,28 +55,19 @@ void merge(const std::vector<Part>& parts, Body& body) {
   body.inertia = 0.5 * (body.inertia + body.inertia.transpose()).eval();
 }
 
-/// A cylinder whose <collision> has a name that ends in "_capsule" is a capsule.
-Geometry geometry_of(const XMLElement& collision) {
-  constexpr std::string_view kSuffix = "_capsule";
-  const XMLElement* shape = collision.FirstChildElement("geometry")->FirstChildElement();
-  const std::string_view type = shape->Name();
-  const double radius = number(shape, "radius"), length = number(shape, "length");
-  if (type == "sphere") return Sphere{radius};
-  if (type == "box") return Box{vector(shape, "size")};
-  const char* attribute = collision.Attribute("name");
-  const std::string_view name = attribute != nullptr ? attribute : "";
-  if (name.ends_with(kSuffix)) return Capsule{radius, length};
-  return Cylinder{radius, length};
-}
-
 /// Walks the tree depth-first in file order and fills the model.
 class Builder {
  public:
-  Builder(const Tree& tree, const std::string& name) : tree_(tree), parts_(1) {
-    robot_.name = name;
+  explicit Builder(const Tree& tree) : tree_(tree), parts_(1) {
+    robot_.name = tree.name;
     robot_.links.resize(tree.links.size());
     place(tree.root, kBase, Pose{});
-    for (std::size_t i = 0; i < tree.links.size(); ++i) add_shapes(tree.links[i], robot_.links[i]);
+    for (std::size_t i = 0; i < tree.links.size(); ++i) {
+      const LinkFrame& link = robot_.links[i];
+      for (const auto& [pose, geometry] : tree.links[i].shapes) {
+        robot_.shapes.push_back({link.body, link.name, link.pose * pose, geometry});
+      }
+    }
     merge_bodies();
     move_origin_to_base_centroid();
   }
@@ -117,13 +80,11 @@ class Builder {
     const std::string parent =
         link.parent_joint < 0 ? "" : tree_.links[tree_.joints[link.parent_joint].parent].name;
     robot_.links[index] = {link.name, body, pose, parent};
-    if (const XMLElement* inertial = link.element->FirstChildElement("inertial")) {
-      parts_[body + 1].push_back(part_of(*inertial, pose));
-    }
+    if (link.inertial) parts_[body + 1].push_back(part_of(*link.inertial, pose));
     for (const int j : link.child_joints) {
       const TreeJoint& joint = tree_.joints[j];
-      const Pose T_body_joint = pose * origin_of(*joint.element);
-      if (std::string_view(joint.element->Attribute("type")) == "fixed") {
+      const Pose T_body_joint = pose * joint.origin;
+      if (joint.is_fixed) {
         place(joint.child, body, T_body_joint);
       } else {
         add_joint(joint, body, T_body_joint);
@@ -132,41 +93,17 @@ class Builder {
   }
 
   void add_joint(const TreeJoint& source, int parent, const Pose& T_parent_joint) {
-    const XMLElement& element = *source.element;
-    const std::string_view type = element.Attribute("type");
-    Joint joint;
-    joint.name = source.name;
-    joint.type = type == "prismatic"    ? JointType::Prismatic
-                 : type == "continuous" ? JointType::Continuous
-                                        : JointType::Revolute;
+    const Matrix3d R_align = axes_with_z_along(source.axis.stableNormalized());
+    const int body = robot_.n();
+    robot_.joints.push_back(source.joint);
+    Joint& joint = robot_.joints.back();
     joint.parent = parent;
-    const Vector3d axis = vector(element.FirstChildElement("axis"), "xyz", Vector3d::UnitX());
-    const Matrix3d R_align = axes_with_z_along(axis.stableNormalized());
     joint.R = T_parent_joint.orientation.toRotationMatrix() * R_align;
     joint.p = T_parent_joint.position;
-    const XMLElement* limit = element.FirstChildElement("limit");
-    if (joint.type != JointType::Continuous) {
-      joint.lower = number(limit, "lower");
-      joint.upper = number(limit, "upper");
-    }
-    joint.max_velocity = number(limit, "velocity", joint.max_velocity);
-    joint.max_effort = number(limit, "effort", joint.max_effort);
-    const XMLElement* dynamics = element.FirstChildElement("dynamics");
-    joint.viscous_friction = number(dynamics, "damping");
-    joint.coulomb_friction = number(dynamics, "friction");
-    const int body = robot_.n();
-    robot_.joints.push_back(std::move(joint));
     robot_.bodies.emplace_back();
-    robot_.bodies.back().name = tree_.links[source.child].name;
+    robot_.bodies.back().name = source.child_name;
     parts_.emplace_back();
     place(source.child, body, Pose{Vector3d::Zero(), Eigen::Quaterniond(R_align.transpose())});
-  }
-
-  void add_shapes(const TreeLink& source, const LinkFrame& link) {
-    for (const XMLElement* collision : children(*source.element, "collision")) {
-      robot_.shapes.push_back(
-          {link.body, link.name, link.pose * origin_of(*collision), geometry_of(*collision)});
-    }
   }
 
   void merge_bodies() {
@@ -217,7 +154,7 @@ void check_physics(const RobotModel& robot, const Tree& tree, Findings& findings
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(),
                      [&](const TreeLink& candidate) { return candidate.name == body.name; });
-    check_body(body, link->element->GetLineNum(), findings);
+    check_body(body, link->line, findings);
   };
   check(robot.base);
   for (const Body& body : robot.bodies) check(body);
@@ -246,9 +183,8 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, Findin
 
 RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand) {
   Findings findings(source);
-  tinyxml2::XMLDocument document;
-  const Tree tree = read_tree(text, document, findings);
-  RobotModel robot = Builder(tree, document.RootElement()->Attribute("name")).take();
+  const Tree tree = read_tree(text, findings);
+  RobotModel robot = Builder(tree).take();
   check_physics(robot, tree, findings);
   const std::string hand_link = choose_hand(robot, hand, findings);
   findings.raise();

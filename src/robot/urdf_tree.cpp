@@ -1,6 +1,7 @@
 #include "robot/urdf_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -58,9 +59,140 @@ void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findin
   }
 }
 
-/// The document, or every finding about its form.
-const XMLElement& check_document(std::string_view text, tinyxml2::XMLDocument& document,
-                                 Findings& findings) {
+/// The pose of <origin>: fixed axes roll, pitch, yaw.
+Pose read_origin(Element& parent) {
+  Pose pose;
+  parent.each("origin", 0, 1, [&](Element& origin) {
+    pose.position = origin.vector("xyz", Sign::Any, Vector3d::Zero());
+    const Vector3d rpy = origin.vector("rpy", Sign::Any, Vector3d::Zero());
+    Vector3d c, s;
+    for (int i = 0; i < 3; ++i) {
+      c[i] = std::cos(rpy[i] / 2);
+      s[i] = std::sin(rpy[i] / 2);
+    }
+    const double x = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
+    const double y = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
+    const double z = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
+    const double w = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
+    const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+    pose.orientation = Eigen::Quaterniond(w / norm, x / norm, y / norm, z / norm).normalized();
+  });
+  return pose;
+}
+
+Inertial read_inertial(Element& element) {
+  Inertial inertial;
+  inertial.origin = read_origin(element);
+  element.each("mass", 1, 1,
+               [&](Element& mass) { inertial.mass = mass.number("value", Sign::NonNegative); });
+  element.each("inertia", 1, 1, [&](Element& inertia) {
+    const auto entry = [&](const char* name) { return inertia.number(name, Sign::Any); };
+    const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
+    const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
+    inertial.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  });
+  return inertial;
+}
+
+/// A cylinder whose <collision> has a name that ends in "_capsule" is a capsule.
+Geometry read_geometry(Element& element, bool is_capsule) {
+  Geometry geometry;
+  element.each("sphere", 0, 1, [&](Element& sphere) {
+    geometry = Sphere{sphere.number("radius", Sign::Positive)};
+  });
+  element.each("box", 0, 1,
+               [&](Element& box) { geometry = Box{box.vector("size", Sign::Positive)}; });
+  element.each("cylinder", 0, 1, [&](Element& cylinder) {
+    const double radius = cylinder.number("radius", Sign::Positive);
+    const double length = cylinder.number("length", Sign::Positive);
+    geometry = is_capsule ? Geometry(Capsule{radius, length}) : Geometry(Cylinder{radius, length});
+  });
+  if (element.size() != 1) {
+    element.find("geometry",
+                 fmt::format("<geometry> holds {} shapes, must be one", element.size()));
+  }
+  return geometry;
+}
+
+TreeLink read_link(Element& element) {
+  TreeLink link;
+  link.line = element.line();
+  link.name = element.text("name", true);
+  element.text("type", false);
+  element.each("inertial", 0, 1,
+               [&](Element& inertial) { link.inertial = read_inertial(inertial); });
+  element.each("collision", 0, kAny, [&](Element& collision) {
+    const bool is_capsule = std::string_view(collision.text("name", false)).ends_with("_capsule");
+    collision.text("group", false);
+    const Pose origin = read_origin(collision);
+    collision.each("geometry", 1, 1, [&](Element& geometry) {
+      link.shapes.emplace_back(origin, read_geometry(geometry, is_capsule));
+    });
+    collision.ignore({"material", "verbose"});
+  });
+  element.ignore({"visual", "contact", "sensor", "gazebo"});
+  return link;
+}
+
+TreeJoint read_joint(Element& element) {
+  TreeJoint out;
+  Joint& joint = out.joint;
+  out.line = element.line();
+  joint.name = element.text("name", true);
+  const std::string type = element.text("type", true);
+  const bool is_limited = type == "revolute" || type == "prismatic";
+  out.is_fixed = type == "fixed";
+  joint.type = type == "prismatic"    ? JointType::Prismatic
+               : type == "continuous" ? JointType::Continuous
+                                      : JointType::Revolute;
+  if (!is_limited && !out.is_fixed && type != "continuous" && !type.empty()) {
+    const bool several = type == "floating" || type == "planar";
+    element.find("joint-type",
+                 fmt::format("joint {} is {}: {}; allowed: revolute continuous prismatic fixed",
+                             quoted(joint.name), quoted(type),
+                             several ? "joints of several degrees of freedom are not supported"
+                                     : "no such type"));
+  }
+  out.origin = read_origin(element);
+  element.each("parent", 1, 1, [&](Element& e) { out.parent_name = e.text("link", true); });
+  element.each("child", 1, 1, [&](Element& e) { out.child_name = e.text("link", true); });
+  element.each("axis", 0, 1, [&](Element& axis) {
+    out.axis = axis.vector("xyz", Sign::Any);
+    if (out.axis.isZero(0)) axis.find("joint-axis", "<axis> xyz has no direction");
+  });
+  const auto need_limits = [&](Element& where) {
+    where.find("joint-limits", fmt::format("joint {} is {} and needs <limit> with lower and upper",
+                                           quoted(joint.name), type));
+  };
+  bool has_limit = false;
+  element.each("limit", 0, 1, [&](Element& limit) {
+    has_limit = true;
+    const double lower = limit.number("lower", Sign::Any, 0);
+    const double upper = limit.number("upper", Sign::Any, 0);
+    joint.max_velocity = limit.number("velocity", Sign::NonNegative);
+    joint.max_effort = limit.number("effort", Sign::NonNegative);
+    if (!is_limited) return;
+    joint.lower = lower;
+    joint.upper = upper;
+    if (!limit.has("lower") || !limit.has("upper")) {
+      need_limits(limit);
+    } else if (lower > upper) {
+      limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}",
+                                             quoted(joint.name), lower, upper));
+    }
+  });
+  if (is_limited && !has_limit) need_limits(element);
+  element.each("dynamics", 0, 1, [&](Element& dynamics) {
+    joint.viscous_friction = dynamics.number("damping", Sign::NonNegative, 0);
+    joint.coulomb_friction = dynamics.number("friction", Sign::NonNegative, 0);
+  });
+  element.ignore({"calibration", "safety_controller"});
+  return out;
+}
+
+/// The links and joints of a text, or every finding about its form.
+Tree read_document(std::string_view text, Findings& findings) {
+  tinyxml2::XMLDocument document;
   check_text(text, findings);
   findings.raise();
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
@@ -71,108 +203,83 @@ const XMLElement& check_document(std::string_view text, tinyxml2::XMLDocument& d
     findings.raise();
   }
   check_everywhere(document, 0, findings);
-  const XMLElement* robot = document.RootElement();
-  if (robot == nullptr || std::string_view(robot->Name()) != "robot") {
-    findings.add(robot != nullptr ? robot->GetLineNum() : 0, "xml",
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (root == nullptr || std::string_view(root->Name()) != "robot") {
+    findings.add(root != nullptr ? root->GetLineNum() : 0, "xml",
                  "the outermost element must be <robot>");
-  } else if (robot->NextSiblingElement() != nullptr) {
-    findings.add(robot->NextSiblingElement()->GetLineNum(), "xml",
+  } else if (root->NextSiblingElement() != nullptr) {
+    findings.add(root->NextSiblingElement()->GetLineNum(), "xml",
                  "there is an element after </robot>");
   }
   findings.raise();
-  const auto links = children(*robot, "link");
-  if (links.size() > kMaxUrdfLinks) {
-    findings.add(links[kMaxUrdfLinks]->GetLineNum(), "too-many-links",
-                 fmt::format("at most {}", kMaxUrdfLinks));
-    findings.raise();
-  }
-  check_element(*robot, findings);
-  findings.raise();
-  return *robot;
-}
-
-// Type and limits; form and sign of the numbers are known to be right.
-void check_joint(const XMLElement& element, const std::string& name, Findings& findings) {
-  const std::string type = element.Attribute("type");
-  const int line = element.GetLineNum();
-  if (type == "fixed" || type == "continuous") return;
-  if (type != "revolute" && type != "prismatic") {
-    const bool several = type == "floating" || type == "planar";
-    findings.add(line, "joint-type",
-                 fmt::format("joint {} is {}: {}; allowed: revolute continuous prismatic fixed",
-                             quoted(name), quoted(type),
-                             several ? "joints of several degrees of freedom are not supported"
-                                     : "no such type"));
-    return;
-  }
-  const auto* limit = element.FirstChildElement("limit");
-  if (limit == nullptr || limit->Attribute("lower") == nullptr ||
-      limit->Attribute("upper") == nullptr) {
-    findings.add(
-        limit != nullptr ? limit->GetLineNum() : line, "joint-limits",
-        fmt::format("joint {} is {} and needs <limit> with lower and upper", quoted(name), type));
-    return;
-  }
-  const double lower = number(limit, "lower"), upper = number(limit, "upper");
-  if (lower > upper) {
-    findings.add(limit->GetLineNum(), "joint-limits",
-                 fmt::format("joint {}: lower {} is above upper {}", quoted(name), lower, upper));
-  }
-}
-
-/// Links, joints and how they hang together; joints with an unknown link are refused.
-Tree tree_of(const XMLElement& robot, Findings& findings) {
   Tree tree;
-  std::map<std::string, int> index, joint_names;
-  const auto add_name = [&](std::map<std::string, int>& names, const XMLElement& element, int i) {
-    const std::string name = element.Attribute("name");
-    if (!names.emplace(name, i).second) {
-      findings.add(element.GetLineNum(), "duplicate-name",
-                   fmt::format("there is already a {} {}", element.Name(), quoted(name)));
-    }
-    return name;
-  };
-  for (const XMLElement* e : children(robot, "link")) {
-    tree.links.push_back({e, add_name(index, *e, static_cast<int>(tree.links.size()))});
+  Element robot(*root, findings);
+  tree.name = robot.text("name", true);
+  if (robot.text("version", false) != "1.0" && robot.has("version")) {
+    robot.find("version", "<robot> version: must be 1.0");
   }
   int movable = 0;
-  for (const XMLElement* e : children(robot, "joint")) {
-    const int joint = static_cast<int>(tree.joints.size());
-    const std::string name = add_name(joint_names, *e, joint);
-    check_joint(*e, name, findings);
-    if (std::string_view(e->Attribute("type")) != "fixed") ++movable;
-    const auto link_of = [&](const char* end) {
-      const std::string link = e->FirstChildElement(end)->Attribute("link");
-      const auto found = index.find(link);
-      if (found != index.end()) return found->second;
-      findings.add(e->GetLineNum(), "unknown-link",
-                   fmt::format("joint {}: there is no link {}", quoted(name), quoted(link)));
-      return -1;
-    };
-    const int parent = link_of("parent"), child = link_of("child");
-    tree.joints.push_back({e, name, parent, child});
-    if (parent < 0 || child < 0) continue;
-    tree.links[parent].child_joints.push_back(joint);
-    int& parent_joint = tree.links[child].parent_joint;
-    if (parent_joint >= 0) {
-      findings.add(
-          e->GetLineNum(), "two-parents",
-          fmt::format("link {} is already the child of joint {}", quoted(tree.links[child].name),
-                      quoted(tree.joints[parent_joint].name)));
+  robot.each("link", 1, kAny, [&](Element& link) {
+    tree.links.push_back(read_link(link));
+    if (tree.links.size() == kMaxUrdfLinks + 1) {
+      link.find("too-many-links", fmt::format("at most {}", kMaxUrdfLinks));
     }
-    parent_joint = joint;
-  }
+  });
+  robot.each("joint", 0, kAny, [&](Element& joint) {
+    tree.joints.push_back(read_joint(joint));
+    if (!tree.joints.back().is_fixed) ++movable;
+  });
+  robot.ignore({"material", "transmission", "gazebo", "sensor"});
+  robot.finish();
   if (movable > kMaxJoints) {
-    findings.add(robot.GetLineNum(), "too-many-joints",
-                 fmt::format("{} movable joints, at most {}", movable, kMaxJoints));
+    robot.find("too-many-joints",
+               fmt::format("{} movable joints, at most {}", movable, kMaxJoints));
   }
   findings.raise();
   return tree;
 }
 
+/// Finds how links and joints hang together; every name once, every link with one parent.
+void connect(Tree& tree, Findings& findings) {
+  std::map<std::string, int> index, joint_names;
+  const auto add_name = [&](std::map<std::string, int>& names, const char* kind,
+                            const std::string& name, int line, int i) {
+    if (names.emplace(name, i).second) return;
+    findings.add(line, "duplicate-name",
+                 fmt::format("there is already a {} {}", kind, quoted(name)));
+  };
+  for (std::size_t i = 0; i < tree.links.size(); ++i) {
+    add_name(index, "link", tree.links[i].name, tree.links[i].line, static_cast<int>(i));
+  }
+  for (int j = 0; j < static_cast<int>(tree.joints.size()); ++j) {
+    TreeJoint& joint = tree.joints[j];
+    add_name(joint_names, "joint", joint.joint.name, joint.line, j);
+    const auto link_of = [&](const std::string& link) {
+      const auto found = index.find(link);
+      if (found != index.end()) return found->second;
+      findings.add(
+          joint.line, "unknown-link",
+          fmt::format("joint {}: there is no link {}", quoted(joint.joint.name), quoted(link)));
+      return -1;
+    };
+    joint.parent = link_of(joint.parent_name);
+    joint.child = link_of(joint.child_name);
+    if (joint.parent < 0 || joint.child < 0) continue;
+    tree.links[joint.parent].child_joints.push_back(j);
+    int& parent_joint = tree.links[joint.child].parent_joint;
+    if (parent_joint >= 0) {
+      findings.add(joint.line, "two-parents",
+                   fmt::format("link {} is already the child of joint {}", quoted(joint.child_name),
+                               quoted(tree.joints[parent_joint].joint.name)));
+    }
+    parent_joint = j;
+  }
+  findings.raise();
+}
+
 /// Finds the root. Every link has at most one parent here, so a link that no root reaches hangs on
 /// a cycle.
-void check_tree(Tree& tree, Findings& findings) {
+void find_root(Tree& tree, Findings& findings) {
   std::vector<int> open;
   std::vector<bool> reached(tree.links.size(), false);
   for (int i = 0; i < static_cast<int>(tree.links.size()); ++i) {
@@ -182,7 +289,7 @@ void check_tree(Tree& tree, Findings& findings) {
     if (tree.root < 0) {
       tree.root = i;
     } else {
-      findings.add(link.element->GetLineNum(), "two-roots",
+      findings.add(link.line, "two-roots",
                    fmt::format("links {} and {} both have no parent: one robot has one base",
                                quoted(tree.links[tree.root].name), quoted(link.name)));
     }
@@ -195,7 +302,7 @@ void check_tree(Tree& tree, Findings& findings) {
   }
   for (std::size_t i = 0; i < tree.links.size(); ++i) {
     if (reached[i]) continue;
-    findings.add(tree.links[i].element->GetLineNum(), "cycle",
+    findings.add(tree.links[i].line, "cycle",
                  fmt::format("link {} is not connected to the base: its joints form a cycle",
                              quoted(tree.links[i].name)));
   }
@@ -204,17 +311,10 @@ void check_tree(Tree& tree, Findings& findings) {
 
 }  // namespace
 
-std::vector<const XMLElement*> children(const XMLElement& element, const char* name) {
-  std::vector<const XMLElement*> found;
-  for (const auto* e = element.FirstChildElement(name); e; e = e->NextSiblingElement(name)) {
-    found.push_back(e);
-  }
-  return found;
-}
-
-Tree read_tree(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings) {
-  Tree tree = tree_of(check_document(text, document, findings), findings);
-  check_tree(tree, findings);
+Tree read_tree(std::string_view text, Findings& findings) {
+  Tree tree = read_document(text, findings);
+  connect(tree, findings);
+  find_root(tree, findings);
   return tree;
 }
 

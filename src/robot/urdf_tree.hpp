@@ -1,43 +1,51 @@
 // A URDF text as a checked tree of links: what has no physical or formal meaning is refused here.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <tinyxml2.h>
+#include <stillbase/robot/robot_model.hpp>
 
-#include "robot/urdf_schema.hpp"
+#include "robot/urdf_element.hpp"
 
 namespace stillbase::urdf {
 
-using tinyxml2::XMLElement;
-
 struct TreeJoint {
-  const XMLElement* element;
-  std::string name;
-  int parent, child;  ///< indices into Tree::links
+  int line = 0;
+  bool is_fixed = false;
+  Joint joint;                        ///< as the file states it; parent and pose are not set
+  Pose origin;                        ///< in the parent link
+  Vector3d axis = Vector3d::UnitX();  ///< any length > 0
+  std::string parent_name, child_name;
+  int parent = -1, child = -1;  ///< indices into Tree::links
+};
+
+struct Inertial {
+  Pose origin;  ///< in the link
+  double mass = 0;
+  Matrix3d inertia = Matrix3d::Zero();
 };
 
 struct TreeLink {
-  const XMLElement* element;
+  int line = 0;
   std::string name;
-  int parent_joint = -1;               ///< index into Tree::joints; -1 for the root
-  std::vector<int> child_joints = {};  ///< in file order
+  std::optional<Inertial> inertial;
+  std::vector<std::pair<Pose, Geometry>> shapes;  ///< in the link
+  int parent_joint = -1;                          ///< index into Tree::joints; -1 for the root
+  std::vector<int> child_joints;                  ///< in file order
 };
 
 /// The tree of a file, in file order.
 struct Tree {
+  std::string name;
   std::vector<TreeLink> links;
   std::vector<TreeJoint> joints;
   int root = -1;
 };
 
-/// The children of an element with this name, in file order.
-std::vector<const XMLElement*> children(const XMLElement& element, const char* name);
-
-/// Parses the text into `document`, to which the tree points.
 /// @throws InputError with every finding of the same stage
-Tree read_tree(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings);
+Tree read_tree(std::string_view text, Findings& findings);
 
 }  // namespace stillbase::urdf

@@ -70,8 +70,8 @@ TEST_CASE("the hand of a floating robot with a stated start arrives at its point
   CHECK(a.base_poses.front().position == problem.base.position);
   CHECK(a.joint_positions.front() == problem.start);
   const Pose end = end_of_base(problem.robot, a);
-  const double turned = rotation_log(problem.base.orientation.conjugate() * end.orientation).norm();
-  CHECK(turned > 2 * kDegree);  // the posture for the stated base would have missed
+  const double angle = rotation_log(problem.base.orientation.conjugate() * end.orientation).norm();
+  CHECK(angle > 2 * kDegree);  // the posture for the stated base would have missed
   const JointVectord& phi = a.joint_positions.back();
   const Vector3d hand = Vector3d(1.4, 0, 0) + 2 * Vector3d(std::cos(phi[0]), std::sin(phi[0]), 0) +
                         2 * Vector3d(std::cos(phi[0] + phi[1]), std::sin(phi[0] + phi[1]), 0);
@@ -102,9 +102,9 @@ TEST_CASE("postures that always leave the base where another one is asked for st
   const JointVectord far = posture({40, -70}), near = posture({-55, -15});
   ContactSolver solver;
   solver.at_base = [&](const Pose& base, ContactSolve) -> std::optional<Configuration> {
-    const double turned =
+    const double angle =
         rotation_log(problem.base.orientation.conjugate() * base.orientation).norm();
-    return Configuration{turned < 1 * kDegree ? far : near, base, 200};
+    return Configuration{angle < 1 * kDegree ? far : near, base, 200};
   };
   const Approach a = plan_with(problem, solver);
   INFO(a.detail);

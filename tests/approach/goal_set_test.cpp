@@ -38,7 +38,7 @@ CaptureProblem beside_a_ball() {
 
 }  // namespace
 
-TEST_CASE("a goal that cannot be reached does not stand in the way of one that can") {
+TEST_CASE("a goal that cannot be reached does not prevent the approach to one that can") {
   CaptureProblem problem = beside_a_ball();
   const Configuration behind = goal_at(posture({60, 10})), beside = goal_at(posture({-30, 60}));
   REQUIRE(plan(problem, behind).status == ApproachStatus::GoalUnreachable);
@@ -56,7 +56,7 @@ TEST_CASE("a goal that cannot be reached does not stand in the way of one that c
 }
 
 TEST_CASE("each goal is planned for among its own obstacles") {
-  // Two stations of a held base; the ball, fixed in space, is in the way at the first one alone.
+  // Two stations of a held base; the ball, fixed in space, blocks the path at the first one alone.
   CaptureProblem problem = beside_a_ball();
   problem.obstacles.front().frame = Frame::Inertial;
   const JointVectord phi = posture({60, 10});
@@ -84,10 +84,10 @@ TEST_CASE("a set of goals gives the same path for the same seed") {
   const std::vector<ApproachGoal> goals = {towards(goal_at(posture({60, 10}))),
                                            towards(goal_at(posture({-30, 120})), 0.3),
                                            towards(goal_at(posture({-80, -120})), 0.3)};
-  const ApproachToAny once = plan_any(problem, goals, 7), again = plan_any(problem, goals, 7);
-  REQUIRE(once.approach.status == ApproachStatus::Found);
-  CHECK(once.goal == again.goal);
-  CHECK(once.approach.joint_positions == again.approach.joint_positions);
+  const ApproachToAny first = plan_any(problem, goals, 7), second = plan_any(problem, goals, 7);
+  REQUIRE(first.approach.status == ApproachStatus::Found);
+  CHECK(first.goal == second.goal);
+  CHECK(first.approach.joint_positions == second.approach.joint_positions);
 }
 
 TEST_CASE("sets of goals that mean nothing are refused") {

@@ -46,7 +46,7 @@ double stored_clearance(const Approach& a, const Vector3d& centre, double radius
 
 }  // namespace
 
-TEST_CASE("a free way is the straight line, at rest at both ends and within limits") {
+TEST_CASE("a path without obstacles is the straight line, at rest at both ends and within limits") {
   const CaptureProblem problem = planar_problem(posture({-60, 30}));
   const Configuration goal = goal_at(posture({40, -50}));
   const Approach a = plan(problem, goal);
@@ -111,7 +111,7 @@ TEST_CASE("a joint that the search may not change stays where it is") {
   for (const JointVectord& phi : a.joint_positions) CHECK(phi[1] == problem.start[1]);
 }
 
-TEST_CASE("a continuous joint takes the short way to the goal's angle") {
+TEST_CASE("a continuous joint takes the shorter rotation to the goal's angle") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   for (Joint& joint : problem.robot.joints) {
     joint.type = JointType::Continuous;

@@ -16,7 +16,7 @@ CaptureProblem around_a_ball() {
 
 }  // namespace
 
-TEST_CASE("every planner by name finds a way around an obstacle") {
+TEST_CASE("every planner by name finds a path around an obstacle") {
   CaptureProblem problem = around_a_ball();
   const Configuration goal = goal_at(posture({60, -30, 0}), 300);
   for (const std::string& name : approach_planner_names()) {

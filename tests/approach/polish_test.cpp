@@ -120,7 +120,7 @@ TEST_CASE("the polish makes a motion faster and says by how much") {
   CHECK(polished.duration < 0.99 * plain.duration);
 }
 
-TEST_CASE("the polish makes no way around an obstacle slower and keeps the clearance") {
+TEST_CASE("the polish makes no path around an obstacle slower and keeps the clearance") {
   CaptureProblem problem = planar_problem(posture({-60, 30, 0}));
   problem.obstacles = {{"ball", Frame::Base,
                         Pose{Vector3d(5.2, 0, 0), Eigen::Quaterniond::Identity()}, Sphere{0.5}}};

@@ -13,8 +13,8 @@ using namespace stillbase::test;
 
 namespace {
 
-/// Largest turn of the base by the second implementation of the dynamics.
-double turned(const RobotModel& robot, const Approach& a) {
+/// Largest rotation angle of the base by the second implementation of the dynamics.
+double rotation_angle(const RobotModel& robot, const Approach& a) {
   Pose pose;
   double largest = 0;
   for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
@@ -36,7 +36,7 @@ CaptureProblem arm_problem() {
 
 TEST_CASE("a seven-joint arm reaches a set of postures without turning the base") {
   CaptureProblem problem = arm_problem();
-  // Somewhere that can be reached: where one leaves the null space least on the way to a posture.
+  // A posture that can be reached: the end of the curve that follows the line to `far`.
   const JointVectord far = posture({60, 60, 20, -40, 0, 30, 40});
   Knots knots(7, 5);
   for (int k = 0; k < 5; ++k) knots.col(k) = problem.start + k / 4.0 * (far - problem.start);
@@ -46,7 +46,7 @@ TEST_CASE("a seven-joint arm reaches a set of postures without turning the base"
   problem.approach.base = BaseMode::Floating;
   const Approach plain = plan(problem, goal);
   REQUIRE(plain.status == ApproachStatus::Found);
-  CHECK(turned(problem.robot, plain) > 0.05 * kDegree);
+  CHECK(rotation_angle(problem.robot, plain) > 0.05 * kDegree);
 
   // Any posture with joints 2 and 4 as in the goal is as good, the best one has joint 6 as well.
   ContactSolver contact;
@@ -67,7 +67,7 @@ TEST_CASE("a seven-joint arm reaches a set of postures without turning the base"
   INFO(still.detail);
   REQUIRE(still.status == ApproachStatus::Found);
   for (const int k : {1, 3, 5}) CHECK(still.joint_positions.back()[k] == goal.phi[k]);
-  CHECK(turned(problem.robot, still) < 0.01 * kDegree);
+  CHECK(rotation_angle(problem.robot, still) < 0.01 * kDegree);
   CHECK(still.attitude_excursion < 0.01 * kDegree);
   CHECK(plan_still().joint_positions == still.joint_positions);
 }
@@ -122,5 +122,5 @@ TEST_CASE("of several goals within the null space one that can be reached is tak
   CHECK(any.goal == 1);
   CHECK(any.approach.joint_positions.back()[3] == goal.phi[3]);
   CHECK(any.approach.joint_positions.back()[0] > goal.phi[0] + 5 * kDegree);
-  CHECK(turned(problem.robot, any.approach) < 0.01 * kDegree);
+  CHECK(rotation_angle(problem.robot, any.approach) < 0.01 * kDegree);
 }

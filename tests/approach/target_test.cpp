@@ -34,7 +34,7 @@ TEST_CASE("a target that comes along its direction is met at the hand") {
   check_motion(problem, goal, a);
 }
 
-TEST_CASE("a target that sweeps over the waiting arm hits early") {
+TEST_CASE("a target that sweeps over the waiting arm is reported as an early collision") {
   const CaptureProblem problem = point_mass_problem(posture({-60, 30}));
   const Configuration goal = goal_at(posture({0, 0}));
   // Comes along the arm from behind: over link 1, then link 2, to the hand.
@@ -46,7 +46,7 @@ TEST_CASE("a target that sweeps over the waiting arm hits early") {
   CHECK(a.detail.find("before the contact") != std::string::npos);
 }
 
-TEST_CASE("a target that passes through the arm's way is given way") {
+TEST_CASE("the approach avoids a target that crosses the arm's path") {
   // The straight line of the arm sweeps through the place where the target flies at that time; the
   // target ends at the hand.
   CaptureProblem problem = point_mass_problem(posture({-80, 20}));
@@ -131,7 +131,8 @@ TEST_CASE("a goal whose other links touch the target at the contact is invalid")
   CHECK(a.detail.find("target with link") != std::string::npos);
 }
 
-TEST_CASE("a target that hits what is fixed to the held base is reported after one attempt") {
+TEST_CASE(
+    "a collision of the target with a part fixed to the held base is reported after one attempt") {
   CaptureProblem problem = point_mass_problem(posture({-60, 30}));
   problem.obstacles = {{"antenna", Frame::Base,
                         Pose{Vector3d(12, 0.2, 0), Eigen::Quaterniond::Identity()}, Sphere{0.15}}};

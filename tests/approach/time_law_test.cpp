@@ -36,7 +36,8 @@ double distance_to_polyline(const JointVectord& phi, const std::vector<JointVect
 
 }  // namespace
 
-TEST_CASE("one joint over a long way reaches its rate limit and takes about the shortest time") {
+TEST_CASE(
+    "one joint over a long distance reaches its rate limit and takes about the shortest time") {
   const JointVectord start = JointVectord::Zero(1), end = JointVectord::Constant(1, 10.0);
   const JointVectord rate = JointVectord::Constant(1, 0.5),
                      acceleration = JointVectord::Constant(1, 0.1);
@@ -98,7 +99,7 @@ TEST_CASE("rounding corners is faster than stopping at them") {
   CHECK(rounded < 0.97 * stopping);
 }
 
-TEST_CASE("a way that turns straight back is driven with a stop") {
+TEST_CASE("a path that turns straight back has a stop at its tip") {
   const JointVectord a = JointVectord::Zero(2), b = JointVectord::Constant(2, 1.0);
   const JointVectord limit = JointVectord::Constant(2, 0.2);
   const JointPath path = time_path({a, b, 0.5 * b}, {limit, limit}, always);

@@ -123,7 +123,7 @@ TEST_CASE("a round point mass may touch the hand's link at the hand only") {
   CHECK(hit_name(scene, robot, straight).empty());
 }
 
-TEST_CASE("a scene reduced to the target's pairs sees the target and nothing else") {
+TEST_CASE("a scene reduced to the target's pairs finds collisions with the target alone") {
   const RobotModel robot = planar_robot();
   SceneParts parts;
   parts.target = point_target();

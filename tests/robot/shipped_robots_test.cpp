@@ -119,7 +119,7 @@ TEST_CASE("the iiwa stands straight up at zero") {
   CHECK((hand.orientation * Vector3d::UnitZ() - Vector3d::UnitZ()).norm() < 1e-14);
 }
 
-TEST_CASE("ETS-VII's published link tensors are kept, turned into link axes") {
+TEST_CASE("ETS-VII's published link tensors are kept, rotated into link axes") {
   const RobotModel robot = shipped("ets7");
   CHECK(robot.base.inertia(0, 1) == 48.2);
   CHECK(robot.base.inertia(0, 2) == 78.5);

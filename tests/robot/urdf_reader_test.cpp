@@ -16,7 +16,7 @@ using namespace stillbase;
 
 namespace {
 
-// A robot as URDF sees it: links, not bodies.
+// A robot in the terms of URDF: links, not bodies.
 struct SourceLink {
   int parent = -1;
   std::string type;

@@ -97,8 +97,8 @@ TEST_CASE("predicted mean and covariance of a contact are those of samples") {
     const ContactPrediction p = predict_contact(estimate, covariance, kEdge, {35.0}).front();
     const Sampled sampled = sample(estimate, covariance, p, kCount);
     for (int i = 0; i < kNumContactQuantities; ++i) {
-      // Five standard errors; the rest is what a transform of second order leaves out, in parts of
-      // the quantity's own standard deviation.
+      // Five standard errors; the remainder is what a transform of second order leaves out, in
+      // parts of the quantity's own standard deviation.
       const double sigma = std::sqrt(p.spread(i, i));
       INFO("quantity " << i << ", sigma " << sigma);
       CHECK(std::abs(p.mean[i] - p.value[i] - sampled.mean[i]) <=

@@ -147,9 +147,9 @@ TEST_CASE("a sphere rotates at a constant rate and a body at rest stays at rest"
   CHECK(later.pose.orientation.angularDistance(rotation_exp(123.4 * start.angular_velocity) *
                                                start.pose.orientation) <= 1e-13);
   const TargetState still = tumbling({0, 0, 0});
-  const TargetState rest = TargetMotion(envisat(), still, 500).state(still.time - 499);
-  CHECK(rest.angular_velocity.isZero(0));
-  CHECK(rest.pose.orientation.angularDistance(still.pose.orientation) <= 1e-15);
+  const TargetState at_rest = TargetMotion(envisat(), still, 500).state(still.time - 499);
+  CHECK(at_rest.angular_velocity.isZero(0));
+  CHECK(at_rest.pose.orientation.angularDistance(still.pose.orientation) <= 1e-15);
 }
 
 TEST_CASE("a point mass does not rotate") {

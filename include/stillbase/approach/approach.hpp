@@ -1,16 +1,16 @@
-// The approach: how the robot gets from its start posture to the chosen configuration, at rest and
-// in time, and waits there for the target.
+// The approach: the robot moves from its start posture to the chosen configuration, is at rest
+// there in time, and waits for the target.
 //
 // Assumptions. The robot is at rest with zero momentum before the approach and while it waits.
 // Base `held`: the base pose is that of the configuration throughout. Base `floating` with a free
 // station: Omega = -H_b^-1 H_bphi phidot along the path; the net motion g(path) of the base does
 // not depend on where it starts, so the start pose is goal.base * g(path)^-1. With a stated start
 // the base ends where the path leaves it, and the posture at the contact must fit that pose:
-// posture and path are found together. Base `reaction-null`: as floating with a free station, and
+// posture and path are planned together. Base `reaction-null`: as floating with a free station, and
 // the joints move in the reaction null space of (9) all along. Between the stored samples the
 // joints follow cubic Hermite segments; limits, clearances and base poses hold for those segments,
-// not only at the samples. Joints that the search may not change, and that are already where they
-// should be, stay still. Continuous joints end at the configuration's angle; the start angle is
+// not only at the samples. Joints that the search may not change, and that already have their final
+// value, stay still. Continuous joints end at the configuration's angle; the start angle is
 // problem.start plus the whole turns that make the path shortest.
 #pragma once
 

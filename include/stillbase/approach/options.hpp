@@ -19,7 +19,7 @@ struct PathPlannerOptions {
   double worthwhile = 0.99;
 };
 
-/// From way points to a motion.
+/// From waypoints to a motion.
 struct TimeLawOptions {
   double largest_cut = 0.5;    ///< rad of a straight line given up to round a corner
   double smallest_cut = 1e-3;  ///< rad; below this the robot stops at the corner
@@ -46,14 +46,14 @@ struct TimeLawOptions {
 /// Joint torques along a motion.
 struct EffortOptions {
   int checks_per_segment = 8;
-  double usable = 0.99;  ///< part of the limits: the torque may rise a little between two checks
+  double usable = 0.99;  ///< part of the limits: the torque may be higher between two checks
 };
 
 /// Closing the path of a floating base with a stated start, see closure.hpp.
 struct ClosureOptions {
   double closed = 1e-10;    ///< m, rad: what is left is rounding
   double converged = 1e-7;  ///< m, rad: the best posture hardly changes any more
-  double far = 3;           ///< a posture this far off needs another path
+  double far = 3;           ///< rad; a larger shift of the final posture needs another path
   double stride = 0.15;  ///< m, rad: largest change of the base pose from one solution to the next
   double difference = 1e-4;  ///< m, rad: step of the difference quotients
   int follow_rounds = 60;    ///< of following the best posture
@@ -112,7 +112,7 @@ struct PolishOptions {
   /// where the check refuses the whole.
   std::array<double, 5> parts{1, 0.8, 0.6, 0.4, 0.2};
   double worthwhile = 1e-6;      ///< least relative gain
-  double slowest = 1 / 1.5;      ///< v of the attitude polish: half as long again
+  double slowest = 1 / 1.5;      ///< v of the attitude polish: 1.5 times the planned duration
   double first_speed = 0.6;      ///< v to begin with: well inside all limits, else Ipopt fails
   double fastest = 4;            ///< v
   double room = 1.5;             ///< rad beyond start, end and planned path for control points

@@ -1,6 +1,6 @@
-// Who may touch whom: the robot's bodies, the obstacles and the target at one instant.
+// Which bodies may touch: the robot's bodies, the obstacles and the target at one instant.
 //
-// Which pairs of shapes are looked at:
+// Pairs of shapes that are checked:
 //  - two shapes of the same body never;
 //  - shapes of two bodies joined by one joint, unless *both* reach that joint's origin (in the
 //    parent at joint position 0) or they overlap wherever the joint stands: those overlap by
@@ -40,8 +40,7 @@ struct Proximity {
 /// "link2 with base".
 std::string to_string(const Proximity& proximity);
 
-/// Upper bounds on how far everything moves during an interval, counted from the instant that is
-/// looked at to either end.
+/// Upper bounds on the motion during an interval, from the instant of the query to either end.
 struct SceneTravel {
   JointVectord joints;            ///< n, rad or m
   double base_translation = 0;    ///< of B's origin in N, m
@@ -52,7 +51,7 @@ struct SceneTravel {
 
 enum class SweepVerdict {
   Clear,   ///< every pair keeps the margin during the whole interval: proven
-  Unsure,  ///< the margin is kept at the instant, the interval must be looked at more closely
+  Unsure,  ///< the margin is kept at the instant; the interval must be split
   Hit      ///< the margin is broken at the instant
 };
 
@@ -90,7 +89,7 @@ struct SceneParts {
   SceneOptions options = {};
 };
 
-/// Immutable; copies are cheap and share their shapes. Any number of threads may ask at once.
+/// Immutable; copies are cheap and share their shapes. Any number of threads may query at once.
 class CollisionScene {
  public:
   /// @throws std::invalid_argument for shapes or poses that are not finite and positive
@@ -115,15 +114,14 @@ class CollisionScene {
   std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
                                    const Pose* target, bool with_hand_and_target = true) const;
 
-  /// Looks at one instant and concludes for an interval around it: no point of a body moves further
-  /// than the travel bounds allow, pair by pair.
+  /// Distances at one instant and bounds on the motion of each pair give a verdict for an interval.
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
                     const SceneTravel& travel, double margin) const;
 
   /// The same scene reduced to the pairs that the target is part of.
   CollisionScene target_pairs_only() const;
 
-  /// Number of pairs that are looked at.
+  /// Number of pairs that are checked.
   int pair_count() const;
 
   struct Data;  ///< private to src/collision

@@ -27,7 +27,7 @@ inline constexpr int kMaxUrdfLinks = 256;
 ///
 /// Collision shapes: sphere, box, cylinder, and capsules. URDF has no capsule element: a
 /// <collision> whose name ends in "_capsule" and holds a <cylinder> is a capsule, the cylinder of
-/// that radius and length with a half sphere on both ends (a reader that does not know this sees
+/// that radius and length with a half sphere on both ends (a reader that does not know this reads
 /// the cylinder). Meshes are refused in <collision>.
 ///
 /// Read and not used: <visual>, <material>, <transmission>, <gazebo>, <sensor>, <contact>,

@@ -5,7 +5,7 @@
 // logarithms of factors (true moment = estimated moment * exp(error)), so both stay possible for
 // errors of any size; a small one is the relative error. The directions of the principal axes, the
 // contact feature and the torque-free motion are exact. Everything is compared at one instant: the
-// target may touch a little earlier or later than that.
+// true contact may be earlier or later than that.
 #pragma once
 
 #include <vector>

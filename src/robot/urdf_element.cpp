@@ -1,0 +1,178 @@
+#include "robot/urdf_element.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace stillbase::urdf {
+
+namespace {
+
+// Sums, products and squares of such numbers along a chain of fixed links stay finite.
+constexpr double kLargestNumber = 1e60;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::string_view> split_at_blanks(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    if (end > 0) parts.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return parts;
+}
+
+std::string trimmed(const std::string& text) {
+  const char* blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
+// Elements that URDF files do contain and that we refuse deserve a reason of their own.
+std::string reason_against(std::string_view parent, std::string_view name) {
+  if (name == "mimic") return "coupled joints (<mimic>) are not supported: each joint is free";
+  if (parent == "geometry" && name == "mesh") {
+    return "meshes are not supported as collision shapes: use sphere, box, cylinder or capsule";
+  }
+  if (parent == "geometry" && name == "capsule") {
+    return "URDF has no <capsule>: write a <cylinder> in a <collision> whose name ends in _capsule";
+  }
+  if (name.find(':') != std::string_view::npos) return "macros (xacro) must be expanded first";
+  return "";
+}
+
+bool contains(const std::vector<std::string_view>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string listed(const std::vector<std::string_view>& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " "));
+}
+
+}  // namespace
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown = "'" + std::string(text.substr(0, kLongest));
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  // A cut through a multi-byte character would leave invalid UTF-8.
+  if (text.size() > kLongest) {
+    while ((static_cast<unsigned char>(shown.back()) & 0xc0) == 0x80) shown.pop_back();
+    if (static_cast<unsigned char>(shown.back()) >= 0xc0) shown.pop_back();
+    shown += "...";
+  }
+  return shown + "'";
+}
+
+int Element::size() const {
+  int count = 0;
+  for (const auto* e = xml_.FirstChildElement(); e; e = e->NextSiblingElement()) ++count;
+  return count;
+}
+
+void Element::find_in(const char* attribute, std::string rule, const std::string& message) {
+  findings_.add(xml_.FindAttribute(attribute)->GetLineNum(), std::move(rule),
+                fmt::format("{} {}: {}", tag(), attribute, message));
+}
+
+const char* Element::value(const char* attribute, bool required) {
+  attributes_.emplace_back(attribute);
+  const char* text = xml_.Attribute(attribute);
+  if (text == nullptr && required) {
+    find("missing-attribute", fmt::format("{} needs the attribute {}", tag(), attribute));
+  }
+  return text;
+}
+
+std::string Element::text(const char* attribute, bool required) {
+  const char* text = value(attribute, required);
+  if (text == nullptr) return "";
+  if (required && *text == '\0') find_in(attribute, "missing-attribute", "the value is empty");
+  return text;
+}
+
+// One finite decimal number and nothing else. from_chars ignores the locale and takes no blanks,
+// hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
+double Element::parse(const char* attribute, std::string_view text, std::string_view part,
+                      Sign sign) {
+  std::string_view digits = part;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const auto refuse = [&](const char* rule, const std::string& message) {
+    find_in(attribute, rule, message);
+    return kNaN;
+  };
+  if (error == std::errc::result_out_of_range) {
+    return refuse("not-finite", quoted(part) + " does not fit into a double");
+  }
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    const bool comma = part.find(',') != std::string_view::npos;
+    return refuse("not-a-number", quoted(part) + " is not a number" +
+                                      (comma ? " (the decimal separator is a point)" : ""));
+  }
+  if (!std::isfinite(number)) return refuse("not-finite", quoted(part) + " is not finite");
+  if (std::abs(number) > kLargestNumber) {
+    return refuse("out-of-range",
+                  fmt::format("{} is larger than {:g}", quoted(part), kLargestNumber));
+  }
+  if (sign == Sign::Positive && !(number > 0)) {
+    return refuse("out-of-range", quoted(text) + " must be greater than 0");
+  }
+  if (sign == Sign::NonNegative && number < 0) {
+    return refuse("out-of-range", quoted(text) + " must not be negative");
+  }
+  return number;
+}
+
+double Element::number(const char* attribute, Sign sign, std::optional<double> otherwise) {
+  const char* text = value(attribute, !otherwise);
+  return text != nullptr ? parse(attribute, text, text, sign) : otherwise.value_or(kNaN);
+}
+
+Vector3d Element::vector(const char* attribute, Sign sign, std::optional<Vector3d> otherwise) {
+  Vector3d result = otherwise.value_or(Vector3d::Constant(kNaN));
+  const char* text = value(attribute, !otherwise);
+  if (text == nullptr) return result;
+  const std::vector<std::string_view> parts = split_at_blanks(text);
+  if (parts.size() != 3) {
+    find_in(attribute, "not-a-vector", quoted(text) + " must be three numbers between blanks");
+    return Vector3d::Constant(kNaN);
+  }
+  for (int i = 0; i < 3; ++i) result[i] = parse(attribute, text, parts[i], sign);
+  return result;
+}
+
+void Element::finish() {
+  for (const auto* a = xml_.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const std::string_view name = a->Name();
+    if (contains(attributes_, name) || name.starts_with("xmlns")) continue;
+    findings_.add(a->GetLineNum(), "unknown-attribute",
+                  fmt::format("{} has no attribute {}; allowed: {}", tag(), quoted(name),
+                              listed(attributes_)));
+  }
+  for (const auto* node = xml_.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToText() != nullptr) {
+      findings_.add(node->GetLineNum(), "unexpected-text",
+                    fmt::format("{} contains the text {}", tag(), quoted(trimmed(node->Value()))));
+    }
+    if (node->ToElement() == nullptr) continue;
+    const std::string_view name = node->Value();
+    if (contains(children_, name) || contains(ignored_, name)) continue;
+    const std::string reason = reason_against(xml_.Name(), name);
+    findings_.add(node->GetLineNum(), name == "mimic" ? "mimic" : "unknown-element",
+                  reason.empty()
+                      ? fmt::format("{} in {}; allowed: {}", quoted(name), tag(), listed(children_))
+                      : reason);
+  }
+}
+
+}  // namespace stillbase::urdf
