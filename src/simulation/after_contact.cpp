@@ -20,13 +20,14 @@ ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
   const PlantState& before = subject.before;
   const TargetAtContact& target = *subject.target;
   const Eigen::Quaterniond R_BN = before.base.orientation.conjugate();
-  const Matrix3d R_BT = (R_BN * target.state.pose.orientation).toRotationMatrix();
+  const Eigen::Quaterniond q_BT = R_BN * target.state.pose.orientation;
+  const Matrix3d R_BT = q_BT.toRotationMatrix();
   ContactTarget body;  // in B
   body.mass = target.body.mass;
   body.inertia = R_BT * target.body.inertia * R_BT.transpose();
   body.r = R_BN * Vector3d(hand_of(subject) - target.state.pose.position);
   body.velocity = R_BN * target.state.velocity;
-  body.angular_velocity = R_BT * target.state.angular_velocity;
+  body.angular_velocity = q_BT * target.state.angular_velocity;
   Contact contact;
   contact.law = law;
   if (law != ContactLaw::Latch) contact.restitution = subject.restitution;
