@@ -5,7 +5,7 @@ option(STILLBASE_JOINED_UNITS "Compile several files of a folder as one unit" ON
 
 # Files that take long alone, that a test replaces, or that repeat a name of a neighbour.
 set(STILLBASE_OWN_UNITS
-  audit/proof_test cli/inputs_test cli/limits_test cli/refusal_test cli/schema_test
+  audit/proof_test collision/scene cli/inputs_test cli/limits_test cli/refusal_test cli/schema_test
   formulation/exact_derivatives_test formulation/formulation_test io/post_impact_section_test
   robot/urdf_refusal_test simulation/simulate_test
   core/linear_algebra dynamics/double encounter/encounter encounter/target_motion

@@ -154,7 +154,7 @@ TEST_CASE("fronts and benchmarks are what their schemas say") {
               .code == 0);
   std::set<std::string> others;
   for (const char* quantity : {"base_angular_velocity", "total_angular_momentum", "base_momentum",
-                               "impulse_magnitude", "attitude_turned"}) {
+                               "impulse_magnitude", "base_energy", "attitude_turned"}) {
     others.insert(std::string("points[].") + quantity);
   }
   require_fit(shop, "pareto", {json::parse(shop.text("front.json"))}, others);

@@ -84,13 +84,13 @@ TEST_CASE("a wedge is refused where something leaves its plane") {
   };
   CHECK(line > 0);
   refuses_wedge("cone_plane: xy", "cone_plane: yz", "joint_1");
-  refuses_wedge("axis: [0, 0, 1], rate", "axis: [0, 1, 1], rate", "target turns");
+  refuses_wedge("axis: [0, 0, 1], rate", "axis: [0, 1, 1], rate", "target rotates");
   refuses_wedge("freedom: axis, axis: [0, 0, 2]", "freedom: axis, axis: [0, 1, 2]",
-                "base may turn");
+                "base may rotate");
   refuses_wedge("base_attitude: {freedom: axis, axis: [0, 0, 2], max: 30 deg}",
-                "base_attitude: free", "base may turn");
+                "base_attitude: free", "base may rotate");
   refuses_wedge("ixx: 3, iyy: 3, izz: 3", "ixx: 3, iyy: 3, izz: 3, ixz: 0.5", "symmetry");
-  refuses_wedge("normal: [1, 0, 0]", "normal: [0.6, 0, 0.8]", "feature looks");
+  refuses_wedge("normal: [1, 0, 0]", "normal: [0.6, 0, 0.8]", "feature points");
 
   const std::string covariance = replaced(
       replaced(flat, "cone_half_angle: 10 deg", "cone_half_angle: from_covariance"),

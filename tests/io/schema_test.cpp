@@ -105,6 +105,7 @@ TEST_CASE("a quantity of a schema takes the units of its dimension and the reade
       {"moment", {Dimension::Moment}},
       {"impulse", {Dimension::Impulse}},
       {"angular_impulse", {Dimension::AngularImpulse}},
+      {"energy", {Dimension::Energy}},
       {"linear_stiffness", {Dimension::LinearStiffness}},
       {"linear_damping", {Dimension::LinearDamping}},
       {"joint_velocity", {Dimension::AngularVelocity, Dimension::Velocity}},

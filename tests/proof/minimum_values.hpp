@@ -52,6 +52,13 @@ inline std::vector<double> squares_at(const proof::MinimumProblem& problem,
         case ObjectiveQuantity::JointRateNorm:
           y = unit.Delta_phidot;
           break;
+        case ObjectiveQuantity::BaseEnergy: {
+          const Body& base = problem.where.robot.base;
+          const Vector3d v = unit.Delta_Omega.head<3>(), omega = unit.Delta_Omega.tail<3>();
+          const double energy = (base.mass * v.dot(v) + omega.dot(base.inertia * omega)) / 2;
+          y = Eigen::VectorXd::Constant(1, std::sqrt(energy * term.size));  // a square: E / size
+          break;
+        }
         case ObjectiveQuantity::AttitudeTurned:
           throw std::logic_error("not of the jump alone");
       }

@@ -286,7 +286,8 @@ void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& fami
 
 void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
   const auto vectors = []<class V>(std::vector<V>& list, int size) {
-    return List<V>(list, [size](V& v) { return Numbers(v, size); });
+    return List<V>(
+        list, [size](V& v) { return Numbers(v, size); }, {}, V::Zero(size));
   };
   const int n = problem.robot.n();
   t("status", Word(approach.status, approach_status_names()), "", kNeeded);
