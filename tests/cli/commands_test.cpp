@@ -105,7 +105,7 @@ TEST_CASE("an unreachable hand position is exit code 4 and writes the nearest at
   CHECK(plan.at("configuration").at("joint_positions").size() == 2);
 }
 
-TEST_CASE("a case that does not exist is said not to, with the nearest residual") {
+TEST_CASE("a case that does not exist is said not to, with the nearest residual", "[proofs]") {
   const Workshop shop;
   // A moment about the hand that no lever of this arm (5.4 m) takes up.
   shop.write_changed("problem.yaml", kProblem, "  source: point_mass\n",

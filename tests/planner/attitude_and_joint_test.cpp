@@ -64,7 +64,8 @@ double least_on_grid(const CaptureProblem& problem, int directions, int angles) 
 
 }  // namespace
 
-TEST_CASE("base attitude and one joint: the bound lies below a grid, the best candidate near it") {
+TEST_CASE("base attitude and one joint: the bound lies below a grid, the best candidate near it",
+          "[proofs]") {
   struct Case {
     const char* name;
     int joint;

@@ -56,7 +56,7 @@ TEST_CASE("a planner without a prover says that nothing was proven") {
   CHECK_FALSE(proof.lower_bound.has_value());
 }
 
-TEST_CASE("what the search missed is found by the proof and becomes a candidate") {
+TEST_CASE("what the search missed is found by the proof and becomes a candidate", "[proofs]") {
   CaptureProblem problem = shipped("planar_two_link_c2_a");
   problem.search.starts = 1;
   problem.approach.enabled = false;
@@ -76,7 +76,8 @@ TEST_CASE("what the search missed is found by the proof and becomes a candidate"
   }
 }
 
-TEST_CASE("with enough starts the proof says that none was missed, and the gap of a null") {
+TEST_CASE("with enough starts the proof says that none was missed, and the gap of a null",
+          "[proofs]") {
   const Plan isolated = make_plan(shipped("planar_two_link_c2_b"));
   CHECK(isolated.certificate.proof.statement ==
         "proven complete: 10 solutions enclosed, none missed");
@@ -92,7 +93,7 @@ TEST_CASE("with enough starts the proof says that none was missed, and the gap o
   CHECK(null.certificate.reduced_hessian_min_eigenvalue.value() > 0);
 }
 
-TEST_CASE("a case that joint limits exclude is proven not to exist") {
+TEST_CASE("a case that joint limits exclude is proven not to exist", "[proofs]") {
   CaptureProblem problem = shipped("planar_two_link_c2_a");
   for (Joint& joint : problem.robot.joints) {
     joint.type = JointType::Revolute;

@@ -10,8 +10,8 @@
 
 namespace stillbase {
 
-TEST_CASE(
-    "the axes of a hand beside a stated direction are those of the planner, and are checked") {
+TEST_CASE("the axes of a hand beside a stated direction are those of the planner, and are checked",
+          "[proofs]") {
   const HandConstraint kind = GENERATE(HandConstraint::Axis, HandConstraint::Pose);
   const Frame frame = GENERATE(Frame::Base, Frame::Inertial);
   CaptureProblem problem = test::without_path("planar_two_link_post_impact_b");
