@@ -29,7 +29,8 @@
 // exception. Data are plain structs without hidden state: any number of threads may use the same
 // robot or problem at once.
 //
-// Link with stillbase::stillbase. examples/ has six programs that begin here.
+// Link with stillbase::stillbase. For plans with proofs link stillbase::proof as well and call
+// enable_proofs() of <stillbase/proof/proof.hpp> first. examples/ has six programs that begin here.
 #pragma once
 
 #include <stillbase/core/error.hpp>                    // InputError, FileError
