@@ -66,7 +66,7 @@ class SpinEnclosure {
   SpinEnclosure(const TargetBody& body, const TargetState& estimate, double lower, double upper,
                 const SpinOptions& options = {});
 
-  /// No: the target tumbles so often that the enclosure is wider than a rotation.
+  /// No: the target tumbles so often that its attitude is not enclosed to SpinOptions::max_apart.
   bool is_valid() const { return is_valid_; }
   /// Bound on |omega|, rad/s.
   double rate() const { return rate_; }
