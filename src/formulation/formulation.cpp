@@ -6,7 +6,6 @@
 
 #include <stillbase/core/random.hpp>
 
-#include "formulation/constraints/user_constraint.hpp"
 #include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
@@ -251,6 +250,17 @@ std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const
     const auto j = static_cast<Eigen::Index>(i);
     out.push_back(
         constraint_value("joint_limit_" + joint.name, x[j], layout.lower[j], layout.upper[j]));
+  }
+  return out;
+}
+
+std::vector<ConstraintValue> Formulation::report_limits(const Eigen::VectorXd& x) const {
+  const NominalPoint here(parts_->model, x);
+  std::vector<ConstraintValue> out;
+  for (const Constraint* row : parts_->rows.kept) {
+    if (!row->is_limit) continue;
+    const double value = row->value({parts_->model, here.at, here.posture, here.impact});
+    out.push_back(constraint_value(row->name, value, row->lower, row->upper));
   }
   return out;
 }

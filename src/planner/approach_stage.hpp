@@ -8,7 +8,7 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
-#include "planner/certified_candidate.hpp"
+#include "planner/candidates.hpp"
 
 namespace stillbase {
 

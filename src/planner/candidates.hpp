@@ -1,4 +1,5 @@
-// Judgement of candidates beside their objective: collisions at the contact, limits after it.
+// Judgement of candidates: collisions at the contact, limits after it, certificates of those that
+// the search did not find.
 #pragma once
 
 #include <optional>
@@ -40,5 +41,19 @@ struct CandidateOrder {
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
                                  const std::vector<Candidate>& candidates,
                                  const StopCondition& stop);
+
+/// A configuration beside those that the search found, with everything that a plan states about it.
+struct CertifiedCandidate {
+  Candidate candidate;
+  Certificate certificate;
+  std::vector<ConstraintValue> constraints;
+};
+
+/// Evaluates and certifies the configuration of the variables x.
+/// @param problem as it is at the contact
+/// @param candidate, certificate of the candidate that it replaces or stands beside; what does not
+///   depend on the configuration is kept
+CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Eigen::VectorXd& x,
+                                     const Candidate& candidate, const Certificate& certificate);
 
 }  // namespace stillbase

@@ -55,21 +55,11 @@ Eigen::VectorXd middle_of(const CaptureProblem& problem, const JointBox& box) {
   return Eigen::Map<Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-/// Limits that are no equations, by the names of Formulation::report().
-bool is_limit(const std::string& name) {
-  for (const char* begin :
-       {"joint_rate_", "clearance_", "coupling_singular_value", "jacobian_singular_value"}) {
-    if (name.rfind(begin, 0) == 0) return true;
-  }
-  return false;
-}
-
 /// The planner's own evaluation in the middle of a box.
 WithinLimits judge(const CaptureProblem& problem, const Formulation& formulation,
                    const JointBox& box, double margin) {
   WithinLimits out = WithinLimits::Yes;
-  for (const ConstraintValue& limit : formulation.report(middle_of(problem, box))) {
-    if (!is_limit(limit.name)) continue;
+  for (const ConstraintValue& limit : formulation.report_limits(middle_of(problem, box))) {
     if (limit.violation > margin) return WithinLimits::No;
     const double room = std::min(limit.value - limit.lower, limit.upper - limit.value);
     if (!(room > margin)) out = WithinLimits::Undecided;

@@ -12,7 +12,7 @@
 #include <stillbase/planner/planner.hpp>
 
 #include "formulation/projection.hpp"
-#include "planner/certified_candidate.hpp"
+#include "planner/candidates.hpp"
 
 namespace stillbase {
 

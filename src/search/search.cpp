@@ -22,14 +22,8 @@ namespace {
 /// The measure's value, from nominal value and worst case where these are the measure. The nominal
 /// value where the mean over samples is not known.
 double reported(Measure& measure, const Eigen::VectorXd& x, double nominal, double worst) {
-  switch (measure.kind()) {
-    case RiskMeasure::Nominal:
-      return nominal;
-    case RiskMeasure::WorstCase:
-      return worst;
-    default:
-      break;
-  }
+  if (measure.is_nominal()) return nominal;
+  if (measure.kind() == RiskMeasure::WorstCase) return worst;
   const double value = measure.reported(x);
   return std::isnan(value) ? nominal : value;
 }

@@ -23,16 +23,10 @@ double case_residual(const CaptureProblem& problem, const Formulation& formulati
   const CaseJudgement found = summarize_impact(problem.robot, at.phi, problem.resistance,
                                                encounter.F, encounter.closing_speed)
                                   .judgement;
-  switch (wanted) {
-    case CaseConstraint::G2:
-      return found.base;
-    case CaseConstraint::G3:
-      return found.coupling;
-    case CaseConstraint::C2:
-      return std::max({found.total, found.base, found.coupling});
-    default:
-      return found.total;
-  }
+  if (wanted == CaseConstraint::G2) return found.base;
+  if (wanted == CaseConstraint::G3) return found.coupling;
+  return wanted == CaseConstraint::C2 ? std::max({found.total, found.base, found.coupling})
+                                      : found.total;
 }
 
 }  // namespace

@@ -122,6 +122,8 @@ class Formulation final : public nlp::Problem {
 
   /// Values of all constraints in their own units, by name.
   std::vector<ConstraintValue> report(const Eigen::VectorXd& x) const;
+  /// Of these the limits on rates, singular values and distances.
+  std::vector<ConstraintValue> report_limits(const Eigen::VectorXd& x) const;
   /// Evaluations of the model since construction.
   long evaluations() const;
 

@@ -81,7 +81,9 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
       }
       return found.distance;
     };
-    add_constraint(out.rows, {pair.name, "m", *problem.constraints.clearance, kInfinity}, distance);
+    add_constraint(out.rows,
+                   {pair.name, "m", *problem.constraints.clearance, kInfinity, false, false, true},
+                   distance);
   }
 }
 

@@ -33,6 +33,8 @@ struct ConstraintLabel {
   bool needs_impact = false;
   /// An equation of the impact case: presolve asks whether others imply it.
   bool is_of_case = false;
+  /// A limit on rates, singular values or distances, which no enclosure of solutions counts.
+  bool is_limit = false;
 };
 
 /// lower <= value <= upper.
@@ -106,6 +108,9 @@ void add_constraint(Constraints& to, ConstraintLabel label, Evaluate evaluate) {
 /// All that the problem asks for, in the order of the registry.
 /// @throws InputError for constraints that the problem leaves undefined
 ConstraintSet constraints_of(const CaptureModel& model);
+
+/// A constraint from outside the library.
+std::unique_ptr<Constraint> user_constraint(UserConstraint constraint);
 
 /// Names of the axes in names of constraints.
 inline constexpr const char* kAxisNames[3] = {"x", "y", "z"};

@@ -20,7 +20,9 @@ void add_coupling_margin(const CaptureModel& model, ConstraintSet& out) {
     }
     return triple.sigma;
   };
-  add_constraint(out.rows, {"coupling_singular_value", "kg m^2", least, kInfinity}, smallest);
+  add_constraint(out.rows,
+                 {"coupling_singular_value", "kg m^2", least, kInfinity, false, false, true},
+                 smallest);
 }
 
 }  // namespace stillbase

@@ -41,7 +41,8 @@ void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
     }
     return triple.sigma;
   };
-  add_constraint(out.rows, {"jacobian_singular_value", "m", least, kInfinity}, smallest);
+  add_constraint(out.rows, {"jacobian_singular_value", "m", least, kInfinity, false, false, true},
+                 smallest);
 }
 
 }  // namespace stillbase

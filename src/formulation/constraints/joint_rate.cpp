@@ -25,7 +25,8 @@ void add_joint_rate(const CaptureModel& model, ConstraintSet& out) {
       return value;
     };
     const char* const unit = joint.is_prismatic() ? "m/s" : "rad/s";
-    add_constraint(out.rows, {"joint_rate_" + joint.name, unit, -limit, limit, true}, rate);
+    add_constraint(out.rows, {"joint_rate_" + joint.name, unit, -limit, limit, true, false, true},
+                   rate);
   }
 }
 

@@ -1,7 +1,7 @@
-#include "formulation/constraints/user_constraint.hpp"
-
+// A constraint from outside the library, differentiated by central differences.
 #include <stdexcept>
 
+#include "formulation/constraints/constraint.hpp"
 #include "formulation/objectives/differenced_terms.hpp"
 
 namespace stillbase {
