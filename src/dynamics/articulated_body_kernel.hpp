@@ -15,10 +15,6 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
                                                   const std::vector<bool>& locked) {
   ArticulatedBodies<S> out;
   BodyWorkspace<Matrix6<S>, S> articulated;
-  out.axis.resize(kin.n);
-  out.U.resize(kin.n);
-  out.inverse_D.resize(kin.n);
-  out.I.resize(kin.n);
   for (int k = 0; k < kin.n; ++k) {
     out.I[k] = inertia_in_base_axes(robot, kin, k);
     articulated[k] = spatial_inertia(inertia_about_base(robot, kin, k, out.I[k]));
@@ -87,7 +83,7 @@ GeneralizedMotion<S> articulated_acceleration(const RobotModel& robot, const Kin
                                               const ArticulatedBodies<S>& bodies,
                                               const Vector6<S>& Omega, const JointVector<S>& phidot,
                                               const Vector6<S>& F_b, const JointVector<S>& tau) {
-  const BiasForces<S> bias = compute_bias(robot, kin, bodies.I, Omega, phidot);
+  const BiasForces<S> bias = compute_bias(robot, kin, bodies.I.data(), Omega, phidot);
   const Vector6<S> base = F_b - bias.c_b;
   const JointVector<S> joints = tau - bias.c_phi;
   return solve_articulated_bodies(robot, bodies, base, joints);

@@ -9,9 +9,8 @@
 namespace stillbase {
 
 template <class S>
-BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin,
-                           const PerBody<Matrix3<S>, S>& I, const Vector6<S>& Omega,
-                           const JointVector<S>& phidot) {
+BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, const Matrix3<S>* I,
+                           const Vector6<S>& Omega, const JointVector<S>& phidot) {
   const int n = kin.n;
   const Vector3<S> v = Omega.template head<3>();
   const Vector3<S> omega_b = Omega.template tail<3>();
@@ -81,7 +80,7 @@ template <class S>
 BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin,
                            const InertiaMatrices<S>& inertia, const Vector6<S>& Omega,
                            const JointVector<S>& phidot) {
-  return compute_bias(robot, kin, inertia.I, Omega, phidot);
+  return compute_bias(robot, kin, inertia.I.data(), Omega, phidot);
 }
 
 template <class S>

@@ -25,8 +25,7 @@ template BiasForces<double> compute_bias(const RobotModel&, const Kinematics<dou
                                          const InertiaMatrices<double>&, const Vector6d&,
                                          const JointVectord&);
 template BiasForces<double> compute_bias(const RobotModel&, const Kinematics<double>&,
-                                         const PerBody<Matrix3d, double>&, const Vector6d&,
-                                         const JointVectord&);
+                                         const Matrix3d*, const Vector6d&, const JointVectord&);
 template TildeBias<double> compute_tilde_bias(const InertiaMatrices<double>&,
                                               const BiasForces<double>&);
 template JointVectord compute_hat_bias(const InertiaMatrices<double>&, const BiasForces<double>&);

@@ -19,11 +19,12 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   BodyWorkspace<Vector3<S>, S> axis_v, axis_w;
   out.I.resize(n);
   out.subtree.resize(n);
+  RigidInertia<S>* const subtrees = out.subtree.data();
   RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),
                         robot.base.inertia.template cast<S>()};
   for (int k = 0; k < n; ++k) {
     out.I[k] = inertia_in_base_axes(robot, kin, k);
-    out.subtree[k] = inertia_about_base(robot, kin, k, out.I[k]);
+    subtrees[k] = inertia_about_base(robot, kin, k, out.I[k]);
     const Vector3<S> z = kin.z(k);
     if (robot.joints[k].is_prismatic()) {
       axis_v[k] = z;
@@ -38,7 +39,7 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   out.H_phi.resize(n, n);
   out.H_phi.setZero();
   for (int k = n - 1; k >= 0; --k) {
-    const RigidInertia<S>& subtree = out.subtree[k];
+    const RigidInertia<S>& subtree = subtrees[k];
     const Joint& joint = robot.joints[k];
     // Momentum of the subtree under unit rate of joint k: Ic_k S_k.
     const Vector3<S> p = axis_v[k] * subtree.m + axis_w[k].cross(subtree.h);
@@ -51,7 +52,7 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
       out.H_phi(j, k) = value;
       out.H_phi(k, j) = value;
     }
-    (joint.parent == kBase ? total : out.subtree[joint.parent]).add(subtree);
+    (joint.parent == kBase ? total : subtrees[joint.parent]).add(subtree);
   }
 
   out.mass = total.m;

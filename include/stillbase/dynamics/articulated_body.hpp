@@ -21,11 +21,11 @@ inline constexpr int kArticulatedBodyJoints = 14;
 /// The factor of H + diag(0, added inertia); locked joints do not move.
 template <class S>
 struct ArticulatedBodies {
-  PerBody<Vector6<S>, S> axis;  ///< twist [v; omega] of unit rate of joint k
-  PerBody<Vector6<S>, S> U;     ///< momentum of the articulated body k under that twist
-  PerBody<S, S> inverse_D;      ///< 1 / (axis' U + added inertia); 0 for a locked joint
-  PerBody<Matrix3<S>, S> I;     ///< inertia of body k about its own centroid, in B axes
-  Matrix6<S> L;                 ///< factor of the articulated inertia of the base
+  BodyWorkspace<Vector6<S>, S> axis;  ///< twist [v; omega] of unit rate of joint k
+  BodyWorkspace<Vector6<S>, S> U;     ///< momentum of the articulated body k under that twist
+  BodyWorkspace<S, S> inverse_D;      ///< 1 / (axis' U + added inertia); 0 for a locked joint
+  BodyWorkspace<Matrix3<S>, S> I;     ///< inertia of body k about its own centroid, in B axes
+  Matrix6<S> L;                       ///< factor of the articulated inertia of the base
 };
 
 /// @param added_inertia added to the diagonal of H_phi (n), kg m^2 or kg

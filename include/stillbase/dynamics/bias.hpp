@@ -23,10 +23,10 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kinemat
                            const JointVector<S>& phidot);
 
 /// The same with the inertias of the bodies alone.
-/// @param I of body k about its own centroid, in B axes, kg m^2
+/// @param I of body k about its own centroid, in B axes, kg m^2; n of them
 template <class S>
 BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kinematics,
-                           const PerBody<Matrix3<S>, S>& I, const Vector6<S>& Omega,
+                           const Matrix3<S>* I, const Vector6<S>& Omega,
                            const JointVector<S>& phidot);
 
 /// Bias with base translation eliminated, (8).

@@ -1,9 +1,16 @@
 // Poses of all bodies in the base frame B, at one posture.
 #pragma once
 
+#include <array>
+
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
+
+/// PerBody within a function: room on the stack for the largest robot, not initialised. The
+/// compiler knows where the elements are; for PerBody it reads their address before every access.
+template <class T, class S>
+using BodyWorkspace = std::array<T, static_cast<std::size_t>(kMaxJointsOf<S>)>;
 
 /// Where everything is at joint positions phi, in B.
 template <class S>
