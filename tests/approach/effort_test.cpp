@@ -68,7 +68,7 @@ TEST_CASE("the power of the joint torques is the change of the kinetic energy") 
   }
 }
 
-TEST_CASE("effort limits slow the motion down, by the square root of what is too much") {
+TEST_CASE("torque limits slow the motion down, by the square root of the excess") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   problem.approach.base = BaseMode::Floating;
   const Configuration goal = goal_at(posture({40, -50}), 400);
@@ -91,7 +91,8 @@ TEST_CASE("effort limits slow the motion down, by the square root of what is too
   }
 }
 
-TEST_CASE("effort limits that leave no time in the window are said to be too slow, by how much") {
+TEST_CASE(
+    "torque limits that leave no time in the window make the approach too slow, by a stated time") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   problem.approach.base = BaseMode::Floating;
   const Configuration goal = goal_at(posture({40, -50}), 400);

@@ -80,7 +80,7 @@ TEST_CASE("the hand of a floating robot with a stated start arrives at its point
   CHECK(a.hand_angle_error < 1e-9);
 }
 
-TEST_CASE("a contact that moves away as the base turns leaves the base's drift open") {
+TEST_CASE("a contact that moves away as the base rotates leaves the closure open") {
   const CaptureProblem problem = from_where_it_stands();
   const Vector3d point = problem.base * Vector3d(4.93, -1.28, 0);
   const ContactSolver solve = elbow_up(point);
@@ -95,7 +95,7 @@ TEST_CASE("a contact that moves away as the base turns leaves the base's drift o
   CHECK(a.detail.find("posture") != std::string::npos);
 }
 
-TEST_CASE("postures that always leave the base where another one is asked for stay open") {
+TEST_CASE("postures whose base pose always asks for another posture leave the closure open") {
   const CaptureProblem problem = from_where_it_stands();
   // The far posture turns the base by some degrees, and then the near one is wanted, which does
   // not.
@@ -113,7 +113,7 @@ TEST_CASE("postures that always leave the base where another one is asked for st
   CHECK(a.joint_positions.empty());
 }
 
-TEST_CASE("a floating base with a stated start needs the contact solved anew") {
+TEST_CASE("a floating base with a stated start needs a solver for the contact") {
   const CaptureProblem problem = from_where_it_stands();
   CHECK_THROWS_AS(plan(problem, goal_at(posture({40, -70}), 200, problem.base)),
                   std::invalid_argument);

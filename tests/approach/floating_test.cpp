@@ -95,7 +95,8 @@ void check_floating(const CaptureProblem& problem, const Configuration& goal, co
 
 }  // namespace
 
-TEST_CASE("one Magnus step has order five locally, also when the base turns about changing axes") {
+TEST_CASE(
+    "one Magnus step has order five locally, also when the base rotates about changing axes") {
   const RobotModel robot = shipped_robot("iiwa_on_cube");
   Random random(2);
   JointPath path;
@@ -161,7 +162,8 @@ TEST_CASE("a floating seven-joint arm keeps zero momentum around an obstacle") {
   }
 }
 
-TEST_CASE("obstacles in the inertial frame are met where the floating base really is") {
+TEST_CASE(
+    "obstacles in the inertial frame are checked at the integrated pose of the floating base") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   problem.approach.base = BaseMode::Floating;
   problem.obstacles = {{"panel", Frame::Inertial,

@@ -70,7 +70,8 @@ TEST_CASE("each goal is planned for among its own obstacles") {
   CHECK(any.approach.path_length == Approx((phi - problem.start).norm()).epsilon(1e-6));
 }
 
-TEST_CASE("goals that are refused at once are passed over, and all of them refused is a reason") {
+TEST_CASE(
+    "goals that are refused at once are left out, and when all are refused the reason is stated") {
   const CaptureProblem problem = beside_a_ball();
   const Configuration touching = goal_at(posture({0, 0})), good = goal_at(posture({-30, 60}));
   CHECK(plan_any(problem, {towards(touching), towards(good)}).goal == 1);
@@ -90,7 +91,7 @@ TEST_CASE("a set of goals gives the same path for the same seed") {
   CHECK(first.approach.joint_positions == second.approach.joint_positions);
 }
 
-TEST_CASE("sets of goals that mean nothing are refused") {
+TEST_CASE("empty sets of goals and weights of zero are refused") {
   CaptureProblem problem = beside_a_ball();
   const ApproachGoal goal = towards(goal_at(posture({-30, 60})));
   CHECK_THROWS_AS(plan_any(problem, {}), std::invalid_argument);

@@ -126,7 +126,7 @@ TEST_CASE("a continuous joint takes the shorter rotation to the goal's angle") {
   CHECK(wrap_angle(a.joint_positions.front()[0] - problem.start[0]) == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("a robot that is already there only waits") {
+TEST_CASE("a robot that starts at its goal only waits") {
   const CaptureProblem problem = planar_problem(posture({-60, 30}));
   const Approach a = plan(problem, goal_at(problem.start));
   REQUIRE(a.status == ApproachStatus::Found);

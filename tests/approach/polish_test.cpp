@@ -90,7 +90,7 @@ TEST_CASE("slopes of the polish are those of its values") {
   CHECK(at.constraints.tail(31).minCoeff() < 0.9);  // the ball is near enough to matter
 }
 
-TEST_CASE("the polish turns the base less and says by how much") {
+TEST_CASE("the polish reduces the base's rotation and states by how much") {
   CaptureProblem problem =
       problem_for(shipped_robot("iiwa_on_cube"), posture({20, 40, 0, -60, 10, 50, 0}));
   problem.approach.base = BaseMode::Floating;
@@ -106,7 +106,7 @@ TEST_CASE("the polish turns the base less and says by how much") {
   CHECK(polished.attitude_excursion < 0.9 * plain.attitude_excursion);
 }
 
-TEST_CASE("the polish makes a motion faster and says by how much") {
+TEST_CASE("the polish makes a motion faster and states by how much") {
   CaptureProblem problem =
       problem_for(shipped_robot("iiwa_on_cube"), posture({20, 40, 0, -60, 10, 50, 0}));
   problem.approach.base = BaseMode::Floating;
@@ -136,7 +136,7 @@ TEST_CASE("the polish makes no path around an obstacle slower and keeps the clea
   CHECK(polished.min_clearance >= problem.approach.clearance);
 }
 
-TEST_CASE("the polish never makes a path worse: a straight one that is fast already stays") {
+TEST_CASE("the polish never makes a path worse: a straight one at its limits is kept") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   const Configuration goal = goal_at(posture({40, -50}), 300);
   const double plain = plan(problem, goal).duration;

@@ -83,7 +83,7 @@ TEST_CASE("velocities projected into the reaction null space carry no angular mo
   CHECK(std::abs(kept.dot(wanted - kept)) < 1e-12);  // the nearest one
 }
 
-TEST_CASE("two joints cannot go anywhere else without turning the base") {
+TEST_CASE("two joints reach no other posture without turning the base") {
   CaptureProblem problem = planar_problem(posture({-60, 30}));
   problem.approach.base = BaseMode::ReactionNull;
   const Approach a = plan(problem, goal_at(posture({60, -30}), 300));

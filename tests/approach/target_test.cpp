@@ -26,7 +26,7 @@ CaptureProblem point_mass_problem(const JointVectord& start) {
 
 }  // namespace
 
-TEST_CASE("a target that comes along its direction is met at the hand") {
+TEST_CASE("a target that moves along its direction is captured at the hand") {
   const CaptureProblem problem = point_mass_problem(posture({-60, 30}));
   const Configuration goal = goal_at(posture({0, 0}));
   const TargetMotion target = flying(Vector3d(5.5, 0, 0), Vector3d(-1, 0, 0), goal.contact_time);

@@ -55,7 +55,7 @@ void remarked(const std::string& from, const std::string& to, const std::string&
 
 }  // namespace
 
-TEST_CASE("a careful robot is above suspicion") {
+TEST_CASE("a robot without placeholders has no remarks") {
   const std::vector<std::string> remarks = remarks_on(kGood);
   INFO((remarks.empty() ? "" : remarks.front()));
   CHECK(remarks.empty());

@@ -151,7 +151,7 @@ RobotModel read(const std::string& inside, const std::string& hand = "") {
 
 }  // namespace
 
-TEST_CASE("merged bodies move and weigh like the links of the file, on random trees") {
+TEST_CASE("merged bodies have the motion and mass of the links of the file, on random trees") {
   Random random(1);
   for (int trial = 0; trial < 60; ++trial) {
     const std::vector<SourceLink> links = random_source(random, 2 + random.index(12));
@@ -269,7 +269,7 @@ TEST_CASE("joint axes become the z axis of their body, in every direction") {
   }
 }
 
-TEST_CASE("collision shapes are placed on their bodies and capsules are told by their name") {
+TEST_CASE("collision shapes are placed on their bodies and capsules are recognised by their name") {
   const auto collision = [](const std::string& name, const std::string& shape) {
     return "<collision" + (name.empty() ? "" : " name=\"" + name + "\"") +
            "><origin xyz=\"0 0 1\"/><geometry>" + shape + "</geometry></collision>";

@@ -88,7 +88,7 @@ std::string joint(const std::string& name, const std::string& parent, const std:
 
 }  // namespace
 
-TEST_CASE("the file from which the bad ones are made is good") {
+TEST_CASE("the file from which the refused ones are made is accepted") {
   CHECK(findings_of(kGood).empty());
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("texts that are no XML or no robot are refused") {
   refused(with("<robot ", "<robot version=\"2.0\" "), 1, "version");
 }
 
-TEST_CASE("files built to hurt the parser are refused") {
+TEST_CASE("files that exceed the parser's limits are refused") {
   refused(std::string(kMaxUrdfBytes + 1, ' '), 0, "too-large");
   std::string deep;
   for (int i = 0; i < 50000; ++i) deep += "<a>";
@@ -162,7 +162,7 @@ TEST_CASE("impossible masses and tensors are refused with the body's name") {
   refused(before_end("<link name=\"x\"/>" + joint("k", "arm", "x")), 21, "mass");
 }
 
-TEST_CASE("trees that are no tree are refused") {
+TEST_CASE("joints that form no tree are refused") {
   refused(before_end(massive_link("x")), 21, "two-roots");
   refused(before_end(massive_link("x") + massive_link("y") + joint("k", "x", "y")), 21,
           "two-roots");
