@@ -138,7 +138,8 @@ double Element::number(const char* attribute, Sign sign, std::optional<double> o
   return text != nullptr ? parse(attribute, text, text, sign) : otherwise.value_or(kNaN);
 }
 
-Vector3d Element::vector(const char* attribute, Sign sign, std::optional<Vector3d> otherwise) {
+Vector3d Element::vector(const char* attribute, Sign sign,
+                         const std::optional<Vector3d>& otherwise) {
   Vector3d result = otherwise.value_or(Vector3d::Constant(kNaN));
   const char* text = value(attribute, !otherwise);
   if (text == nullptr) return result;

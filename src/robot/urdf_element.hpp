@@ -55,7 +55,7 @@ class Element {
   /// @param otherwise without the attribute; nothing: it is required
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
   /// Three finite numbers, alike.
-  Vector3d vector(const char* attribute, Sign sign, std::optional<Vector3d> otherwise = {});
+  Vector3d vector(const char* attribute, Sign sign, const std::optional<Vector3d>& otherwise = {});
 
   /// Reads the children of this name, in file order; there must be `least` to `most` of them.
   template <class Read>
