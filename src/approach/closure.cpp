@@ -47,7 +47,7 @@ struct Loop {
     const auto end = solve.at_base(base, how);
     if (!end) return false;
     const JointVectord shift = end->phi - path.phi.back();
-    if (!(shift.cwiseAbs().maxCoeff() < far)) return false;
+    if (!(shift.lpNorm<Eigen::Infinity>() < far)) return false;
     out.end = *end;
     out.path = shifted(path, shift);
     out.path.phi.back() = end->phi;

@@ -13,11 +13,11 @@ namespace {
 
 const std::string kSuite = STILLBASE_SOURCE_DIR "/bench/suite.yaml";
 
-const FamilySpec& family_of(const SuiteSpec& suite, const std::string& name) {
+const FamilySpec& family_of(const SuiteSpec& suite, std::string_view name) {
   for (const FamilySpec& family : suite.families) {
     if (family.name == name) return family;
   }
-  throw std::invalid_argument(name);
+  throw std::invalid_argument(std::string(name));
 }
 
 }  // namespace

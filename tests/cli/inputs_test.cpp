@@ -22,11 +22,11 @@ std::string with_fingerprint(json document) {
   return document.dump();
 }
 
-const json& claim_of(const json& verification, const std::string& name) {
+const json& claim_of(const json& verification, std::string_view name) {
   for (const json& claim : verification.at("claims")) {
-    if (claim.at("name") == name) return claim;
+    if (claim.at("name").get<std::string>() == name) return claim;
   }
-  throw std::logic_error("no claim " + name);
+  throw std::logic_error("no claim " + std::string(name));
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

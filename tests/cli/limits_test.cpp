@@ -8,12 +8,25 @@ using namespace stillbase::cli_test;
 
 namespace {
 
-/// Runs `check` as a child that the system kills beyond the limits; sanitizers need more memory.
+/// Address space with which the tool starts, in kB: its libraries differ between systems.
+int address_space_to_start(const Workshop& shop) {
+  int size = 0;
+  do {
+    size += 16'384;
+    REQUIRE(size < 1'000'000);
+  } while (shop.run_script("ulimit -v " + std::to_string(size) + "; '" STILLBASE_TOOL "' --version")
+               .code != 0);
+  return size;
+}
+
+/// Runs `check` as a child that the system kills beyond the limits, 192 MB more than it takes to
+/// start; sanitizers need more memory.
 Outcome check_within_limits(const Workshop& shop, const std::string& file) {
 #if defined(__SANITIZE_ADDRESS__)
   const std::string limits = "ulimit -t 30; ";
 #else
-  const std::string limits = "ulimit -v 262144; ulimit -t 1; ";
+  static const int size = address_space_to_start(shop) + 196'608;
+  const std::string limits = "ulimit -v " + std::to_string(size) + "; ulimit -t 1; ";
 #endif
   return shop.run_script(limits + "'" STILLBASE_TOOL "' check " + file);
 }

@@ -92,7 +92,7 @@ TEST_CASE("poses compose, invert and map points") {
   CHECK((T_AB.inverse() * (T_AB * point) - point).norm() < 1e-14);
 }
 
-TEST_CASE("wrap_angle maps to (-pi, pi]") {
+TEST_CASE("wrapped angles lie above -pi and at most at pi") {
   CHECK(wrap_angle(kPi) == kPi);
   CHECK(wrap_angle(-kPi) == kPi);
   CHECK(wrap_angle(0.5) == 0.5);

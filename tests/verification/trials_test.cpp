@@ -29,11 +29,11 @@ bool same(const TrialOutcome& a, const TrialOutcome& b) {
          a.residual_base_rate == b.residual_base_rate && a.success == b.success;
 }
 
-const Spread& spread_of(const TrialReport& report, const std::string& name) {
+const Spread& spread_of(const TrialReport& report, std::string_view name) {
   for (const Spread& s : report.spreads) {
     if (s.name == name) return s;
   }
-  throw std::logic_error(name);
+  throw std::logic_error(std::string(name));
 }
 
 }  // namespace
