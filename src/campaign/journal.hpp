@@ -14,7 +14,7 @@ namespace stillbase::campaign {
 
 struct JournalContent {
   std::vector<CaseRecord> records;
-  int damaged = 0;             ///< whole lines with a wrong checksum
+  int damaged = 0;                   ///< whole lines with a wrong checksum
   std::size_t incomplete_bytes = 0;  ///< after the last newline
 };
 

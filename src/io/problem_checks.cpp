@@ -255,7 +255,8 @@ std::string out_of_plane(const CaptureProblem& problem, const Vector3d& normal) 
   }
   const TargetState& state = problem.target_state;
   const Vector3d n = state.pose.orientation * chosen_feature(problem).normal;
-  if (!(std::abs(n.dot(normal_N)) <= kParallel)) return "the normal of the contact feature points out of it";
+  if (!(std::abs(n.dot(normal_N)) <= kParallel))
+    return "the normal of the contact feature points out of it";
   if (!is_parallel(state.angular_velocity, normal_N)) return "the target rotates out of it";
   const Matrix3d& I = problem.target->inertia;
   const Vector3d in_T = state.pose.orientation.conjugate() * normal_N;

@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 #include <stillbase/dynamics/reaction_null_space.hpp>

@@ -11,11 +11,11 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/sha256.hpp>
+#include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/io/campaign_file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/state_file.hpp>
-#include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/io/target_file.hpp>
 
 #include "io/plan_samples.hpp"

@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/search/search.hpp>

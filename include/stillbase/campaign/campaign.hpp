@@ -1,12 +1,12 @@
-// A list of cases, evaluated by processes on one or many machines. Each finished case is a line in a
-// journal, and merging checks that each is there exactly once.
+// A list of cases, evaluated by processes on one or many machines. Each finished case is a line in
+// a journal, and merging checks that each is there exactly once.
 //
 // A case is one line of text that states everything that its worker needs. Its number
-// is that of its line, from 0. The folder of a campaign holds `cases.jsonl` (a copy of the list) and
-// one journal per shard. A journal only grows. Each record is one line with its checksum, flushed
-// to the disk before the next case begins: killed at any moment, a run loses no finished case and
-// repeats only those that were being worked on, at most one per worker. Results do not depend on
-// workers, shards or order, provided that the same case always gives the same result.
+// is that of its line, from 0. The folder of a campaign holds `cases.jsonl` (a copy of the list)
+// and one journal per shard. A journal only grows. Each record is one line with its checksum,
+// flushed to the disk before the next case begins: killed at any moment, a run loses no finished
+// case and repeats only those that were being worked on, at most one per worker. Results do not
+// depend on workers, shards or order, provided that the same case always gives the same result.
 #pragma once
 
 #include <functional>

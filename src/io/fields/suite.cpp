@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include <stillbase/core/file.hpp>
-#include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/benchmark_file.hpp>
+#include <stillbase/io/problem_file.hpp>
 
 #include "io/fields/sections.hpp"
 
