@@ -87,4 +87,41 @@ TEST_CASE("a constraint from outside the library is kept, listed and differentia
         }) == 1);
 }
 
+TEST_CASE("a gradient of the user's own takes the place of differences") {
+  Random random(73);
+  CaptureProblem problem = point_mass_problem(random_planar_robot(random, 4), {0.6, 0.8, 0});
+  int calls = 0;
+  const auto bend = [&calls](const Configuration& at, const ImpactSummary&) {
+    ++calls;
+    return at.phi.squaredNorm();
+  };
+  const auto gradient = [](const Configuration& at, const ImpactSummary&) {
+    return Eigen::VectorXd(2 * at.phi);
+  };
+  problem.user.terms = {{"bend", "rad^2", 0.3, bend}};
+  problem.user.constraints = {{"bent", "rad^2", 0, 4, bend}};
+  const auto evaluate = [&problem](nlp::Evaluation& out) {
+    const Formulation formulation(problem);
+    REQUIRE(formulation.num_variables() == problem.robot.n());
+    formulation.evaluate(formulation.start_point(low_discrepancy_point(3, 4, 1)), out);
+  };
+  nlp::Evaluation by_differences, by_gradient;
+  evaluate(by_differences);
+  problem.user.terms[0].gradient = gradient;
+  problem.user.constraints[0].gradient = gradient;
+  calls = 0;
+  evaluate(by_gradient);
+  CHECK(calls <= 4);  // differences take eight more of each
+  CHECK((by_gradient.gradient - by_differences.gradient).norm() <=
+        1e-7 * by_differences.gradient.norm());
+  CHECK((by_gradient.jacobian - by_differences.jacobian).norm() <=
+        1e-7 * by_differences.jacobian.norm());
+
+  problem.user.terms[0].gradient = [](const Configuration&, const ImpactSummary&) {
+    return Eigen::VectorXd(Eigen::VectorXd::Zero(3));
+  };
+  CHECK_THROWS_WITH(evaluate(by_gradient),
+                    "gradient of bend: has 3 components, the search has 4 variables");
+}
+
 }  // namespace stillbase

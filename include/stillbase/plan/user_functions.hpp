@@ -6,16 +6,22 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace stillbase {
 
 struct Configuration;
 struct ImpactSummary;
 
 /// A function of the user: of a configuration and the nominal impact there (of a scenario, the
-/// scenario's). Central differences of step 1e-5 give its gradient, to about 1e-9 of its size, so
-/// it is called several times for every evaluation. It must be twice differentiable, and safe to
-/// call from several threads when several search.
+/// scenario's). It must be twice differentiable, and safe to call from several threads when several
+/// search. Without a gradient of its own, central differences of step 1e-5 give it to about 1e-9 of
+/// its size: the function is called several times for every evaluation then.
 using UserFunction = std::function<double(const Configuration&, const ImpactSummary&)>;
+
+/// Total derivative of a UserFunction over the variables of the search (N, in the order of
+/// Formulation): how the impact changes with them is part of it.
+using UserGradient = std::function<Eigen::VectorXd(const Configuration&, const ImpactSummary&)>;
 
 /// A term of the objective: |y| is joined by value / size.
 struct UserTerm {
@@ -23,6 +29,7 @@ struct UserTerm {
   std::string unit;
   double size = 1;  ///< value that counts as one, in `unit`, > 0
   UserFunction value;
+  UserGradient gradient = {};  ///< empty: central differences
 };
 
 /// A constraint: lower <= value <= upper, of order one.
@@ -32,6 +39,7 @@ struct UserConstraint {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   UserFunction value;
+  UserGradient gradient = {};  ///< empty: central differences
 };
 
 /// What a user adds to a problem. Files hold the names and values of these functions, not the

@@ -1,4 +1,4 @@
-// A constraint from outside the library, differentiated by central differences.
+// A constraint from outside the library, with its own gradient or central differences.
 #include <stdexcept>
 
 #include "formulation/constraints/constraint.hpp"
@@ -12,7 +12,8 @@ class UserRow final : public Constraint {
  public:
   explicit UserRow(UserConstraint constraint)
       : Constraint({constraint.name, constraint.unit, constraint.lower, constraint.upper, true}),
-        function_(std::move(constraint.value)) {}
+        function_(std::move(constraint.value)),
+        gradient_(std::move(constraint.gradient)) {}
 
   double value(const ConstraintPoint<double>& at) const override {
     return function_(at.model.configuration(at.placement.x),
@@ -20,6 +21,12 @@ class UserRow final : public Constraint {
   }
   double value_and_gradient(const ConstraintPoint<double>& at, GradientRow row) const override {
     const Eigen::VectorXd x = at.placement.x;
+    if (gradient_) {
+      row = users_gradient(name, gradient_, at.model.configuration(x),
+                           summarize_scenario(at.model, at.placement, at.impact, at.model.nominal),
+                           x.size());
+      return value(at);
+    }
     const auto value_at = [&](const Eigen::VectorXd& other) {
       const NominalPoint there(at.model, other);
       return value({at.model, there.at, there.posture, there.impact});
@@ -41,6 +48,7 @@ class UserRow final : public Constraint {
   }
 
   UserFunction function_;
+  UserGradient gradient_;
 };
 
 }  // namespace

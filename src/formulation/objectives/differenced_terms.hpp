@@ -1,5 +1,5 @@
 // Terms of the objective that are known by their values alone: simulated ones and the user's.
-// Central differences give their derivatives.
+// Central differences give their derivatives, unless a term of the user has a gradient of its own.
 #pragma once
 
 #include <vector>
@@ -37,6 +37,13 @@ class DifferencedTerms {
 /// The nominal or a scenario's impact at x, as users' functions get it.
 ImpactSummary summarize_scenario(const CaptureModel& model, const Placement<double>& at,
                                  const ScenarioImpact<double>& impact, const Scenario& scenario);
+
+/// The gradient that a user's function has of its own, as a row of N.
+/// @param name of the term or constraint, for the message
+/// @throws std::invalid_argument when it has not N components
+Eigen::RowVectorXd users_gradient(const std::string& name, const UserGradient& gradient,
+                                  const Configuration& configuration, const ImpactSummary& impact,
+                                  Eigen::Index N);
 
 /// Column i of the Jacobian of f at x by a central difference, one-sided at bounds.
 template <class F>
