@@ -20,11 +20,13 @@ namespace {
 struct CheckRequest {
   std::vector<std::string> files;
   std::string hand;
+  bool is_strict = false;
 };
 
 /// Kind of file, as it says itself, and what was understood of it.
 struct Report {
   std::string kind, text;
+  std::vector<Finding> remarks = {};  ///< on the robot in it
 };
 
 /// @param robot the last robot before this file: a state is a state of it
@@ -32,8 +34,8 @@ Report report_on(const std::string& path, const std::string& hand,
                  std::optional<RobotModel>& robot) {
   const std::string extension = extension_of(path);
   if (extension == ".urdf" || extension == ".xml") {
-    robot = load_robot(path, hand);
-    return {"robot", robot_report(*robot)};
+    robot = load_robot(path, hand, {.may_lack_base = true, .may_lack_hand = true});
+    return {"robot", robot_report(*robot), robot->remarks};
   }
   if (extension != ".yaml" && extension != ".yml" && extension != ".json") {
     throw CommandLineError(
@@ -41,7 +43,10 @@ Report report_on(const std::string& path, const std::string& hand,
   }
   const std::string text = read_text_file(path);
   const std::string format = stated_format(text, path);
-  if (format == "stillbase.plan") return {"plan", plan_report(load_plan(path))};
+  if (format == "stillbase.plan") {
+    const PlanFile file = load_plan(path);
+    return {"plan", plan_report(file), file.plan.problem.robot.remarks};
+  }
   if (format == "stillbase.target") return {"target", target_report(read_target_text(text, path))};
   if (format.empty() && extension == ".json") {
     if (!robot) return {"state", lone_state_report(read_state(text, path))};
@@ -59,7 +64,8 @@ Report report_on(const std::string& path, const std::string& hand,
                            "'; known are stillbase.problem, stillbase.target, stillbase.plan and "
                            "stillbase.campaign; a state and a robot say none"}});
   }
-  return {"problem", problem_report(read_problem(path))};
+  const CaptureProblem problem = read_problem(path);
+  return {"problem", problem_report(problem), problem.robot.remarks};
 }
 
 /// Every file is looked at, whatever is wrong with the ones before it.
@@ -69,6 +75,7 @@ int check_files(const CheckRequest& request) {
   for (const std::string& file : request.files) {
     try {
       const Report report = report_on(file, request.hand, robot);
+      if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
     } catch (const InputError& error) {
       say(error.what());
@@ -93,7 +100,8 @@ Command check_command() {
         "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
         "robot one of it)",
         &request->files, true},
-       {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand}},
+       {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand},
+       {"--strict", "", "refuse what is remarked upon in a robot file", &request->is_strict}},
       [request] { return check_files(*request); }};
 }
 

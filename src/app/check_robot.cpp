@@ -117,6 +117,8 @@ std::string robot_report(const RobotModel& robot) {
   text += "joints:\n";
   for (const Joint& joint : robot.joints) text += joint_line(joint);
   text += fmt::format("hand: {}; collision shapes: {}\n", robot.hand, robot.shapes.size());
+  if (!robot.remarks.empty()) text += "remarks on the robot file:\n";
+  for (const Finding& remark : robot.remarks) text += "  " + to_string(remark) + '\n';
   std::vector<std::string> remarks = robot_suspicions(robot);
   if (robot.n() > 0) {
     const Coupling coupling = sample_coupling(robot);

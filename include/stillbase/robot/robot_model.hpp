@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/core/types.hpp>
 
@@ -93,6 +94,8 @@ struct RobotModel {
   Matrix3d R_hand = Matrix3d::Identity();  ///< axes of the hand frame in its body's frame
   Vector3d p_hand = Vector3d::Zero();      ///< origin of the hand frame in its body's frame, m
   std::vector<bool> moves_hand;            ///< n; joint k lies between base and hand
+  /// What of the file was not read or had to be assumed, one per kind; nothing is wrong with it.
+  std::vector<Finding> remarks;
 
   int n() const { return static_cast<int>(joints.size()); }
   double total_mass() const;

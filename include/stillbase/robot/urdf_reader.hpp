@@ -14,24 +14,36 @@ inline constexpr std::size_t kMaxUrdfBytes = 1u << 20;
 inline constexpr int kMaxUrdfDepth = 64;
 inline constexpr int kMaxUrdfLinks = 256;
 
-/// Reads a robot.
+/// What a caller can do without.
+struct UrdfOptions {
+  /// The base body may have no mass: an arm that has yet to be mounted. H is singular then.
+  bool may_lack_base = false;
+  /// Of several leaf links the hand is the one behind the most movable joints (the first of those
+  /// in file order), and a remark says so.
+  bool may_lack_hand = false;
+};
+
+/// Reads a robot. Strict where physics needs it; what does not concern mechanics is left out, with
+/// a remark of RobotModel::remarks.
 ///
 /// Accepted: trees of revolute, continuous, prismatic and fixed joints. Fixed links are merged into
 /// their parents (masses added, centroids averaged, parallel-axis theorem); then every body must
 /// have mass > 0 and an inertia tensor that is positive definite and satisfies the triangle
-/// inequality of principal moments. Links without <inertial> are frames without mass.
+/// inequality of principal moments. Links without <inertial> are frames without mass. A root link
+/// without mass and shapes above a single floating or planar joint is left out.
 ///
-/// Revolute and prismatic joints need <limit> with lower, upper, velocity and effort; a continuous
-/// joint has no lower and upper (they are ignored there, as URDF says), and no bounds on velocity
-/// and effort unless it gives them. Axes are normalised.
+/// Revolute and prismatic joints need <limit>; its lower and upper are 0 when they are not stated,
+/// as URDF says, and velocity and effort 0, which is remarked upon: no motion can be planned with
+/// it. A continuous joint has no lower and upper (they are ignored there), and no bounds on
+/// velocity and effort unless it has a <limit>. Axes are normalised.
 ///
-/// Collision shapes: sphere, box, cylinder, and capsules. URDF has no capsule element: a
-/// <collision> whose name ends in "_capsule" and holds a <cylinder> is a capsule, the cylinder of
-/// that radius and length with a half sphere on both ends (a reader that does not know this reads
-/// the cylinder). Meshes are refused in <collision>.
+/// Collision shapes: sphere, box, cylinder, capsule (length without caps). A <collision> whose name
+/// ends in "_capsule" and holds a <cylinder> is a capsule, the cylinder of that radius and length
+/// with a half sphere on both ends (a reader that does not know this reads the cylinder).
 ///
-/// Read and not used: <visual>, <material>, <transmission>, <gazebo>, <sensor>, <contact>,
-/// <calibration>, <safety_controller>. Every other unknown element or attribute is refused.
+/// Remarked upon once per kind, with the number of times and the first line: elements, attributes
+/// and text that are not read (<gazebo>, <transmission>, <ros2_control>, safety controllers, axes
+/// of fixed joints, ...), shapes without size or of no known kind, limits of zero.
 ///
 /// Numbers are plain decimals with a point, finite and at most 1e60 in size.
 ///
@@ -42,10 +54,12 @@ inline constexpr int kMaxUrdfLinks = 256;
 /// tree,
 ///   physics): file, line, element and rule. When the hand alone is at fault the only rule is
 ///   "hand-unknown" (no such link) or "hand-missing" (empty, and there are several leaves).
-RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand);
+RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand,
+                     const UrdfOptions& options = {});
 
 /// Reads a robot file: read_urdf() of its text.
 /// @throws InputError as read_urdf(); FileError when it cannot be read or is too large
-RobotModel read_robot(const std::string& path, const std::string& hand = {});
+RobotModel read_robot(const std::string& path, const std::string& hand = {},
+                      const UrdfOptions& options = {});
 
 }  // namespace stillbase

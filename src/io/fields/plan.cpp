@@ -340,6 +340,13 @@ void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& a
 
 }  // namespace
 
+static void fields(Table& t, Finding& remark) {
+  t("file", Text(remark.file), "as the problem names it", kNeeded);
+  t("line", Integer(remark.line, 0, kManyTimes), "of the first of its kind; 0: of none", kNeeded);
+  t("rule", Text(remark.rule), "short name", kNeeded);
+  t("message", Text(remark.message), "", kNeeded);
+}
+
 static void fields(Table& t, InputFile& input) {
   t("role", Text(input.role, {"problem", "robot", "target"}, "roles"), "", kNeeded);
   t("path", Text(input.path), "as it was named", kNeeded);
@@ -364,6 +371,9 @@ void robot_copy_fields(Table& t, PlanFile& file, std::string& hand) {
   t("urdf", Text(text), "text of the robot file", kNeeded);
   t("sha256", Text(file.stated_robot_sha256), "of that text", kNeeded);
   t("hand", Text(hand), "hand link", kNeeded);
+  std::vector<Finding>& remarks = file.plan.problem.robot.remarks;
+  t("remarks", WrittenIf(maps_of(remarks), !remarks.empty()),
+    "what of the robot file was left out or assumed");
 }
 
 }  // namespace

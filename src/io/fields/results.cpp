@@ -28,7 +28,14 @@ void inspection_fields(Table& t, const RobotModel& robot, const RobotState& stat
   const auto bias = compute_bias<double>(robot, kinematics, inertia, state.Omega, state.phidot);
   const auto momentum = compute_momentum<double>(inertia, tilde, state.Omega, state.phidot);
   const ReactionNullSpace space = angular_reaction_null_space(tilde);
-  const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
+  // Without mass of the base the whole inertia matrix is singular: what its inverse gives is left
+  // out.
+  const bool has_inverse = robot.base.mass > 0;
+  Matrix6d hand_inverse_inertia = Matrix6d::Zero();
+  if (has_inverse) {
+    const auto factor = factorize_inertia<double>(inertia, JointVectord::Zero(robot.n()), {});
+    hand_inverse_inertia = extended_inverse_inertia(factor, jacobian);
+  }
   const auto numbers = [&t](const char* key, Eigen::VectorXd x, const char* text,
                             const char* unit) {
     t(key, Numbers(x, static_cast<int>(x.size())), text, needed(unit));
@@ -59,14 +66,15 @@ void inspection_fields(Table& t, const RobotModel& robot, const RobotState& stat
   matrix("Jhat_phi", hat.Jhat_phi, "generalized Jacobian, base free");
   t("rns_rank", Integer(rank, 0, 3), "rank of the angular coupling", kNeeded);
   numbers("singular_values", space.singular_values, "of the angular coupling", "");
-  matrix("hand_inverse_inertia", extended_inverse_inertia(factor, jacobian),
-         "hand velocity change per impulse");
+  t("hand_inverse_inertia", WrittenIf(Rows(hand_inverse_inertia), has_inverse),
+    "hand velocity change per impulse", {.without = "a base without mass"});
   // The state names no target, so nothing closes in.
   ImpactSummary impact;
-  if (state.Fbar) impact = summarize_impact(robot, state.phi, {}, *state.Fbar, 0);
+  const bool has_impact = state.Fbar.has_value() && has_inverse;
+  if (has_impact) impact = summarize_impact(robot, state.phi, {}, *state.Fbar, 0);
   t("impact",
     Map([&](Table& m) { impact_object_fields(m, impact, robot); },
-        {.name = "impact", .is_written = state.Fbar.has_value()}),
+        {.name = "impact", .is_written = has_impact}),
     "where the state names an impulse");
 }
 

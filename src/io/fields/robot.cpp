@@ -54,6 +54,8 @@ void read_robot(MapReader& map, CaptureProblem& problem, const ProblemSources& s
   problem.urdf = std::move(*text);
   try {
     problem.robot = read_urdf(problem.urdf, full_path, hand);
+    // The same wherever the problem lies.
+    for (Finding& remark : problem.robot.remarks) remark.file = problem.urdf_path;
   } catch (const InputError& error) {
     for (Finding finding : error.findings()) {
       // The hand is named here, not in the robot file.

@@ -1,0 +1,99 @@
+// <joint> of a URDF file.
+#include <fmt/format.h>
+
+#include "robot/urdf_tree.hpp"
+
+namespace stillbase::urdf {
+
+namespace {
+
+/// Sets type, is_fixed and is_free by the word of the file.
+void read_type(Element& element, TreeJoint& out) {
+  const std::string type = element.text("type", true);
+  out.is_fixed = type == "fixed";
+  out.is_free = type == "floating" || type == "planar";
+  if (type == "prismatic") {
+    out.joint.type = JointType::Prismatic;
+  } else if (type == "continuous") {
+    out.joint.type = JointType::Continuous;
+  } else if (type != "revolute" && !out.is_fixed && !out.is_free && !type.empty()) {
+    element.find("joint-type", fmt::format("joint {} is {}: no such type; allowed: revolute "
+                                           "continuous prismatic fixed",
+                                           quoted(out.joint.name), quoted(type)));
+  }
+}
+
+/// Ranges that are not stated are zero, as URDF says. A rate or effort of zero limits nothing that
+/// could be planned with: most files mean that nobody knew it.
+void read_limit(Element& limit, Joint& joint) {
+  const double lower = limit.number("lower", Sign::Any, 0);
+  const double upper = limit.number("upper", Sign::Any, 0);
+  joint.max_velocity = limit.number("velocity", Sign::NonNegative, 0);
+  joint.max_effort = limit.number("effort", Sign::NonNegative, 0);
+  if (joint.max_velocity == 0) {
+    limit.remark("no-rate-limit", "velocity of <limit> is zero or not stated", joint.name);
+  }
+  if (joint.max_effort == 0) {
+    limit.remark("no-effort-limit", "effort of <limit> is zero or not stated", joint.name);
+  }
+  if (joint.type == JointType::Continuous) return;
+  joint.lower = lower;
+  joint.upper = upper;
+  if (!limit.has("lower") || !limit.has("upper")) {
+    limit.remark("joint-limits", "<limit> without lower or upper: it is 0, as URDF says",
+                 joint.name);
+  }
+  if (lower > upper) {
+    limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}",
+                                           quoted(joint.name), lower, upper));
+  }
+}
+
+void read_motion(Element& element, TreeJoint& out) {
+  Joint& joint = out.joint;
+  element.each("axis", 0, 1, [&](Element& axis) {
+    out.axis = axis.vector("xyz", Sign::Any);
+    if (out.axis.isZero(0)) axis.find("joint-axis", "<axis> xyz has no direction");
+  });
+  bool has_limit = false;
+  element.each("limit", 0, 1, [&](Element& limit) {
+    has_limit = true;
+    read_limit(limit, joint);
+  });
+  if (joint.type != JointType::Continuous && !has_limit) {
+    element.find("joint-limits",
+                 fmt::format("joint {} is {} and needs <limit> with lower and upper",
+                             quoted(joint.name), joint.is_prismatic() ? "prismatic" : "revolute"));
+  }
+  element.each("dynamics", 0, 1, [&](Element& dynamics) {
+    joint.viscous_friction = dynamics.number("damping", Sign::NonNegative, 0);
+    joint.coulomb_friction = dynamics.number("friction", Sign::NonNegative, 0);
+  });
+  element.each("mimic", 0, 1, [&](Element& mimic) {
+    mimic.find("mimic", "coupled joints (<mimic>) are not supported: each joint is free");
+  });
+}
+
+}  // namespace
+
+TreeJoint read_joint(Element& element) {
+  TreeJoint out;
+  out.line = element.line();
+  out.joint.name = element.text("name", true);
+  read_type(element, out);
+  out.origin = read_origin(element);
+  element.each("parent", 1, 1, [&](Element& e) { out.parent_name = e.text("link", true); });
+  element.each("child", 1, 1, [&](Element& e) { out.child_name = e.text("link", true); });
+  if (out.is_fixed || out.is_free) {
+    for (const char* name : {"axis", "limit", "dynamics", "mimic"}) {
+      element.leave_out(name, "it has no meaning in a fixed joint");
+    }
+  } else {
+    read_motion(element, out);
+  }
+  element.leave_out("calibration", "positions are those of the file");
+  element.leave_out("safety_controller", "soft limits belong in the problem (joint_limit_margin)");
+  return out;
+}
+
+}  // namespace stillbase::urdf

@@ -1,0 +1,126 @@
+// <link> of a URDF file: inertia and collision shapes.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "robot/urdf_tree.hpp"
+
+namespace stillbase::urdf {
+
+namespace {
+
+Inertial read_inertial(Element& element) {
+  Inertial inertial;
+  inertial.origin = read_origin(element);
+  element.each("mass", 1, 1,
+               [&](Element& mass) { inertial.mass = mass.number("value", Sign::NonNegative); });
+  element.each("inertia", 1, 1, [&](Element& inertia) {
+    const auto entry = [&](const char* name) { return inertia.number(name, Sign::Any); };
+    const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
+    const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
+    inertial.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  });
+  return inertial;
+}
+
+/// A size below zero is refused, one of zero makes a shape that is left out.
+bool has_size(Element& shape, double least) {
+  if (least < 0) {
+    shape.find("out-of-range", shape.tag() + ": a size is negative");
+  } else if (least == 0) {
+    shape.remark("no-shape", shape.tag() + " of size zero: left out");
+  }
+  return least > 0;
+}
+
+/// Reads one <geometry>; a cylinder whose <collision> has a name that ends in "_capsule" is a
+/// capsule.
+void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink& link) {
+  int count = 0;
+  const auto each = [&](const char* kind, auto read) {
+    element.each(kind, 0, 1, [&](Element& shape) {
+      ++count;
+      read(shape);
+    });
+  };
+  const auto add = [&](const Geometry& geometry) { link.shapes.emplace_back(pose, geometry); };
+  each("sphere", [&](Element& sphere) {
+    const double radius = sphere.number("radius", Sign::Any);
+    if (has_size(sphere, radius)) add(Sphere{radius});
+  });
+  each("box", [&](Element& box) {
+    const Vector3d size = box.vector("size", Sign::Any);
+    if (has_size(box, size.minCoeff())) add(Box{size});
+  });
+  for (const char* kind : {"cylinder", "capsule"}) {
+    each(kind, [&](Element& shape) {
+      const double radius = shape.number("radius", Sign::Any);
+      const double length = shape.number("length", Sign::Any);
+      if (!has_size(shape, std::min(radius, length))) return;
+      if (is_capsule || std::string_view(kind) == "capsule") {
+        add(Capsule{radius, length});
+      } else {
+        add(Cylinder{radius, length});
+      }
+    });
+  }
+  each("mesh", [&](Element& mesh) {
+    link.meshes.push_back({mesh.line(), pose, mesh.text("filename", true),
+                           mesh.vector("scale", Sign::Any, Vector3d::Ones())});
+  });
+  if (count == 0)
+    element.remark("no-shape", "<collision> without a shape that is known", link.name);
+  if (count > 1) {
+    element.find("geometry", fmt::format("<geometry> holds {} shapes, must be one", count));
+  }
+}
+
+}  // namespace
+
+Pose read_origin(Element& parent) {
+  Pose pose;
+  parent.each("origin", 0, 1, [&](Element& origin) {
+    pose.position = origin.vector("xyz", Sign::Any, Vector3d::Zero());
+    const Vector3d rpy = origin.vector("rpy", Sign::Any, Vector3d::Zero());
+    Vector3d c, s;
+    for (int i = 0; i < 3; ++i) {
+      c[i] = std::cos(rpy[i] / 2);
+      s[i] = std::sin(rpy[i] / 2);
+    }
+    const double x = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
+    const double y = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
+    const double z = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
+    const double w = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
+    const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+    pose.orientation = Eigen::Quaterniond(w / norm, x / norm, y / norm, z / norm).normalized();
+  });
+  return pose;
+}
+
+TreeLink read_link(Element& element) {
+  TreeLink link;
+  link.line = element.line();
+  link.name = element.text("name", true);
+  element.text("type", false);
+  element.each("inertial", 0, 1,
+               [&](Element& inertial) { link.inertial = read_inertial(inertial); });
+  element.each("collision", 0, kAny, [&](Element& collision) {
+    const bool is_capsule = std::string_view(collision.text("name", false)).ends_with("_capsule");
+    collision.text("group", false);
+    const Pose origin = read_origin(collision);
+    bool has_geometry = false;
+    collision.each("geometry", 0, 1, [&](Element& geometry) {
+      has_geometry = true;
+      read_geometry(geometry, origin, is_capsule, link);
+    });
+    if (!has_geometry) {
+      collision.remark("no-shape", "<collision> without a shape that is known", link.name);
+    }
+    collision.ignore({"material", "verbose"});
+  });
+  element.ignore({"visual"});
+  return link;
+}
+
+}  // namespace stillbase::urdf
