@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -6,6 +7,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <optional>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
@@ -20,32 +23,13 @@ class Descriptor {
   explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { close(); }
-  int get() const { return fd_; }
-  int close() {
-    const int result = fd_ >= 0 ? ::close(fd_) : 0;
-    fd_ = -1;
-    return result;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
   }
+  int get() const { return fd_; }
 
  private:
   int fd_;
-};
-
-/// Removes a file at the end of its life unless it was released.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& path) : path_(path) {}
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (owned_) ::unlink(path_.c_str());
-  }
-  void release() { owned_ = false; }
-
- private:
-  std::string path_;
-  bool owned_ = true;
 };
 
 FileError system_error(const std::string& path, const std::string& what) {
@@ -60,6 +44,71 @@ std::string folder_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   if (slash == std::string::npos) return ".";
   return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+/// A temporary file beside `path`, `<path>.tmp.<process>.<number>`. It is locked while this object
+/// lives: one that can be locked was left by a process that ended in writing. Removed at the end
+/// unless it was released.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& path) {
+    static std::atomic<unsigned> counter{0};
+    do {
+      path_ = path + ".tmp." + std::to_string(::getpid()) + "." + std::to_string(counter++);
+      file_.emplace(::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+      // In a container all processes may have one number: the name may be taken.
+      if (get() < 0 && errno != EEXIST) throw system_error(path, "cannot write");
+    } while (get() < 0 || !is_locked());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (owned_) ::unlink(path_.c_str());
+  }
+  const std::string& path() const { return path_; }
+  int get() const { return file_->get(); }
+  void release() { owned_ = false; }
+
+ private:
+  /// False: another process found it before it was locked, and removes it. True on file systems
+  /// without locks, where nobody removes it.
+  bool is_locked() {
+    if (::flock(file_->get(), LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
+    struct stat status {};
+    return ::fstat(file_->get(), &status) != 0 || status.st_nlink > 0;
+  }
+
+  std::string path_;
+  std::optional<Descriptor> file_;
+  bool owned_ = true;
+};
+
+/// "<process>.<number>", as the name of a temporary file ends.
+bool is_temporary_ending(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  const auto is_number = [](std::string_view part) {
+    return !part.empty() && part.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  return dot != std::string_view::npos && is_number(text.substr(0, dot)) &&
+         is_number(text.substr(dot + 1));
+}
+
+/// Removes the temporary files that killed processes left beside `path`. What cannot be removed
+/// stays.
+void clear_temporary_files(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  const std::string begin =
+      path.substr(slash == std::string::npos ? 0 : slash + 1) + std::string(".tmp.");
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder_of(path), error), end; !error && at != end;
+       at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.rfind(begin, 0) != 0) continue;
+    if (!is_temporary_ending(std::string_view(name).substr(begin.size()))) continue;
+    const Descriptor file(::open(at->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    if (file.get() < 0 || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) continue;
+    ::unlink(at->path().c_str());
+  }
 }
 
 void write_all(int fd, std::string_view text, const std::string& path) {
@@ -154,17 +203,12 @@ void write_file_atomically(const std::string& path, std::string_view text, bool 
     if (!S_ISREG(status.st_mode)) throw FileError(path + ": is not a regular file");
     if (!overwrite) throw FileError(path + ": the file exists already");
   }
-  static std::atomic<unsigned> counter{0};
-  const std::string temporary =
-      path + ".tmp." + std::to_string(::getpid()) + "." + std::to_string(counter++);
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (file.get() < 0) throw system_error(path, "cannot write");
-  TemporaryFile guard(temporary);
+  clear_temporary_files(path);
+  TemporaryFile file(path);
   write_all(file.get(), text, path);
   if (::fsync(file.get()) != 0) throw system_error(path, "cannot flush");
-  if (file.close() != 0) throw system_error(path, "cannot write");
-  move_into_place(temporary, path, overwrite);
-  guard.release();
+  move_into_place(file.path(), path, overwrite);
+  file.release();
   flush_folder(folder_of(path));
 }
 

@@ -1,7 +1,10 @@
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -67,6 +70,33 @@ TEST_CASE("a write that fails leaves nothing behind") {
   fs::create_symlink(folder.file("nowhere"), folder.file("link"));
   CHECK_THROWS_AS(write_file_atomically(folder.file("link"), "x", false), FileError);
   CHECK(folder.count() == 2);
+}
+
+TEST_CASE("temporary files of processes that were killed block no write and are cleared") {
+  Folder folder;
+  // As a process of this number leaves them that was killed in writing.
+  const std::string begin = folder.file("a") + ".tmp." + std::to_string(::getpid()) + ".";
+  for (int i = 0; i < 100; ++i) std::ofstream(begin + std::to_string(i)) << "part";
+  std::ofstream(folder.file("a.tmp.1.7")) << "part";
+  // Not temporary files of this one.
+  for (const char* name : {"a.tmp", "a.tmp.1.x", "a.tmp..2", "b.tmp.1.0"}) {
+    std::ofstream(folder.file(name)) << "kept";
+  }
+  write_file_atomically(folder.file("a"), "whole", false);
+  CHECK(read_text_file(folder.file("a")) == "whole");
+  CHECK(folder.count() == 5);
+}
+
+TEST_CASE("a temporary file that another process writes is left to it") {
+  Folder folder;
+  const std::string other = folder.file("a.tmp.1.0");
+  const int fd = ::open(other.c_str(), O_WRONLY | O_CREAT, 0666);
+  REQUIRE(::flock(fd, LOCK_EX) == 0);
+  write_file_atomically(folder.file("a"), "whole", false);
+  CHECK(fs::exists(other));
+  ::close(fd);
+  write_file_atomically(folder.file("a"), "newer", true);
+  CHECK_FALSE(fs::exists(other));
 }
 
 TEST_CASE("missing files, folders and too large files are wrong input") {

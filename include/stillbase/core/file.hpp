@@ -23,8 +23,9 @@ std::size_t first_bad_byte(std::string_view text);
 
 /// Writes a file: temporary file in the same folder, flush to the disk, then rename.
 /// Guarantees: readers see the old content or the new one, never a part; after an error the old
-/// content is untouched and no temporary file is left. A path that names anything but a regular
-/// file (device, folder, pipe) is refused.
+/// content is untouched and no temporary file is left. Temporary files of processes that were
+/// killed in writing this file block nothing and are removed. A path that names anything but a
+/// regular file (device, folder, pipe) is refused.
 /// @param overwrite false: an existing file is an error, also when it appears meanwhile
 /// @throws FileError
 void write_file_atomically(const std::string& path, std::string_view text, bool overwrite);
