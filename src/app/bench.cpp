@@ -73,7 +73,10 @@ int list_optimizers() {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "stillbase_bench_XXXXXX").string();
+    std::error_code error;
+    const fs::path parent = fs::temp_directory_path(error);
+    if (error) throw FileError(fmt::format("no temporary folder (TMPDIR): {}", error.message()));
+    std::string name = (parent / "stillbase_bench_XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw FileError("no temporary folder: " + name);
     path_ = name;
   }
@@ -175,7 +178,7 @@ int run_bench(const BenchRequest& request) {
   const std::vector<RunRequest> requests = requests_of(instances, request.selection);
   BestKnownTable best_known = read_known(suite.best_known, instances);
   say(fmt::format("{} problems, {} runs, {} at a time", instances.size(), requests.size(), jobs));
-  const std::vector<std::string> texts =
+  const auto [texts, died] =
       run_all(instances, requests, {(fs::path(folder) / "runs").string(), jobs, stop_condition()});
   if (signal_exit_code() != 0) {
     say(fmt::format("stopped: {} of {} runs are done{}", texts.size(), requests.size(),
@@ -198,7 +201,9 @@ int run_bench(const BenchRequest& request) {
                     beaten));
   }
   if (!temporary) say(fmt::format("written to {}", folder));
-  return kDone;
+  for (const std::string& run : died)
+    say(fmt::format("not in the report, its worker died: {}", run));
+  return died.empty() ? kDone : kCampaignIncomplete;
 }
 
 }  // namespace

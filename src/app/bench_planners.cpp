@@ -103,7 +103,7 @@ PlannerLogStatus log_status(CaseStatus status, const std::string& approach) {
   if (approach == "found") return PlannerLogStatus::ExactSolution;
   if (approach == "start_invalid") return PlannerLogStatus::InvalidStart;
   if (approach == "goal_invalid") return PlannerLogStatus::InvalidGoal;
-  if (approach == "time_out") return PlannerLogStatus::Timeout;
+  if (approach == "time_out" || approach == "stopped") return PlannerLogStatus::Timeout;
   return PlannerLogStatus::Unknown;
 }
 
@@ -171,6 +171,15 @@ int bench_planners(const PlannerBenchOptions& options) {
   if (signal_exit_code() != 0) {
     say(fmt::format("stopped: {} of {} runs are done", done.found + done.recorded, done.cases));
     return signal_exit_code();
+  }
+  if (!done.died.empty()) {
+    say(
+        fmt::format("incomplete: the workers of {} runs died {} times each; the same command tries "
+                    "them again",
+                    done.died.size(), campaign.tries));
+    const std::vector<std::string> lines = cases_from_text(cases, campaign.folder);
+    for (const int number : done.died) say(lines[static_cast<std::size_t>(number)]);
+    return kCampaignIncomplete;
   }
   const MergedCampaign merged = merge_campaign(campaign.folder);
   std::size_t next = 0;

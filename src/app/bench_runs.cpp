@@ -48,7 +48,7 @@ RunRecord record_without_result(const BenchmarkInstance& instance, const RunRequ
                                 const CaseRecord& found) {
   RunRecord record = empty_record(instance, request);
   record.message = found.text;
-  record.end = found.status == CaseStatus::Finished ? CaseStatus::Crashed : found.status;
+  record.end = found.status;
   return record;
 }
 
@@ -131,9 +131,8 @@ std::vector<RunRequest> requests_of(const std::vector<BenchmarkInstance>& instan
   return out;
 }
 
-std::vector<std::string> run_all(const std::vector<BenchmarkInstance>& instances,
-                                 const std::vector<RunRequest>& requests,
-                                 const BenchRunOptions& options) {
+BenchRuns run_all(const std::vector<BenchmarkInstance>& instances,
+                  const std::vector<RunRequest>& requests, const BenchRunOptions& options) {
   std::map<std::string, const BenchmarkInstance*> by_name;
   for (const BenchmarkInstance& instance : instances) by_name[instance.name] = &instance;
   std::string cases;
@@ -161,10 +160,15 @@ std::vector<std::string> run_all(const std::vector<BenchmarkInstance>& instances
     return record_to_text(run_benchmark(*by_name.at(request.instance), request, stop), host);
   });
   progress.clear();
-  std::vector<std::string> out;
+  BenchRuns out;
   for (const CaseRecord& found : merge_campaign(options.folder).records) {
     const RunRequest& request = requests.at(static_cast<std::size_t>(found.number));
-    out.push_back(
+    if (found.status == CaseStatus::Died) {
+      out.died.push_back(fmt::format("{} on {}, seed {}: {}", label_of(request), request.instance,
+                                     request.seed, found.text));
+      continue;
+    }
+    out.texts.push_back(
         found.status == CaseStatus::Finished
             ? found.text
             : record_to_text(record_without_result(*by_name.at(request.instance), request, found),

@@ -40,12 +40,16 @@ struct BenchRunOptions {
   StopCondition stop;
 };
 
+struct BenchRuns {
+  std::vector<std::string> texts;  ///< of the records in the order of the requests
+  std::vector<std::string> died;   ///< "<optimizer> on <instance>, seed <n>": without a record
+};
+
 /// Executes the runs that the folder's journal does not have yet, one process each.
-/// @return texts of the records in the order of the requests; fewer when stopped
+/// @return fewer than all when stopped
 /// @throws FileError, InputError as run_campaign()
-std::vector<std::string> run_all(const std::vector<BenchmarkInstance>& instances,
-                                 const std::vector<RunRequest>& requests,
-                                 const BenchRunOptions& options);
+BenchRuns run_all(const std::vector<BenchmarkInstance>& instances,
+                  const std::vector<RunRequest>& requests, const BenchRunOptions& options);
 
 /// System and processor architecture; no name of the machine, so that records can be shared.
 std::string host_words();

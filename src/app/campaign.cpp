@@ -81,6 +81,34 @@ int make_cases(const CampaignMakeRequest& request) {
   return kDone;
 }
 
+/// The cases of a list, one per line.
+/// @throws InputError with the bad lines, at most `kMostBadLines` of them
+std::vector<CampaignCase> read_cases(const std::vector<std::string>& lines,
+                                     const std::string& path) {
+  constexpr std::size_t kMostBadLines = 20;
+  std::vector<CampaignCase> cases;
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < lines.size() && findings.size() < kMostBadLines; ++i) {
+    try {
+      cases.push_back(case_from_text(lines[i], path, static_cast<int>(i) + 1));
+    } catch (const InputError& error) {
+      findings.push_back(error.findings().front());
+    }
+  }
+  if (!findings.empty()) throw InputError(std::move(findings));
+  return cases;
+}
+
+/// "3 (Killed (3 tries)), 7 (...)": cases whose workers died.
+std::string dead_words(const MergedCampaign& merged) {
+  std::vector<std::string> words;
+  for (const CaseRecord& record : merged.records) {
+    if (record.status != CaseStatus::Died) continue;
+    words.push_back(fmt::format("{} ({})", record.number, record.text));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 // --- run
 
 struct CampaignRunRequest {
@@ -129,10 +157,16 @@ int run_cases(const CampaignRunRequest& request) {
   campaign.stop = stop_condition();
   ProgressLine progress;
   campaign.on_progress = [&](int done, int total) { progress.show("cases", done, total); };
-  const CampaignRun done = run_campaign(read_text_file(request.cases), campaign, work);
+  const std::string cases = read_text_file(request.cases);
+  (void)read_cases(cases_from_text(cases, request.cases), request.cases);
+  const CampaignRun done = run_campaign(cases, campaign, work);
   progress.clear();
   say(fmt::format("shard {}: {} of {} cases done, {} of them now; {} failed", request.shard,
                   done.found + done.recorded, done.cases, done.recorded, done.failed));
+  if (!done.died.empty()) {
+    say(fmt::format("the workers of {} cases died {} times each: {}; the same command tries again",
+                    done.died.size(), campaign.tries, fmt::join(done.died, ", ")));
+  }
   if (signal_exit_code() != 0) return signal_exit_code();
   return done.is_complete() ? kDone : kCampaignIncomplete;
 }
@@ -165,13 +199,13 @@ void summarize(Group& group) {
 }
 
 /// In the order in which the cases name them.
-std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged) {
+std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged,
+                                         const std::vector<CampaignCase>& cases) {
   std::vector<Group> groups;
   std::map<std::string, std::size_t> numbers;
   for (const CaseRecord& record : merged.records) {
     if (record.status != CaseStatus::Finished) continue;
-    const CampaignCase piece =
-        case_from_text(merged.cases[static_cast<std::size_t>(record.number)]);
+    const CampaignCase& piece = cases[static_cast<std::size_t>(record.number)];
     CampaignCase key = piece;
     key.first = key.count = 0;
     const std::size_t number = numbers.insert({case_to_text(key), groups.size()}).first->second;
@@ -194,14 +228,21 @@ std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged) {
 int merge_cases(const CampaignMergeRequest& request) {
   request.output.check();
   MergedCampaign merged = merge_campaign(request.folder);
-  std::vector<io::CampaignGroup> groups = groups_of(merged);
+  std::vector<io::CampaignGroup> groups = groups_of(
+      merged, read_cases(merged.cases, (fs::path(request.folder) / "cases.jsonl").string()));
   request.output.write(io::pretty(
       io::written([&](io::Table& t) { io::campaign_result_fields(t, merged, groups); })));
-  say(
-      fmt::format("{} of {} cases, each once; {} missing, {} contradictory, {} repeated alike, {} "
-                  "damaged lines",
-                  merged.records.size(), merged.cases.size(), merged.missing.size(),
-                  merged.contradictory.size(), merged.duplicates, merged.damaged));
+  const auto failed =
+      std::count_if(merged.records.begin(), merged.records.end(), [](const CaseRecord& record) {
+        return record.status != CaseStatus::Finished && record.status != CaseStatus::Died;
+      });
+  say(fmt::format(
+      "{} of {} cases, each once; {} failed, {} missing, {} contradictory, {} repeated "
+      "alike, {} damaged lines",
+      merged.cases.size() - merged.missing.size(), merged.cases.size(), failed,
+      merged.missing.size(), merged.contradictory.size(), merged.duplicates, merged.damaged));
+  const std::string dead = dead_words(merged);
+  if (!dead.empty()) say(fmt::format("cases whose workers died: {}", dead));
   return merged.is_complete() ? kDone : kCampaignIncomplete;
 }
 

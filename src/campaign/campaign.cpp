@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <stillbase/core/child_process.hpp>
 #include <stillbase/core/error.hpp>
@@ -101,7 +102,7 @@ CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& o
   std::map<int, CaseStatus> found;
   for (const std::string& path : journals_of(options.folder)) {
     for (const CaseRecord& record : read_journal(path, list).records) {
-      found[record.number] = record.status;
+      if (record.status != CaseStatus::Died) found[record.number] = record.status;
     }
   }
   CampaignRun run;
@@ -122,18 +123,30 @@ CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& o
   children.jobs = options.jobs;
   children.seconds = options.seconds;
   children.stop = options.stop;
-  const auto number = [&](int i) { return open[static_cast<std::size_t>(i)]; };
-  run_in_children(
-      static_cast<int>(open.size()), children,
-      [&](int i) { return work(cases[static_cast<std::size_t>(number(i))]); },
-      [&](int i, const ChildOutcome& outcome) {
-        const CaseStatus status = outcome.end;
-        const bool is_good = status == CaseStatus::Finished;
-        journal.append({number(i), status, is_good ? outcome.bytes : outcome.message});
-        ++run.recorded;
-        run.failed += !is_good;
-        if (options.on_progress) options.on_progress(run.found + run.recorded, run.cases);
-      });
+  for (int time = 1; time <= options.tries && !open.empty(); ++time) {
+    const std::vector<int> numbers = std::exchange(open, {});
+    const auto number = [&](int i) { return numbers[static_cast<std::size_t>(i)]; };
+    run_in_children(
+        static_cast<int>(numbers.size()), children,
+        [&](int i) { return work(cases[static_cast<std::size_t>(number(i))]); },
+        [&](int i, const ChildOutcome& outcome) {
+          const CaseStatus status = outcome.end;
+          if (status == CaseStatus::Died) {
+            open.push_back(number(i));
+            if (time < options.tries) return;
+            const std::string tries = " (" + std::to_string(time) + " tries)";
+            return journal.append({number(i), status, outcome.message + tries});
+          }
+          const bool is_good = status == CaseStatus::Finished;
+          journal.append({number(i), status, is_good ? outcome.bytes : outcome.message});
+          ++run.recorded;
+          run.failed += !is_good;
+          if (options.on_progress) options.on_progress(run.found + run.recorded, run.cases);
+        });
+    if (options.stop.reached()) return run;
+  }
+  run.died = std::move(open);
+  std::sort(run.died.begin(), run.died.end());
   return run;
 }
 
@@ -154,14 +167,20 @@ MergedCampaign merge_campaign(const std::string& folder) {
         throw InputError({{journal, 0, "no-such-case", std::to_string(record.number)}});
       }
       const auto [at, is_new] = records.insert({record.number, record});
-      if (is_new) continue;
+      if (is_new || record.status == CaseStatus::Died) continue;
+      if (at->second.status == CaseStatus::Died) {
+        at->second = record;
+        continue;
+      }
       const bool same = at->second.status == record.status && at->second.text == record.text;
       if (same) ++merged.duplicates;
       if (!same) contradictory.insert(record.number);
     }
   }
   for (int i = 0; i < count; ++i) {
-    if (records.count(i) == 0) merged.missing.push_back(i);
+    const auto at = records.find(i);
+    const bool has_result = at != records.end() && at->second.status != CaseStatus::Died;
+    if (!has_result) merged.missing.push_back(i);
   }
   for (auto& entry : records) merged.records.push_back(std::move(entry.second));
   merged.contradictory.assign(contradictory.begin(), contradictory.end());

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMaxJournalBytes = std::size_t{16} << 30;
 constexpr std::size_t kDigits = 16;
 constexpr std::array kStatuses = {CaseStatus::Finished, CaseStatus::Crashed, CaseStatus::TimedOut,
-                                  CaseStatus::OutOfMemory};
+                                  CaseStatus::OutOfMemory, CaseStatus::Died};
 
 std::string checksum(std::string_view text) { return sha256_hex(text).substr(0, kDigits); }
 

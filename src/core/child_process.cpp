@@ -2,6 +2,9 @@
 
 #include <poll.h>
 #include <signal.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,8 +24,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Exit codes of a child; any other end is a crash.
+// Exit codes of a child; with any other it died.
 constexpr int kReturned = 0, kThrew = 81, kNoMemory = 82;
+constexpr double kMostSeconds = 1e9;  // of processor time that the system's limit can state
 
 /// Writes all bytes, or gives up when nobody reads.
 void write_all(int fd, const std::string& bytes) {
@@ -35,18 +39,28 @@ void write_all(int fd, const std::string& bytes) {
   }
 }
 
+/// The kernel kills this process when its parent ends.
+void end_with(pid_t parent) {
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  if (::getppid() != parent) ::_exit(kThrew);  // it ended before
+}
+
 /// The life of a child. Leaves by _exit: buffers and handlers of the parent are not its own.
 [[noreturn]] void live(int fd, const ChildOptions& options,
                        const std::function<std::string(int)>& work, int index) {
-  const auto cpu = static_cast<rlim_t>(std::ceil(options.seconds)) + 1;
-  const rlimit cpu_limit{cpu, cpu};
+  const auto cpu = static_cast<rlim_t>(std::ceil(std::min(options.seconds, kMostSeconds))) + 1;
+  // The signal of the hard limit, SIGKILL, would hide why the child ended.
+  const rlimit cpu_limit{cpu, cpu + 1};
   const rlimit memory_limit{options.memory, options.memory};
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &cpu_limit);
   ::setrlimit(RLIMIT_AS, &memory_limit);
   ::setrlimit(RLIMIT_CORE, &no_core);
-  ::signal(SIGINT, SIG_IGN);  // a Ctrl-C is the parent's to answer
-  ::signal(SIGTERM, SIG_DFL);
+  // Both reach the whole process group, and are the parent's to answer.
+  ::signal(SIGINT, SIG_IGN);
+  ::signal(SIGTERM, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);
   int code = kReturned;
   try {
@@ -103,10 +117,11 @@ ChildOutcome outcome_of(Child& child) {
   } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
     out.end = ChildEnd::TimedOut;
     out.message = "time limit";
-  } else if (WIFSIGNALED(status)) {
-    out.message = ::strsignal(WTERMSIG(status));
   } else {
-    out.message = "left with exit code " + std::to_string(WEXITSTATUS(status));
+    out.end = ChildEnd::Died;
+    out.message = WIFSIGNALED(status)
+                      ? ::strsignal(WTERMSIG(status))
+                      : "left with exit code " + std::to_string(WEXITSTATUS(status));
   }
   return out;
 }
@@ -126,6 +141,7 @@ class Children {
   void begin(int index, const ChildOptions& options, const std::function<std::string(int)>& work) {
     int ends[2];
     if (::pipe(ends) != 0) throw FileError(std::string("no pipe: ") + std::strerror(errno));
+    const pid_t parent = ::getpid();
     const pid_t pid = ::fork();
     if (pid < 0) {
       ::close(ends[0]);
@@ -133,6 +149,7 @@ class Children {
       throw FileError(std::string("no process: ") + std::strerror(errno));
     }
     if (pid == 0) {
+      end_with(parent);
       ::close(ends[0]);
       for (const Child& other : running_) ::close(other.fd);
       live(ends[1], options, work, index);
@@ -174,6 +191,8 @@ std::string to_string(ChildEnd end) {
       return "timed_out";
     case ChildEnd::OutOfMemory:
       return "out_of_memory";
+    case ChildEnd::Died:
+      return "died";
   }
   return "unknown";
 }

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -119,22 +120,104 @@ TEST_CASE("results are the same for every number of workers and shards") {
   CHECK(text_of(merged) == expected);
 }
 
-TEST_CASE("a case that crashes is a record, not the end") {
+TEST_CASE("a case that throws is a record, not the end") {
   const std::string cases = case_list(6);
   const Folder folder;
   const CampaignRun run = run_campaign(cases, in(folder, 2), [](const std::string& text) {
-    if (text == "case 2") std::raise(SIGKILL);
     if (text == "case 3") throw std::runtime_error("two\nlines");
     return hashed(text);
   });
   CHECK(run.is_complete());
-  CHECK(run.failed == 2);
+  CHECK(run.failed == 1);
   const MergedCampaign merged = merge_campaign(folder.path());
   CHECK(merged.is_complete());
-  CHECK(merged.records[2].status == CaseStatus::Crashed);
   CHECK(merged.records[3].status == CaseStatus::Crashed);
   CHECK(merged.records[3].text == "two lines");
   CHECK(merged.records[4].text == hashed("case 4"));
+}
+
+TEST_CASE("a case whose worker was killed is tried again and is then as any other") {
+  const std::string cases = case_list(6);
+  const Folder folder;
+  const CampaignRun run = run_campaign(cases, in(folder, 2), [&](const std::string& text) {
+    const std::filesystem::path seen = folder / ("seen " + text);
+    const bool is_first = !std::filesystem::exists(seen);
+    std::ofstream(seen) << "x";
+    if (text == "case 2" && is_first) std::raise(SIGKILL);
+    return hashed(text);
+  });
+  CHECK(run.is_complete());
+  CHECK(run.failed == 0);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK(merged.is_complete());
+  CHECK(text_of(merged) == undisturbed(cases));
+}
+
+TEST_CASE(
+    "a case whose worker always dies leaves the campaign incomplete until a run finishes it") {
+  const std::string cases = case_list(6);
+  const Folder folder;
+  const auto deadly = [&](const std::string& text) {
+    std::ofstream(folder / "tries", std::ios::app) << (text == "case 2" ? "x" : "");
+    if (text == "case 2") std::raise(SIGKILL);
+    return hashed(text);
+  };
+  CampaignOptions options = in(folder, 2);
+  options.tries = 3;
+  const CampaignRun run = run_campaign(cases, options, deadly);
+  CHECK_FALSE(run.is_complete());
+  CHECK(run.recorded == 5);
+  CHECK(run.died == std::vector<int>{2});
+  CHECK(std::filesystem::file_size(folder / "tries") == 3);
+  const MergedCampaign merged = merge_campaign(folder.path());
+  CHECK_FALSE(merged.is_complete());
+  CHECK(merged.missing == std::vector<int>{2});
+  REQUIRE(merged.records.size() == 6);
+  CHECK(merged.records[2].status == CaseStatus::Died);
+  CHECK(merged.records[2].text.find("3 tries") != std::string::npos);
+
+  CHECK_FALSE(run_campaign(cases, options, deadly).is_complete());
+  CHECK(std::filesystem::file_size(folder / "tries") == 6);
+  CHECK(merge_campaign(folder.path()).contradictory.empty());
+  CHECK(run_campaign(cases, options, hashed).is_complete());
+  CHECK(text_of(merge_campaign(folder.path())) == undisturbed(cases));
+}
+
+TEST_CASE("a SIGTERM to all processes of a campaign leaves no case behind") {
+  const std::string cases = case_list(30);
+  const Folder folder;
+  const pid_t pid = fork();
+  if (pid == 0) {
+    setpgid(0, 0);
+    static std::atomic<bool> interrupted{false};
+    std::signal(SIGTERM, [](int) { interrupted = true; });
+    CampaignOptions options = in(folder, 4);
+    options.stop.interrupted = &interrupted;
+    int code = 1;
+    try {
+      run_campaign(cases, options, [](const std::string& text) {
+        usleep(50'000);
+        return hashed(text);
+      });
+      code = 0;
+    } catch (...) {
+    }
+    _exit(code);
+  }
+  while (!std::filesystem::exists(folder / "journal-1-of-1.txt") ||
+         std::filesystem::file_size(folder / "journal-1-of-1.txt") == 0) {
+    usleep(1000);
+  }
+  usleep(20'000);
+  kill(-pid, SIGTERM);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  const MergedCampaign part = merge_campaign(folder.path());
+  CHECK_FALSE(part.is_complete());
+  for (const CaseRecord& record : part.records) CHECK(record.status == CaseStatus::Finished);
+  CHECK(run_campaign(cases, in(folder, 2), hashed).is_complete());
+  CHECK(text_of(merge_campaign(folder.path())) == undisturbed(cases));
 }
 
 TEST_CASE("a run that begins again finds what is done and does the rest") {

@@ -1,4 +1,6 @@
 // Work in children: what they return, and every way to fail.
+#include <poll.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -50,12 +52,12 @@ TEST_CASE("a child that throws, crashes, leaves or asks for too much memory is a
     std::raise(SIGSEGV);
     return "";
   });
-  CHECK(crashed.end == ChildEnd::Crashed);
+  CHECK(crashed.end == ChildEnd::Died);
   CHECK_FALSE(crashed.message.empty());
   CHECK(crashed.bytes.empty());
 
   const ChildOutcome left = outcome_of([](int) -> std::string { ::_exit(3); });
-  CHECK(left.end == ChildEnd::Crashed);
+  CHECK(left.end == ChildEnd::Died);
 
   ChildOptions options;
   options.memory = 1ull << 30;
@@ -106,6 +108,40 @@ TEST_CASE("an exception of the caller's own function comes out, and no child sta
                       3, {}, [](int) { return std::string(); },
                       [](int, const ChildOutcome&) { throw std::logic_error("stop here"); }),
                   std::logic_error);
+}
+
+TEST_CASE("a SIGTERM to a child is the parent's to answer") {
+  const ChildOutcome out = outcome_of([](int) -> std::string {
+    std::raise(SIGTERM);
+    return "alive";
+  });
+  CHECK(out.end == ChildEnd::Finished);
+  CHECK(out.bytes == "alive");
+}
+
+TEST_CASE("children end with a parent that is killed") {
+  // The child keeps one end of a pipe: its other end reads the end of file when the child is dead.
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const pid_t parent = ::fork();
+  if (parent == 0) {
+    ::close(ends[0]);
+    const auto work = [&](int) -> std::string {
+      (void)!::write(ends[1], "x", 1);
+      ::sleep(1000);
+      return "";
+    };
+    run_in_children(1, {}, work, [](int, const ChildOutcome&) {});
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  char byte = 0;
+  REQUIRE(::read(ends[0], &byte, 1) == 1);
+  ::kill(parent, SIGKILL);
+  ::waitpid(parent, nullptr, 0);
+  pollfd polled{ends[0], POLLIN, 0};
+  CHECK(::poll(&polled, 1, 5000) == 1);  // ms
+  ::close(ends[0]);
 }
 
 }  // namespace stillbase

@@ -15,9 +15,10 @@ namespace stillbase {
 
 enum class ChildEnd {
   Finished,     ///< the work returned
-  Crashed,      ///< it threw, was killed by a signal, or left the process
+  Crashed,      ///< it threw
   TimedOut,     ///< killed at the time limit
   OutOfMemory,  ///< an allocation beyond the memory limit
+  Died,         ///< its process was killed by a signal, or left: says nothing of the work
 };
 std::string to_string(ChildEnd end);
 
@@ -37,6 +38,8 @@ struct ChildOptions {
 
 /// Runs work(0) .. work(count - 1), each in a child of this process, and calls done(i, outcome) in
 /// this process as they end, in any order. Children that were killed by `stop` are not reported.
+/// SIGINT and SIGTERM are left to this process: a signal to the whole group does not end children.
+/// Children end with this process, at once under Linux, elsewhere at their time limit.
 /// What the work writes to memory is lost with its process; what it returns is not.
 /// @return number of pieces reported; count unless stopped
 /// @throws FileError when the system gives no process or pipe; what `done` throws, after the

@@ -28,8 +28,10 @@ struct CampaignCase {
   int first = 0, count = 0;  ///< trials
 };
 std::string case_to_text(const CampaignCase& piece);
+/// @param source, line where the text stands, for messages
 /// @throws InputError
-CampaignCase case_from_text(const std::string& text);
+CampaignCase case_from_text(const std::string& text, const std::string& source = "campaign",
+                            int line = 0);
 
 /// What a case came to, a line of text.
 struct CampaignCaseResult {

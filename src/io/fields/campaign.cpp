@@ -45,7 +45,7 @@ static void fields(Table& t, CampaignCase& piece) {
 
 static void fields(Table& t, CaseRecord& record) {
   t("case", Integer(record.number, 0, kManyTimes), "number of its line, from 0", kNeeded);
-  t("status", Word(record.status, names_up_to(CaseStatus::OutOfMemory)), "", kNeeded);
+  t("status", Word(record.status, names_up_to(CaseStatus::Died)), "", kNeeded);
   t("message", WrittenIf(Text(record.text), record.status != CaseStatus::Finished),
     "why it did not finish");
 }
@@ -70,7 +70,7 @@ void campaign_result_fields(Table& t, MergedCampaign& merged, std::vector<Campai
   t("cases_sha256", Text(merged.cases_sha256), "of the list of cases", kNeeded);
   t("case_count", Integer(count, 0, kManyTimes), "", kNeeded);
   t("complete", Flag(is_complete), "each case is there exactly once", kNeeded);
-  t("missing", List<int>(merged.missing, numbers), "numbers of cases", kNeeded);
+  t("missing", List<int>(merged.missing, numbers), "numbers of cases without a result", kNeeded);
   t("contradictory", List<int>(merged.contradictory, numbers),
     "numbers of cases with records that differ", kNeeded);
   t("records", maps_of(merged.records), "one per case", kNeeded);
@@ -90,9 +90,15 @@ std::string case_to_text(const CampaignCase& piece) {
   return io::written([&](io::Table& t) { fields(t, copy); }).dump();
 }
 
-CampaignCase case_from_text(const std::string& text) {
+CampaignCase case_from_text(const std::string& text, const std::string& source, int line) {
   CampaignCase piece;
-  io::read_json(text, "campaign", [&](io::Table& t) { fields(t, piece); });
+  try {
+    io::read_json(text, source, [&](io::Table& t) { fields(t, piece); });
+  } catch (const InputError& error) {
+    std::vector<Finding> findings = error.findings();
+    for (Finding& finding : findings) finding.line = line;
+    throw InputError(std::move(findings));
+  }
   return piece;
 }
 
