@@ -127,6 +127,7 @@ std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& 
 
 int run_command_line(const ProgramText& program, const std::vector<Command>& commands, int argc,
                      const char* const* argv) {
+  open_standard_descriptors();
   CLI::App app(program.about, program.name);
   app.set_version_flag("--version", program.name + " " + program.version);
   app.footer(program.footer);

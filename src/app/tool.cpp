@@ -1,13 +1,17 @@
 #include "app/tool.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -24,19 +28,46 @@ std::atomic<bool> interrupted{false};
 std::atomic<int> received{0};
 static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
 
+std::atomic<std::int64_t> received_at{0};  ///< ms
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "used in a signal handler");
+
+std::int64_t milliseconds_now() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+}
+
+/// `timeout` and batch systems send one signal to the process and its group, which is two.
+constexpr std::int64_t kSameSignal = 500;  // ms
+
 void on_signal(int number) {
+  if (received != 0 && milliseconds_now() - received_at > kSameSignal) _exit(kSignalBase + number);
+  if (received != 0) return;
+  received_at = milliseconds_now();
   received = number;
   interrupted = true;
 }
 
+/// What cannot be said is not said: work goes on without its messages.
+void write_stderr(std::string_view text) {
+  (void)std::fwrite(text.data(), 1, text.size(), stderr);
+  (void)std::fflush(stderr);
+}
+
 }  // namespace
+
+void open_standard_descriptors() {
+  for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
+    if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) (void)!open("/dev/null", O_RDONLY);
+  }
+}
 
 void catch_signals() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // a reader who left is a failed write
 }
 
 StopCondition stop_condition(double time_limit) {
@@ -131,21 +162,20 @@ void write_stdout(std::string_view text) {
   }
 }
 
-void say(std::string_view line) { fmt::print(stderr, "{}\n", line); }
+void say(std::string_view line) { write_stderr(fmt::format("{}\n", line)); }
 
 ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
 ProgressLine::~ProgressLine() { clear(); }
 
 void ProgressLine::show(const std::string& what, int done, int total) {
   if (!is_terminal_) return;
-  fmt::print(stderr, "\r\033[K{} {}/{}", what, done, total);
-  std::fflush(stderr);
+  write_stderr(fmt::format("\r\033[K{} {}/{}", what, done, total));
   is_shown_ = true;
 }
 
 void ProgressLine::clear() {
   if (!is_shown_) return;
-  fmt::print(stderr, "\r\033[K");
+  write_stderr("\r\033[K");
   is_shown_ = false;
 }
 

@@ -32,8 +32,14 @@ class CommandLineError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Opens the descriptors 0 to 2 where they are closed, or the first file that is opened would
+/// become one of them and take the messages. Writing to what is opened here fails.
+void open_standard_descriptors();
+
 /// From now on SIGINT and SIGTERM stop the work at the next good place; what was finished is saved.
-/// A second signal ends the program at once.
+/// A second signal ends the program at once, unless it comes together with the first: `timeout` and
+/// batch systems send one to the process and one to its group. Writing to a closed pipe is an
+/// error.
 void catch_signals();
 
 /// The stop condition that they set.
