@@ -202,21 +202,24 @@ int plan_capture(const PlanRequest& request) {
   };
   Plan plan = make_plan(problem, planner);
   progress.clear();
-  // Stopped while looking for an approach: the configuration is good, the plan is not complete.
-  const bool approach_cut =
-      !arrives(plan) && plan.status != PlanStatus::Infeasible && planner.stop.reached();
-  if (approach_cut) plan.status = PlanStatus::Limit;
+  // The best that was found may still break what is asked of the time after the impact.
+  std::string broken;
+  if (plan.status != PlanStatus::Infeasible && arrives(plan)) {
+    broken = post_impact_failure(plan.problem, plan.configuration, plan.impact, planner.stop);
+  }
+  // Stopped in the approach or in the simulation after the impact: the configuration is good, the
+  // plan is not complete.
+  const bool is_cut = !arrives(plan) || !broken.empty();
+  if (is_cut && plan.status != PlanStatus::Infeasible && planner.stop.reached()) {
+    plan.status = PlanStatus::Limit;
+    broken.clear();
+  }
 
   const std::string text = plan_to_json(plan, tool_versions(), {}, inputs);
   request.output.write(text);
   if (request.json && request.output.is_given()) write_stdout(text);
   say(summary_text(plan_summary(plan, request.is_verbose)));
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
-  // The best that was found may still break what is asked of the time after the impact.
-  std::string broken;
-  if (plan.status != PlanStatus::Infeasible && arrives(plan) && !planner.stop.reached()) {
-    broken = post_impact_failure(plan.problem, plan.configuration, plan.impact, planner.stop);
-  }
   if (!broken.empty()) {
     say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
                     broken, plan.problem.post_impact.controllers.front()));

@@ -120,6 +120,7 @@ std::string approach_advice(ApproachStatus status) {
       return "constraints.clearance for the search, a shorter approach.wait";
     case ApproachStatus::TimeOut:
     case ApproachStatus::Interrupted:
+    case ApproachStatus::Stopped:
       return "more time";
     case ApproachStatus::TooSlow:
       return "a larger approach.acceleration_limit, a later variables.contact_time";

@@ -99,7 +99,7 @@ inline auto resistance_names() { return names_up_to(ResistanceModel::Locked); }
 inline auto impact_case_names() { return names_up_to(ImpactCase::C2); }
 inline auto plan_status_names() { return names_up_to(PlanStatus::Limit); }
 inline auto proof_status_names() { return names_up_to(ProofStatus::Undecided); }
-inline auto approach_status_names() { return names_up_to(ApproachStatus::BaseDriftOpen); }
+inline auto approach_status_names() { return names_up_to(ApproachStatus::Stopped); }
 
 /// Of the catalogue of quantities.
 inline std::vector<std::pair<std::string, ObjectiveQuantity>> objective_names() {

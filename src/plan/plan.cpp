@@ -20,7 +20,7 @@ std::string to_string(ApproachStatus status) {
       "found",        "not_requested",    "start_invalid",
       "goal_invalid", "goal_unreachable", "unreachable_in_base_mode",
       "hit_early",    "time_out",         "interrupted",
-      "too_slow",     "base_drift_open"};
+      "too_slow",     "base_drift_open",  "stopped"};
   return kNames[static_cast<int>(status)];
 }
 

@@ -42,6 +42,8 @@ class Stage {
   ChosenApproach choose() {
     if (!problem_.approach.enabled) {
       without_approach();
+    } else if (options_.stop.reached()) {
+      chosen_.approach.status = ApproachStatus::Stopped;
     } else if (base_follows_path(problem_) || !to_any()) {
       one_by_one();
     }

@@ -210,6 +210,12 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   if (choice.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {
     choice.approach.status = ApproachStatus::Interrupted;
   }
+  const bool is_cut = choice.approach.status == ApproachStatus::NotRequested &&
+                      problem.approach.enabled && options.stop.reached();
+  if (is_cut) choice.approach.status = ApproachStatus::Stopped;
+  if (choice.approach.status == ApproachStatus::Stopped) {
+    choice.approach.detail = "stopped before a path was looked for";
+  }
   plan.timing["approach"] = seconds_since(approach_begin);
 
   if (!found.candidates.empty()) {

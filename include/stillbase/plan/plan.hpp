@@ -134,7 +134,8 @@ enum class ApproachStatus {
   TimeOut,      ///< a deadline came first
   Interrupted,  ///< a signal came first
   TooSlow,
-  BaseDriftOpen  ///< the base moves with the path, and no path was found that ends at the contact
+  BaseDriftOpen,  ///< the base moves with the path, and no path was found that ends at the contact
+  Stopped         ///< a deadline or a signal came before a path was looked for
 };
 std::string to_string(ApproachStatus status);
 
