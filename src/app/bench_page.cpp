@@ -63,7 +63,7 @@ PageFigure figure(const BenchmarkAnalysis& analysis, const std::string& file,
   for (const OptimizerFigures& figures : analysis.optimizers) {
     if (panel.series.size() < 18) panel.series.push_back({figures.optimizer, figures.*curve});
   }
-  return {file, title, panel.series.empty() ? "" : plot_svg({panel})};
+  return {file, title, panel};
 }
 
 PageSection overview(const BenchmarkAnalysis& analysis, double gradient_cost) {
@@ -369,7 +369,8 @@ void write_bench_folder(const std::string& folder, const BenchFolder& content,
   const BenchmarkAnalysis analysis = analysis_of(content);
   const Page page = bench_page(analysis, references.gradient_cost);
   for (const PageSection& section : page.sections) {
-    for (const PageFigure& figure : section.figures) write(figure.file, figure.svg);
+    for (const PageFigure& figure : section.figures)
+      write(figure.file, figure.panel.series.empty() ? "" : plot_svg({figure.panel}));
   }
   write("report.md", page_to_markdown(page));
   write("times.md", page_to_markdown(bench_times_page(analysis)));

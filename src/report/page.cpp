@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "report/escape.hpp"
-
 namespace stillbase {
 
 namespace {
@@ -46,34 +44,6 @@ std::string table_to_markdown(const TextTable& table) {
   return out;
 }
 
-std::string html_table(const TextTable& table) {
-  std::string out = "<div class=\"wide\"><table>\n<thead><tr>";
-  for (const std::string& cell : table.header) out += "<th>" + escape_markup(cell) + "</th>";
-  out += "</tr></thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
-    out += "<tr>";
-    for (const std::string& cell : row) out += "<td>" + escape_markup(cell) + "</td>";
-    out += "</tr>\n";
-  }
-  return out + "</tbody></table></div>\n";
-}
-
-std::string inline_figure(const PageFigure& figure) {
-  return "<figure>\n" + figure.svg + "<figcaption>" + escape_markup(figure.caption) +
-         "</figcaption>\n</figure>\n";
-}
-
-constexpr const char* kStyle =
-    "body{font-family:sans-serif;line-height:1.5;max-width:62rem;margin:2rem auto;padding:0 1rem;"
-    "color:#222;background:#fff}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.2rem}"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem}"
-    "th,td{border:1px solid #ccc;padding:.25rem .6rem;text-align:left;white-space:nowrap}"
-    "th{background:#f2f2f2}figure{margin:1rem 0;overflow-x:auto}figcaption{font-size:.85rem}"
-    "svg{max-width:100%;height:auto}"
-    "@media(prefers-color-scheme:dark){body{color:#ddd;background:#1b1b1b}"
-    "th{background:#2a2a2a}th,td{border-color:#444}}"
-    "@media print{body{max-width:none}}";
-
 }  // namespace
 
 std::string page_to_markdown(const Page& page) {
@@ -87,24 +57,6 @@ std::string page_to_markdown(const Page& page) {
     }
   }
   return out;
-}
-
-std::string page_to_html(const Page& page) {
-  std::string out =
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      escape_markup(page.title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<h1>" +
-      escape_markup(page.title) + "</h1>\n";
-  for (const PageSection& section : page.sections) {
-    out += "<section>\n<h2>" + escape_markup(section.heading) + "</h2>\n";
-    for (const std::string& paragraph : section.paragraphs) {
-      out += "<p>" + escape_markup(paragraph) + "</p>\n";
-    }
-    if (!section.table.header.empty()) out += html_table(section.table);
-    for (const PageFigure& figure : section.figures) out += inline_figure(figure);
-    out += "</section>\n";
-  }
-  return out + "</body>\n</html>\n";
 }
 
 std::string table_to_csv(const TextTable& table) {

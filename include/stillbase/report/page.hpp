@@ -1,8 +1,11 @@
-// A page of headings, paragraphs, tables and figures, written as Markdown or as one HTML file.
+// Pages: headings, paragraphs, tables and figures as Markdown; a JSON document as one HTML file.
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <stillbase/report/plot.hpp>
 
 namespace stillbase {
 
@@ -15,7 +18,7 @@ struct TextTable {
 struct PageFigure {
   std::string file;  ///< name of the figure's own file, e.g. "ecdf.svg"
   std::string caption;
-  std::string svg;
+  PlotPanel panel;
 };
 
 struct PageSection {
@@ -33,9 +36,11 @@ struct Page {
 /// Tables aligned so that the text can be read as it is; figures as links to their files.
 std::string page_to_markdown(const Page& page);
 
-/// One file without anything from outside: figures inline, styles for light and dark screens and
-/// for print. Text is escaped.
-std::string page_to_html(const Page& page);
+/// One HTML file that needs nothing from outside: the page of web/ with a JSON document as its
+/// data. Its Content-Security-Policy runs the script and the style of web/ alone, known by their
+/// hashes; nothing in the document becomes markup.
+/// @param data_json what web/src/main.js reads: {"stillbase": version, "documents": [...]}
+std::string page_html(std::string_view data_json);
 
 /// Rows of a table as comma-separated values (RFC 4180), header first.
 std::string table_to_csv(const TextTable& table);

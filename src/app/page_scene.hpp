@@ -1,0 +1,29 @@
+// What a page draws of a robot, a problem and a plan beside what their files say.
+#pragma once
+
+#include <stillbase/core/interrupt.hpp>
+#include <stillbase/plan/plan.hpp>
+
+#include "io/json.hpp"
+
+namespace stillbase::app {
+
+/// Chain, shapes and hand of a robot. Lengths in m, joints in rad (m); a pose is
+/// [x, y, z, qw, qx, qy, qz]. The page moves the chain by itself (web/src/kinematics.js).
+///
+/// `meshes` is the place for what is drawn instead of the collision shapes: a list of
+/// {body, pose, color, vertices [[x, y, z]], triangles [[i, j, k]]}; bodies that it names are not
+/// drawn by their shapes.
+io::Json robot_scene(const RobotModel& robot);
+
+/// The robot, its start posture, target and obstacles, and the nominal motion of the target over
+/// the window of contact times.
+io::Json problem_scene(const CaptureProblem& problem);
+
+/// That of the problem, and: the target along the approach and at every candidate's contact, hand
+/// distance and closing speed, momenta, clearance, the motion after the impact under every
+/// controller of the problem.
+/// @param stop ends the simulations early
+io::Json plan_scene(const Plan& plan, const StopCondition& stop);
+
+}  // namespace stillbase::app

@@ -1,0 +1,283 @@
+// Pages of `stillbase report` in headless Chromium: what they say and draw, silence on console and
+// network, hostile names, browsers without WebGL, sizes.
+//
+//   node --test tests/report/page_in_chromium.mjs    with STILLBASE_TOOL and STILLBASE_SOURCE_DIR
+//   set
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {after, before, test} from 'node:test';
+
+import {Chromium} from './chromium.mjs';
+
+const tool = resolve(process.env.STILLBASE_TOOL);
+const source = resolve(process.env.STILLBASE_SOURCE_DIR);
+const folder = mkdtempSync(join(tmpdir(), 'stillbase-report-'));
+const path = name => join(folder, name);
+const run = (...words) =>
+    execFileSync(tool, words, {cwd: folder, stdio: ['ignore', 'pipe', 'pipe']});
+const json = name => JSON.parse(readFileSync(path(name), 'utf8'));
+
+let browser;
+
+before(async () => {
+  run('plan', join(source, 'problems/iiwa_client_50.yaml'), '-o', 'plan.json');
+  run('verify', 'plan.json', '-o', 'verdict.json');
+  run('report', 'plan.json', 'verdict.json', '-o', 'plan.html');
+  browser = await Chromium.start();
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+/// Opens a page, does something with it, and holds it to silence and its width.
+async function opened(name, options, use, chromium = browser) {
+  const page = await chromium.open(path(name), options);
+  try {
+    await page.evaluate(
+        'new Promise(resolve => requestAnimationFrame(() => setTimeout(resolve, 50)))');
+    await use(page);
+    assert.deepEqual(page.messages, [], 'console');
+    assert.deepEqual(page.requests, [], 'network');
+    assert.equal(page.dialogs, 0);
+    assert.equal(
+        await page.evaluate('document.documentElement.scrollWidth <= innerWidth'), true,
+        'nothing is off-screen');
+  } finally {
+    await page.close();
+  }
+}
+
+const text = page => page.evaluate('document.body.innerText');
+const scene = async page => {
+  await page.evaluate(`document.querySelector('.viewer').scrollIntoView()`);
+  await page.evaluate(
+      `new Promise(resolve => { const wait = () => document.querySelector('[data-ready]') ? resolve() : setTimeout(wait, 20); wait(); })`);
+};
+
+test('a page of a plan opens in less than a second', async () => {
+  // The least of three: other programs on the machine make it later, not faster.
+  let least = Infinity;
+  for (let i = 0; i < 3; ++i) {
+    await opened('plan.html', {}, async page => {
+      least = Math.min(
+          least,
+          await page.evaluate(
+              'performance.timing.loadEventEnd - performance.timing.navigationStart'));
+    });
+  }
+  assert.ok(least < 1000, `${least} ms`);
+});
+
+test('a page of a plan with its verification is below 2 MB', () => {
+  assert.ok(statSync(path('plan.html')).size < 2e6, `${statSync(path('plan.html')).size} bytes`);
+});
+
+test(
+    'a plan says first what was decided, how good and how sure it is, and what binds', async () => {
+      await opened('plan.html', {width: 1200}, async page => {
+        const words = await text(page);
+        const order = [
+          'iiwa_client_50', 'Verified: ', 'What was decided', 'How good it is', 'How sure it is',
+          'The capture', 'Joint torques', 'What could go wrong', 'What binds', 'Better candidates',
+          'Verification', 'Inputs'
+        ];
+        order.reduce((from, part) => {
+          const at = words.indexOf(part, from);
+          assert.ok(at >= 0, `'${part}' in its order`);
+          return at;
+        }, 0);
+        assert.match(words, /worst case over the cone/);
+        assert.ok(words.includes(json('plan.json').content_sha256));
+        assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), 10);
+      });
+    });
+
+test('no column is off-screen from 360 to 1920 px, in light and dark', async () => {
+  for (const width of [360, 800, 1200, 1920]) {
+    await opened('plan.html', {width, dark: width === 800}, async page => {
+      await scene(page);
+      const wide =
+          await page.evaluate(`[...document.querySelectorAll('.plot, .viewer, .tiles, section')]
+          .filter(each => each.getBoundingClientRect().right > innerWidth + 1).length`);
+      assert.equal(wide, 0);
+    });
+  }
+});
+
+test('at every sample the page has the hand where the planner has it', async () => {
+  await opened('plan.html', {}, async page => {
+    await scene(page);
+    const [samples, worst] = await page.evaluate(`(() => {
+      const {viewer} = document.querySelector('article');
+      const feature = viewer.data.target.features.find(each => each.name === viewer.data.target.feature);
+      const {times, distances} = viewer.motion.approach;
+      let worst = 0;
+      times.forEach((time, i) => {
+        const state = viewer.motion.at(time, 0);
+        viewer.view.robot.move(state);
+        const point = viewer.view.robot.hand.position.clone().set(...feature.point)
+            .applyQuaternion(state.target.quaternion).add(state.target.position);
+        worst = Math.max(worst, Math.abs(point.distanceTo(viewer.view.robot.hand.position) - distances[i]));
+      });
+      return [times.length, worst];
+    })()`);
+    assert.ok(samples > 100);
+    assert.ok(worst < 2e-5, `${worst} m`);
+  });
+});
+
+test('slider, keys and plots share the time', async () => {
+  await opened('plan.html', {fragment: 't=-8'}, async page => {
+    await scene(page);
+    const clock = () => page.evaluate(`document.querySelector('.clock').textContent`);
+    assert.equal(await clock(), '−8.00 s');
+    await page.evaluate(
+        `document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'c', bubbles: true}))`);
+    assert.equal(await clock(), '+0.00 s');
+    const impulse =
+        await page.evaluate(`document.querySelector('article').viewer.view.impulse.visible`);
+    assert.equal(impulse, true);
+    await page.evaluate(
+        `{ const slider = document.querySelector('.track input'); slider.value = 2; slider.dispatchEvent(new Event('input')); }`);
+    assert.equal(await clock(), '+2.00 s');
+    assert.match(
+        await page.evaluate(`document.querySelector('.hud').innerText`), /after the impact/);
+    assert.equal(
+        await page.evaluate(
+            `document.querySelector('article').viewer.slider.getAttribute('aria-label')`),
+        'Time from the contact, s');
+  });
+});
+
+test('a frame takes less than 33 ms of one processor with software rendering', async () => {
+  await opened('plan.html', {}, async page => {
+    await scene(page);
+    await page.evaluate('new Promise(resolve => setTimeout(resolve, 500))');
+    const frames = count => page.evaluate(`(() => {
+      const {view, motion} = document.querySelector('article').viewer;
+      const gl = view.renderer.getContext();
+      for (let i = 0; i < ${count}; ++i) {
+        view.show(motion.at(motion.begin + (motion.end - motion.begin) * i / ${count}, 0), null, 0);
+        view.draw();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      }
+    })()`);
+    await frames(5);
+    // Time of the browser's processes: a machine with other work shows it as well.
+    const spent = async () => (await browser.send('SystemInfo.getProcessInfo'))
+                                  .processInfo.reduce((sum, each) => sum + each.cpuTime, 0);
+    const begin = await spent();
+    await frames(60);
+    const each = 1000 * (await spent() - begin) / 60;
+    assert.ok(each < 33, `${each} ms`);
+  });
+});
+
+test('plots and words appear where WebGL does not', async () => {
+  const plain = await Chromium.start({webgl: false});
+  try {
+    await opened('plan.html', {}, async page => {
+      await page.evaluate(`document.querySelector('.viewer').scrollIntoView()`);
+      await page.evaluate('new Promise(resolve => setTimeout(resolve, 300))');
+      assert.match(await text(page), /WebGL 2 is missing/);
+      assert.ok(await page.evaluate(`document.querySelectorAll('.plot canvas').length`) > 0);
+    }, plain);
+  } finally {
+    await plain.close();
+  }
+});
+
+test('hostile names in files do nothing', async () => {
+  const hostile =
+      `</script><script>document.title='taken'</script><img src=x onerror="document.title='taken'"><!-- "'&`;
+  const plan = json('plan.json');
+  plan.problem.purpose = hostile;
+  plan.candidates[0].collision = hostile;
+  plan.candidates[0].collision_free = false;
+  plan.approach.detail = hostile;
+  plan.tool = {[hostile]: hostile};
+  plan.inputs[0].path = hostile;
+  const verdict = json('verdict.json');
+  verdict.claims[0] =
+      {...verdict.claims[0], group: hostile, name: hostile, detail: hostile, pass: false};
+  plan.verification = verdict;
+  writeFileSync(path('hostile.json'), JSON.stringify(plan));
+  run('report', 'hostile.json', '-o', 'hostile.html');
+  await opened('hostile.html', {}, async page => {
+    await scene(page);
+    assert.equal(await page.evaluate('document.title'), 'iiwa_client_50 – stillbase');
+    assert.equal(await page.evaluate(`document.querySelectorAll('img').length`), 0);
+    assert.ok((await text(page)).includes(hostile));
+    assert.match(await text(page), /its fingerprint does not fit/);
+  });
+});
+
+test('failed checks stand on top and are named, and a failed approach looks failed', async () => {
+  const plan = json('plan.json');
+  plan.approach = {...plan.approach, status: 'time_out', detail: 'no path in 60 s'};
+  const verdict = json('verdict.json');
+  verdict.verdict = 'fail';
+  Object.assign(verdict.claims[40], {pass: false, name: 'a_check_that_fails'});
+  Object.assign(verdict.claims[41], {pass: null, detail: 'not enough samples'});
+  plan.verification = verdict;
+  writeFileSync(path('failed.json'), JSON.stringify(plan));
+  run('report', 'failed.json', '-o', 'failed.html');
+  await opened('failed.html', {}, async page => {
+    const words = await text(page);
+    assert.match(words, /No approach path: time out/);
+    assert.match(
+        words, /Verification failed: 1 of 94 checks, 1 could not be made \(a check that fails\)/);
+    assert.ok(
+        await page.evaluate(`document.querySelector('article').classList.contains('failed')`));
+    const section = words.slice(words.lastIndexOf('Verification failed'));
+    assert.ok(section.indexOf('a check that fails') < section.indexOf('Could not be made'));
+  });
+});
+
+test('several plans stand side by side', async () => {
+  run('plan', join(source, 'problems/planar_two_link_c2_a.yaml'), '-o', 'planar.json');
+  run('report', 'plan.json', 'planar.json', 'verdict.json', '-o', 'both.html');
+  await opened('both.html', {}, async page => {
+    const words = await text(page);
+    assert.match(words, /Side by side/);
+    assert.match(words, /Not verified/);
+    await page.evaluate(`document.querySelectorAll('.tabs button')[1].click()`);
+    await scene(page);
+    assert.equal(
+        await page.evaluate(`document.querySelector('h1').textContent`), 'planar_two_link_c2_a');
+  });
+});
+
+test('a sweep, a front and a verification alone have pages of their own', async () => {
+  run('analyze', join(source, 'problems/planar_two_link_sweep_a.yaml'), '--sweep-direction', '72',
+      '-o', 'sweep.json');
+  run('plan', join(source, 'problems/planar_three_link_client.yaml'), '--pareto',
+      'base_angular_momentum,joint_rate_norm', '-o', 'front.json');
+  for (const [name, title, plots] of [
+           ['sweep', 'Impact over its direction', 2], ['front', 'Front of two quantities', 1],
+           ['verdict', 'Verification', 0]]) {
+    run('report', `${name}.json`, '-o', `${name}.html`);
+    await opened(`${name}.html`, {width: 1200}, async page => {
+      assert.match(await text(page), new RegExp(title, 'i'));
+      assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), plots);
+    });
+  }
+});
+
+test('the committed page is what its sources give', async t => {
+  const copy = path('web');
+  cpSync(
+      join(source, 'web'), copy, {recursive: true, filter: file => !file.includes('node_modules')});
+  try {
+    execFileSync(
+        'npm', ['ci', '--ignore-scripts', '--no-audit', '--no-fund'], {cwd: copy, stdio: 'pipe'});
+  } catch (error) {
+    return t.skip(`npm ci: ${error.stderr}`);
+  }
+  execFileSync('node', ['build.mjs', '--check'], {cwd: copy, stdio: 'pipe'});
+});

@@ -1,0 +1,56 @@
+// Elements and numbers. Text is only ever put into text nodes: nothing in a file becomes markup.
+
+/// An element with attributes and children (elements, texts, or null for nothing).
+export function h(name, attributes = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === false || value === null || value === undefined) continue;
+    if (key.startsWith('on')) {
+      element.addEventListener(key.slice(2), value);
+    } else {
+      element.setAttribute(key, value === true ? '' : value);
+    }
+  }
+  element.append(...children.flat().filter(child => child !== null && child !== undefined));
+  return element;
+}
+
+export const degrees = x => x * 180 / Math.PI;
+
+/// Four significant digits, a minus sign that can be seen, and zero for what rounding leaves.
+export function digits(x, count = 4) {
+  if (x === null || x === undefined || !Number.isFinite(x)) return '–';
+  if (Math.abs(x) < 1e-9) return '0';
+  const size = Math.abs(x);
+  const text = size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(count))) :
+                                            x.toExponential(Math.max(0, count - 2));
+  return text.replace('-', '−');
+}
+
+export const fixed = (x, places) => x.toFixed(places).replace('-', '−');
+
+/// A table. Cells that are numbers stand to the right.
+export function table(header, rows, options = {}) {
+  const cell = value => value instanceof Node ?
+      h('td', {}, value) :
+      h('td', {class: typeof value === 'number' ? 'number' : null},
+        typeof value === 'number' ? digits(value) : String(value ?? ''));
+  return h(
+      'div', {
+        class: 'scroll',
+        tabindex: 0,
+        role: 'region',
+        'aria-label': options.label ?? header.join(', ')
+      },
+      h('table', {class: options.class},
+        h('thead', {}, h('tr', {}, header.map(name => h('th', {scope: 'col'}, name)))),
+        h('tbody', {},
+          rows.map((row, i) => h('tr', {class: options.rowClass?.(i)}, row.map(cell))))));
+}
+
+export function section(title, ...children) {
+  return h('section', {}, h('h2', {}, title), ...children);
+}
+
+/// Words with spaces for names with underscores.
+export const spaced = name => String(name).replaceAll('_', ' ');
