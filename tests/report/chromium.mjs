@@ -130,11 +130,9 @@ class Page {
     return result.value;
   }
 
-  /// PNG of the window, or of the whole page.
-  async screenshot(whole = false) {
-    const {data} = await this.send(
-        'Page.captureScreenshot',
-        {format: 'png', captureBeyondViewport: whole, ...(whole ? {} : {})});
+  /// PNG of the window, or of a part of the page {x, y, width, height, scale}.
+  async screenshot(clip = undefined) {
+    const {data} = await this.send('Page.captureScreenshot', {format: 'png', clip});
     return Buffer.from(data, 'base64');
   }
 

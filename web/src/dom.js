@@ -22,8 +22,8 @@ export function digits(x, count = 4) {
   if (x === null || x === undefined || !Number.isFinite(x)) return '–';
   if (Math.abs(x) < 1e-9) return '0';
   const size = Math.abs(x);
-  const text = size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(count))) :
-                                            x.toExponential(Math.max(0, count - 2));
+  const rounded = Number(x.toPrecision(count));
+  const text = size >= 1e-3 && size < 1e5 ? String(rounded) : rounded.toExponential();
   return text.replace('-', '−');
 }
 

@@ -54,12 +54,8 @@ export function figures(document) {
   const cone = scene.cone_half_angle;
   return [
     [spaced(objective.name) + ', nominal', objective.nominal, objective.unit],
-    cone > 0 ?
-        [
-          `worst case over the cone of ${digits(degrees(cone))} deg`, objective.worst_case,
-          objective.unit
-        ] :
-        null,
+    cone > 0 ? ['worst case over the cone', objective.worst_case, objective.unit] : null,
+    cone > 0 ? ['half-angle of the cone', degrees(cone), 'deg'] : null,
     ['base rate after the impact', rate, 'deg/s'],
     ['impulse', Math.hypot(...impact.impulse.force), 'N s'],
     approach.status === 'found' && approach.min_clearance !== null ?

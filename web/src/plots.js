@@ -66,7 +66,8 @@ export class Plot {
       ticks: {stroke: css('--grid'), width: 1, size: 4},
       labelGap: 2,
     };
-    const tick = (u, values) => values.map(value => value === null ? '' : digits(value, 6));
+    const tick = (u, values) => values.map(
+        value => value === null ? '' : String(Number(value.toPrecision(6))).replace('-', '−'));
     this.plot =
         new uPlot(
             {
@@ -79,7 +80,15 @@ export class Plot {
                 sync: options.onSeek ? {key: options.sync ?? 'time', setSeries: false} : undefined,
               },
               legend: {live: true},
-              scales: {x: {time: false}, y: {range: (u, low, high) => this.range(low, high)}},
+              scales: {
+                x: {
+                  time: false,
+                  range: options.series.some(series => series.points) ?
+                      (u, low, high) => this.range(low, high) :
+                      undefined
+                },
+                y: {range: (u, low, high) => this.range(low, high)}
+              },
               axes: [
                 {...axis, label: options.x_label, labelSize: 18, size: 28, values: tick},
                 {...axis, label: options.y_label, labelSize: 18, size: 52, values: tick},

@@ -1,14 +1,8 @@
 // The scene with its controls: time, speed, cameras, layers, ghost, candidates.
+import {kCameras} from './cameras.js';
 import {degrees, digits, fixed, h, spaced} from './dom.js';
 import {bodyPoses} from './kinematics.js';
 import {Scene} from './scene.js';
-
-const kCameras = {
-  free: 'Free',
-  base: 'Base',
-  hand: 'Hand',
-  normal: 'Along the normal'
-};
 
 const hashOptions = new URLSearchParams(location.hash.slice(1));
 
