@@ -25,7 +25,7 @@ const fs::path kRoot = STILLBASE_SOURCE_DIR;
 std::vector<fs::path> pages() {
   std::vector<fs::path> out{kRoot / "README.md"};
   for (const char* folder :
-       {"problems", "problems/reference", "docs", "examples", "src", "bench", "tests"}) {
+       {"problems", "problems/reference", "docs", "examples", "src", "bench", "tests", "web"}) {
     if (!fs::exists(kRoot / folder)) continue;
     for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
       if (entry.path().extension() == ".md") out.push_back(entry.path());
