@@ -270,9 +270,8 @@ struct AnalyzeRequest {
 };
 
 int analyze_impact(const AnalyzeRequest& request) {
-  request.output.check();
+  request.output.check({".json", ".csv", ".svg"});
   const std::string extension = extension_of(request.output.path);
-  request.output.check_extension("the result");
   const Analysis analysis = analyse(read_problem(request.problem), request.directions);
   // A stopped sweep is saved as far as it came, but a plot of a part of the circle misleads.
   if (signal_exit_code() != 0 && extension == ".svg") return signal_exit_code();

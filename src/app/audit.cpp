@@ -17,17 +17,18 @@ namespace {
 struct AuditRequest {
   std::string plan;
   OutputFile output;
-  bool json = false;
+  bool json = false, shows_all = false;
 };
 
 int audit_plan_file(const AuditRequest& request) {
-  request.output.check();
+  request.output.check({".json"});
   const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions audit;
   audit.stop = stop_condition();
   const Verification verification = audit_plan(file.plan, audit);
   const std::string text = verification_to_json(verification, file.computed_sha256);
-  publish_verification(file.plan, verification, text, request.output, request.json, "audit");
+  publish_verification(file.plan, verification, text,
+                       {request.output, request.json, request.shows_all, "audit"});
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;
@@ -43,6 +44,7 @@ Command audit_command() {
       "enclosures, bounds, counts (part of verify)",
       std::vector<Option>{
           {"plan", "PLAN.json", "plan file (JSON)", &request->plan, true},
+          {"--all", "", "print every check in full", &request->shows_all},
           {"--json", "", "print the result on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
       [request] { return audit_plan_file(*request); }};

@@ -200,9 +200,13 @@ int run_bench(const BenchRequest& request) {
     say(fmt::format("{} best known values are new or beaten; --update-best-known enters them",
                     beaten));
   }
-  if (!temporary) say(fmt::format("written to {}", folder));
-  for (const std::string& run : died)
+  for (const std::string& run : died) {
     say(fmt::format("not in the report, its worker died: {}", run));
+  }
+  if (!temporary) {
+    say(fmt::format("written to {}", folder));
+    say_next({"report", folder, "-o", fs::path(folder).lexically_normal().string() + ".html"});
+  }
   return died.empty() ? kDone : kCampaignIncomplete;
 }
 

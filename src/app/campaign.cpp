@@ -15,9 +15,11 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/verification_file.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/planner/planner.hpp>
 
 #include "app/command_line.hpp"
+#include "app/trial_words.hpp"
 #include "io/fields/results.hpp"
 
 namespace stillbase::app {
@@ -38,7 +40,7 @@ std::string absolute(const std::string& path, const std::string& spec) {
 }
 
 int make_cases(const CampaignMakeRequest& request) {
-  request.output.check();
+  request.output.check({".jsonl"});
   const CampaignSpec spec = read_campaign_spec(read_text_file(request.spec), request.spec);
   std::string text;
   const auto add = [&](CampaignCase piece) { text += case_to_text(piece) + "\n"; };
@@ -78,6 +80,10 @@ int make_cases(const CampaignMakeRequest& request) {
   }
   request.output.write(text);
   say(fmt::format("{} cases", count));
+  if (request.output.is_given()) {
+    const std::string folder = fs::path(request.output.path).replace_extension().string();
+    say_next({"campaign", "run", request.output.path, "-o", folder});
+  }
   return kDone;
 }
 
@@ -168,6 +174,7 @@ int run_cases(const CampaignRunRequest& request) {
                     done.died.size(), campaign.tries, fmt::join(done.died, ", ")));
   }
   if (signal_exit_code() != 0) return signal_exit_code();
+  say_next({"campaign", "merge", request.folder, "-o", request.folder + ".json"});
   return done.is_complete() ? kDone : kCampaignIncomplete;
 }
 
@@ -195,7 +202,7 @@ void summarize(Group& group) {
                          : read_plan(read_text_file(piece.plan), piece.plan).plan.problem;
   group.result.trials.first.sizes = perturbations_for(problem);
   group.result.trials.first.seed = piece.seed;
-  group.result.trials.second = summarize_trials(outcomes);
+  group.result.trials.second = summarize_trials(outcomes, 0, objective_unit_name(problem));
 }
 
 /// In the order in which the cases name them.
@@ -225,8 +232,33 @@ std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged,
   return out;
 }
 
+std::string subject_of(const io::CampaignGroup& group) {
+  const CampaignCase& piece = group.piece;
+  return fmt::format("{}, seed {}", piece.plan.empty() ? piece.problem : piece.plan, piece.seed);
+}
+
+/// The groups with the least probability of success, the least one in full: what fits a screen.
+void print_groups(std::vector<const io::CampaignGroup*> groups) {
+  constexpr std::size_t kShown = 10;
+  const auto success = [](const io::CampaignGroup* g) {
+    return g->trials.second.success_probability;
+  };
+  std::stable_sort(groups.begin(), groups.end(),
+                   [&](const auto* a, const auto* b) { return success(a) < success(b); });
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (i == kShown) {
+      say(fmt::format("and {} with higher probabilities of success", groups.size() - kShown));
+      break;
+    }
+    const io::CampaignGroup& group = *groups[i];
+    say(fmt::format("{}: {}{}", subject_of(group),
+                    i == 0 ? trial_words(group.trials.second) : success_words(group.trials.second),
+                    group.verified ? "" : "\n  the plan fails its verification"));
+  }
+}
+
 int merge_cases(const CampaignMergeRequest& request) {
-  request.output.check();
+  request.output.check({".json"});
   MergedCampaign merged = merge_campaign(request.folder);
   std::vector<io::CampaignGroup> groups = groups_of(
       merged, read_cases(merged.cases, (fs::path(request.folder) / "cases.jsonl").string()));
@@ -243,6 +275,13 @@ int merge_cases(const CampaignMergeRequest& request) {
       merged.missing.size(), merged.contradictory.size(), merged.duplicates, merged.damaged));
   const std::string dead = dead_words(merged);
   if (!dead.empty()) say(fmt::format("cases whose workers died: {}", dead));
+  std::vector<const io::CampaignGroup*> shown;
+  for (const io::CampaignGroup& group : groups) shown.push_back(&group);
+  print_groups(shown);
+  if (!merged.is_complete()) {
+    const std::string cases = (fs::path(request.folder) / "cases.jsonl").string();
+    say_next({"campaign", "run", cases, "-o", request.folder});
+  }
   return merged.is_complete() ? kDone : kCampaignIncomplete;
 }
 

@@ -1,4 +1,5 @@
 // stillbase check: validates files and says what was understood.
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -68,6 +69,14 @@ Report report_on(const std::string& path, const std::string& hand,
   return {"problem", problem_report(problem), problem.robot.remarks};
 }
 
+/// The command that takes a good file further.
+void print_next(const std::string& file, const std::string& kind) {
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (kind == "problem") say_next({"plan", file, "-o", stem + ".json"});
+  if (kind == "plan") say_next({"verify", file});
+  if (kind == "campaign") say_next({"campaign", "make", file, "-o", stem + ".jsonl"});
+}
+
 /// Every file is looked at, whatever is wrong with the ones before it.
 int check_files(const CheckRequest& request) {
   int code = kDone;
@@ -77,6 +86,7 @@ int check_files(const CheckRequest& request) {
       const Report report = report_on(file, request.hand, robot);
       if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
+      if (request.files.size() == 1) print_next(file, report.kind);
     } catch (const InputError& error) {
       say(error.what());
       code = kInputRefused;

@@ -1,6 +1,7 @@
 #include "app/command_line.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -10,6 +11,8 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
+#include "io/scalars.hpp"
 
 namespace stillbase::app {
 
@@ -94,25 +97,74 @@ void add_command(CLI::App& parent, const Command& command, const Command*& chose
   }
 }
 
-/// What CLI11 does not refuse by itself: empty values, and a first word that is no subcommand.
-void check_arguments(const std::vector<Command>& commands, int argc, const char* const* argv) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
+std::vector<std::string> names_of(const std::vector<Command>& commands) {
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.name);
+  return names;
+}
+
+/// "--output=x" is the option --output; a negative number is none.
+void check_option(const std::string& argument, const std::vector<std::string>& known,
+                  const std::string& path) {
+  const bool is_long = argument.rfind("--", 0) == 0 && argument.size() > 2;
+  const bool is_short = argument.size() > 1 && argument[0] == '-' && !is_long &&
+                        std::isalpha(static_cast<unsigned char>(argument[1])) != 0;
+  if (!is_long && !is_short) return;
+  const std::string name = is_long ? argument.substr(0, argument.find('=')) : argument.substr(0, 2);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  const std::string where = path.empty() ? "" : path + ": ";
+  throw CommandLineError(fmt::format("{}there is no option {}{}; `stillbase {}` lists them", where,
+                                     name, io::did_you_mean(name, known),
+                                     path.empty() ? "--help" : path + " --help"));
+}
+
+/// What CLI11 does not refuse by itself, or without a suggestion: empty values, subcommands and
+/// options that do not exist.
+void check_arguments(const std::vector<Command>& commands, const std::vector<const char*>& argv) {
+  const std::vector<std::string> arguments(argv.begin() + 1, argv.end());
+  for (const std::string& argument : arguments) {
     if (argument.empty()) throw CommandLineError("an argument is empty");
     if (argument.rfind("--", 0) == 0 && argument.size() > 2 && argument.back() == '=') {
       throw CommandLineError(argument + ": the value is empty");
     }
   }
-  if (argc < 2 || argv[1][0] == '-') return;
-  std::vector<std::string> names;
-  for (const Command& command : commands) names.push_back(command.name);
-  if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-    throw CommandLineError(
-        fmt::format("there is no subcommand '{}'; there are {}", argv[1], fmt::join(names, ", ")));
+  std::string path;
+  std::vector<std::string> known{"-h", "--help", "-V", "--version"};
+  const std::vector<Command>* level = &commands;
+  for (const std::string& argument : arguments) {
+    if (argument == "--") return;
+    if (argument[0] == '-') {
+      check_option(argument, known, path);
+      continue;
+    }
+    if (level->empty()) continue;
+    const auto chosen = std::find_if(level->begin(), level->end(),
+                                     [&](const Command& c) { return c.name == argument; });
+    if (chosen == level->end()) {
+      const std::vector<std::string> names = names_of(*level);
+      throw CommandLineError(fmt::format("there is no subcommand '{}'{}; there are {}", argument,
+                                         io::did_you_mean(argument, names),
+                                         fmt::join(names, ", ")));
+    }
+    path += (path.empty() ? "" : " ") + argument;
+    known = {"-h", "--help"};
+    for (const Option& option : chosen->options) {
+      for (const std::string& flag : flags_of(option)) known.push_back(flag);
+    }
+    level = &chosen->subcommands;
   }
 }
 
 }  // namespace
+
+std::vector<std::string> flags_of(const Option& option) {
+  std::vector<std::string> flags;
+  std::istringstream names(option.name);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (name.front() == '-') flags.push_back(name);
+  }
+  return flags;
+}
 
 std::vector<Option> output_options(OutputFile& output, const std::string& name,
                                    const std::string& about) {
@@ -128,15 +180,25 @@ std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& 
 int run_command_line(const ProgramText& program, const std::vector<Command>& commands, int argc,
                      const char* const* argv) {
   open_standard_descriptors();
+  std::vector<const char*> arguments(argv, argv + argc);
+  const auto is_command = [&](const std::string& name) {
+    return std::any_of(commands.begin(), commands.end(),
+                       [&](const Command& command) { return command.name == name; });
+  };
+  // `help plan` is `plan --help`.
+  if (argc > 2 && std::string_view(argv[1]) == "help" && is_command(argv[2])) {
+    arguments.erase(arguments.begin() + 1);
+    arguments.push_back("--help");
+  }
   CLI::App app(program.about, program.name);
-  app.set_version_flag("--version", program.name + " " + program.version);
+  app.set_version_flag("-V,--version", program.name + " " + program.version);
   app.footer(program.footer);
   app.require_subcommand(1);
   const Command* chosen = nullptr;
   for (const Command& command : commands) add_command(app, command, chosen);
-  check_arguments(commands, argc, argv);
+  check_arguments(commands, arguments);
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
   } catch (const CLI::ParseError& error) {
     const bool is_request = error.get_exit_code() == 0;  // --help, --version
     std::ostringstream out, err;

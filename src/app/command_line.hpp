@@ -31,6 +31,7 @@ struct Option {
   long least = 1, most = std::numeric_limits<int>::max();  ///< range of `int` and `long`
   int count = 1;                                           ///< of a list of numbers
   std::vector<std::string> excludes = {};                  ///< options that it cannot go with
+  std::vector<std::string> words = {};  ///< values that the shell completes; others may be good
 };
 
 /// A subcommand.
@@ -41,6 +42,9 @@ struct Command {
   std::function<int()> run;               ///< after parsing; its result is the exit code
   std::vector<Command> subcommands = {};  ///< one of them is required where there are some
 };
+
+/// The names of an option, "-o" and "--output"; none of a positional argument.
+std::vector<std::string> flags_of(const Option& option);
 
 /// Options for an output file and for --force, which permits to replace it.
 std::vector<Option> output_options(OutputFile& output, const std::string& name,

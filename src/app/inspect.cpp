@@ -54,7 +54,7 @@ class Listing : public io::TableWriter {
 };
 
 int inspect_robot(const InspectRequest& request) {
-  request.output.check();
+  request.output.check({".json", ".txt"});
   const RobotModel robot = load_robot(request.robot, request.hand, {.may_lack_base = true});
   const RobotState state = request.state.empty()
                                ? zero_state(robot)
@@ -93,7 +93,7 @@ Command inspect_command() {
           {"--state", "STATE.json", "joint positions, velocities, impulse (JSON)", &request->state},
           {"--json", "", "print one JSON object", &request->json}} +
           output_options(request->output, "-o,--output",
-                         "JSON with .json, else text; without it stdout"),
+                         "matrices as .json, or as text (.txt); without it stdout"),
       [request] { return inspect_robot(*request); }};
 }
 

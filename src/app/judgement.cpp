@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -102,12 +104,19 @@ Claim inputs_check(const PlanFile& file, const std::string& plan_path,
   return claim;
 }
 
+const char* mark_of(const Claim& claim) {
+  return claim.pass ? "ok" : claim.fails() ? "FAILED" : "open";
+}
+
 std::string check_line(const Claim& claim) {
   const std::string unit = claim.unit == "1" ? "" : " " + claim.unit;
   const std::string value = claim.value ? fmt::format("{:.4g}{}", *claim.value, unit) : "none";
-  const char* mark = claim.pass ? "ok" : claim.fails() ? "FAILED" : "open";
-  return fmt::format("  {:<6} {:<34} {:>14}  limit {:.4g}{}  {}", mark, claim.name, value,
-                     claim.limit, unit, claim.detail);
+  const std::string mark = fmt::format("{:<6}", mark_of(claim));
+  return fmt::format("  {} {:<34} {:>14}  limit {:.4g}{}  {}",
+                     claim.pass      ? mark
+                     : claim.fails() ? toned(Tone::Bad, mark)
+                                     : toned(Tone::Open, mark),
+                     claim.name, value, claim.limit, unit, claim.detail);
 }
 
 /// What the checks of each group answer, in the order in which they are printed.
@@ -131,33 +140,58 @@ std::string report_line(const ControllerReport& report) {
       report.residual_joint_rate, report.peak_joint_rate);
 }
 
-void print_checks(const Plan& plan, const Verification& verification) {
-  say(fmt::format("{:<13} {}: {}", "problem", plan.problem.name, plan.problem.purpose));
+std::vector<Claim> checks_of(const Verification& verification, ClaimGroup group) {
+  std::vector<Claim> checks;
+  std::copy_if(verification.claims.begin(), verification.claims.end(), std::back_inserter(checks),
+               [group](const Claim& claim) { return claim.group == group; });
+  return checks;
+}
+
+void print_all_checks(const Verification& verification) {
   for (const auto& [group, heading] : kHeadings) {
-    bool is_first = true;
+    const std::vector<Claim> checks = checks_of(verification, group);
+    if (!checks.empty()) say(heading);
+    for (const Claim& claim : checks) say(check_line(claim));
+  }
+}
+
+/// Failed and open checks in full, then one line per group.
+void print_grouped_checks(const Verification& verification) {
+  const auto print_where = [&](bool (*is_wanted)(const Claim&)) {
     for (const Claim& claim : verification.claims) {
-      if (claim.group != group) continue;
-      if (is_first) say(heading);
-      is_first = false;
-      say(check_line(claim));
+      if (is_wanted(claim)) say(check_line(claim));
     }
+  };
+  print_where([](const Claim& claim) { return claim.fails(); });
+  print_where([](const Claim& claim) { return !claim.is_checked; });
+  for (const auto& [group, heading] : kHeadings) {
+    const std::vector<Claim> checks = checks_of(verification, group);
+    if (checks.empty()) continue;
+    const auto held =
+        std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return c.pass; });
+    const bool all = held == static_cast<long>(checks.size());
+    const std::string of_all = all ? "" : fmt::format(" of {}", checks.size());
+    say(fmt::format("  {:>9} hold  {}", fmt::format("{}{}", held, of_all), heading));
   }
 }
 
 void print_verdict(const Verification& verification, const std::string& what) {
   const auto& checks = verification.claims;
   if (verification.interrupted) {
-    return say("verdict: none, it was interrupted; the remaining checks were not made");
+    return say(
+        toned(Tone::Open, "verdict: none, it was interrupted; the remaining checks were not made"));
   }
   const auto failed =
       std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return c.fails(); });
   const auto open =
       std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return !c.is_checked; });
   const std::string not_checked = open == 0 ? "" : fmt::format(", {} could not be checked", open);
-  say(verification.pass ? fmt::format("verdict: pass, all {} {} checks hold{}",
-                                      static_cast<long>(checks.size()) - open, what, not_checked)
-                        : fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}", failed,
-                                      checks.size(), what, not_checked));
+  say(verification.pass
+          ? toned(Tone::Good,
+                  fmt::format("verdict: pass, all {} {} checks hold{}",
+                              static_cast<long>(checks.size()) - open, what, not_checked))
+          : toned(Tone::Bad, fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}", failed,
+                                         checks.size(), what, not_checked)));
 }
 
 }  // namespace
@@ -173,13 +207,17 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
 }
 
 void publish_verification(const Plan& plan, const Verification& verification,
-                          const std::string& text, const OutputFile& output, bool as_json,
-                          const std::string& what) {
-  output.write(text);
-  if (as_json && output.is_given()) write_stdout(text);
-  print_checks(plan, verification);
+                          const std::string& text, const Publication& publication) {
+  publication.output.write(text);
+  if (publication.as_json && publication.output.is_given()) write_stdout(text);
+  print_verdict(verification, publication.what);
+  say(fmt::format("{:<13} {}: {}", "problem", plan.problem.name, plan.problem.purpose));
+  if (publication.shows_all) {
+    print_all_checks(verification);
+  } else {
+    print_grouped_checks(verification);
+  }
   for (const ControllerReport& report : verification.reports) say(report_line(report));
-  print_verdict(verification, what);
 }
 
 }  // namespace stillbase::app

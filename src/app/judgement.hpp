@@ -15,12 +15,17 @@ namespace stillbase::app {
 void add_input_checks(const PlanFile& file, const std::string& plan_path,
                       const std::string& problem_path, Verification& verification);
 
-/// Writes the verification file, and prints the problem, the checks by group, what the controllers
-/// do, and whether all checks hold and how many could not be made.
-/// @param as_json on stdout also beside a file
-/// @param what kind of the checks
+/// How a verification is published.
+struct Publication {
+  OutputFile output;
+  bool as_json = false;    ///< on stdout also beside a file
+  bool shows_all = false;  ///< every check in full; else those that hold as one line per group
+  std::string what = {};   ///< kind of the checks
+};
+
+/// Writes the verification file and prints the problem, the verdict, the checks that fail or could
+/// not be made in full, those that hold by group, and what the controllers do.
 void publish_verification(const Plan& plan, const Verification& verification,
-                          const std::string& text, const OutputFile& output, bool as_json,
-                          const std::string& what);
+                          const std::string& text, const Publication& publication);
 
 }  // namespace stillbase::app

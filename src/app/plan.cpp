@@ -134,7 +134,6 @@ int run_pareto(const CaptureProblem& problem, const std::string& quantities, dou
   check_stated(problem, first);
   check_stated(problem, second);
   const std::string extension = extension_of(output.path);
-  output.check_extension("a front");
   TradeOffOptions options;
   options.optimizer = problem.search.optimizer;
   options.starts = problem.search.starts;
@@ -172,10 +171,12 @@ int exit_code_of(const Plan& plan, bool keeps_limits) {
 }
 
 int plan_capture(const PlanRequest& request) {
-  request.output.check();
   if (is_same_file(request.problem, request.output.path)) {
     throw CommandLineError("--output " + request.output.path + ": is the problem file itself");
   }
+  const bool is_front = !request.pareto.empty();
+  request.output.check(is_front ? std::vector<std::string>{".json", ".csv", ".svg"}
+                                : std::vector<std::string>{".json"});
   if (!request.optimizer.empty()) {
     check_known("--optimizer " + request.optimizer, request.optimizer, nlp::optimizer_names());
   }
@@ -185,7 +186,7 @@ int plan_capture(const PlanRequest& request) {
   if (request.seed) problem.search.seed = *request.seed;
   if (request.starts) problem.search.starts = *request.starts;
 
-  if (!request.pareto.empty()) {
+  if (is_front) {
     if (!problem.variables.features.empty()) {
       throw CommandLineError(
           "--pareto: the front is that of one contact feature; the problem leaves the choice of "
@@ -224,6 +225,12 @@ int plan_capture(const PlanRequest& request) {
     say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
                     broken, plan.problem.post_impact.controllers.front()));
   }
+  if (plan.status == PlanStatus::Infeasible) {
+    say_next({"check", request.problem});
+  } else if (request.output.is_given()) {
+    const std::string& path = request.output.path;
+    say_next({"verify", path, "-o", with_extension(path, ".verification.json")});
+  }
   return exit_code_of(plan, broken.empty());
 }
 
@@ -236,9 +243,11 @@ Command plan_command() {
       "find the posture in which an impact disturbs the base least, and the approach path to it",
       std::vector<Option>{
           {"problem", "PROBLEM.yaml", "problem file (YAML)", &request->problem, true},
-          {"--optimizer", "NAME",
-           "local solver in place of the problem's, e.g. nlopt-slsqp or ipopt",
-           &request->optimizer},
+          {.name = "--optimizer",
+           .value = "NAME",
+           .about = "local solver in place of the problem's, e.g. nlopt-slsqp or ipopt",
+           .target = &request->optimizer,
+           .words = nlp::optimizer_names()},
           {"--seed", "", "seed of all random choices", &request->seed},
           {"--starts", "N", "starts of the search", &request->starts, false, 1, kMaxStarts},
           {"--time-limit", "S", "seconds after which the search stops", &request->time_limit},

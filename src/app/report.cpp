@@ -131,7 +131,7 @@ Json documents_of(const std::vector<std::string>& paths) {
 }
 
 int write_report(const ReportRequest& request) {
-  request.output.check();
+  request.output.check({".html", ".htm"});
   const Json data{{"stillbase", STILLBASE_VERSION}, {"documents", documents_of(request.inputs)}};
   request.output.write(page_html(data.dump()));
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));

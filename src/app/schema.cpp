@@ -7,6 +7,7 @@
 #include <stillbase/io/schema.hpp>
 
 #include "app/command_line.hpp"
+#include "io/scalars.hpp"
 
 namespace stillbase::app {
 
@@ -17,6 +18,12 @@ struct SchemaRequest {
   bool fields = false;
   OutputFile output;
 };
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const FileFormat& format : file_formats()) names.push_back(format.name);
+  return names;
+}
 
 std::string list_of_formats(const std::vector<FileFormat>& formats) {
   std::string text;
@@ -31,7 +38,7 @@ std::string list_of_formats(const std::vector<FileFormat>& formats) {
 int write_schema(const SchemaRequest& request) {
   if (request.fields) {
     if (!request.name.empty()) throw CommandLineError("schema: --fields is about all formats");
-    request.output.check();
+    request.output.check({".md"});
     request.output.write(field_reference());
     return kDone;
   }
@@ -41,13 +48,13 @@ int write_schema(const SchemaRequest& request) {
     write_stdout(list_of_formats(formats));
     return kDone;
   }
-  std::vector<std::string> names;
-  for (const FileFormat& format : formats) names.push_back(format.name);
+  const std::vector<std::string> names = format_names();
   if (std::find(names.begin(), names.end(), request.name) == names.end()) {
-    throw CommandLineError(fmt::format("schema: there is no format '{}'; there are {}",
-                                       request.name, fmt::join(names, ", ")));
+    throw CommandLineError(fmt::format("schema: there is no format '{}'{}; there are {}",
+                                       request.name, io::did_you_mean(request.name, names),
+                                       fmt::join(names, ", ")));
   }
-  request.output.check();
+  request.output.check({".json"});
   request.output.write(schema_of(request.name));
   return kDone;
 }
@@ -59,10 +66,12 @@ Command schema_command() {
   return {
       "schema", "the JSON Schema of a file format, for editors and programs",
       std::vector<Option>{
-          {"format", "FORMAT",
-           "problem, target, state, campaign, suite, plan, verification, ...; "
-           "without it a list of all",
-           &request->name},
+          {.name = "format",
+           .value = "FORMAT",
+           .about = "problem, target, state, campaign, suite, plan, verification, ...; "
+                    "without it a list of all",
+           .target = &request->name,
+           .words = format_names()},
           {"--fields", "", "the fields of all files that people write, and of plans, as Markdown",
            &request->fields}} +
           output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),

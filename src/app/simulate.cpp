@@ -234,13 +234,13 @@ std::string contact_table(const ContactCase& stated, double friction, bool as_js
 }
 
 int simulate_motion(const SimulateRequest& request) {
-  request.trace.check();
-  request.plot.check();
   for (const OutputFile* output : {&request.trace, &request.plot}) {
     if (is_same_file(request.input, output->path)) {
       throw CommandLineError(output->path + ": is the input itself");
     }
   }
+  request.trace.check({".csv"});
+  request.plot.check({".svg"});
   if (is_same_file(request.trace.path, request.plot.path)) {
     throw CommandLineError("--trace and --plot name the same file, " + request.plot.path);
   }
@@ -312,10 +312,12 @@ Command simulate_command() {
           std::vector<Option>{
               {"input", "PROBLEM.yaml|PLAN.json", "problem (YAML) or plan (JSON)", &request->input,
                true},
-              {"--controller", "NAME",
-               "one controller in place of the problem's: none, joint_damping, "
-               "joint_damping_literal, rns, rns_damped, rns_handback",
-               &request->controller},
+              {.name = "--controller",
+               .value = "NAME",
+               .about = "one controller in place of the problem's: none, joint_damping, "
+                        "joint_damping_literal, rns, rns_damped, rns_handback",
+               .target = &request->controller,
+               .words = controller_names()},
               {"--plot", "OUT.svg", "the paper's Figs. 6 to 8 for every controller, as SVG",
                &request->plot.path},
               {"--contact-table", "",

@@ -8,9 +8,11 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 
@@ -19,6 +21,8 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
+
+#include "io/scalars.hpp"
 
 namespace stillbase::app {
 
@@ -90,7 +94,8 @@ int signal_exit_code() {
 void check_known(const std::string& option, const std::string& name,
                  const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw CommandLineError(fmt::format("{}: unknown; there are {}", option, fmt::join(known, ", ")));
+  throw CommandLineError(fmt::format("{}: unknown{}; there are {}", option,
+                                     io::did_you_mean(name, known), fmt::join(known, ", ")));
 }
 
 std::string extension_of(const std::string& path) {
@@ -123,8 +128,14 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return full(a) == full(b);
 }
 
-void OutputFile::check() const {
+void OutputFile::check(const std::vector<std::string>& endings) const {
   if (!is_given()) return;
+  const bool is_known =
+      std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end();
+  if (!endings.empty() && !is_known) {
+    throw CommandLineError(
+        fmt::format("{}: this command writes {}", path, fmt::join(endings, ", ")));
+  }
   std::error_code ignored;
   const std::filesystem::path target(path);
   if (std::filesystem::exists(target, ignored)) {
@@ -140,12 +151,6 @@ void OutputFile::check() const {
   if (access(folder.c_str(), W_OK) != 0) {
     throw FileError(path + ": the folder " + folder.string() + " cannot be written");
   }
-}
-
-void OutputFile::check_extension(const std::string& what) const {
-  const std::string extension = extension_of(path);
-  if (!is_given() || extension == ".json" || extension == ".csv" || extension == ".svg") return;
-  throw CommandLineError(path + ": " + what + " is written as .json, .csv or .svg");
 }
 
 void OutputFile::write(std::string_view text) const {
@@ -164,12 +169,72 @@ void write_stdout(std::string_view text) {
 
 void say(std::string_view line) { write_stderr(fmt::format("{}\n", line)); }
 
+namespace {
+
+/// The word as a shell reads it back.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_-./=,:+@%").find(c) != std::string_view::npos;
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+/// "40 s", "3 min 20 s", "2 h 5 min"
+std::string duration_words(double seconds) {
+  const long s = std::lround(seconds);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
+  return fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
+}
+
+}  // namespace
+
+void say_next(const std::vector<std::string>& words) {
+  std::string command = "stillbase";
+  for (const std::string& word : words) command += " " + shell_word(word);
+  say("next: " + command);
+}
+
+std::string with_extension(const std::string& path, const std::string& extension) {
+  return std::filesystem::path(path).replace_extension(extension).string();
+}
+
+std::string toned(Tone tone, const std::string& text) {
+  static const bool has_colour = [] {
+    const char *no_colour = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+    const bool is_forbidden = no_colour != nullptr && *no_colour != '\0';
+    const bool is_dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
+    return isatty(STDERR_FILENO) == 1 && !is_forbidden && !is_dumb;
+  }();
+  if (!has_colour) return text;
+  const char* code = tone == Tone::Good ? "32" : tone == Tone::Bad ? "1;31" : "33";
+  return fmt::format("\033[{}m{}\033[0m", code, text);
+}
+
 ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
 ProgressLine::~ProgressLine() { clear(); }
 
 void ProgressLine::show(const std::string& what, int done, int total) {
   if (!is_terminal_) return;
-  write_stderr(fmt::format("\r\033[K{} {}/{}", what, done, total));
+  const Clock::time_point now = Clock::now();
+  if (what != what_ || done < first_) {
+    what_ = what;
+    first_ = done;
+    began_ = now;
+  } else if (done < total && now - drawn_ < std::chrono::milliseconds(100)) {
+    return;
+  }
+  drawn_ = now;
+  std::string left;
+  if (done > first_ && done < total) {
+    const double seconds = std::chrono::duration<double>(now - began_).count();
+    left = fmt::format(", {} left", duration_words(seconds * (total - done) / (done - first_)));
+  }
+  write_stderr(fmt::format("\r\033[K{} {}/{}{}", what, done, total, left));
   is_shown_ = true;
 }
 

@@ -1,6 +1,7 @@
 // What the subcommands share: exit codes, signals, input and output.
 #pragma once
 
+#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -26,6 +27,12 @@ enum ExitCode : int {
   kSignalBase = 128  ///< + number of the signal
 };
 
+/// What an exit code means; those of signals share a line.
+struct ExitMeaning {
+  std::string codes, text;
+};
+std::vector<ExitMeaning> exit_meanings();
+
 /// A command line that no parser can know to be wrong: exit code 2.
 class CommandLineError : public std::runtime_error {
  public:
@@ -50,7 +57,7 @@ StopCondition stop_condition(double time_limit = 0);
 int signal_exit_code();
 
 /// @param option what was given, with its name: "--optimizer ipopt"
-/// @throws CommandLineError unless the name is one of the known ones
+/// @throws CommandLineError unless the name is one of the known ones; it suggests the nearest one
 void check_known(const std::string& option, const std::string& name,
                  const std::vector<std::string>& known);
 
@@ -74,11 +81,10 @@ struct OutputFile {
 
   bool is_given() const { return !path.empty(); }
   /// Before long work: can the file be written?
+  /// @param endings extensions that the command can write, ".json"; empty: any
+  /// @throws CommandLineError when the file has another extension
   /// @throws FileError when it exists without --force, or its folder does not
-  void check() const;
-  /// @param what "a front": what is written there
-  /// @throws CommandLineError when a file is given whose extension is none of .json, .csv, .svg
-  void check_extension(const std::string& what) const;
+  void check(const std::vector<std::string>& endings = {}) const;
   /// Writes the file, or stdout when none is given.
   /// @throws FileError
   void write(std::string_view text) const;
@@ -91,7 +97,21 @@ void write_stdout(std::string_view text);
 /// A line for people on stderr.
 void say(std::string_view line);
 
-/// One line on stderr that is rewritten as work goes on; nothing unless stderr is a terminal.
+/// The last line of a summary: the command to type next.
+/// @param words of the command, without "stillbase"; each is quoted for the shell where it needs it
+void say_next(const std::vector<std::string>& words);
+
+/// The path with another extension: "plan.json" to "plan.html".
+std::string with_extension(const std::string& path, const std::string& extension);
+
+enum class Tone { Good, Bad, Open };
+
+/// The text in colour when stderr is a terminal and the environment does not forbid it (NO_COLOR
+/// not empty, TERM=dumb); else as it is.
+std::string toned(Tone tone, const std::string& text);
+
+/// One line on stderr that is rewritten as work goes on, with the time left; nothing unless stderr
+/// is a terminal. The time left is that of the step, from the pace since it began.
 class ProgressLine {
  public:
   ProgressLine();
@@ -102,8 +122,12 @@ class ProgressLine {
   void clear();
 
  private:
+  using Clock = std::chrono::steady_clock;
   bool is_terminal_;
   bool is_shown_ = false;
+  std::string what_ = {};  ///< the step that is under way
+  int first_ = 0;          ///< done when it began
+  Clock::time_point began_ = {}, drawn_ = {};
 };
 
 }  // namespace stillbase::app

@@ -8,10 +8,12 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/verification_file.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/verification/trials.hpp>
 
 #include "app/command_line.hpp"
 #include "app/judgement.hpp"
+#include "app/trial_words.hpp"
 
 namespace stillbase::app {
 
@@ -20,29 +22,11 @@ namespace {
 struct VerifyRequest {
   std::string plan, problem;
   OutputFile output;
-  bool json = false;
+  bool json = false, shows_all = false;
   int trials = 0;
   std::uint64_t seed = 1;
   int jobs = 1;
 };
-
-void print_trials(const TrialReport& report) {
-  say(fmt::format(
-      "{} trials: {} succeed, probability {:.4f} (95 % interval {:.4f} to {:.4f}, Wilson)",
-      report.trials, report.successes, report.success_probability, report.success_lower,
-      report.success_upper));
-  for (const Spread& s : report.spreads) {
-    say(fmt::format("  {:<20} median {:.4g}, 95 % below {:.4g}, worst {:.4g} (trial {})", s.name,
-                    s.p50, s.p95, s.worst, s.worst_trial));
-  }
-  std::string output;
-  for (const Sensitivity& s : report.sensitivities) {
-    if (s.output == output) continue;  // the strongest of each
-    output = s.output;
-    say(fmt::format("  {:<20} depends most on {} (rank correlation {:.2f})", output, s.input,
-                    s.rank_correlation));
-  }
-}
 
 using Trials = std::pair<TrialSetting, TrialReport>;
 
@@ -52,13 +36,23 @@ std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request) 
   trials.first.sizes = perturbations_for(plan.problem);
   trials.first.seed = request.seed;
   trials.first.wanted = request.trials;
-  trials.second = summarize_trials(run_trials(plan, trials.first.sizes, request.seed, 0,
-                                              request.trials, request.jobs, stop_condition()));
+  ProgressLine progress;
+  trials.second = summarize_trials(
+      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials, request.jobs,
+                 stop_condition(),
+                 [&progress](int done, int total) { progress.show("trials", done, total); }),
+      0, objective_unit_name(plan.problem));
   return trials;
 }
 
+std::vector<std::string> next_of(const VerifyRequest& request, bool pass) {
+  if (pass) return {"report", request.plan, "-o", with_extension(request.plan, ".html")};
+  if (!request.shows_all) return {"verify", request.plan, "--all"};
+  return {"check", request.plan};
+}
+
 int verify_plan_file(const VerifyRequest& request) {
-  request.output.check();
+  request.output.check({".json"});
   const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions verify;
   verify.stop = stop_condition();
@@ -70,13 +64,15 @@ int verify_plan_file(const VerifyRequest& request) {
   if (verification.pass) trials = trials_of(file.plan, request);
   const std::string text =
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
-  publish_verification(file.plan, verification, text, request.output, request.json, "verification");
-  if (trials) print_trials(trials->second);
+  publish_verification(file.plan, verification, text,
+                       {request.output, request.json, request.shows_all, "verification"});
+  if (trials) say(trial_words(trials->second));
   if (trials && trials->second.trials < request.trials) {
     say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));
   }
   if (request.trials > 0 && !trials) say("no trials: the plan fails its verification");
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
+  if (!verification.interrupted) say_next(next_of(request, verification.pass));
   if (signal_exit_code() != 0) return signal_exit_code();
   return verification.pass ? kDone : kVerificationFailed;
 }
@@ -102,6 +98,7 @@ Command verify_command() {
           {"--seed", "", "of the trials; same seed, same trials", &request->seed},
           {"--jobs", "N", "trials at a time; results do not depend on it", &request->jobs, false, 1,
            256},
+          {"--all", "", "print every check in full, also those that hold", &request->shows_all},
           {"--json", "", "print the verification on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
       [request] { return verify_plan_file(*request); }};

@@ -13,7 +13,7 @@ struct Output {
 };
 constexpr Output kOutputs[] = {
     {"impulse", "N s", &TrialOutcome::impulse},
-    {"objective", "as the plan", &TrialOutcome::objective},
+    {"objective", nullptr, &TrialOutcome::objective},  // its unit is the problem's
     {"base_rate_jump", "rad/s", &TrialOutcome::base_rate_jump},
     {"residual_base_rate", "rad/s", &TrialOutcome::residual_base_rate},
     {"attitude_turned", "rad", &TrialOutcome::attitude_turned},
@@ -29,10 +29,11 @@ double percentile(const std::vector<double>& sorted, double p) {
   return sorted[i] + (at - static_cast<double>(i)) * (sorted[j] - sorted[i]);
 }
 
-Spread spread(const Output& output, const std::vector<double>& values, int first) {
+Spread spread(const Output& output, const std::string& unit, const std::vector<double>& values,
+              int first) {
   Spread s;
   s.name = output.name;
-  s.unit = output.unit;
+  s.unit = unit;
   const double N = static_cast<double>(values.size());
   s.mean = std::accumulate(values.begin(), values.end(), 0.0) / N;
   double squares = 0;
@@ -90,7 +91,8 @@ Interval wilson_interval(int successes, int trials, double z) {
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
 }
 
-TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first) {
+TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first,
+                             const std::string& objective_unit) {
   TrialReport report;
   report.trials = static_cast<int>(outcomes.size());
   if (outcomes.empty()) return report;
@@ -114,7 +116,8 @@ TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int firs
   for (const Output& output : kOutputs) {
     std::vector<double> values;
     for (const TrialOutcome& outcome : outcomes) values.push_back(outcome.*output.value);
-    report.spreads.push_back(spread(output, values, first));
+    const std::string unit = output.unit == nullptr ? objective_unit : output.unit;
+    report.spreads.push_back(spread(output, unit, values, first));
     const std::vector<double> output_ranks = ranks(values);
     std::vector<Sensitivity> found;
     for (std::size_t k = 0; k < names.size(); ++k) {

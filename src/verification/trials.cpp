@@ -178,7 +178,8 @@ std::vector<std::string> trial_input_names() {
 
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
                                      std::uint64_t seed, int first, int count, int workers,
-                                     const StopCondition& stop) {
+                                     const StopCondition& stop,
+                                     const std::function<void(int, int)>& on_progress) {
   const double earliest = plan.configuration.contact_time - 2 * sizes.contact_time - 1;
   const verification::Situation nominal(plan.problem, plan.configuration, earliest);
   if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
@@ -187,13 +188,16 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   std::atomic<int> next{0};
   std::atomic<bool> failed{false};
   std::exception_ptr failure;
-  std::mutex failure_mutex;
+  int done = 0;
+  std::mutex mutex;  // of failure and done
   const auto work = [&] {
     for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
       try {
         outcomes[i] = verification::run_trial(nominal, sizes, seed, first + i, stop);
+        const std::lock_guard lock(mutex);
+        if (on_progress) on_progress(++done, count);
       } catch (...) {
-        const std::lock_guard lock(failure_mutex);
+        const std::lock_guard lock(mutex);
         if (!failure) failure = std::current_exception();
         failed = true;
       }

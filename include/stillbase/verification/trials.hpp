@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -57,10 +58,13 @@ std::vector<std::string> trial_input_names();
 
 /// Trials first .. first + count - 1 of the plan, in this order whatever the number of workers.
 /// Fewer when stopped: the ones that were done.
+/// @param on_progress called after each trial with (done, count), by one worker at a time; may be
+/// empty
 /// @throws InputError, std::invalid_argument for a plan that verify_plan() would not evaluate
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
                                      std::uint64_t seed, int first, int count, int workers,
-                                     const StopCondition& stop = {});
+                                     const StopCondition& stop = {},
+                                     const std::function<void(int, int)>& on_progress = {});
 
 /// Distribution of one number over the trials. Percentiles by linear interpolation between order
 /// statistics.
@@ -88,7 +92,9 @@ struct TrialReport {
 };
 
 /// @param first number of the first trial
-TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first = 0);
+/// @param objective_unit of the problem's objective (objective_unit_name())
+TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first = 0,
+                             const std::string& objective_unit = "as the plan");
 
 /// Wilson's score interval of a probability from `successes` out of `trials`, z standard deviations
 /// (1.96: 95 %). [0, 1] without trials.

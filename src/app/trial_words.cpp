@@ -1,0 +1,48 @@
+#include "app/trial_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace stillbase::app {
+
+namespace {
+
+/// Rank correlations below this are those of independent numbers in a few hundred trials.
+constexpr double kLeastCorrelation = 0.1;
+
+/// The input that the result depends on most, with its rank correlation.
+std::string driver_words(const TrialReport& report, const std::string& output) {
+  const auto strongest =
+      std::find_if(report.sensitivities.begin(), report.sensitivities.end(),
+                   [&output](const Sensitivity& s) { return s.output == output; });
+  const bool is_known = strongest != report.sensitivities.end() &&
+                        std::abs(strongest->rank_correlation) >= kLeastCorrelation;
+  if (!is_known) return "no single error";
+  return fmt::format("{} ({:.2f})", strongest->input, strongest->rank_correlation);
+}
+
+}  // namespace
+
+std::string success_words(const TrialReport& report) {
+  return fmt::format(
+      "{} trials: {} succeed, probability {:.4f} (95 % interval {:.4f} to {:.4f}, Wilson)",
+      report.trials, report.successes, report.success_probability, report.success_lower,
+      report.success_upper);
+}
+
+std::string trial_words(const TrialReport& report) {
+  constexpr const char* kRow = "\n  {:<20} {:>10} {:>10} {:>10} {:>10} {:<6} {:>8}  {}";
+  std::string text = success_words(report);
+  text += fmt::format(kRow, "", "median", "95 % below", "99 % below", "worst", "", "in trial",
+                      "driven by (rank correlation)");
+  const auto number = [](double x) { return fmt::format("{:.4g}", x); };
+  for (const Spread& s : report.spreads) {
+    text += fmt::format(kRow, s.name, number(s.p50), number(s.p95), number(s.p99), number(s.worst),
+                        s.unit, s.worst_trial, driver_words(report, s.name));
+  }
+  return text;
+}
+
+}  // namespace stillbase::app

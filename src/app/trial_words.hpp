@@ -1,0 +1,17 @@
+// Trials of a plan in words and units.
+#pragma once
+
+#include <string>
+
+#include <stillbase/verification/trials.hpp>
+
+namespace stillbase::app {
+
+/// How many trials succeed, with the interval of the probability.
+std::string success_words(const TrialReport& report);
+
+/// That, and for each result its percentiles, its worst case, the trial of the worst case and the
+/// input that it depends on most; several lines.
+std::string trial_words(const TrialReport& report);
+
+}  // namespace stillbase::app
