@@ -20,7 +20,16 @@ if(TARGET stillbase_tool)
       string(STRIP \"\${format}\" format)
       execute_process(COMMAND $<TARGET_FILE:stillbase_tool> schema \${format}
                       OUTPUT_FILE \${folder}/\${format}.schema.json)
-    endforeach()")
+    endforeach()
+    set(share \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
+    file(MAKE_DIRECTORY \${share}/man/man1 \${share}/bash-completion/completions
+         \${share}/zsh/site-functions)
+    execute_process(COMMAND $<TARGET_FILE:stillbase_tool> help --man
+                    OUTPUT_FILE \${share}/man/man1/stillbase.1)
+    execute_process(COMMAND $<TARGET_FILE:stillbase_tool> help --completion bash
+                    OUTPUT_FILE \${share}/bash-completion/completions/stillbase)
+    execute_process(COMMAND $<TARGET_FILE:stillbase_tool> help --completion zsh
+                    OUTPUT_FILE \${share}/zsh/site-functions/_stillbase)")
 endif()
 if(NOT TARGET stillbase_proof)
   set(without_proof PATTERN "proof" EXCLUDE)

@@ -7,6 +7,7 @@
 #include <stillbase/proof/proof.hpp>
 
 #include "app/command_line.hpp"
+#include "app/help.hpp"
 
 namespace stillbase::app {
 
@@ -24,19 +25,25 @@ A first plan:
   stillbase verify plan.json -o verification.json
 
 Data goes to stdout or to the file of -o, messages go to stderr. An existing file is replaced only with --force.
-Exit codes: 0 done; 1 internal error; 2 command line wrong; 3 input file refused (file:line: rule: message);
-4 no configuration satisfies the constraints (the nearest attempt is written); 5 verification failed;
-6 a limit was reached (the best so far is written); 7 reading or writing failed; 8 campaign incomplete;
-9 a configuration, but no approach path to it; 130, 143 stopped by a signal (what was finished is saved).
 Problem files are described in problems/README.md, plan files in docs/plan-file.md; `stillbase schema` prints the
-JSON Schema of every file.)";
+JSON Schema of every file, `stillbase help` lists topics: files, units, optimizers, controllers, ...
+Exit codes:)";
+
+std::string footer() {
+  std::string text = kFooter;
+  for (const ExitMeaning& meaning : exit_meanings()) {
+    text += "\n  " + meaning.codes + "  " + meaning.text;
+  }
+  return text;
+}
 
 int run_tool(int argc, const char* const* argv) {
-  const ProgramText program{"stillbase", STILLBASE_VERSION, kAbout, kFooter};
-  const std::vector<Command> commands{check_command(),  inspect_command(),  analyze_command(),
-                                      plan_command(),   simulate_command(), verify_command(),
-                                      audit_command(),  campaign_command(), bench_command(),
-                                      report_command(), schema_command()};
+  const ProgramText program{"stillbase", STILLBASE_VERSION, kAbout, footer()};
+  std::vector<Command> commands{check_command(),  inspect_command(),  analyze_command(),
+                                plan_command(),   simulate_command(), verify_command(),
+                                audit_command(),  campaign_command(), bench_command(),
+                                report_command(),   schema_command()};
+  commands.push_back(help_command(program, commands));
   try {
     return run_command_line(program, commands, argc, argv);
   } catch (const InputError& error) {
