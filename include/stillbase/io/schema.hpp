@@ -21,6 +21,19 @@ std::vector<FileFormat> file_formats();
 /// @throws std::invalid_argument for a name that is not among file_formats()
 std::string schema_of(const std::string& name);
 
+/// A member of a file that holds a number, a text or a flag, or lists of those.
+struct Member {
+  std::string path;   ///< "approach.base_poses[].position"; the key of a dictionary is not named
+  std::string unit;   ///< of numbers; "1" without a dimension
+  std::string frame;  ///< of vectors; empty: none
+  std::string shape;  ///< of arrays: "k x n", k any number, n the number of joints
+  std::string meaning;
+};
+
+/// Every member that the schema of a format allows, in its order.
+/// @throws std::invalid_argument as schema_of()
+std::vector<Member> members_of(const std::string& format);
+
 /// The fields of all files that people write, and of plans, as tables in Markdown: what each means,
 /// its unit and frame, its range, and what holds when it is not stated.
 std::string field_reference();

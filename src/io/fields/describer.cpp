@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -32,6 +33,46 @@ std::string default_text(const Value& value) {
     default:
       return json.dump();
   }
+}
+
+}  // namespace
+
+namespace {
+
+/// Whether a value is a number, or a list or dictionary of numbers.
+bool holds_numbers(const Json& schema, const Definitions& definitions) {
+  if (const Json* reference = schema.find("$ref")) {
+    const Json* definition =
+        definitions.find(reference->get<std::string>().substr(std::strlen("#/definitions/")));
+    return definition != nullptr && definition->is_object() &&
+           holds_numbers(*definition, definitions);
+  }
+  for (const char* inner : {"items", "additionalProperties"}) {
+    const Json* item = schema.find(inner);
+    if (item != nullptr && item->is_object()) return holds_numbers(*item, definitions);
+  }
+  for (const char* parts : {"anyOf", "allOf"}) {
+    for (const Json& part : schema.value(parts, Json::array())) {
+      if (holds_numbers(part, definitions)) return true;
+    }
+  }
+  const Json type = schema.value("type", Json());
+  return type == Json("number") || type == Json("integer");
+}
+
+/// The schema of a field with its unit, frame and shape for programs.
+Json annotated(Json schema, const Shape& shape, const About& about,
+               const Definitions& definitions) {
+  const bool is_numeric = holds_numbers(schema, definitions);
+  if (!is_numeric && about.frame.empty()) return schema;
+  if (schema.contains("$ref")) schema = {{"allOf", Json::array({schema})}};
+  if (is_numeric) {
+    const std::string unit = about.unit.empty() ? shape.unit : about.unit;
+    schema["x-unit"] = unit.empty() ? "1" : unit;
+    if (!shape.extents.empty()) schema["x-shape"] = shape.extents;
+  }
+  if (!about.frame.empty()) schema["x-frame"] = about.frame;
+  return schema;
 }
 
 }  // namespace
@@ -161,7 +202,8 @@ void TableDescriber::operator()(const std::string& key, const Value& value, cons
   }
   if (!about.is_used) return;
   if (is_required) variant.required.insert(key);
-  variant.properties[key] = described(shape.schema, description_of(row));
+  variant.properties[key] =
+      annotated(described(shape.schema, description_of(row)), shape, about, definitions_);
 }
 
 void TableDescriber::merge_variants() {

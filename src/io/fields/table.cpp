@@ -178,6 +178,7 @@ ListValue::ListValue(const Items& items, const ListLimits& limits) {
     Shape out = items.at(0).shape(definitions);
     if (is_empty) items.clear();
     out.schema = {{"type", "array"}, {"items", out.schema}};
+    out.extents = out.extents.empty() ? "k" : "k x " + out.extents;
     for (FieldRow& row : out.rows) row.name = "[]" + row.name;
     if (limits.least > 0) out.schema["minItems"] = limits.least;
     if (limits.is_unique) out.schema["uniqueItems"] = true;
@@ -204,7 +205,8 @@ DictionaryValue::DictionaryValue(const std::function<std::vector<std::string>()>
     return json;
   };
   shape = [sample](Definitions& definitions) -> Shape {
-    return {{{"type", "object"}, {"additionalProperties", sample().shape(definitions).schema}}};
+    const Shape item = sample().shape(definitions);
+    return {{{"type", "object"}, {"additionalProperties", item.schema}}};
   };
   fits = is_map;
 }
@@ -228,6 +230,7 @@ Either::Either(const std::vector<Value>& values) {
       schemas.push_back(part.schema);
       if (out.unit.empty()) out.unit = part.unit;
       if (out.range.empty()) out.range = part.range;
+      if (out.extents.empty()) out.extents = part.extents;
       out.rows.insert(out.rows.end(), part.rows.begin(), part.rows.end());
     }
     out.schema = {{"anyOf", schemas}};

@@ -42,6 +42,8 @@ struct Shape {
   Json schema;
   std::string unit = {}, range = {};
   std::vector<FieldRow> rows = {};  ///< of the fields inside
+  /// Of arrays of numbers: "3", "k x n"; k is any number, n the number of joints. Empty: no array.
+  std::string extents = {};
 };
 
 /// A value of a file: how it is read, written and described. It refers to the data that keep it.

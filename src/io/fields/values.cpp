@@ -42,6 +42,9 @@ Json three_of(const Json& schema) {
   return {{"type", "array"}, {"items", schema}, {"minItems", 3}, {"maxItems", 3}};
 }
 
+/// Schemas are made with a robot without joints: what is empty then has one number per joint.
+std::string extent_text(long size) { return size == 0 ? "n" : std::to_string(size); }
+
 /// A whole number in a text without sign of another kind, point or leading zeros.
 template <class T>
 bool read_whole(ReadContext& context, const Node& node, const std::string& path, T lower, T upper,
@@ -182,7 +185,9 @@ Vector::Vector(Slot<Vector3d> x, Dimension dimension, Range range, VectorKind ki
             dimension == Dimension::None ? "" : si_unit(dimension),
             kind == VectorKind::Any         ? range_text(range)
             : kind == VectorKind::Direction ? "any length but zero"
-                                            : "norm 1, to 1e-6"};
+                                            : "norm 1, to 1e-6",
+            {},
+            "3"};
   };
   fits = is_list;
 }
@@ -199,7 +204,9 @@ Deviation::Deviation(Slot<Vector3d> x, Dimension dimension, Range range)
     const Json one = number_schema(dimension, range, definitions);
     return {{{"anyOf", Json::array({one, three_of(one)})}},
             dimension == Dimension::None ? "1" : si_unit(dimension),
-            range_text(range)};
+            range_text(range),
+            {},
+            "3"};
   };
 }
 
@@ -214,7 +221,7 @@ Numbers::Numbers(int size, const std::function<std::vector<double>()>& get,
   shape = [size](Definitions&) -> Shape {
     Json schema{{"type", "array"}, {"items", {{"type", "number"}}}};
     if (size > 0) schema.update({{"minItems", size}, {"maxItems", size}});
-    return {schema};
+    return {schema, {}, {}, {}, size < 0 ? "k" : extent_text(size)};
   };
   fits = is_list;
 }
@@ -226,9 +233,13 @@ Rows::Rows(const Eigen::MatrixXd& matrix) {
     for (const auto& row : matrix.rowwise()) rows.push_back(array_json(row.transpose()));
     return rows;
   };
-  shape = [](Definitions&) -> Shape {
+  shape = [matrix](Definitions&) -> Shape {
     const Json row{{"type", "array"}, {"items", {{"type", "number"}}}};
-    return {{{"type", "array"}, {"items", row}}};
+    return {{{"type", "array"}, {"items", row}},
+            {},
+            {},
+            {},
+            extent_text(matrix.rows()) + " x " + extent_text(matrix.cols())};
   };
   fits = is_list;
 }
