@@ -64,6 +64,7 @@ Command verify_command();
 Command audit_command();
 Command campaign_command();
 Command bench_command();
+Command export_command();
 Command report_command();
 Command schema_command();
 

@@ -42,7 +42,7 @@ int run_tool(int argc, const char* const* argv) {
   std::vector<Command> commands{check_command(),  inspect_command(),  analyze_command(),
                                 plan_command(),   simulate_command(), verify_command(),
                                 audit_command(),  campaign_command(), bench_command(),
-                                report_command(),   schema_command()};
+                                export_command(), report_command(),   schema_command()};
   commands.push_back(help_command(program, commands));
   try {
     return run_command_line(program, commands, argc, argv);
