@@ -73,7 +73,10 @@ class Walk {
       return;
     }
     const auto known = members_.find(path);
-    if (value.is_object() && known == members_.end()) {
+    const auto inner = members_.lower_bound(path + ".");
+    const bool has_inner =
+        path.empty() || (inner != members_.end() && inner->first.rfind(path + ".", 0) == 0);
+    if (value.is_object() && has_inner) {
       for (const auto& [key, item] : value.items())
         over(item, path.empty() ? key : path + "." + key);
       return;

@@ -93,7 +93,8 @@ void geometry_fields(Table& t, Geometry& geometry) {
   } else if (kind == 3) {
     Box box = held<Box>(geometry);
     t("box", Map([&box](Table& m) {
-        m("size", Vector(box.size, Dimension::Length, kPositive), "edges", kNeeded);
+        m("size", Vector(box.size, Dimension::Length, kPositive), "edges",
+          needed("m", "the shape"));
       }),
       "", kNeeded);
     geometry = box;

@@ -47,12 +47,13 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     "of the impulse on the hand: a vector, `{angle}` from x about z, or `feature` (the nominal "
     "normal of the contact feature). When it is stated, the target comes along it to wherever the "
     "hand is, without rotation",
-    {.without = "`feature`"});
+    {.frame = "`frame`", .without = "`feature`"});
   t("frame", Word(impulse.direction_frame, kFrameNames),
     "of direction and moment: `base` or `inertial`");
   t("magnitude", Number(impulse.magnitude, Dimension::Impulse, kPositive),
     "`given`: size of the impulse");
-  t("moment", Vector(impulse.moment, Dimension::AngularImpulse), "`given`: moment impulse");
+  t("moment", Vector(impulse.moment, Dimension::AngularImpulse), "`given`: moment impulse",
+    {.frame = "`frame`"});
   t("closing_speed",
     Number(impulse.closing_speed, Dimension::Velocity, {.lower = 0, .upper = kFastest}),
     "beside a stated direction: speed along it");
