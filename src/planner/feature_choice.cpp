@@ -3,23 +3,36 @@
 #include <algorithm>
 #include <optional>
 
-#include "planner/self_motion.hpp"
+#include "search/ranking.hpp"
 
 namespace stillbase {
 
 namespace {
 
-double rank_of(const Plan& plan) {
-  return plan.problem.measure.kind == RiskMeasure::Nominal ? plan.objective.worst_case
-                                                           : plan.objective.value;
-}
-
-bool is_better(const PlanOfFeature& a, const PlanOfFeature& b) {
-  if (a.quality != b.quality) return a.quality > b.quality;
-  if (a.quality == PlanQuality::Nothing) {
-    return a.plan.certificate.max_violation < b.plan.certificate.max_violation;
+/// Of the plans of the highest quality the one whose configuration is first in order. Without any
+/// configuration: the one that violates the least.
+/// @param equal as in candidate_order()
+std::size_t best_of(const std::vector<PlanOfFeature>& plans, double equal) {
+  const auto& highest = *std::max_element(
+      plans.begin(), plans.end(),
+      [](const PlanOfFeature& a, const PlanOfFeature& b) { return a.quality < b.quality; });
+  std::vector<std::size_t> indices;
+  std::vector<Candidate> chosen;
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    if (plans[i].quality != highest.quality) continue;
+    indices.push_back(i);
+    const ObjectiveValue& objective = plans[i].plan.objective;
+    Candidate& candidate = chosen.emplace_back();
+    candidate.objective = objective.nominal;
+    candidate.worst_case = objective.worst_case;
+    candidate.value = objective.value;
   }
-  return rank_of(a.plan) < rank_of(b.plan);
+  if (highest.quality == PlanQuality::Nothing) {
+    return *std::min_element(indices.begin(), indices.end(), [&](std::size_t a, std::size_t b) {
+      return plans[a].plan.certificate.max_violation < plans[b].plan.certificate.max_violation;
+    });
+  }
+  return indices[candidate_order(plans.front().plan.problem, chosen, equal).front()];
 }
 
 /// The lower nominal value; among equal ones (exact zeros) the smaller worst case.
@@ -54,8 +67,9 @@ std::optional<Candidate> take_sample(std::vector<Candidate>& candidates) {
 }  // namespace
 
 Plan best_of_features(std::vector<PlanOfFeature> plans) {
-  const auto best = std::min_element(plans.begin(), plans.end(),
-                                     [](const auto& a, const auto& b) { return is_better(a, b); });
+  double equal = kInfinity;
+  for (const PlanOfFeature& one : plans) equal = std::min(equal, one.equal);
+  const auto best = plans.begin() + static_cast<std::ptrdiff_t>(best_of(plans, equal));
   Plan out = best->plan;
   const bool solved = best->quality != PlanQuality::Nothing;
   const std::optional<Candidate> sample = solved ? take_sample(out.candidates) : std::nullopt;
@@ -84,10 +98,11 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
       out.nominal_optimum = plan.nominal_optimum;
     }
   }
-  std::stable_sort(out.candidates.begin(), out.candidates.end(),
-                   [&out](const Candidate& a, const Candidate& b) {
-                     return rank_of(out.problem, a) < rank_of(out.problem, b);
-                   });
+  std::vector<Candidate> ordered;
+  for (const std::size_t i : candidate_order(out.problem, out.candidates, equal)) {
+    ordered.push_back(out.candidates[i]);
+  }
+  out.candidates = std::move(ordered);
   const auto most = static_cast<std::size_t>(out.problem.search.max_candidates);
   if (out.candidates.size() > most) {
     const auto chosen = std::find_if(

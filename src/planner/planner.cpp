@@ -237,7 +237,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
                               : choice.holds ? PlanQuality::Holds
                               : arrives      ? PlanQuality::Arrives
                                              : PlanQuality::Solved;
-  return {std::move(plan), quality};
+  return {std::move(plan), quality, SearchOptions{}.equal_nominal * formulation.objective_unit()};
 }
 
 }  // namespace stillbase

@@ -12,6 +12,7 @@
 #include "formulation/projection.hpp"
 #include "search/continua.hpp"
 #include "search/measure_search.hpp"
+#include "search/ranking.hpp"
 #include "search/screening.hpp"
 #include "search/solution.hpp"
 
@@ -176,14 +177,11 @@ class Search {
     const auto is_ahead = [this](const Solution& a, const Solution& b) {
       const bool a_known = measure_.knows(a.x), b_known = measure_.knows(b.x);
       if (a_known != b_known) return a_known;
-      return a_known ? rank_value(a) < rank_value(b) : better(a, b);
+      const bool by_measure = a_known && !measure_.is_nominal();
+      return by_measure ? measure_.value(a.x) < measure_.value(b.x) : better(a, b);
     };
     const auto best = std::min_element(solutions_.begin(), solutions_.end(), is_ahead);
     if (best != solutions_.end()) solutions_ = {Solution(*best)};
-  }
-  /// By which candidates are ordered, of a point that the measure knows.
-  double rank_value(const Solution& solution) {
-    return measure_.is_nominal() ? measure_.worst_at(solution.x).value : measure_.value(solution.x);
   }
 
   /// Where the solutions form curves: the best ones of each curve in place of those that the starts
@@ -319,36 +317,31 @@ class Search {
     return best_by_screening(problem_, formulation_, postures, options_.screening);
   }
 
-  /// Candidates by the measure (the nominal one: by their worst case), with certificates.
+  /// Candidates in their order, with certificates.
   void rank() {
-    struct Ranked {
-      Candidate candidate;
-      WorstCase worst;
-      Eigen::VectorXd x;
-    };
     if (simulates_) judge_all();
-    std::vector<Ranked> ranked;
+    std::vector<Candidate> candidates;
+    std::vector<WorstCase> worst;
     for (const Solution& solution : solutions_) {
       Candidate candidate;
-      const WorstCase worst = measure_.worst_at(solution.x);
       candidate.configuration = formulation_.configuration(solution.x);
       candidate.objective = nominal_value(problem_, formulation_, candidate.configuration);
-      candidate.worst_case = worst.value;
+      worst.push_back(measure_.worst_at(solution.x));
+      candidate.worst_case = worst.back().value;
       candidate.max_violation = solution.violation;
       candidate.starts_reached = solution.reached;
       candidate.family = solution.family;
       candidate.value = reported(measure_, solution.x, candidate.objective, candidate.worst_case);
       candidate.is_judged = measure_.knows(solution.x);
-      ranked.push_back({candidate, worst, solution.x});
+      candidates.push_back(candidate);
     }
-    std::stable_sort(ranked.begin(), ranked.end(), [this](const Ranked& a, const Ranked& b) {
-      return measure_.is_nominal() ? a.candidate.worst_case < b.candidate.worst_case
-                                   : a.candidate.value < b.candidate.value;
-    });
-    if (static_cast<int>(ranked.size()) > options_.max_candidates) {
-      ranked.resize(static_cast<std::size_t>(options_.max_candidates));
-    }
-    for (const auto& [candidate, worst, x] : ranked) {
+    std::vector<std::size_t> order = candidate_order(
+        problem_, candidates, options_.equal_nominal * formulation_.objective_unit());
+    const auto most = static_cast<std::size_t>(options_.max_candidates);
+    order.resize(std::min(order.size(), most));
+    for (const std::size_t i : order) {
+      const Candidate& candidate = candidates[i];
+      const Eigen::VectorXd& x = solutions_[i].x;
       const nlp::Certificate kkt = measure_.certify(x);
       Certificate certificate;
       certificate.kkt_residual = kkt.kkt_residual;
@@ -359,7 +352,7 @@ class Search {
       certificate.unseen = out_.unseen;
       out_.candidates.push_back(candidate);
       out_.certificates.push_back(certificate);
-      out_.worst_cases.push_back(worst);
+      out_.worst_cases.push_back(worst[i]);
       out_.points.push_back(x);
     }
   }

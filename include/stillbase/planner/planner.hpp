@@ -72,7 +72,8 @@ struct PlannerOptions {
 
 /// Plans a capture.
 ///
-/// Candidates are ranked by their worst case over the direction cone. A candidate is free of
+/// Candidates are ordered by the problem's measure; nominal values that are equal to 1e-8 of the
+/// objective's typical size by their worst case over the direction cone. A candidate is free of
 /// collision when nothing touches but the hand and the contact feature, at the contact and while
 /// the target comes in during the wait. Goals of the approach, in this order:
 /// 1. all good candidates (`goal_factor`) that are free of collision and keep the problem's

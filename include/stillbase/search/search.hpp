@@ -92,9 +92,9 @@ struct SearchOptions {
 struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
   /// Distinct local minima of the problem's measure and of the nominal value that satisfy all
-  /// constraints, ranked by the measure (the nominal one: by their worst case); when there is none,
-  /// the single least violated point. Where the zeros of the nominal value form a curve: the local
-  /// minima of the worst case along it.
+  /// constraints, ordered by the measure (nominal values that are equal to `equal_nominal`: by their
+  /// worst case); when there is none, the single least violated point. Where the zeros of the
+  /// nominal value form a curve: the local minima of the worst case along it.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
   std::vector<WorstCase> worst_cases;     ///< one per candidate
