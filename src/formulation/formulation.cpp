@@ -12,18 +12,38 @@ namespace stillbase {
 
 namespace {
 
-/// Median of |y| over evenly spread points; dividing by it makes the objective of order one.
+double median(std::vector<double> sizes) {
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
+}
+
+/// |y| of the response's size where nothing of it cancels: the base takes all of the angular
+/// momentum and rotates as fast as the joints.
+double size_without_cancellation(const Formulation::Parts& parts, const NominalPoint& here) {
+  ScenarioImpact<double> impact = here.impact;
+  ImpactResponse<double>& response = impact.response;
+  response.base.setConstant(response.total.norm());
+  response.d.Delta_Omega.tail<3>().array() += response.d.Delta_phidot.norm();
+  return std::sqrt(2 * parts.jump.objective(here.posture, impact, 1));
+}
+
+/// Median of |y| over evenly spread points; dividing by it makes the objective of order one. Where
+/// the objective vanishes everywhere but for rounding: the size of what cancels.
 double typical_objective(const Formulation::Parts& parts) {
   constexpr int kSamples = 15;
+  constexpr double kRounding = 1e-12;
   const CaptureModel& model = parts.model;
-  std::vector<double> sizes;
+  std::vector<double> sizes, larger;
   for (int sample = 0; sample < kSamples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, model.layout.size, 0);
     const NominalPoint here(model, model.layout.start_point(model.problem, u));
     sizes.push_back(std::sqrt(2 * parts.objective(here, nullptr)));
+    larger.push_back(size_without_cancellation(parts, here));
   }
-  std::nth_element(sizes.begin(), sizes.begin() + kSamples / 2, sizes.end());
-  return sizes[kSamples / 2] > 0 ? sizes[kSamples / 2] : 1;
+  const double size = median(sizes), whole = median(larger);
+  if (size > kRounding * whole) return size;
+  return whole > 0 ? whole : 1;
 }
 
 ConstraintValue constraint_value(const std::string& name, double value, double lower,

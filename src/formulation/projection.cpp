@@ -43,6 +43,7 @@ void evaluate_equations(const Formulation& formulation, const Eigen::VectorXd& x
 Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
                                 bool with_zero) {
   constexpr double kRank = 1e-9;
+  constexpr double kNothing = 1e-12;  // slopes over typical sizes: only rounding is left
   Eigen::VectorXd residual;
   Eigen::MatrixXd equations;
   evaluate_equations(formulation, x, with_zero, residual, equations);
@@ -50,7 +51,8 @@ Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::Vec
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(std::max(equations.rows(), x.size()), x.size());
   J.topRows(equations.rows()) = equations;
   const Svd svd = right_svd(J);
-  return svd.V.rightCols(x.size() - numerical_rank(svd.sigma, kRank));
+  const int rank = svd.sigma[0] > kNothing ? numerical_rank(svd.sigma, kRank) : 0;
+  return svd.V.rightCols(x.size() - rank);
 }
 
 ProjectionResult project_onto_constraints(const Formulation& formulation, const Eigen::VectorXd& x0,

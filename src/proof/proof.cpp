@@ -133,6 +133,8 @@ template <int N>
 Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
   const SurveyOptions options;
   const Box<N> domain = domain_of<N>(problem.encounter);
+  const std::size_t num_rows = rows.size();
+  for (int i = 0; i < 3; ++i) rows.push_back({RowKind::Total, i, Vector3d::Unit(i)});
   std::vector<double> size(rows.size(), 0);
   std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
   for (int sample = 0; sample < options.samples; ++sample) {
@@ -153,10 +155,13 @@ Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
     }
   }
   Survey<N> out;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
+  for (std::size_t r = 0; r < num_rows; ++r) {
+    // The base part is what remains of the total.
+    const bool is_part = rows[r].kind == RowKind::Base;
     double largest = 0;
     for (std::size_t q = 0; q < rows.size(); ++q) {
-      if (rows[q].kind == rows[r].kind) largest = std::max(largest, size[q]);
+      const bool is_larger = is_part && rows[q].kind == RowKind::Total;
+      if (rows[q].kind == rows[r].kind || is_larger) largest = std::max(largest, size[q]);
     }
     if (!(size[r] > options.zero * largest)) continue;
     rows[r].scale = std::exp2(std::round(std::log2(size[r])));  // divides without rounding

@@ -229,6 +229,30 @@ TEST_CASE(
   CHECK_FALSE(holds(other, "candidates_list"));
 }
 
+TEST_CASE("an arm mounted at the base's centroid has two closed curves of C2 postures") {
+  // Its joint transmits no moment about the centroid: the base's part vanishes everywhere.
+  CaptureProblem problem = test::without_path("planar_two_link_c2_a");
+  problem.robot.joints.front().p.setZero();
+  const Plan plan = make_plan(problem);
+  CHECK(plan.families.size() == 2);
+  for (const SolutionFamily& family : plan.families) CHECK(family.is_closed);
+  CHECK(plan.candidates.size() <= 4);
+  for (const Candidate& candidate : plan.candidates) CHECK(candidate.family >= 0);
+  CHECK(failures(plan).find("families") == std::string::npos);
+  CHECK(failures(plan).find("candidates_list") == std::string::npos);
+}
+
+TEST_CASE("an objective that is zero everywhere leaves the self-motion as its curves of zeros") {
+  CaptureProblem problem = test::without_path("planar_three_link_null");
+  problem.robot.joints.front().p.setZero();
+  problem.hand.position = Vector3d(1.3, 0.5, 0);
+  problem.measure.kind = RiskMeasure::Nominal;
+  const Plan plan = make_plan(problem);
+  CHECK(plan.certificate.proof.status == ProofStatus::NotApplicable);
+  CHECK(plan.families.size() == 1);
+  CHECK(failures(plan) == "");
+}
+
 TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of its terms") {
   const Plan plan = make_plan(problem_at_centroid());
   REQUIRE(plan.nominal_optimum);
