@@ -6,6 +6,7 @@
 
 #include <stillbase/formulation/measures/robust.hpp>
 
+#include "formulation/formulation_parts.hpp"
 #include "formulation/measures/scenario_program.hpp"
 
 namespace stillbase {
@@ -134,23 +135,38 @@ std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
   return cone_maxima(problem_, formulation_, formulation_.configuration(x));
 }
 
+std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& worst) const {
+  // Where each direction is simulated the worst ones alone have to do.
+  const bool is_cheap = formulation_.parts().differenced.empty();
+  std::vector<Scenario> out;
+  if (is_cheap) out = rim_scenarios(problem_, options_.rim_directions);
+  for (const Scenario& scenario : scenarios_of(worst)) out.push_back(scenario);
+  return out;
+}
+
 MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
                                   const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   nlp::OptimizeOptions rough = options;
   rough.max_evaluations = std::min(options.max_evaluations, options_.exchange_evaluations);
   MeasureSolution out{x0, 0};
   std::vector<ConeMaximum> worst = maxima_at(x0);
-  std::vector<Scenario> active = scenarios_of(worst);
+  std::vector<Scenario> active = first_directions(worst);
+  Eigen::VectorXd x = x0;
+  double least = worst.front().value;
   for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);
     if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
     const ScenarioProgram program(formulation_, active, scale);
-    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), rough);
+    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(x), rough);
     ++out.solver_calls;
     if (!result.feasible) break;
-    out.x = result.x.head(x0.size());
-    worst = maxima_at(out.x);
-    const double reached = program.lifted(out.x)[x0.size()] * scale;
+    x = result.x.head(x0.size());
+    worst = maxima_at(x);
+    if (round == 0 || worst.front().value < least) {  // x0 may break constraints
+      least = worst.front().value;
+      out.x = x;
+    }
+    const double reached = program.lifted(x)[x0.size()] * scale;
     if (half_square(worst.front().value) <= reached * (1 + options_.near)) break;
     for (const ConeMaximum& maximum : worst) {
       if (half_square(maximum.value) > reached) active.push_back(maximum.scenario);
