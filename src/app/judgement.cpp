@@ -126,7 +126,8 @@ constexpr std::pair<ClaimGroup, const char*> kHeadings[] = {
     {ClaimGroup::Constraints, "constraints: configuration at the contact"},
     {ClaimGroup::Approach, "approach: path to the contact"},
     {ClaimGroup::AfterContact, "after the contact: first controller, target"},
-    {ClaimGroup::Audit, "audit: search record"}};
+    {ClaimGroup::Audit, "audit: candidates, optimum, proof"},
+    {ClaimGroup::SearchRecord, "search record: counts that only the search knows"}};
 
 std::string report_line(const ControllerReport& report) {
   if (!report.finished) {

@@ -16,6 +16,7 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
       audit::check_candidates(c, l);
       audit::check_nominal_optimum(c, l);
     });
+    run("kkt_residual", audit::check_stationarity);
     run("families", audit::check_continua);
     run("proof", [](const Context& c, ClaimList& l) {
       audit::check_bound(c, l);
@@ -29,7 +30,9 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
 Verification judge_plan(const Plan& plan, const VerifyOptions& options) {
   Verification all = verify_plan(plan, options);
   for (const Claim& claim : audit_plan(plan, options).claims) {
-    if (claim.group == ClaimGroup::Audit) all.claims.push_back(claim);
+    const bool is_audit =
+        claim.group == ClaimGroup::Audit || claim.group == ClaimGroup::SearchRecord;
+    if (is_audit) all.claims.push_back(claim);
   }
   all.pass = all_hold(all.claims);
   all.interrupted = !all.pass && options.stop.reached();

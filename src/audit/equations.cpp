@@ -146,6 +146,12 @@ Eigen::VectorXd FreeVariables::of(const Configuration& at) const {
   return x;
 }
 
+Eigen::VectorXd FreeVariables::units() const {
+  Eigen::VectorXd out = Eigen::VectorXd::Ones(size());
+  if (has_time_) out[size() - 1] = time_unit_;
+  return out;
+}
+
 double FreeVariables::base_angle(const Configuration& at) const {
   const Eigen::AngleAxisd rotation(at.base.orientation * problem_.base.orientation.conjugate());
   return rotation.angle() * rotation.axis().dot(problem_.variables.base_attitude_axis);

@@ -23,6 +23,10 @@ class FreeVariables {
   Eigen::VectorXd sample(const Eigen::VectorXd& u) const;
   /// Base position as stated.
   Configuration at(const Eigen::VectorXd& x) const;
+  /// Of one unit of each entry of x: rad or m, s for the time.
+  Eigen::VectorXd units() const;
+  /// First of the three entries of a rotation vector in N; -1: none.
+  int rotation_vector() const { return vector_; }
   /// The variables of a configuration.
   Eigen::VectorXd of(const Configuration& at) const;
   /// Of boxes, @pre the base attitude is fixed or free about one axis.

@@ -7,8 +7,8 @@
 namespace stillbase {
 
 std::string to_string(ClaimGroup group) {
-  constexpr const char* kNames[] = {"inputs",   "physics",       "constraints",
-                                    "approach", "after_contact", "audit"};
+  constexpr const char* kNames[] = {"inputs",        "physics", "constraints",  "approach",
+                                    "after_contact", "audit",   "search_record"};
   return kNames[static_cast<std::size_t>(group)];
 }
 
@@ -86,6 +86,10 @@ void ClaimList::none_wrong(const std::string& name, const Objections& objections
 void ClaimList::not_evaluated(const std::string& name, double limit, const std::string& unit,
                               const std::string& reason) {
   claims_.push_back({name, std::nullopt, limit, unit, false, "not evaluated: " + reason, group_});
+}
+
+void ClaimList::not_verified(const std::string& name, const std::string& reason) {
+  claims_.push_back({name, std::nullopt, 0, "1", false, "not verified: " + reason, group_, false});
 }
 
 void ClaimList::run(const std::string& name, const StopCondition& stop,

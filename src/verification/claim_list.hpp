@@ -69,6 +69,9 @@ class ClaimList {
   /// Fails: the check could not be carried out.
   void not_evaluated(const std::string& name, double limit, const std::string& unit,
                      const std::string& reason);
+  /// Neither passes nor fails: the check is not possible, for a reason that is no fault of the
+  /// plan.
+  void not_verified(const std::string& name, const std::string& reason);
   /// Runs a set of checks, which count as not evaluated under `name` when they are stopped or
   /// throw.
   void run(const std::string& name, const StopCondition& stop, const std::function<void()>& checks);

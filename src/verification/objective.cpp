@@ -166,6 +166,11 @@ double objective_along(const Situation& situation, const Vector3d& d) {
   return objective_value(situation.problem, situation.response, situation.impulse(d));
 }
 
+double square_of(const CaptureProblem& problem, const PostureResponse& response,
+                 const Vector6d& Fbar) {
+  return std::pow(root_of_squares(problem, response, Fbar, nullptr, &QuantityRecord::size), 2);
+}
+
 double scale_along(const Situation& situation, const Vector3d& d) {
   return objective_scale(situation.problem, situation.response, situation.impulse(d));
 }
@@ -247,9 +252,11 @@ WorstDirection worst_direction(const Situation& situation, int samples) {
                          uncertainty.cone_plane_normal, samples);
 }
 
-double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,
-                       const Configuration& configuration, const PostureResponse& response) {
-  std::vector<std::pair<double, double>> squares;  // |y|^2 and weight
+std::vector<WeightedSquare> sampled_squares(const CaptureProblem& problem,
+                                            const TargetMotion* motion,
+                                            const Configuration& configuration,
+                                            const PostureResponse& response) {
+  std::vector<WeightedSquare> squares;
   for (const Scenario& scenario : draw_scenarios(problem)) {
     std::optional<PostureResponse> displaced;
     if (scenario.joint_offset.size() > 0) {
@@ -257,14 +264,20 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
     }
     const PostureResponse& at = displaced ? *displaced : response;
     const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
-    squares.emplace_back(
-        std::pow(root_of_squares(problem, at, Fbar, nullptr, &QuantityRecord::size), 2),
-        scenario.weight);
+    squares.push_back({square_of(problem, at, Fbar), scenario.weight});
   }
+  return squares;
+}
+
+double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,
+                       const Configuration& configuration, const PostureResponse& response) {
+  std::vector<WeightedSquare> squares = sampled_squares(problem, motion, configuration, response);
   // Mean over the largest values that have this share of the weight; 1 for the expectation.
   const double share =
       problem.measure.kind == RiskMeasure::Cvar ? 1 - problem.measure.cvar_level : 1.0;
-  std::sort(squares.begin(), squares.end(), std::greater<>());
+  std::sort(squares.begin(), squares.end(), [](const WeightedSquare& a, const WeightedSquare& b) {
+    return std::pair(a.square, a.weight) > std::pair(b.square, b.weight);
+  });
   double left = share, sum = 0;
   for (const auto& [square, weight] : squares) {
     const double taken = std::min(weight, left);

@@ -52,6 +52,10 @@ double objective_scale(const CaptureProblem& problem, const PostureResponse& res
 double objective_along(const Situation& situation, const Vector3d& d);
 double scale_along(const Situation& situation, const Vector3d& d);
 
+/// |y|^2 for an impulse, y the terms of the objective below each other, each over its size.
+double square_of(const CaptureProblem& problem, const PostureResponse& response,
+                 const Vector6d& Fbar);
+
 /// Largest relative error of a stated nominal objective: two integrations of one motion agree less
 /// well than two evaluations of one formula.
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance);
@@ -77,6 +81,15 @@ WorstDirection worst_over_cone(const std::function<double(const Vector3d&)>& val
 /// Largest objective over the problem's cone of directions.
 /// @param samples directions before the local refinement
 WorstDirection worst_direction(const Situation& situation, int samples);
+
+/// |y|^2 of each of the problem's samples at a configuration, with its weight.
+struct WeightedSquare {
+  double square = 0, weight = 0;
+};
+std::vector<WeightedSquare> sampled_squares(const CaptureProblem& problem,
+                                            const TargetMotion* motion,
+                                            const Configuration& configuration,
+                                            const PostureResponse& response);
 
 /// The problem's measure over its samples (expectation, CVaR), as a root.
 double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion,

@@ -15,7 +15,7 @@ inline std::string failures(const Plan& plan) {
   options.cone_samples = 200;
   std::string names;
   for (const Claim& claim : judge_plan(plan, options).claims) {
-    if (!claim.pass) names += claim.name + " ";
+    if (claim.fails()) names += claim.name + " ";
   }
   return names;
 }

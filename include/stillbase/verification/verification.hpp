@@ -26,7 +26,8 @@ enum class ClaimGroup {
   Constraints,   ///< what the problem allows at the contact
   Approach,      ///< path, base motion, torques, clearance
   AfterContact,  ///< motion under the first controller, fate of the target
-  Audit          ///< the search record: see audit/audit.hpp
+  Audit,         ///< candidates, optimum, proofs: see audit/audit.hpp
+  SearchRecord   ///< what only the search knows: checked by repeating it
 };
 std::string to_string(ClaimGroup group);
 

@@ -1,0 +1,282 @@
+// Is the chosen configuration a local minimum of the measure? Gradients and curvatures are
+// differences of values by `reference` along the configurations that keep the equations.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
+
+#include "audit/manifold.hpp"
+#include "audit/smooth_parts.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+/// Distance from a limit that counts as reached. What is further beyond it is no limit of the
+/// plan: shapes of neighbours overlap by construction.
+constexpr double kActive = 1e-6;
+constexpr double kGradientStep = 2e-3;   ///< rad, m, s; errors grow with its fourth power
+constexpr double kCurvatureStep = 1e-2;  ///< likewise
+/// Largest KKT residual of a minimum by differences; a plan states 1e-6 with exact derivatives.
+constexpr double kMinimum = 1e-5;
+/// The same where each value is a simulation: two integrators agree to a part of 1e-5.
+constexpr double kMinimumSimulated = 1e-3;
+constexpr double kSameResidual = 10;     ///< factor between stated and recomputed large residuals
+constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
+
+/// min |C y + b| over y >= 0 (Lawson and Hanson, Solving Least Squares Problems, 1974).
+Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::VectorXd& b) {
+  const Eigen::Index k = C.cols();
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(k);
+  std::vector<Eigen::Index> used, refused;
+  const auto is_in = [](const std::vector<Eigen::Index>& list, Eigen::Index j) {
+    return std::find(list.begin(), list.end(), j) != list.end();
+  };
+  const auto over_used = [&] { return Eigen::VectorXd(-PivotedQr(C(Eigen::all, used)).solve(b)); };
+  for (Eigen::Index pass = 0; pass < 3 * k + 10; ++pass) {
+    const Eigen::VectorXd slope = -C.transpose() * (C * y + b);
+    Eigen::Index entering = -1;
+    double steepest = 1e-13 * b.norm();
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const double relative = slope[j] / std::max(C.col(j).norm(), 1e-300);
+      if (is_in(used, j) || is_in(refused, j) || relative <= steepest) continue;
+      entering = j;
+      steepest = relative;
+    }
+    if (entering < 0) break;
+    used.push_back(entering);
+    Eigen::VectorXd trial = over_used();
+    if (trial[trial.size() - 1] <= 0) {  // a column that depends on the others
+      used.pop_back();
+      refused.push_back(entering);
+      continue;
+    }
+    refused.clear();
+    while (!used.empty() && trial.minCoeff() <= 0) {
+      // As far towards the trial as no entry becomes negative; those that are zero then leave.
+      double step = 1;
+      for (std::size_t p = 0; p < used.size(); ++p) {
+        const double to = trial[static_cast<Eigen::Index>(p)], from = y[used[p]];
+        if (to <= 0) step = std::min(step, from / (from - to));
+      }
+      std::vector<Eigen::Index> kept;
+      for (std::size_t p = 0; p < used.size(); ++p) {
+        const double to = trial[static_cast<Eigen::Index>(p)], from = y[used[p]];
+        const bool leaves = to <= 0 && from / (from - to) <= step;
+        y[used[p]] = leaves ? 0 : from + step * (to - from);
+        if (!leaves) kept.push_back(used[p]);
+      }
+      used = std::move(kept);
+      if (!used.empty()) trial = over_used();
+    }
+    y.setZero();
+    for (std::size_t p = 0; p < used.size(); ++p) y[used[p]] = trial[static_cast<Eigen::Index>(p)];
+  }
+  return y;
+}
+
+class Stationarity {
+ public:
+  Stationarity(const CaptureProblem& problem, const Configuration& at)
+      : problem_(problem), here_(problem, at), manifold_(problem, at), parts_(here_) {
+    const std::vector<double> distances = distances_from_limits(here_);
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      if (std::abs(distances[i]) <= kActive) active_.push_back(i);
+    }
+    if (manifold_.objection().empty()) differentiate();
+  }
+
+  /// Why nothing can be said; empty: it can.
+  const std::string& objection() const {
+    return manifold_.objection().empty() ? objection_ : manifold_.objection();
+  }
+  double residual() const { return residual_; }
+  Eigen::Index directions() const { return open_.cols(); }
+  std::size_t active_limits() const { return active_.size(); }
+
+  /// Smallest curvature along the directions that the active limits leave open, and the largest.
+  std::optional<std::pair<double, double>> curvature() {
+    const Eigen::Index k = open_.cols();
+    Eigen::MatrixXd H(k, k);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      H(i, i) = second_derivative(open_.col(i));
+      for (Eigen::Index j = 0; j < i; ++j) {
+        H(i, j) = H(j, i) = (second_derivative(open_.col(i) + open_.col(j)) -
+                             second_derivative(open_.col(i) - open_.col(j))) /
+                            4;
+      }
+    }
+    if (!objection_.empty()) return std::nullopt;
+    const Eigen::VectorXd values = symmetric_eigenvalues(H);
+    return std::pair(values[0], values[k - 1]);
+  }
+
+ private:
+  /// Parts of the measure, then distances from the active limits.
+  Eigen::VectorXd values_at(const Configuration& at) const {
+    const Situation there(problem_, at);
+    const Eigen::VectorXd parts = parts_.values(there);
+    const std::vector<double> distances = distances_from_limits(there);
+    Eigen::VectorXd out(parts.size() + static_cast<Eigen::Index>(active_.size()));
+    out.head(parts.size()) = parts;
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      out[parts.size() + static_cast<Eigen::Index>(i)] = distances[active_[i]];
+    }
+    return out;
+  }
+
+  Eigen::VectorXd values_at(const Eigen::VectorXd& u) {
+    if (const auto at = manifold_.at(u)) return values_at(*at);
+    objection_ = "configurations beside it cannot be brought onto the equations";
+    return values_at(here_.at);
+  }
+
+  void differentiate() {
+    const Eigen::Index k = manifold_.dimension();
+    const auto differences = [&](Eigen::Index count, const auto& value) {
+      Eigen::MatrixXd out;
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const Eigen::VectorXd h = kGradientStep * Eigen::VectorXd::Unit(count, i);
+        const Eigen::VectorXd slope =
+            (8 * (value(h) - value(-h)) - (value(2 * h) - value(-2 * h))) / (12 * kGradientStep);
+        out.conservativeResize(slope.size(), count);
+        out.col(i) = slope;
+      }
+      return out;
+    };
+    const Eigen::Index m = parts_.values(here_).size();
+    if (k > 0) {
+      const Eigen::MatrixXd slopes =
+          differences(k, [&](const Eigen::VectorXd& u) { return values_at(u); });
+      const Eigen::MatrixXd limits = slopes.bottomRows(slopes.rows() - m).transpose();
+      find_multipliers(slopes.topRows(m).transpose(), limits);
+      open_ = limits.cols() > 0 ? PivotedQr(limits).complement() : Eigen::MatrixXd::Identity(k, k);
+    } else {
+      multipliers_.setZero(m + static_cast<Eigen::Index>(active_.size()));
+      open_.resize(0, 0);
+    }
+    if (m > 1 || k == 0) return;
+    // Relative to the gradient over all variables, where that is larger than one.
+    const Eigen::MatrixXd all = differences(manifold_.variables(), [&](const Eigen::VectorXd& w) {
+      return parts_.values(Situation(problem_, manifold_.beside(w)));
+    });
+    residual_ /= std::max(1.0, all.cwiseAbs().maxCoeff());
+  }
+
+  /// The combination of the parts' gradients, weights of sum one, and of the limits' that is
+  /// nearest to zero.
+  void find_multipliers(const Eigen::MatrixXd& parts, const Eigen::MatrixXd& limits) {
+    constexpr double kWeight = 1e3;  // of the sum against the gradients
+    const Eigen::Index m = parts.cols(), k = parts.rows();
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(k + 1, m + limits.cols());
+    C.topLeftCorner(k, m) = parts;
+    C.topRightCorner(k, limits.cols()) = -limits;
+    C.bottomLeftCorner(1, m).setConstant(kWeight);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(k + 1);
+    b[k] = -kWeight;
+    multipliers_ = nonnegative_solution(C, b);
+    multipliers_ /= multipliers_.head(m).sum();
+    const Eigen::VectorXd left = C.topRows(k) * multipliers_;
+    residual_ = (manifold_.directions() * left).cwiseAbs().maxCoeff();
+  }
+
+  /// Of the Lagrangian along a direction u.
+  double second_derivative(const Eigen::VectorXd& u) {
+    const auto lagrangian = [&](double step) {
+      const Eigen::VectorXd values = values_at(Eigen::VectorXd(step * u));
+      const Eigen::Index m = values.size() - static_cast<Eigen::Index>(active_.size());
+      return values.head(m).dot(multipliers_.head(m)) -
+             values.tail(values.size() - m).dot(multipliers_.tail(values.size() - m));
+    };
+    const double h = kCurvatureStep;
+    return (16 * (lagrangian(h) + lagrangian(-h)) - (lagrangian(2 * h) + lagrangian(-2 * h)) -
+            30 * lagrangian(0)) /
+           (12 * h * h);
+  }
+
+  const CaptureProblem& problem_;
+  const Situation here_;
+  FeasibleManifold manifold_;
+  SmoothParts parts_;
+  std::vector<std::size_t> active_;  ///< of the distances from limits
+  Eigen::VectorXd multipliers_;      ///< of the parts, then of the active limits
+  Eigen::MatrixXd open_;             ///< directions u that the active limits leave open
+  double residual_ = 0;
+  std::string objection_;
+};
+
+void check_residual(const Context& context, const Stationarity& found, ClaimList& claims) {
+  const double stated = context.plan.certificate.kkt_residual;
+  const double limit = simulates_turn(context.problem) ? kMinimumSimulated : kMinimum;
+  const std::string how = fmt::format(
+      "first-order conditions by differences along the configurations that keep the equations, {} "
+      "active limits",
+      found.active_limits());
+  if (context.plan.status == PlanStatus::Optimal) {
+    claims.at_most("kkt_residual", found.residual(), limit, "1", how);
+    return;
+  }
+  // A plan that is feasible only states a large one.
+  const double larger = std::max(stated, found.residual());
+  const double smaller = std::min(stated, found.residual());
+  claims.at_most("kkt_residual", larger <= limit ? 1.0 : larger / std::max(smaller, 1e-300),
+                 kSameResidual, "1",
+                 fmt::format("factor between {:.3g} stated and {:.3g} recomputed: {}", stated,
+                             found.residual(), how));
+}
+
+void check_curvature(const Context& context, Stationarity& found, ClaimList& claims) {
+  const char* const name = "reduced_curvature";
+  const auto& stated = context.plan.certificate.reduced_hessian_min_eigenvalue;
+  const RiskMeasure kind = context.problem.measure.kind;
+  if (kind == RiskMeasure::Cvar) {
+    return claims.not_verified(name, "the mean over a tail has no second derivative everywhere");
+  }
+  Objections objections;
+  const bool is_stated =
+      kind != RiskMeasure::WorstCase && !simulates_turn(context.problem) && found.directions() > 0;
+  objections.demand(stated.has_value() == is_stated,
+                    is_stated ? "the plan states none, but directions are left"
+                              : "the plan states one, which this measure does not have here");
+  if (!is_stated || !objections.none()) {
+    return claims.none_wrong(name, objections, "smallest curvature along the remaining directions");
+  }
+  const auto curvature = found.curvature();
+  if (!curvature) return claims.not_verified(name, found.objection());
+  const double size = std::max(std::abs(curvature->first), std::abs(curvature->second));
+  claims.at_most(name, std::abs(*stated - curvature->first) / std::max(size, 1e-9), kSameCurvature,
+                 "1",
+                 fmt::format("stated {:.6g} from {:.6g} by differences, relative to the largest "
+                             "curvature {:.3g}",
+                             *stated, curvature->first, size));
+}
+
+}  // namespace
+
+void check_stationarity(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  if (plan.status == PlanStatus::Limit || !plan.objective.is_judged) return;
+  const bool simulates = simulates_turn(context.problem);
+  const auto give_up = [&](const std::string& reason) {
+    claims.not_verified("kkt_residual", reason);
+    claims.not_verified("reduced_curvature", reason);
+  };
+  if (!plan.objective.user_terms.empty()) return give_up("the objective has terms of the user");
+  if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
+    return give_up("each direction or sample is a simulation");
+  }
+  // Where the base follows the path the minimum is that for the base as it arrives.
+  CaptureProblem problem = context.problem;
+  const ApproachSpec& approach = problem.approach;
+  if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free) {
+    problem.base = plan.configuration.base;
+  }
+  Stationarity found(problem, plan.configuration);
+  if (!found.objection().empty()) return give_up(found.objection());
+  check_residual(context, found, claims);
+  check_curvature(context, found, claims);
+}
+
+}  // namespace stillbase::audit

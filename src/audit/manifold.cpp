@@ -1,0 +1,206 @@
+#include "audit/manifold.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/random.hpp>
+
+#include "verification/margins.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+/// Singular values of the equations, in 1 per rad (m): what is above `kRestricts` restricts
+/// variables, what is below `kRestrictsNot` does not, and between them neither is certain.
+constexpr double kRestricts = 1e-4, kRestrictsNot = 1e-7;
+constexpr double kOnManifold = 1e-12;  ///< norm of the residual
+constexpr int kCorrections = 40;
+constexpr double kHalfRotation = 3.14159;  ///< rad: a larger limit of a rotation angle is none
+
+Equations::Demand demand_of(const CaptureProblem& problem) {
+  return problem.constraints.impact_case == CaseConstraint::None ? Equations::Demand::Hand
+                                                                 : Equations::Demand::HandAndCase;
+}
+
+std::optional<Vector3d> hand_point(const CaptureProblem& problem, const ContactEvent& event) {
+  if (problem.hand.position) return problem.hand.position;
+  if (event.feature) return event.feature->point;
+  return std::nullopt;
+}
+
+}  // namespace
+
+FeasibleManifold::FeasibleManifold(const CaptureProblem& problem, const Configuration& at)
+    : problem_(problem),
+      variables_(problem),
+      equations_(problem, variables_, demand_of(problem)),
+      x_(variables_.of(at)),
+      units_(variables_.units()) {
+  const Eigen::Index n = x_.size();
+  if (n == 0) {
+    objection_ = "there are no variables";
+    return;
+  }
+  const Eigen::MatrixXd J = equations_.jacobian(x_) * units_.cwiseInverse().asDiagonal();
+  const Svd svd = right_svd(J);
+  const auto above = [&](double size) { return (svd.sigma.array() > size).count(); };
+  const Eigen::Index rank = above(kRestricts);
+  if (rank != above(kRestrictsNot)) {
+    objection_ = "the equations nearly depend on each other there";
+    return;
+  }
+  Z_ = svd.V.rightCols(n - rank);
+  correction_ = Eigen::MatrixXd::Zero(n, J.rows());
+  if (rank > 0) {
+    const Eigen::MatrixXd V = svd.V.leftCols(rank);
+    correction_ = V * pseudo_inverse(J * V, kRestrictsNot);
+  }
+}
+
+Configuration FeasibleManifold::with_station(Configuration at) const {
+  if (problem_.variables.base_position == PositionFreedom::Fixed) return at;
+  const Situation there(problem_, at);
+  if (const auto point = hand_point(problem_, there.event)) {
+    at.base.position += *point - there.hand_N;
+  }
+  return at;
+}
+
+std::optional<Configuration> FeasibleManifold::at(const Eigen::VectorXd& u) const {
+  Eigen::VectorXd x = x_ + (Z_ * u).cwiseQuotient(units_);
+  for (int i = 0; i < kCorrections; ++i) {
+    const Eigen::VectorXd residual = equations_.residual(x);
+    if (residual.norm() <= kOnManifold) return with_station(variables_.at(x));
+    x -= (correction_ * residual).cwiseQuotient(units_);
+  }
+  return std::nullopt;
+}
+
+Configuration FeasibleManifold::beside(const Eigen::VectorXd& w) const {
+  return with_station(variables_.at(x_ + w.cwiseQuotient(units_)));
+}
+
+std::vector<double> distances_from_limits(const Situation& situation) {
+  const CaptureProblem& problem = situation.problem;
+  const Configuration& at = situation.at;
+  const VariableSpec& free = problem.variables;
+  const ConstraintSpec& wanted = problem.constraints;
+  std::vector<double> out;
+  const auto between = [&out](double x, double lower, double upper) {
+    out.push_back(x - lower);
+    out.push_back(upper - x);
+  };
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    if (!free.joints[k] || joint.type == JointType::Continuous) continue;
+    between(at.phi[k], joint.lower + wanted.joint_limit_margin,
+            joint.upper - wanted.joint_limit_margin);
+  }
+  const Eigen::Quaterniond rotation = at.base.orientation * problem.base.orientation.conjugate();
+  const Vector3d& axis = free.base_attitude_axis;
+  if (free.base_attitude == AttitudeFreedom::Cone) {
+    out.push_back(axis.dot(rotation * axis) - std::cos(free.base_attitude_max));
+  } else if (free.base_attitude == AttitudeFreedom::Axis &&
+             free.base_attitude_max < kHalfRotation) {
+    between(rotation_log(rotation).dot(axis), -free.base_attitude_max, free.base_attitude_max);
+  } else if (free.base_attitude == AttitudeFreedom::Free &&
+             free.base_attitude_max < kHalfRotation) {
+    out.push_back(std::pow(free.base_attitude_max, 2) - rotation_log(rotation).squaredNorm());
+  }
+  if (free.contact_time_upper > free.contact_time_lower) {
+    between(at.contact_time, free.contact_time_lower, free.contact_time_upper);
+  }
+  if (free.base_position == PositionFreedom::Box) {
+    for (int i = 0; i < 3; ++i) {
+      between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i]);
+    }
+  }
+  const ContactEvent& event = situation.event;
+  out.push_back(closing_speed(problem, event, event.n) - wanted.closing_speed_min);
+  if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
+    const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const double limit = joint_rate_limit(problem, k);
+      between(rates[k], -limit, limit);
+    }
+  }
+  if (wanted.coupling_singular_value_min > 0) {
+    out.push_back(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min);
+  }
+  if (wanted.jacobian_singular_value_min > 0) {
+    out.push_back(jacobian_singular_value(situation.response, wanted.jacobian_length) -
+                  wanted.jacobian_singular_value_min);
+  }
+  if (!wanted.clearance) return out;
+  const auto target = situation.target_pose();
+  const ContactShapes shapes(problem, at, target ? &*target : nullptr);
+  for (int i = 1; i <= shapes.count(); ++i) {
+    for (int j = i + 1; j <= shapes.count(); ++j) {
+      if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
+      out.push_back(shapes.distance(i, j).value_or(kInfinity) - *wanted.clearance);
+    }
+  }
+  return out;
+}
+
+namespace {
+
+/// A rotation of the base from its stated attitude, in N, from three numbers in [0, 1): an axis
+/// evenly over its cap with the roll about it, any rotation (Shoemake), or a ball of rotation
+/// vectors.
+Eigen::Quaterniond sampled_rotation(const CaptureProblem& problem, const Vector3d& u) {
+  const double most = problem.variables.base_attitude_max;
+  const auto circle = [](double part) {
+    return Vector3d(std::cos(2 * kPi * part), std::sin(2 * kPi * part), 0);
+  };
+  const Eigen::Quaterniond& stated = problem.base.orientation;
+  if (problem.variables.base_attitude == AttitudeFreedom::Cone) {
+    const Vector3d& axis = problem.variables.base_attitude_axis;
+    int least = 0;
+    axis.cwiseAbs().minCoeff(&least);
+    const Vector3d e_1 = axis.cross(Vector3d(Vector3d::Unit(least))).normalized();
+    const Vector3d e_2 = axis.cross(e_1);
+    const double tilt = std::acos(1 - u[0] * (1 - std::cos(most)));
+    const Vector3d side = circle(u[1]);
+    return rotation_exp(tilt * (side.x() * e_1 + side.y() * e_2)) *
+           rotation_exp(kPi * (2 * u[2] - 1) * axis);
+  }
+  Eigen::Quaterniond in_base;
+  if (most > kHalfRotation) {
+    const Vector3d b = std::sqrt(1 - u[0]) * circle(u[1]), c = std::sqrt(u[0]) * circle(u[2]);
+    in_base = Eigen::Quaterniond(c.x(), b.y(), b.x(), c.y());
+  } else {
+    const double z = 2 * u[0] - 1;
+    const Vector3d direction =
+        std::sqrt(std::max(0.0, 1 - z * z)) * circle(u[1]) + z * Vector3d::UnitZ();
+    in_base = rotation_exp(most * std::cbrt(u[2]) * direction);
+  }
+  return stated * in_base * stated.conjugate();
+}
+
+}  // namespace
+
+double typical_objective(const CaptureProblem& problem) {
+  constexpr int kSamples = 15;
+  const FreeVariables variables(problem);
+  std::vector<double> sizes;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const Eigen::VectorXd u = low_discrepancy_point(sample, variables.size(), 0);
+    Eigen::VectorXd x = variables.lower + u.cwiseProduct(variables.upper - variables.lower);
+    if (const int i = variables.rotation_vector(); i >= 0) {
+      x.segment<3>(i) = rotation_log(sampled_rotation(problem, u.segment<3>(i)));
+    }
+    const Situation at(problem, variables.at(x));
+    ContactEvent event = at.event;
+    // A target that moves away counts as if it came.
+    if (event.velocity && event.n.dot(*event.velocity) < 0) event.velocity = -*event.velocity;
+    sizes.push_back(std::sqrt(
+        square_of(problem, at.response, impulse_along(problem, event, at.response, event.n))));
+  }
+  std::nth_element(sizes.begin(), sizes.begin() + kSamples / 2, sizes.end());
+  return sizes[kSamples / 2] > 0 ? sizes[kSamples / 2] : 1;
+}
+
+}  // namespace stillbase::audit

@@ -1,0 +1,186 @@
+#include "audit/smooth_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <stillbase/core/constants.hpp>
+
+#include "audit/manifold.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+/// Relative: squares this near to the largest one count as largest.
+constexpr double kActiveMaximum = 1e-5;
+constexpr double kSameDirection = 1e-4;  ///< rad between maxima that are one
+
+double square_along(const Situation& at, const Vector3d& d) {
+  return square_of(at.problem, at.response, at.impulse(d));
+}
+
+std::vector<WeightedSquare> squares_of(const Situation& at) {
+  return sampled_squares(at.problem, at.target(), at.at, at.response);
+}
+
+/// All local maxima over the cone, with the largest first.
+/// @param value of a place
+template <class Value>
+std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& value) {
+  const double half = cone.cone_half_angle;
+  const bool is_wedge = cone.cone_plane_normal.has_value();
+  constexpr int kRings = 12, kAzimuths = 72;
+  const int rings = is_wedge ? 2 * kRings : kRings, azimuths = is_wedge ? 1 : kAzimuths;
+  const double lowest = is_wedge ? -half : 0, step = (half - lowest) / rings;
+  const auto at = [&](double angle, double azimuth) {
+    ConePlace out{std::clamp(angle, lowest, half), azimuth, 0};
+    out.value = value(out);
+    return out;
+  };
+  std::vector<std::vector<ConePlace>> grid;
+  for (int i = 0; i <= rings; ++i) {
+    grid.emplace_back();
+    for (int j = 0; j < azimuths; ++j) {
+      grid.back().push_back(at(lowest + i * step, 2 * kPi * j / azimuths));
+    }
+  }
+  std::vector<ConePlace> out;
+  const auto is_highest = [&](int i, int j) {
+    for (int di = -1; di <= 1; ++di) {
+      for (int dj = -1; dj <= 1; ++dj) {
+        if (i + di < 0 || i + di > rings) continue;
+        const int side = (j + dj + azimuths) % azimuths;
+        if (grid[i + di][side].value > grid[i][j].value) return false;
+      }
+    }
+    return true;
+  };
+  for (int i = 0; i <= rings; ++i) {
+    for (int j = 0; j < azimuths; ++j) {
+      if (!is_highest(i, j)) continue;
+      ConePlace best = grid[i][j];
+      for (double scale = 1; scale > 1e-7;) {
+        ConePlace better = best;
+        for (const double sign : {-1.0, 1.0}) {
+          const ConePlace a = at(best.angle + sign * scale * step, best.azimuth);
+          if (a.value > better.value) better = a;
+          if (is_wedge) continue;
+          const ConePlace b = at(best.angle, best.azimuth + sign * scale * 2 * kPi / azimuths);
+          if (b.value > better.value) better = b;
+        }
+        if (!(better.value > best.value)) scale /= 2;
+        best = better;
+      }
+      out.push_back(best);
+    }
+  }
+  std::sort(out.begin(), out.end(),
+            [](const ConePlace& a, const ConePlace& b) { return a.value > b.value; });
+  return out;
+}
+
+}  // namespace
+
+SmoothParts::SmoothParts(const Situation& situation)
+    : problem_(situation.problem), n_(situation.event.n) {
+  switch (problem_.measure.kind) {
+    case RiskMeasure::Nominal:
+      size_ = 2 * std::pow(typical_objective(problem_), 2);
+      break;
+    case RiskMeasure::Expectation:
+      size_ = values(situation)[0];
+      break;
+    case RiskMeasure::WorstCase:
+      find_maxima(situation);
+      break;
+    case RiskMeasure::Cvar:
+      find_tail(situation);
+      break;
+  }
+  if (!(size_ > 0)) size_ = 1;
+}
+
+Eigen::VectorXd SmoothParts::values(const Situation& at) const {
+  const RiskMeasure kind = problem_.measure.kind;
+  if (is_sampled(kind)) return sampled(at);
+  if (kind == RiskMeasure::Nominal) {
+    return Eigen::VectorXd::Constant(1, square_along(at, at.event.n) / size_);
+  }
+  Eigen::VectorXd out(static_cast<Eigen::Index>(maxima_.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    out[i] = square_along(at, direction(at, maxima_[static_cast<std::size_t>(i)])) / size_;
+  }
+  return out;
+}
+
+/// The place's direction in B; azimuths are counted from a direction that follows the axis.
+Vector3d SmoothParts::direction(const Situation& at, const ConePlace& place) const {
+  const auto& plane = problem_.uncertainty.cone_plane_normal;
+  if (plane) return cone_direction(at.event.n, plane, place.angle, 0);
+  const Vector3d d = cone_direction(n_, plane, place.angle, place.azimuth);
+  return rotation_between(n_, at.event.n) * d;
+}
+
+void SmoothParts::find_maxima(const Situation& situation) {
+  const auto value = [&](const ConePlace& place) {
+    return square_along(situation, direction(situation, place));
+  };
+  for (const ConePlace& place : local_maxima(problem_.uncertainty, value)) {
+    if (maxima_.empty()) size_ = place.value;
+    if (place.value < (1 - kActiveMaximum) * size_) break;
+    const auto is_same = [&](const ConePlace& other) {
+      return angle_between(direction(situation, place), direction(situation, other)) <
+             kSameDirection;
+    };
+    if (std::none_of(maxima_.begin(), maxima_.end(), is_same)) maxima_.push_back(place);
+  }
+}
+
+/// Of the mean over the tail: samples above the quantile count in full; what is left of the tail is
+/// shared in some way among those at the quantile.
+void SmoothParts::find_tail(const Situation& situation) {
+  const std::vector<WeightedSquare> squares = squares_of(situation);
+  std::vector<std::size_t> order(squares.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return squares[a].square > squares[b].square;
+  });
+  const double share = 1 - problem_.measure.cvar_level;
+  double left = share, quantile = 0;
+  for (const std::size_t i : order) {
+    quantile = squares[i].square;
+    if (left - squares[i].weight <= 1e-12) break;
+    left -= squares[i].weight;
+  }
+  left = share;
+  weights_.setZero(static_cast<Eigen::Index>(squares.size()));
+  for (const std::size_t i : order) {
+    if (std::abs(squares[i].square - quantile) <= kActiveMaximum * quantile) {
+      at_quantile_.push_back(static_cast<Eigen::Index>(i));
+    } else if (squares[i].square > quantile) {
+      weights_[static_cast<Eigen::Index>(i)] = squares[i].weight / share;
+      left -= squares[i].weight;
+    }
+  }
+  remaining_ = left / share;
+  size_ = sampled(situation).maxCoeff();
+}
+
+Eigen::VectorXd SmoothParts::sampled(const Situation& at) const {
+  const std::vector<WeightedSquare> squares = squares_of(at);
+  const bool is_tail = weights_.size() > 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    sum += squares[i].square * (is_tail ? weights_[index] : squares[i].weight);
+  }
+  if (!is_tail) return Eigen::VectorXd::Constant(1, sum / size_);
+  Eigen::VectorXd out(static_cast<Eigen::Index>(at_quantile_.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const auto sample = static_cast<std::size_t>(at_quantile_[static_cast<std::size_t>(i)]);
+    out[i] = (sum + remaining_ * squares[sample].square) / size_;
+  }
+  return out;
+}
+
+}  // namespace stillbase::audit

@@ -1,0 +1,40 @@
+// The measure of a problem near one configuration as the largest of smooth functions.
+#pragma once
+
+#include <vector>
+
+#include "audit/checks.hpp"
+
+namespace stillbase::audit {
+
+/// A direction of the cone, by its angle from the axis and its azimuth, rad.
+struct ConePlace {
+  double angle = 0, azimuth = 0, value = 0;
+};
+
+/// |y|^2 of the measure over a constant size: the largest of one function (nominal value,
+/// expectation), of one for each worst direction of the cone, or of one for each sample at the
+/// quantile of a tail.
+class SmoothParts {
+ public:
+  explicit SmoothParts(const Situation& situation);
+
+  /// The largest ones at the configuration of the constructor, at another configuration.
+  Eigen::VectorXd values(const Situation& at) const;
+
+ private:
+  Vector3d direction(const Situation& at, const ConePlace& place) const;
+  void find_maxima(const Situation& situation);
+  void find_tail(const Situation& situation);
+  Eigen::VectorXd sampled(const Situation& at) const;
+
+  const CaptureProblem& problem_;
+  Vector3d n_;
+  double size_ = 1;
+  std::vector<ConePlace> maxima_;
+  Eigen::VectorXd weights_;  ///< of the samples above the quantile
+  std::vector<Eigen::Index> at_quantile_;
+  double remaining_ = 0;  ///< weight of those
+};
+
+}  // namespace stillbase::audit

@@ -1,0 +1,72 @@
+// Plans that state more of their optimum than holds.
+#include <catch2/catch.hpp>
+
+#include <stillbase/planner/planner.hpp>
+
+#include "support/shipped_problem.hpp"
+#include "verification/failed_claims.hpp"
+
+namespace stillbase {
+namespace {
+
+/// What a random search found, marked as an optimum with a bound that nobody proved.
+Plan boasting_plan() {
+  CaptureProblem problem = test::without_path("servicer_6dof_held");
+  problem.search.optimizer = "random-search";
+  problem.search.starts = 2;
+  Plan plan = make_plan(problem);
+  REQUIRE(plan.status == PlanStatus::Feasible);
+  plan.status = PlanStatus::Optimal;
+  plan.certificate.kkt_residual = 1e-9;
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("a random configuration with an invented KKT residual is no optimum") {
+  CHECK(failures(boasting_plan()).find("kkt_residual") != std::string::npos);
+}
+
+TEST_CASE("the KKT residual of an optimum is confirmed by differences, for every measure") {
+  const std::string name =
+      GENERATE("servicer_6dof_held", "iiwa_cone", "iiwa_mean", "planar_three_link_cvar",
+               "planar_three_link_null", "spart_given_push", "servicer_compromise");
+  CaptureProblem problem = test::without_path(name);
+  problem.search.starts = 8;
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(problem, options);
+  INFO(name);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  CHECK(failures(plan).find("kkt_residual") == std::string::npos);
+  CHECK(failures(plan).find("reduced_curvature") == std::string::npos);
+}
+
+TEST_CASE("a misstated curvature is found") {
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(test::without_path("spart_given_push"), options);
+  auto& curvature = plan.certificate.reduced_hessian_min_eigenvalue;
+  REQUIRE(curvature);
+  REQUIRE(failures(plan).find("reduced_curvature") == std::string::npos);
+  const double stated = *curvature;
+  curvature = 1.1 * stated;
+  CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
+  curvature = -stated;
+  CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
+  curvature.reset();
+  CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
+}
+
+TEST_CASE("a feasible configuration states the size of its KKT residual") {
+  CaptureProblem problem = test::without_path("servicer_6dof_held");
+  problem.search.optimizer = "random-search";
+  problem.search.starts = 2;
+  Plan plan = make_plan(problem);
+  REQUIRE(plan.status == PlanStatus::Feasible);
+  CHECK(failures(plan).find("kkt_residual") == std::string::npos);
+  plan.certificate.kkt_residual = 2e-5;
+  CHECK(failures(plan).find("kkt_residual") != std::string::npos);
+}
+
+}  // namespace stillbase
