@@ -13,6 +13,7 @@ namespace {
 
 /// Relative: squares this near to the largest one count as largest.
 constexpr double kActiveMaximum = 1e-5;
+constexpr double kZero = 1e-9;           ///< of the typical objective
 constexpr double kSameDirection = 1e-4;  ///< rad between maxima that are one
 
 double square_along(const Situation& at, const Vector3d& d) {
@@ -83,9 +84,10 @@ std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& va
 
 SmoothParts::SmoothParts(const Situation& situation)
     : problem_(situation.problem), n_(situation.event.n) {
+  const double typical = 2 * std::pow(typical_objective(problem_), 2);
   switch (problem_.measure.kind) {
     case RiskMeasure::Nominal:
-      size_ = 2 * std::pow(typical_objective(problem_), 2);
+      size_ = typical;
       break;
     case RiskMeasure::Expectation:
       size_ = values(situation)[0];
@@ -97,7 +99,8 @@ SmoothParts::SmoothParts(const Situation& situation)
       find_tail(situation);
       break;
   }
-  if (!(size_ > 0)) size_ = 1;
+  // What vanishes but for rounding has no size of its own.
+  if (!(size_ > kZero * kZero * typical)) size_ = typical;
 }
 
 Eigen::VectorXd SmoothParts::values(const Situation& at) const {
