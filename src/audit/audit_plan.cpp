@@ -16,6 +16,7 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
       audit::check_candidates(c, l);
       audit::check_nominal_optimum(c, l);
     });
+    run("constraints_complete", audit::check_constraint_list);
     run("kkt_residual", audit::check_stationarity);
     run("families", audit::check_continua);
     run("proof", [](const Context& c, ClaimList& l) {

@@ -13,6 +13,9 @@ void check_candidates(const Context& context, ClaimList& claims);
 /// The configuration that the nominal objective alone would choose; no check where none is stated.
 void check_nominal_optimum(const Context& context, ClaimList& claims);
 
+/// The list of constraints: all that the problem demands, each once.
+void check_constraint_list(const Context& context, ClaimList& claims);
+
 /// First-order conditions and curvature of the chosen configuration, by differences on the feasible
 /// manifold. No check for a plan of a search that a limit ended.
 void check_stationarity(const Context& context, ClaimList& claims);

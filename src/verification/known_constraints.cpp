@@ -1,0 +1,202 @@
+#include "verification/known_constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
+
+namespace stillbase::verification {
+
+KnownConstraints::KnownConstraints(const Situation& situation)
+    : situation_(situation),
+      target_(situation.target_pose()),
+      shapes_(situation.problem, situation.at, target_ ? &*target_ : nullptr) {
+  add_base();
+  add_hand();
+  add_joints();
+  add_case();
+  const CaptureProblem& problem = situation.problem;
+  const ConstraintSpec& wanted = problem.constraints;
+  add("closing_speed", wanted.closing_speed_min, kInfinity,
+      closing_speed(problem, situation.event, situation.event.n));
+  add("coupling_singular_value", wanted.coupling_singular_value_min, kInfinity,
+      coupling_singular_value(situation.response));
+  add("jacobian_singular_value", wanted.jacobian_singular_value_min, kInfinity,
+      jacobian_singular_value(situation.response, wanted.jacobian_length));
+}
+
+std::optional<KnownConstraint> KnownConstraints::find(const std::string& name) const {
+  // The name of a clearance starts with the numbers of its two shapes.
+  if (const auto pair = clearance_numbers(name)) {
+    return KnownConstraint{situation_.problem.constraints.clearance.value_or(-kInfinity), kInfinity,
+                           shapes_.distance(pair->first, pair->second), ""};
+  }
+  const auto found = known_.find(name);
+  return found == known_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void KnownConstraints::add(const std::string& name, double lower, double upper,
+                           std::optional<double> value) {
+  known_[name] = {lower, upper, value, ""};
+}
+
+/// Equations <name><suffix> = 0 that are components of a vector in B.
+void KnownConstraints::add_group(const std::string& name,
+                                 std::initializer_list<const char*> suffixes,
+                                 const Vector3d& vector, double scale) {
+  groups_[name] = {vector.norm(), scale,
+                   rotation_between(situation_.event.n, Vector3d::UnitX()) * vector};
+  for (const char* suffix : suffixes) known_[name + suffix] = {0, 0, std::nullopt, name};
+}
+
+std::optional<Vector3d> KnownConstraints::contact_point() const {
+  if (situation_.problem.hand.position) return situation_.problem.hand.position;
+  if (situation_.event.feature) return situation_.event.feature->point;
+  return std::nullopt;
+}
+
+void KnownConstraints::add_base() {
+  const CaptureProblem& problem = situation_.problem;
+  const VariableSpec& free = problem.variables;
+  const Pose& base = situation_.at.base;
+  const auto point = contact_point();
+  const Vector3d station =
+      point ? Vector3d(*point - (situation_.hand_N - base.position)) : base.position;
+  for (int i = 0; i < 3; ++i) {
+    add(fmt::format("base_position_{}", "xyz"[i]), free.base_position_lower[i],
+        free.base_position_upper[i], station[i]);
+  }
+  const Eigen::Quaterniond stated = problem.base.orientation.conjugate();
+  add("base_attitude_squared", 0, free.base_attitude_max * free.base_attitude_max,
+      rotation_log(stated * base.orientation).squaredNorm());
+  const Vector3d& axis = free.base_attitude_axis;
+  add("base_attitude_cone", std::cos(free.base_attitude_max), kInfinity,
+      axis.dot(base.orientation * (stated * axis)));
+}
+
+void KnownConstraints::add_hand() {
+  const HandSpec& hand = situation_.problem.hand;
+  const reference::Dynamics& dynamics = situation_.response.dynamics;
+  const auto point = contact_point();
+  for (int i = 0; i < 3; ++i) {
+    std::optional<double> offset;
+    if (hand.position && hand.frame == Frame::Base) {
+      offset = dynamics.hand_position[i] - (*hand.position)[i];
+    } else if (point) {
+      offset = situation_.hand_N[i] - (*point)[i];
+    }
+    add(fmt::format("hand_position_{}", "xyz"[i]), 0, 0, offset);
+  }
+  const Vector3d& n = situation_.event.n;
+  const Vector3d axis = dynamics.hand_rotation * hand.approach_axis;
+  add_group("hand_axis_", {"1", "2"}, axis - n * n.dot(axis), 1);
+  add("hand_facing", -kInfinity, 0, n.dot(axis));
+  if (hand.constraint != HandConstraint::Pose) return;
+  std::optional<double> angle;
+  if (const auto wanted = demanded_hand_axes(situation_.problem, situation_.event, situation_.at)) {
+    angle = pose_error({{}, situation_.R_NH}, {{}, *wanted}).angle;
+    const Eigen::Quaterniond rotation = situation_.R_NH.conjugate() * *wanted;
+    const Vector3d about = rotation_log(rotation).stableNormalized();
+    add_group("hand_rotation_", {"x", "y", "z"}, std::sin(*angle) * about, 1);
+  }
+  add("hand_facing", 0, kInfinity, angle ? std::optional(1 + 2 * std::cos(*angle)) : std::nullopt);
+}
+
+void KnownConstraints::add_joints() {
+  const CaptureProblem& problem = situation_.problem;
+  const auto rates = situation_.response.impact(situation_.impulse()).Delta_phidot;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    const double rate = joint_rate_limit(problem, k);
+    add("joint_rate_" + joint.name, -rate, rate, rates[k]);
+    const double margin =
+        joint.type == JointType::Continuous ? 0 : problem.constraints.joint_limit_margin;
+    add("joint_limit_" + joint.name, joint.lower + margin, joint.upper - margin,
+        situation_.at.phi(k));
+  }
+}
+
+void KnownConstraints::add_case() {
+  const PostureResponse& response = situation_.response;
+  const Vector6d unit = unit_wrench(situation_.problem, situation_.event);
+  const reference::Impact impact = response.impact(unit);
+  const double scale = response.rounding_scale(unit);
+  add_group("case_total_", {"1", "2", "3"}, impact.total, scale);
+  add_group("case_base_", {"1", "2", "3"}, impact.base, scale);
+  add_group("case_coupling_", {"1", "2", "3"}, impact.coupling, scale);
+  const Eigen::MatrixXd& A = response.dynamics.Htilde_omegaphi;
+  for (Eigen::Index k = 0; k < A.cols(); ++k) {
+    const Vector3d column = A.col(k);
+    add_group(fmt::format("case_coupling_column_{}", k + 1), {""},
+              column.dot(impact.coupling) * Vector3d::UnitX(), scale * column.norm());
+  }
+}
+
+std::vector<std::string> KnownConstraints::demanded() const {
+  const CaptureProblem& problem = situation_.problem;
+  const VariableSpec& free = problem.variables;
+  const ConstraintSpec& wanted = problem.constraints;
+  const HandConstraint hand = problem.hand.constraint;
+  const bool follows_target = !problem.impulse.direction;
+  const bool has_point = problem.hand.position || follows_target;
+  std::vector<std::string> out;
+  for (const char axis : {'x', 'y', 'z'}) {
+    if (has_point && hand != HandConstraint::None && free.base_position == PositionFreedom::Fixed) {
+      out.push_back(fmt::format("hand_position_{}", axis));
+    }
+    if (has_point && free.base_position == PositionFreedom::Box) {
+      out.push_back(fmt::format("base_position_{}", axis));
+    }
+  }
+  if (hand == HandConstraint::Axis || hand == HandConstraint::Pose) out.push_back("hand_facing");
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const std::string& name = problem.robot.joints[k].name;
+    if (std::isfinite(joint_rate_limit(problem, k))) out.push_back("joint_rate_" + name);
+    const Joint& joint = problem.robot.joints[k];
+    if (free.joints[k] && joint.type != JointType::Continuous) out.push_back("joint_limit_" + name);
+  }
+  if (wanted.coupling_singular_value_min > 0) out.push_back("coupling_singular_value");
+  if (wanted.jacobian_singular_value_min > 0) out.push_back("jacobian_singular_value");
+  if (problem.impulse.source != ImpulseSource::Given) out.push_back("closing_speed");
+  constexpr double kHalfRotation = 3.14159;  // rad: a larger limit of the angle is none
+  if (free.base_attitude == AttitudeFreedom::Cone) out.push_back("base_attitude_cone");
+  if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kHalfRotation) {
+    out.push_back("base_attitude_squared");
+  }
+  for (int i = 1; wanted.clearance && i <= shapes_.count(); ++i) {
+    for (int j = i + 1; j <= shapes_.count(); ++j) {
+      if (!shapes_.must_be_apart(i, j) || !shapes_.distance(i, j)) continue;
+      out.push_back(fmt::format("clearance_{}_{}_{}_{}", i, j, shapes_.name(i), shapes_.name(j)));
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> KnownConstraints::demanded_groups() const {
+  std::vector<std::string> out;
+  const HandConstraint hand = situation_.problem.hand.constraint;
+  if (hand == HandConstraint::Axis) out.push_back("hand_axis_");
+  if (hand == HandConstraint::Pose) out.push_back("hand_rotation_");
+  switch (situation_.problem.constraints.impact_case) {
+    case CaseConstraint::C2:
+      out.push_back("case_coupling_");
+      [[fallthrough]];
+    case CaseConstraint::C:
+    case CaseConstraint::C1:
+      out.push_back("case_total_");
+      break;
+    case CaseConstraint::G2:
+      out.push_back("case_base_");
+      break;
+    case CaseConstraint::G3:
+      out.push_back("case_coupling_");
+      break;
+    case CaseConstraint::None:
+      break;
+  }
+  return out;
+}
+
+}  // namespace stillbase::verification
