@@ -22,6 +22,7 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
     run("proof", [](const Context& c, ClaimList& l) {
       audit::check_bound(c, l);
       audit::check_proof(c, l);
+      audit::check_repeated_proof(c, l);
     });
     run("consistency", audit::check_search_record);
   };

@@ -182,6 +182,24 @@ std::optional<double> least_of_solutions(const Proof& proof,
   return least;
 }
 
+constexpr int kMostVariables = 3;  ///< that a bound is proven over
+
+/// Variables of a problem that a bound cannot do without: of a base attitude that is free about
+/// more than one axis two, for only the direction of the impulse in B may matter.
+int fewest_variables(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  const bool follows_target = !problem.impulse.direction;
+  const bool faces_inertial = follows_target ||
+                              problem.impulse.direction_frame == Frame::Inertial ||
+                              (problem.hand.position && problem.hand.frame == Frame::Inertial);
+  int count = static_cast<int>(std::count(variables.joints.begin(), variables.joints.end(), true));
+  if (faces_inertial && variables.base_attitude != AttitudeFreedom::Fixed) {
+    count += variables.base_attitude == AttitudeFreedom::Axis ? 1 : 2;
+  }
+  const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
+  return count + (follows_target && time_is_free ? 1 : 0);
+}
+
 /// Words, boxes and gap of the bound. @return the least measure of the candidates
 double check_bound_statement(const Context& context, double bound, ClaimList& claims) {
   const Plan& plan = context.plan;
@@ -193,6 +211,10 @@ double check_bound_statement(const Context& context, double bound, ClaimList& cl
   objections.demand(statement.is_proven || proof.status == ProofStatus::Undecided,
                     "the statement does not begin with 'proven'");
   objections.demand(proof.boxes > 0, "no box was examined");
+  const int free = fewest_variables(context.problem);
+  objections.demand(
+      free <= kMostVariables,
+      fmt::format("a bound takes at most {} free variables, here are {}", kMostVariables, free));
   bool is_gap = false;
   double least = plan.objective.value;
   for (const Candidate& candidate : plan.candidates) {
@@ -206,6 +228,26 @@ double check_bound_statement(const Context& context, double bound, ClaimList& cl
                     "a candidate is nearer to the bound than the gap");
   claims.none_wrong("proof_bound_statement", objections, "words, boxes and gap of the bound fit");
   return least;
+}
+
+}  // namespace
+
+namespace {
+
+/// A proof that does not apply encloses nothing, and without a bound it says so.
+void check_nothing_proven(const Proof& proof, ClaimList& claims) {
+  Objections objections;
+  objections.demand(proof.solutions.empty() && proof.undecided.empty() && proof.candidates.empty(),
+                    "boxes of a proof that does not apply");
+  objections.demand(proof.found_by_search == 0, "solutions of a proof that does not apply");
+  if (!proof.lower_bound) {
+    const ProofStatement statement = read_statement(proof);
+    objections.demand(!statement.is_proven, "the statement begins with 'proven'");
+    objections.demand(proof.statement.rfind("no proof", 0) == 0,
+                      "the statement does not begin with 'no proof'");
+    objections.demand(!proof.gap, "a gap without a bound");
+  }
+  claims.none_wrong("proof_statement", objections, "nothing is proven");
 }
 
 }  // namespace
@@ -237,7 +279,7 @@ ProofStatement read_statement(const Proof& proof) {
 void check_proof(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
-  if (proof.status == ProofStatus::NotApplicable) return;
+  if (proof.status == ProofStatus::NotApplicable) return check_nothing_proven(proof, claims);
   const FreeVariables variables(context.problem);
   const Recount recount = search_solutions(context);
   double worst = 0;

@@ -50,6 +50,9 @@ void check_proof(const Context& context, ClaimList& claims);
 /// search of its own finds is better.
 void check_bound(const Context& context, ClaimList& claims);
 
+/// The proof and the bound again, by the prover of the options; no check where nothing was proven.
+void check_repeated_proof(const Context& context, ClaimList& claims);
+
 /// List of the candidates, counts and status of the search, certificate.
 void check_search_record(const Context& context, ClaimList& claims);
 

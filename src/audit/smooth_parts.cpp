@@ -116,6 +116,12 @@ Eigen::VectorXd SmoothParts::values(const Situation& at) const {
   return out;
 }
 
+std::vector<Vector3d> SmoothParts::worst_directions(const Situation& situation) const {
+  std::vector<Vector3d> out;
+  for (const ConePlace& place : maxima_) out.push_back(direction(situation, place));
+  return out;
+}
+
 /// The place's direction in B; azimuths are counted from a direction that follows the axis.
 Vector3d SmoothParts::direction(const Situation& at, const ConePlace& place) const {
   const auto& plane = problem_.uncertainty.cone_plane_normal;

@@ -21,6 +21,9 @@ class SmoothParts {
 
   /// The largest ones at the configuration of the constructor, at another configuration.
   Eigen::VectorXd values(const Situation& at) const;
+  /// The worst directions of the cone in B, at the configuration of the constructor; none of other
+  /// measures.
+  std::vector<Vector3d> worst_directions(const Situation& situation) const;
 
  private:
   Vector3d direction(const Situation& at, const ConePlace& place) const;

@@ -1,6 +1,8 @@
 // Plans that state more of their optimum than holds.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 #include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"
@@ -25,6 +27,18 @@ Plan boasting_plan() {
 
 TEST_CASE("a random configuration with an invented KKT residual is no optimum") {
   CHECK(failures(boasting_plan()).find("kkt_residual") != std::string::npos);
+}
+
+TEST_CASE("a bound over more variables than a proof takes is refused") {
+  Plan plan = boasting_plan();
+  Proof& proof = plan.certificate.proof;
+  double least = plan.objective.value;
+  for (const Candidate& candidate : plan.candidates) least = std::min(least, candidate.value);
+  proof.lower_bound = 0.99 * least;
+  proof.gap = least - *proof.lower_bound;
+  proof.boxes = 1000;
+  proof.statement = "proven: no configuration has a worst case below that";
+  CHECK(failures(plan).find("proof_bound_statement") != std::string::npos);
 }
 
 TEST_CASE("the KKT residual of an optimum is confirmed by differences, for every measure") {

@@ -13,6 +13,7 @@ inline std::string failures(const Plan& plan) {
   VerifyOptions options;
   options.post_impact = false;
   options.cone_samples = 200;
+  options.prover = nullptr;
   std::string names;
   for (const Claim& claim : judge_plan(plan, options).claims) {
     if (claim.fails()) names += claim.name + " ";

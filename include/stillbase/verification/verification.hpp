@@ -16,6 +16,7 @@
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/plan/prover.hpp>
 
 namespace stillbase {
 
@@ -93,7 +94,9 @@ struct VerifyOptions {
   double path_refinement = 0.25;
   double max_target_step = 0.005;  ///< m, how far the target may move between two checks
   bool post_impact = true;         ///< false: no simulation, and none of its checks
-  StopCondition stop;              ///< when reached, the remaining checks count as not evaluated
+  /// Repeats what the plan says to be proven; null: that stays unverified.
+  const Prover* prover = default_prover();
+  StopCondition stop;  ///< when reached, the remaining checks count as not evaluated
 };
 
 /// Verifies a plan. Never throws for what a plan says: a check that cannot be evaluated fails, with
