@@ -14,7 +14,7 @@ using nlohmann::ordered_json;
 namespace {
 
 const std::string kClient = "'" + source_path("problems/planar_three_link_client.yaml") + "'";
-constexpr const char* kTool = "'" STILLBASE_TOOL "' ";
+constexpr const char* kToolCommand = "'" STILLBASE_TOOL "' ";
 
 long lines_of(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
@@ -118,20 +118,21 @@ TEST_CASE("an ending that a command cannot write is refused before the work") {
 TEST_CASE("progress with the time left is for terminals, pipes stay quiet") {
   const Workshop shop;
   REQUIRE(shop.run("plan " + kClient + " -o plan.json").code == 0);
-  const std::string trials = std::string(kTool) + "verify plan.json --trials 400 -o ";
+  const std::string trials = std::string(kToolCommand) + "verify plan.json --trials 400 -o ";
   const std::string shown = on_terminal(shop, trials + "a.json");
   INFO(shown);
   CHECK(std::regex_search(shown, std::regex("trials [0-9]+/400, [0-9]+ s left")));
   const Outcome quiet = shop.run("verify plan.json --trials 400 -o b.json");
   CHECK_FALSE(quiet.says("/400"));
   CHECK_FALSE(quiet.says("\r"));
-  CHECK(has(on_terminal(shop, std::string(kTool) + "plan " + kClient + " -o c.json"), "/64"));
+  CHECK(
+      has(on_terminal(shop, std::string(kToolCommand) + "plan " + kClient + " -o c.json"), "/64"));
 }
 
 TEST_CASE("colours are for terminals that allow them") {
   const Workshop shop;
   REQUIRE(shop.run("plan " + kClient + " -o plan.json").code == 0);
-  const std::string command = std::string(kTool) + "verify plan.json -o v.json --force";
+  const std::string command = std::string(kToolCommand) + "verify plan.json -o v.json --force";
   const std::string green = "\033[32mverdict: pass";
   CHECK(has(on_terminal(shop, command, "-u NO_COLOR TERM=xterm"), green));
   CHECK_FALSE(has(on_terminal(shop, command, "TERM=xterm NO_COLOR=1"), "\033[3"));
