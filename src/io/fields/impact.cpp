@@ -28,6 +28,16 @@ void resistance_values(Table& t, JointResistance& resistance, const RobotModel& 
   }
 }
 
+Map resistance_of(JointResistance& resistance, const RobotModel& robot) {
+  return Map(
+      [&](Table& t) {
+        t("model", Word(resistance.model, resistance_names()),
+          "`free`, `rotor_inertia`, `servo`, `locked`", {.need = Need::Required, .decides = true});
+        resistance_values(t, resistance, robot);
+      },
+      {.alone = "model"});
+}
+
 void impact_fields(Table& t, CaptureProblem& problem) {
   ImpulseSpec& impulse = problem.impulse;
   t("source", Word(impulse.source, kImpulseSourceNames),
@@ -58,15 +68,7 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     Number(impulse.closing_speed, Dimension::Velocity, {.lower = 0, .upper = kFastest}),
     "beside a stated direction: speed along it");
   t("restitution", Number(impulse.restitution, {.lower = 0, .upper = 1}), "coefficient");
-  t("joint_resistance",
-    Map(
-        [&](Table& m) {
-          m("model", Word(problem.resistance.model, resistance_names()),
-            "`free`, `rotor_inertia`, `servo`, `locked`",
-            {.need = Need::Required, .decides = true});
-          resistance_values(m, problem.resistance, problem.robot);
-        },
-        {.alone = "model"}),
+  t("joint_resistance", resistance_of(problem.resistance, problem.robot),
     "how joints resist during the impact: `free` or a map", {.without = "`free`"});
 }
 

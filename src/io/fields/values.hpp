@@ -165,5 +165,7 @@ void pose_fields(Table& t, Pose& pose, const std::string& what, const std::strin
 Map geometry_of(Geometry& geometry);
 /// The keys that the model of a joint resistance needs.
 void resistance_values(Table& t, JointResistance& resistance, const RobotModel& robot);
+/// The model's name, or a map of it and its keys.
+Map resistance_of(JointResistance& resistance, const RobotModel& robot);
 
 }  // namespace stillbase::io
