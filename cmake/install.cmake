@@ -35,7 +35,7 @@ if(NOT TARGET stillbase_proof)
   set(without_proof PATTERN "proof" EXCLUDE)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" ${without_proof})
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${without_proof})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillbaseConfig.cmake.in

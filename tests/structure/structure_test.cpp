@@ -131,6 +131,7 @@ std::vector<SourceFile> read_sources() {
         std::smatch match;
         if (!std::regex_search(line, match, include_line)) continue;
         const std::string header = match[2];
+        if (header == "stillbase/stillbase.h") continue;  // the front door of C is no room either
         if (header.rfind("stillbase/", 0) == 0) {
           file.own.push_back(header.substr(10));
         } else if (match[1] == "<") {

@@ -1,0 +1,153 @@
+/* C interface of stillbase: load robots and problems, evaluate impacts, plan, verify.
+ *
+ * Handles are opaque; whoever got one frees it. Handles do not change: any number of threads may
+ * use one at once. Numbers are SI and radians. B is the base frame (origin at the centroid of the
+ * base body), N the inertial frame; six-vectors have the linear part first; matrices lie row by
+ * row; quaternions are [w, x, y, z]. n is the number of joints.
+ *
+ * No exception leaves a function. Each returns a status; stillbase_error() has the text of the
+ * last failure of the calling thread. Outputs are written on STILLBASE_OK alone, unless it says
+ * otherwise. Pointers to outputs may be NULL where it says so.
+ */
+#ifndef STILLBASE_STILLBASE_H
+#define STILLBASE_STILLBASE_H
+
+#include <stddef.h>
+
+#if defined(__GNUC__)
+#define STILLBASE_API __attribute__((visibility("default")))
+#else
+#define STILLBASE_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct stillbase_robot stillbase_robot;
+typedef struct stillbase_problem stillbase_problem;
+typedef struct stillbase_plan stillbase_plan;
+
+/* Values as the exit codes of the tool. */
+typedef enum stillbase_status {
+  STILLBASE_OK = 0,
+  STILLBASE_INTERNAL_ERROR = 1,
+  STILLBASE_WRONG_ARGUMENT = 2, /* NULL, a number that is not finite, an unknown name */
+  STILLBASE_INPUT_REFUSED = 3,  /* one line `file:line: rule: message` for each finding */
+  STILLBASE_FILE_FAILED = 7     /* reading or writing */
+} stillbase_status;
+
+/* Where the robot is at the contact, but for its joints. */
+typedef struct stillbase_contact {
+  double base_position[3];    /* of B in N, m */
+  double base_orientation[4]; /* R_NB */
+  double contact_time;        /* s */
+} stillbase_contact;
+
+/* One impact, in B. */
+typedef struct stillbase_impact {
+  double impulse[6];     /* [f; t] on the hand, N s, N m s */
+  double Delta_Omega[6]; /* velocity jump of the base [v; omega], m/s, rad/s */
+  double total[3];       /* change of the angular momentum about the system centroid, N m s */
+  double base[3];        /* its part in the base */
+  double coupling[3];    /* its part in the arm */
+  double closing_speed;  /* m/s */
+  char impact_case[3];   /* "G1", "G2", "G3", "C1" or "C2" */
+} stillbase_impact;
+
+/* Called as work goes on. @return not zero: stop with the best so far */
+typedef int (*stillbase_progress)(const char* what, int done, int total, void* user);
+
+typedef struct stillbase_plan_options {
+  double time_limit;           /* s; 0: none. The best so far is the plan, its status "limit" */
+  stillbase_progress progress; /* may be NULL; called by the thread that plans */
+  void* user;                  /* handed to `progress` */
+} stillbase_plan_options;
+
+/* "0.1.0" */
+STILLBASE_API const char* stillbase_version(void);
+/* Text of the last failure of this thread, until its next one; "" before the first. */
+STILLBASE_API const char* stillbase_error(void);
+
+/* Robots. */
+
+/* Reads a URDF file. hand: name of the hand link; NULL or "": the only link without children. */
+STILLBASE_API stillbase_status stillbase_robot_read(const char* path, const char* hand,
+                                                    stillbase_robot** robot);
+/* NULL is allowed. */
+STILLBASE_API void stillbase_robot_free(stillbase_robot* robot);
+/* n; 0 for NULL. */
+STILLBASE_API int stillbase_robot_joints(const stillbase_robot* robot);
+/* Name of joint k, as long as the handle lives; NULL: there is none. */
+STILLBASE_API const char* stillbase_robot_joint_name(const stillbase_robot* robot, int k);
+/* Velocity jump of free joints for an impulse at the hand (6) in B, at joint positions phi (n):
+ * Delta_Omega (6), Delta_phidot (n, may be NULL). */
+STILLBASE_API stillbase_status stillbase_robot_jump(const stillbase_robot* robot, const double* phi,
+                                                    const double* impulse, double* Delta_Omega,
+                                                    double* Delta_phidot);
+/* The same at many postures, several at a time: phi (count x n), impulses (count x 6),
+ * Delta_Omega (count x 6), base part (count x 3, may be NULL). */
+STILLBASE_API stillbase_status stillbase_robot_respond(const stillbase_robot* robot, size_t count,
+                                                       const double* phi, const double* impulses,
+                                                       double* Delta_Omega, double* base);
+
+/* Problems. */
+
+/* Reads a problem file with the robot and target files that it names. */
+STILLBASE_API stillbase_status stillbase_problem_read(const char* path,
+                                                      stillbase_problem** problem);
+/* Reads the text of a problem (YAML or JSON) and of its robot; the target is stated in place.
+ * source: name of the text for messages. */
+STILLBASE_API stillbase_status stillbase_problem_parse(const char* text, const char* source,
+                                                       const char* urdf,
+                                                       stillbase_problem** problem);
+STILLBASE_API void stillbase_problem_free(stillbase_problem* problem);
+STILLBASE_API int stillbase_problem_joints(const stillbase_problem* problem);
+/* The start posture phi (n) at the stated base pose and the earliest contact time. */
+STILLBASE_API stillbase_status stillbase_problem_start(const stillbase_problem* problem,
+                                                       stillbase_contact* contact, double* phi);
+/* The nominal impact at phi (n), by the problem's contact law. Delta_phidot (n) may be NULL. */
+STILLBASE_API stillbase_status stillbase_problem_impact(const stillbase_problem* problem,
+                                                        const stillbase_contact* contact,
+                                                        const double* phi, stillbase_impact* impact,
+                                                        double* Delta_phidot);
+
+/* Plans. */
+
+/* Plans a capture. What was not found is a status of the plan. options may be NULL. */
+STILLBASE_API stillbase_status stillbase_plan_make(const stillbase_problem* problem,
+                                                   const stillbase_plan_options* options,
+                                                   stillbase_plan** plan);
+/* Reads a plan file; one that was changed after it was written is refused. */
+STILLBASE_API stillbase_status stillbase_plan_read(const char* path, stillbase_plan** plan);
+/* Writes a plan file, whole or not at all. replace 0: an existing file is an error. */
+STILLBASE_API stillbase_status stillbase_plan_write(const stillbase_plan* plan, const char* path,
+                                                    int replace);
+STILLBASE_API void stillbase_plan_free(stillbase_plan* plan);
+STILLBASE_API int stillbase_plan_joints(const stillbase_plan* plan);
+/* "optimal", "feasible", "infeasible" or "limit"; NULL for NULL. */
+STILLBASE_API const char* stillbase_plan_status(const stillbase_plan* plan);
+/* Text of the plan file, as long as the handle lives. */
+STILLBASE_API const char* stillbase_plan_json(const stillbase_plan* plan);
+/* The chosen configuration with phi (n), and the nominal impact there; Delta_phidot (n), impact
+ * and contact may be NULL. */
+STILLBASE_API stillbase_status stillbase_plan_choice(const stillbase_plan* plan,
+                                                     stillbase_contact* contact, double* phi,
+                                                     stillbase_impact* impact,
+                                                     double* Delta_phidot);
+/* Samples of the approach path; 0: there is none. */
+STILLBASE_API size_t stillbase_plan_samples(const stillbase_plan* plan);
+/* Times (k), joint positions (k x n), joint velocities (k x n, may be NULL) of k samples; between
+ * them the joints follow cubic Hermite segments. The last time is the contact time. */
+STILLBASE_API stillbase_status stillbase_plan_path(const stillbase_plan* plan, double* times,
+                                                   double* joint_positions,
+                                                   double* joint_velocities);
+/* Recomputes a plan by other code than the planner's. passes: 1 or 0; on 0 stillbase_error() names
+ * the checks that fail. */
+STILLBASE_API stillbase_status stillbase_plan_verify(const stillbase_plan* plan, int* passes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,120 @@
+/* The C interface from a C program: errors, an impact, a plan, its path, its verification.
+ * Usage: plan_a_capture SOURCE_FOLDER. Ends with 0 when all of it is as it must be. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <stillbase/stillbase.h>
+
+static int failures = 0;
+
+static void check(int holds, const char* what) {
+  if (holds) return;
+  printf("does not hold: %s (%s)\n", what, stillbase_error());
+  ++failures;
+}
+
+static int count_steps(const char* what, int done, int total, void* user) {
+  (void)what;
+  if (done < 0 || done > total) ++failures;
+  ++*(int*)user;
+  return 0;
+}
+
+static int stop_at_once(const char* what, int done, int total, void* user) {
+  (void)what, (void)done, (void)total, (void)user;
+  return 1;
+}
+
+static void refuse_wrong_input(const char* problem_path) {
+  stillbase_robot* robot = NULL;
+  stillbase_problem* problem = NULL;
+  stillbase_plan* plan = NULL;
+  check(stillbase_robot_read(NULL, NULL, &robot) == STILLBASE_WRONG_ARGUMENT, "NULL is refused");
+  check(strcmp(stillbase_error(), "path: is NULL") == 0, "the error names the argument");
+  check(stillbase_problem_parse("format: stillbase.problem\nversion: 1\nrobott: 1\n", "text", "",
+                                &problem) == STILLBASE_INPUT_REFUSED,
+        "an unknown key is refused");
+  check(strstr(stillbase_error(), "text:3: unknown-key: ") != NULL, "the error has file and line");
+  check(stillbase_plan_read(problem_path, &plan) == STILLBASE_INPUT_REFUSED, "a problem is no plan");
+  check(robot == NULL && problem == NULL && plan == NULL, "failures make no handles");
+  stillbase_robot_free(NULL);
+  stillbase_problem_free(NULL);
+  stillbase_plan_free(NULL);
+}
+
+static void evaluate(const char* robot_path) {
+  stillbase_robot* robot = NULL;
+  /* The paper's two-link arm, reading A, at (-80, 160) deg, hit along 30 deg: 67.9638 N s. */
+  const double phi[2] = {-80 * 3.14159265358979323846 / 180, 160 * 3.14159265358979323846 / 180};
+  const double p = 67.9638, angle = 30 * 3.14159265358979323846 / 180;
+  double impulse[6] = {0}, jump[6], rates[2], many[12], base[6], phis[4], impulses[12];
+  int i;
+  impulse[0] = p * cos(angle);
+  impulse[1] = p * sin(angle);
+  check(stillbase_robot_read(robot_path, "hand", &robot) == STILLBASE_OK, "the robot is read");
+  check(stillbase_robot_joints(robot) == 2, "it has two joints");
+  check(strcmp(stillbase_robot_joint_name(robot, 1), "joint_2") == 0, "they have names");
+  check(stillbase_robot_joint_name(robot, 2) == NULL, "there is no third");
+  check(stillbase_robot_jump(robot, phi, impulse, jump, rates) == STILLBASE_OK, "the jump");
+  check(fabs(jump[5] - 0.073547) < 1e-6, "base rate of the paper's example");
+  check(fabs(hypot(rates[0], rates[1]) - 0.863540) < 1e-6, "joint rates of the paper's example");
+  for (i = 0; i < 4; ++i) phis[i] = phi[i % 2];
+  for (i = 0; i < 12; ++i) impulses[i] = impulse[i % 6];
+  check(stillbase_robot_respond(robot, 2, phis, impulses, many, base) == STILLBASE_OK, "postures");
+  for (i = 0; i < 12; ++i) check(fabs(many[i] - jump[i % 6]) < 1e-12, "one by one or together");
+  check(fabs(base[5] - 96.0832) < 1e-3, "base part of the momentum");
+  phis[3] = NAN;
+  check(stillbase_robot_respond(robot, 2, phis, impulses, many, NULL) == STILLBASE_WRONG_ARGUMENT,
+        "NaN is refused");
+  check(strcmp(stillbase_error(), "phi: number 3 is not finite") == 0, "with its place");
+  stillbase_robot_free(robot);
+}
+
+static void plan_and_verify(const char* problem_path, const char* plan_path) {
+  stillbase_problem* problem = NULL;
+  stillbase_plan *plan = NULL, *read = NULL, *stopped = NULL;
+  stillbase_contact contact;
+  stillbase_impact at_plan, again;
+  double phi[2], times[2000], path[4000];
+  int steps = 0, passes = 0;
+  stillbase_plan_options options = {0, count_steps, NULL};
+  options.user = &steps;
+  check(stillbase_problem_read(problem_path, &problem) == STILLBASE_OK, "the problem is read");
+  check(stillbase_problem_start(problem, &contact, phi) == STILLBASE_OK, "start configuration");
+  check(fabs(phi[0] + 80 * 3.14159265358979323846 / 180) < 1e-12, "the start posture");
+  check(stillbase_plan_make(problem, &options, &plan) == STILLBASE_OK, "the plan");
+  check(steps > 0, "progress is told");
+  check(strcmp(stillbase_plan_status(plan), "optimal") == 0, "it is optimal");
+  check(stillbase_plan_choice(plan, &contact, phi, &at_plan, NULL) == STILLBASE_OK, "its choice");
+  check(strcmp(at_plan.impact_case, "C2") == 0, "case C2");
+  check(stillbase_problem_impact(problem, &contact, phi, &again, NULL) == STILLBASE_OK, "impact");
+  check(fabs(again.impulse[0] - at_plan.impulse[0]) < 1e-9, "the same impulse");
+  check(stillbase_plan_samples(plan) > 1 && stillbase_plan_samples(plan) <= 2000, "path samples");
+  check(stillbase_plan_path(plan, times, path, NULL) == STILLBASE_OK, "the path");
+  check(fabs(path[2 * stillbase_plan_samples(plan) - 1] - phi[1]) < 1e-9, "it ends at the choice");
+  check(stillbase_plan_verify(plan, &passes) == STILLBASE_OK && passes == 1, "it is verified");
+  check(stillbase_plan_write(plan, plan_path, 1) == STILLBASE_OK, "it is written");
+  check(stillbase_plan_write(plan, plan_path, 0) == STILLBASE_FILE_FAILED, "and not replaced");
+  check(stillbase_plan_read(plan_path, &read) == STILLBASE_OK, "it is read");
+  check(strcmp(stillbase_plan_json(read), stillbase_plan_json(plan)) == 0, "the same text");
+  options.progress = stop_at_once;
+  check(stillbase_plan_make(problem, &options, &stopped) == STILLBASE_OK, "a stopped search");
+  check(strcmp(stillbase_plan_status(stopped), "optimal") != 0, "says so");
+  stillbase_plan_free(stopped);
+  stillbase_plan_free(read);
+  stillbase_plan_free(plan);
+  stillbase_problem_free(problem);
+}
+
+int main(int argc, char** argv) {
+  char problem[4096], robot[4096];
+  if (argc != 3) return 2;
+  snprintf(problem, sizeof problem, "%s/problems/planar_two_link_c2_a.yaml", argv[1]);
+  snprintf(robot, sizeof robot, "%s/problems/robots/planar_two_link_a.urdf", argv[1]);
+  refuse_wrong_input(problem);
+  evaluate(robot);
+  plan_and_verify(problem, argv[2]);
+  printf("stillbase %s, %d failures\n", stillbase_version(), failures);
+  return failures == 0 ? 0 : 1;
+}
