@@ -26,11 +26,13 @@ struct VerifyRequest {
   int trials = 0;
   std::uint64_t seed = 1;
   int jobs = 1;
+  double time_limit = 0;
 };
 
 using Trials = std::pair<TrialSetting, TrialReport>;
 
-std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request) {
+std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request,
+                                const StopCondition& stop) {
   if (request.trials == 0) return std::nullopt;
   Trials trials;
   trials.first.sizes = perturbations_for(plan.problem);
@@ -38,8 +40,7 @@ std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request) 
   trials.first.wanted = request.trials;
   ProgressLine progress;
   trials.second = summarize_trials(
-      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials, request.jobs,
-                 stop_condition(),
+      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials, request.jobs, stop,
                  [&progress](int done, int total) { progress.show("trials", done, total); }),
       0, objective_unit_name(plan.problem));
   return trials;
@@ -55,25 +56,28 @@ int verify_plan_file(const VerifyRequest& request) {
   request.output.check({".json"});
   const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions verify;
-  verify.stop = stop_condition();
+  verify.stop = stop_condition(request.time_limit);
   Verification verification = judge_plan(file.plan, verify);
   add_input_checks(file, request.plan, request.problem, verification);
 
   // A plan that fails may lack what a trial needs.
   std::optional<Trials> trials;
-  if (verification.pass) trials = trials_of(file.plan, request);
+  if (verification.pass) trials = trials_of(file.plan, request, verify.stop);
   const std::string text =
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
   publish_verification(file.plan, verification, text,
                        {request.output, request.json, request.shows_all, "verification"});
   if (trials) say(trial_words(trials->second));
-  if (trials && trials->second.trials < request.trials) {
+  const bool are_cut = trials && trials->second.trials < request.trials;
+  if (are_cut) {
     say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));
   }
-  if (request.trials > 0 && !trials) say("no trials: the plan fails its verification");
+  const bool has_failed = !verification.pass && !verification.interrupted;
+  if (request.trials > 0 && has_failed) say("no trials: the plan fails its verification");
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (!verification.interrupted) say_next(next_of(request, verification.pass));
   if (signal_exit_code() != 0) return signal_exit_code();
+  if (verification.interrupted || are_cut) return kLimit;
   return verification.pass ? kDone : kVerificationFailed;
 }
 
@@ -99,6 +103,7 @@ Command verify_command() {
           {"--jobs", "N", "trials at a time; results do not depend on it", &request->jobs, false, 1,
            256},
           {"--all", "", "print every check in full, also those that hold", &request->shows_all},
+          {"--time-limit", "S", "seconds after which checks and trials stop", &request->time_limit},
           {"--json", "", "print the verification on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
       [request] { return verify_plan_file(*request); }};
