@@ -19,11 +19,15 @@ namespace stillbase::app {
 
 namespace {
 
-std::string body_line(const Body& body) {
+/// The centroid is that of the merged links, in the frame of the link that names the body.
+std::string body_line(const RobotModel& robot, const Body& body) {
   const Vector3d principal = principal_moments(body.inertia);
+  const LinkFrame* const link = find_link(robot, body.name);
+  const Vector3d centroid =
+      link == nullptr ? body.centroid : Vector3d(link->pose.inverse() * body.centroid);
   std::string text =
-      fmt::format("  {}: {:.6g} kg, centroid {} m, principal moments {} kg m^2", body.name,
-                  body.mass, vector_words(body.centroid), vector_words(principal));
+      fmt::format("  {}: {:.6g} kg, centroid {} m in its frame, principal moments {} kg m^2",
+                  body.name, body.mass, vector_words(centroid), vector_words(principal));
   std::vector<std::string> merged = body.merged_links;
   merged.erase(std::remove(merged.begin(), merged.end(), body.name), merged.end());
   if (!merged.empty()) text += fmt::format(", with {}", fmt::join(merged, ", "));
@@ -112,8 +116,8 @@ std::string robot_report(const RobotModel& robot) {
                   count_words(robot.n(), "joint", "joints"), robot.total_mass());
   text += fmt::format("system centroid with all joints at zero: {} m from the base centroid\n",
                       vector_words(inertia.r_bg));
-  text += "bodies:\n" + body_line(robot.base);
-  for (const Body& body : robot.bodies) text += body_line(body);
+  text += "bodies:\n" + body_line(robot, robot.base);
+  for (const Body& body : robot.bodies) text += body_line(robot, body);
   text += "joints:\n";
   for (const Joint& joint : robot.joints) text += joint_line(joint);
   text += fmt::format("hand: {}; collision shapes: {}\n", robot.hand, robot.shapes.size());

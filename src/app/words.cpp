@@ -1,17 +1,25 @@
 #include "app/words.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace stillbase::app {
 
 namespace {
 
-double tidy(double x) { return x == 0 ? 0 : x; }  // no "-0"
+/// Rounding errors are zero, which has no sign. @param scale largest number beside x
+double tidy(double x, double scale) {
+  return std::abs(x) <= std::max(1e-15, 1e-12 * scale) ? 0 : x;
+}
 
 }  // namespace
 
 std::string vector_words(const Vector3d& v) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", tidy(v.x()), tidy(v.y()), tidy(v.z()));
+  const double scale = v.cwiseAbs().maxCoeff();
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", tidy(v.x(), scale), tidy(v.y(), scale),
+                     tidy(v.z(), scale));
 }
 
 std::string posture_words(const RobotModel& robot, const JointVectord& phi) {
