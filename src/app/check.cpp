@@ -1,10 +1,13 @@
 // stillbase check: validates files and says what was understood.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <stillbase/collision/scene.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/campaign_file.hpp>
@@ -24,10 +27,32 @@ struct CheckRequest {
   bool is_strict = false;
 };
 
+/// The start posture keeps the clearance that the approach asks for. Obstacles in N are left out
+/// where the base does not start as stated.
+/// @throws InputError
+void check_start(const CaptureProblem& problem, const std::string& path) {
+  const ApproachSpec& approach = problem.approach;
+  if (!approach.enabled) return;
+  CaptureProblem alone = problem;
+  if (approach.station_free) {
+    std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
+  }
+  const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
+  const auto hit =
+      CollisionScene(alone).first_hit(kinematics, problem.base, nullptr, approach.clearance);
+  if (!hit) return;
+  throw InputError(
+      {{path, line_of_key(path, "robot.start"), "start-too-close",
+        fmt::format("robot.start: {} are {:.4g} m apart, approach.clearance asks for {:.4g} m; "
+                    "state another posture, a smaller clearance, or the pair in "
+                    "robot.allowed_contacts",
+                    to_string(*hit), std::max(hit->distance, 0.0), approach.clearance)}});
+}
+
 /// Kind of file, as it says itself, and what was understood of it.
 struct Report {
   std::string kind, text;
-  std::vector<Finding> remarks = {};  ///< on the robot in it
+  std::vector<Finding> remarks = {};  ///< on what looks like a mistake
 };
 
 /// @param robot the last robot before this file: a state is a state of it
@@ -65,8 +90,12 @@ Report report_on(const std::string& path, const std::string& hand,
                            "'; known are stillbase.problem, stillbase.target, stillbase.plan and "
                            "stillbase.campaign; a state and a robot say none"}});
   }
-  const CaptureProblem problem = read_problem(path);
-  return {"problem", problem_report(problem), problem.robot.remarks};
+  std::vector<Finding> remarks;
+  const CaptureProblem problem = read_problem(path, &remarks);
+  check_start(problem, path);
+  const std::string report = problem_report(problem, remarks);
+  remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
+  return {"problem", report, std::move(remarks)};
 }
 
 /// The command that takes a good file further.
@@ -111,7 +140,8 @@ Command check_command() {
         "robot one of it)",
         &request->files, true},
        {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand},
-       {"--strict", "", "refuse what is remarked upon in a robot file", &request->is_strict}},
+       {"--strict", "", "refuse what is remarked upon in a robot or problem file",
+        &request->is_strict}},
       [request] { return check_files(*request); }};
 }
 

@@ -7,6 +7,7 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
 #include "app/check_report.hpp"
@@ -44,6 +45,24 @@ std::vector<std::string> target_suspicions(const TargetBody& target) {
     }
   }
   return remarks;
+}
+
+/// Direction of the impulse on the hand in the stated attitude of the base, at the (earliest)
+/// contact time.
+std::string impulse_words(const CaptureProblem& problem) {
+  const EncounterModel model = encounter_model(problem);
+  const Configuration at = start_configuration(problem);
+  const double time = at.contact_time;
+  const Vector3d direction = encounter_at(model, at).F.head<3>();
+  std::string text = fmt::format("impulse: along {} in the base frame", vector_words(direction));
+  if (!model.follows_target()) return text + ", as stated\n";
+  text += fmt::format(", {} in N", vector_words(problem.base.orientation * direction));
+  const bool is_window = problem.variables.contact_time_upper > time;
+  text += fmt::format(" at {}{:.6g} s", is_window ? "the earliest contact, " : "", time);
+  if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
+    text += ", in the stated attitude of the base";
+  }
+  return text + fmt::format(": against the normal of {}\n", problem.variables.feature);
 }
 
 /// How well the contact is known, and the cone that the search uses.
@@ -117,7 +136,7 @@ std::string target_report(const TargetBody& target) {
   return text + remark_lines(target_suspicions(target));
 }
 
-std::string problem_report(const CaptureProblem& problem) {
+std::string problem_report(const CaptureProblem& problem, const std::vector<Finding>& remarks) {
   std::string text = fmt::format("problem {}: {}\n", problem.name, problem.purpose);
   text += fmt::format("start: {}\nbase: {}\n", posture_words(problem.robot, problem.start),
                       pose_words(problem.base));
@@ -126,6 +145,7 @@ std::string problem_report(const CaptureProblem& problem) {
                         problem.target->is_point_mass ? ", a point mass" : "");
     text += remark_lines(target_suspicions(*problem.target));
   }
+  text += impulse_words(problem);
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
   text += fmt::format("objective: {}\n", objective_name(problem));
   for (const ObjectiveTerm& term : problem.objective) {
@@ -156,7 +176,11 @@ std::string problem_report(const CaptureProblem& problem) {
         count_words(formulation.num_equations(), "independent equation", "independent equations"),
         formulation.freedom());
   }
-  return text + robot_report(problem.robot);
+  text += robot_report(problem.robot);
+  if (remarks.empty()) return text;
+  std::vector<std::string> lines;
+  for (const Finding& remark : remarks) lines.push_back(to_string(remark));
+  return text + remark_lines(lines);
 }
 
 std::string plan_report(const PlanFile& file) {

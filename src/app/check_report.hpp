@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/state_file.hpp>
 #include <stillbase/plan/problem.hpp>
@@ -11,7 +13,8 @@ namespace stillbase::app {
 
 std::string robot_report(const RobotModel& robot);
 std::string target_report(const TargetBody& target);
-std::string problem_report(const CaptureProblem& problem);
+/// @param remarks of the reader
+std::string problem_report(const CaptureProblem& problem, const std::vector<Finding>& remarks = {});
 std::string plan_report(const PlanFile& file);
 std::string state_report(const RobotState& state, const RobotModel& robot);
 /// Of a state that no robot was named for.

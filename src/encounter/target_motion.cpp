@@ -14,18 +14,27 @@ Vector3d hand_in_N(const CaptureProblem& problem, const Configuration& configura
   return configuration.base * compute_kinematics<double>(problem.robot, configuration.phi).r_bh;
 }
 
+/// How long before the contact the approach may look for the target, s.
+double reach_back(const CaptureProblem& problem) {
+  return problem.approach.max_duration + problem.approach.wait + 1;
+}
+
 }  // namespace
+
+double motion_horizon(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  const double time = problem.target_state.time;
+  const double latest = std::max(std::abs(variables.contact_time_upper - time),
+                                 std::abs(variables.contact_time_lower - time)) +
+                        problem.uncertainty.contact_time;
+  return std::max(latest, reach_back(problem)) + 1;
+}
 
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,
                                              const Eigen::Quaterniond& R_NB, double contact_time) {
   if (!problem.target) return std::nullopt;
-  const double reach = problem.approach.max_duration + problem.approach.wait + 1;
   if (!problem.impulse.direction) {
-    const double latest =
-        std::max(std::abs(problem.variables.contact_time_upper - problem.target_state.time),
-                 std::abs(problem.variables.contact_time_lower - problem.target_state.time)) +
-        problem.uncertainty.contact_time;
-    return TargetMotion(*problem.target, problem.target_state, std::max(latest, reach) + 1);
+    return TargetMotion(*problem.target, problem.target_state, motion_horizon(problem));
   }
   const Vector3d n = problem.impulse.direction_frame == Frame::Base
                          ? Vector3d(R_NB * *problem.impulse.direction)
@@ -48,7 +57,7 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, cons
     contact_point = radius * n;
   }
   state.pose.position = hand_N - contact_point;
-  return TargetMotion(*problem.target, state, reach);
+  return TargetMotion(*problem.target, state, reach_back(problem));
 }
 
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem,

@@ -30,9 +30,10 @@ struct Node {
 
 /// What one reading has found so far.
 struct ReadContext {
-  std::string source;                ///< file named in findings
-  std::vector<Finding> findings;     ///< everything wrong
-  std::set<std::string> known_keys;  ///< paths that were asked for, "[]" for list elements
+  std::string source;                 ///< file named in findings
+  std::vector<Finding> findings;      ///< everything wrong
+  std::set<std::string> known_keys;   ///< paths that were asked for, "[]" for list elements
+  std::vector<Finding> remarks = {};  ///< what is allowed and looks like a mistake
 
   void add(int line, std::string rule, std::string message) {
     findings.push_back({source, line, std::move(rule), std::move(message)});

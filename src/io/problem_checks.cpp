@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
 #include <stillbase/simulation/contact.hpp>
 
@@ -66,6 +68,39 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
         fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
                     "2 are needed, or a single one decides",
                     map.path_of("objective"), problem.measure.samples, tail));
+  }
+}
+
+/// The motion of the target is computed before the search, in time with its rotation.
+void check_rotation(MapReader& map, const CaptureProblem& problem) {
+  if (!problem.target || problem.target->is_point_mass || problem.impulse.direction) return;
+  const TargetState& state = problem.target_state;
+  const Matrix3d& I = problem.target->inertia;
+  const Vector3d w = state.pose.orientation.conjugate() * state.angular_velocity;
+  // The energy bounds the rate: I_min |omega|^2 <= omega' I omega.
+  const double rate = std::sqrt(w.dot(I * w) / principal_moments(I)[0]);
+  const double horizon = motion_horizon(problem);
+  if (rate * horizon <= kMostRotation) return;
+  map.context().add(map.line_of("target"), "out-of-range",
+                    fmt::format("{}.state.angular_velocity: the target rotates by up to {:.4g} rad "
+                                "within the {:.4g} s around its estimate that wait, motion and "
+                                "contact time need; must be <= {} rad",
+                                map.path_of("target"), rate * horizon, horizon, kMostRotation));
+}
+
+/// The margin leaves a part of each joint's range.
+void check_margin(MapReader& map, const CaptureProblem& problem) {
+  const double margin = problem.constraints.joint_limit_margin;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    if (joint.type == JointType::Continuous || margin == 0) continue;
+    if (joint.lower + margin <= joint.upper - margin) continue;
+    map.context().add(
+        map.line_of("constraints"), "out-of-range",
+        fmt::format("{}.joint_limit_margin: {} {} leaves nothing of the range [{}, "
+                    "{}] of {}; must be <= {}",
+                    map.path_of("constraints"), margin, joint.is_prismatic() ? "m" : "rad",
+                    joint.lower, joint.upper, joint.name, (joint.upper - joint.lower) / 2));
   }
 }
 
@@ -308,6 +343,24 @@ void check_wedge(MapReader& map, const CaptureProblem& problem) {
   }
 }
 
+/// Remarks on a cone that leaves the plane of a planar problem: most of its directions are none
+/// that the problem knows.
+void look_at_cone(MapReader& map, const CaptureProblem& problem) {
+  const UncertaintySpec& uncertainty = problem.uncertainty;
+  const bool is_cone = uncertainty.cone_half_angle > 0 && !uncertainty.cone_plane_normal;
+  const auto& joints = problem.robot.joints;
+  const auto turning = std::find_if(joints.begin(), joints.end(),
+                                    [](const Joint& joint) { return !joint.is_prismatic(); });
+  if (!is_cone || turning == joints.end() || turning->parent != kBase) return;
+  const Vector3d normal = turning->R.col(2);
+  if (!out_of_plane(problem, normal).empty()) return;
+  map.context().remarks.push_back(
+      {map.context().source, map.line_of("uncertainty"), "planar",
+       fmt::format("{}.cone_plane: robot, impulse and target stay in a plane, but the directions "
+                   "of the cone leave it; state the plane with normal [{:.6g}, {:.6g}, {:.6g}]",
+                   map.path_of("uncertainty"), normal.x(), normal.y(), normal.z())});
+}
+
 /// Puts the half-angle in place that follows from the covariance of the estimate.
 void resolve_cone(MapReader& map, CaptureProblem& problem) {
   UncertaintySpec& uncertainty = problem.uncertainty;
@@ -334,12 +387,15 @@ void resolve_cone(MapReader& map, CaptureProblem& problem) {
 void check_sections(MapReader& map, CaptureProblem& problem) {
   const std::vector<Finding>& findings = map.context().findings;
   check_problem(map, problem);
+  check_margin(map, problem);
+  check_rotation(map, problem);
   if (findings.empty()) check_wedge(map, problem);
   if (findings.empty()) resolve_cone(map, problem);
   if (problem.uncertainty.cone_confidence && !findings.empty()) return;
   const std::size_t before = findings.size();
   check_attitude_change(map, problem);
   if (findings.size() == before) check_measure(map, problem);
+  if (findings.empty()) look_at_cone(map, problem);
 }
 
 }  // namespace stillbase::io

@@ -1,5 +1,6 @@
 #include "io/problem_reader.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <stillbase/core/file.hpp>
@@ -32,19 +33,39 @@ Json problem_json(const CaptureProblem& problem) {
 namespace {
 
 CaptureProblem read(std::string_view text, const std::string& source,
-                    const io::ProblemSources& sources) {
+                    const io::ProblemSources& sources, std::vector<Finding>* remarks = nullptr) {
   io::ReadContext context{source, {}, {}};
   const io::Node root = io::parse_document(text, context);
   CaptureProblem problem = io::read_problem_map(root, context, "", sources);
   context.throw_if_any();
+  if (remarks != nullptr) *remarks = std::move(context.remarks);
   return problem;
 }
 
 }  // namespace
 
-CaptureProblem read_problem(const std::string& path) {
+CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks) {
   const std::string text = read_text_file(path, io::DocumentLimits{}.bytes);
-  return read(text, path, {.folder = std::filesystem::path(path).parent_path().string()});
+  return read(text, path, {.folder = std::filesystem::path(path).parent_path().string()}, remarks);
+}
+
+int line_of_key(const std::string& path, const std::string& key) {
+  io::ReadContext context{path, {}, {}};
+  const io::Node root =
+      io::parse_document(read_text_file(path, io::DocumentLimits{}.bytes), context);
+  int line = 0;
+  const io::Node* node = &root;
+  for (std::size_t begin = 0; begin < key.size() && node != nullptr;) {
+    const std::size_t end = std::min(key.find('.', begin), key.size());
+    const std::string part = key.substr(begin, end - begin);
+    const auto at = std::find(node->keys.begin(), node->keys.end(), part);
+    if (at != node->keys.end()) {
+      line = node->key_lines[static_cast<std::size_t>(at - node->keys.begin())];
+    }
+    node = node->find(part);
+    begin = end + 1;
+  }
+  return line;
 }
 
 CaptureProblem read_problem_text(std::string_view text, const std::string& source,

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
+
 #include "io/scalars.hpp"
 
 namespace stillbase::io {
@@ -110,12 +112,16 @@ Scanned scan_number(std::string_view text) {
 }
 
 std::string Range::text() const {
+  // 1e+12, not 1000000000000.
+  const auto word = [](double x) {
+    return std::abs(x) >= 1e6 ? fmt::format("{:g}", x) : fmt::format("{}", x);
+  };
   const bool has_lower = std::isfinite(lower), has_upper = std::isfinite(upper);
   if (has_lower && has_upper) {
-    return fmt::format("in {}{}, {}]", is_lower_open ? '(' : '[', lower, upper);
+    return fmt::format("in {}{}, {}]", is_lower_open ? '(' : '[', word(lower), word(upper));
   }
-  if (has_lower) return fmt::format("{} {}", is_lower_open ? ">" : ">=", lower);
-  if (has_upper) return fmt::format("<= {}", upper);
+  if (has_lower) return fmt::format("{} {}", is_lower_open ? ">" : ">=", word(lower));
+  if (has_upper) return fmt::format("<= {}", word(upper));
   return "any finite number";
 }
 
@@ -170,10 +176,21 @@ std::optional<double> read_number(ReadContext& context, const Node& node, const 
       return refuse("not-finite", fmt::format("{} does not fit a double", describe(node)));
     }
   }
+  // rad per deg, of an angle without unit; else 0.
+  const double degree = scanned.remainder.empty() ? unit_factor("deg", dimension).value_or(0) : 0;
   if (!range.contains(value)) {
-    return refuse("out-of-range",
-                  fmt::format("{} is not allowed; must be {}{}{}", describe(node), range.text(),
-                              units.empty() ? "" : " ", units.substr(0, units.find(','))));
+    const bool may_be_degrees = degree > 0 && range.contains(value * degree);
+    return refuse(
+        "out-of-range",
+        fmt::format("{} is not allowed; must be {}{}{}{}", describe(node), range.text(),
+                    units.empty() ? "" : " ", units.substr(0, units.find(',')),
+                    may_be_degrees ? fmt::format("; did you mean '{} deg'?", node.text) : ""));
+  }
+  if (degree > 0 && std::abs(value) > 2 * kPi) {
+    context.remarks.push_back(
+        {context.source, node.line, "no-unit",
+         fmt::format("{}: {} without unit is {:.6g} deg; did you mean '{} deg'?", path, node.text,
+                     value / degree, node.text)});
   }
   return value;
 }

@@ -7,6 +7,10 @@
 
 namespace stillbase {
 
+/// How long before and after its estimate a target is asked for whose motion decides the impulse,
+/// s.
+double motion_horizon(const CaptureProblem& problem);
+
 /// Nominal motion of the target in N around the contact.
 ///
 /// With an impulse direction that follows from the contact feature this is the torque-free motion

@@ -3,7 +3,9 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/plan/problem.hpp>
 
 namespace stillbase {
@@ -14,9 +16,15 @@ namespace stillbase {
 /// Strict: unknown, duplicate and missing keys, wrong types, lengths and units, numbers that are
 /// not finite, names that do not exist and values that contradict each other are refused. A plain
 /// number is SI; a text such as `-80 deg` is converted.
+/// @param remarks set to what is allowed and looks like a mistake; may be null
 /// @throws InputError with every finding: file, line, key, value, rule and what is allowed
 /// @throws FileError when the system refuses to read a file that exists
-CaptureProblem read_problem(const std::string& path);
+CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks = nullptr);
+
+/// Line of a key of a problem file, 1-based: "robot.start". Of the nearest section that holds it
+/// where the key is absent; 0 without one.
+/// @throws InputError, FileError as read_problem()
+int line_of_key(const std::string& path, const std::string& key);
 
 /// Reads a problem from text, with the robot's text given: the inverse of problem_to_json(). No
 /// file is opened, so the target must be stated in place.

@@ -48,18 +48,17 @@ void approach_fields(Table& t, CaptureProblem& problem) {
     "must be fixed");
   // 0.1 rad/s^2 (m/s^2): a second to reach the few degrees per second at which space arms move.
   t("acceleration_limit",
-    JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kPositive,
+    JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kLargePositive,
                 {.without = 0.1}),
     "largest joint acceleration", {.without = "0.1"});
   t("velocity_scale",
     Number(approach.velocity_scale, {.lower = 0, .upper = 1, .is_lower_open = true}),
     "used part of the URDF's joint rates");
-  t("wait", Number(approach.wait, Dimension::Time, kNonNegative), "at rest before the contact");
-  t("max_duration", Number(approach.max_duration, Dimension::Time, kPositive),
+  t("wait", Number(approach.wait, Dimension::Time, kWait), "at rest before the contact");
+  t("max_duration", Number(approach.max_duration, Dimension::Time, kDuration),
     "from start to contact");
-  t("clearance", Number(approach.clearance, Dimension::Length, kNonNegative),
-    "kept between bodies");
-  t("contact_allowance", Number(approach.contact_allowance, Dimension::Length, kNonNegative),
+  t("clearance", Number(approach.clearance, Dimension::Length, kDistance), "kept between bodies");
+  t("contact_allowance", Number(approach.contact_allowance, Dimension::Length, kDistance),
     "the hand's body may be near the target once the feature is this close to the hand");
   t("resolution", Number(approach.resolution, Dimension::Angle, {.lower = 1e-4, .upper = 1}),
     "between checked postures");
@@ -79,7 +78,7 @@ void approach_fields(Table& t, CaptureProblem& problem) {
 void fields(Table& t, Obstacle& obstacle) {
   t("name", Text(obstacle.name), "name", kNeeded);
   t("frame", Word(obstacle.frame, kFrameNames), "`inertial` or `base`");
-  pose_fields(t, obstacle.pose, "the obstacle", "frame");
+  pose_fields(t, obstacle.pose, "the obstacle", "frame", kPlace);
   t("geometry", geometry_of(obstacle.geometry), "geometry, in m", kNeeded);
 }
 

@@ -44,8 +44,8 @@ void check_mesh(ReadContext& context, int line, const std::string& path, const C
 void mesh_fields(Table& t, ConvexMesh& mesh) {
   t("vertices",
     List(
-        mesh.vertices, [](Vector3d& v) { return Vector(v, Dimension::Length); }, {.least = 4},
-        Vector3d(Vector3d::Zero())),
+        mesh.vertices, [](Vector3d& v) { return Vector(v, Dimension::Length, kPlaceOnBody); },
+        {.least = 4}, Vector3d(Vector3d::Zero())),
     "", kNeeded);
   t("faces",
     List(mesh.faces,
@@ -69,8 +69,8 @@ template <class T>
 void round_fields(Table& t, const char* kind, const char* text, Geometry& geometry) {
   T shape = held<T>(geometry);
   t(kind, Map([&shape](Table& m) {
-      m("radius", Number(shape.radius, Dimension::Length, kPositive), "", kNeeded);
-      m("length", Number(shape.length, Dimension::Length, kPositive), "", kNeeded);
+      m("radius", Number(shape.radius, Dimension::Length, kSize), "", kNeeded);
+      m("length", Number(shape.length, Dimension::Length, kSize), "", kNeeded);
     }),
     text, kNeeded);
   geometry = shape;
@@ -82,7 +82,7 @@ void geometry_fields(Table& t, Geometry& geometry) {
   if (kind == 0) {
     Sphere sphere = held<Sphere>(geometry);
     t("sphere", Map([&sphere](Table& m) {
-        m("radius", Number(sphere.radius, Dimension::Length, kPositive), "", kNeeded);
+        m("radius", Number(sphere.radius, Dimension::Length, kSize), "", kNeeded);
       }),
       "", kNeeded);
     geometry = sphere;
@@ -93,8 +93,7 @@ void geometry_fields(Table& t, Geometry& geometry) {
   } else if (kind == 3) {
     Box box = held<Box>(geometry);
     t("box", Map([&box](Table& m) {
-        m("size", Vector(box.size, Dimension::Length, kPositive), "edges",
-          needed("m", "the shape"));
+        m("size", Vector(box.size, Dimension::Length, kSize), "edges", needed("m", "the shape"));
       }),
       "", kNeeded);
     geometry = box;

@@ -10,15 +10,15 @@ void resistance_values(Table& t, JointResistance& resistance, const RobotModel& 
     case ResistanceModel::Free:
       break;
     case ResistanceModel::RotorInertia:
-      t("rotor_inertia", JointValues(resistance.rotor_inertia, robot, kJointInertia, kNonNegative),
+      t("rotor_inertia", JointValues(resistance.rotor_inertia, robot, kJointInertia, kLarge),
         "`rotor_inertia`: stays in the plant afterwards", kNeeded);
       break;
     case ResistanceModel::Servo:
-      t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kNonNegative),
-        "`servo`", kNeeded);
-      t("damping", JointValues(resistance.damping, robot, kJointDamping, kNonNegative), "`servo`",
+      t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kLarge), "`servo`",
         kNeeded);
-      t("contact_duration", Number(resistance.contact_duration, Dimension::Time, kPositive),
+      t("damping", JointValues(resistance.damping, robot, kJointDamping, kLarge), "`servo`",
+        kNeeded);
+      t("contact_duration", Number(resistance.contact_duration, Dimension::Time, kDuration),
         "`servo`", kNeeded);
       break;
     case ResistanceModel::Locked:
@@ -49,7 +49,7 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     Either({Instead("feature", !impulse.direction),
             Shorthand(Map(
                           [&angle](Table& planar) {
-                            planar("angle", Number(angle, Dimension::Angle), "", kNeeded);
+                            planar("angle", Number(angle, Dimension::Angle, kAngle), "", kNeeded);
                           },
                           {.name = "planar_direction"}),
                       [&] { impulse.direction = Vector3d(std::cos(angle), std::sin(angle), 0); }),
@@ -60,12 +60,11 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     {.frame = "`frame`", .without = "`feature`"});
   t("frame", Word(impulse.direction_frame, kFrameNames),
     "of direction and moment: `base` or `inertial`");
-  t("magnitude", Number(impulse.magnitude, Dimension::Impulse, kPositive),
+  t("magnitude", Number(impulse.magnitude, Dimension::Impulse, kLargePositive),
     "`given`: size of the impulse");
-  t("moment", Vector(impulse.moment, Dimension::AngularImpulse), "`given`: moment impulse",
-    {.frame = "`frame`"});
-  t("closing_speed",
-    Number(impulse.closing_speed, Dimension::Velocity, {.lower = 0, .upper = kFastest}),
+  t("moment", Vector(impulse.moment, Dimension::AngularImpulse, kLargeVector),
+    "`given`: moment impulse", {.frame = "`frame`"});
+  t("closing_speed", Number(impulse.closing_speed, Dimension::Velocity, kSpeed),
     "beside a stated direction: speed along it");
   t("restitution", Number(impulse.restitution, {.lower = 0, .upper = 1}), "coefficient");
   t("joint_resistance", resistance_of(problem.resistance, problem.robot),

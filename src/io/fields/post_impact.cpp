@@ -27,7 +27,7 @@ void contact_fields(Table& t, ContactSpec& contact) {
     "`compliant`");
   t("damping",
     Either({Instead("from_restitution", !contact.damping),
-            Number(contact.damping, Dimension::LinearDamping, kNonNegative)}),
+            Number(contact.damping, Dimension::LinearDamping, kLarge)}),
     "`compliant`; `from_restitution`: that which leaves `impact.restitution`, at least 0.001");
   t("friction", Number(contact.friction, {.lower = 0, .upper = 10}),
     "`compliant`: Coulomb coefficient");
@@ -79,9 +79,8 @@ void model_fields(Table& t, ControllerModelSpec& model, ContactModel contact) {
 void thruster_fields(Table& t, ThrusterSpec& thrusters) {
   t("torque", Number(thrusters.torque, Dimension::Moment, {.lower = 0, .upper = 1e6}),
     "largest moment per axis; 0: there are none");
-  t("gain", Number(thrusters.gain, Dimension::Rate, {.lower = 0, .upper = 1e3}),
-    "gain of the angular velocity");
-  t("dead_band", Number(thrusters.dead_band, Dimension::AngularVelocity, kNonNegative),
+  t("gain", Number(thrusters.gain, Dimension::Rate, kGain), "gain of the angular velocity");
+  t("dead_band", Number(thrusters.dead_band, Dimension::AngularVelocity, kSpinSize),
     "off below this base rate");
   if (t.reader() == nullptr || thrusters.torque > 0) return;
   const ThrusterSpec defaults;
@@ -101,8 +100,8 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
          {.is_unique = true, .of = "names"}),
     "simulated after the impact; the first is the plan's choice and has to keep the two limits: "
     "`none`, `joint_damping`, `joint_damping_literal`, `rns`, `rns_damped`, `rns_handback`");
-  t("base_rate_gain", Number(spec.K_omega, Dimension::Rate, kNonNegative), "K_omega");
-  t("joint_rate_gain", Number(spec.K_phi, Dimension::Rate, kNonNegative), "K_phi");
+  t("base_rate_gain", Number(spec.K_omega, Dimension::Rate, kGain), "K_omega");
+  t("joint_rate_gain", Number(spec.K_phi, Dimension::Rate, kGain), "K_phi");
   // Bounds that keep a simulation within minutes.
   t("control_period", Number(spec.control_period, Dimension::Time, {.lower = 1e-4, .upper = 10}),
     "between two commands of the controllers");
@@ -113,13 +112,13 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "`model.friction_scale` says what the controllers know of it");
   t("stop_restitution", Number(spec.stop_restitution, {.lower = 0, .upper = 0.99}),
     "part of its rate that a joint keeps, reversed, at its stop");
-  t("wheel_torque", Number(spec.wheels.torque, Dimension::Moment, kNonNegative),
+  t("wheel_torque", Number(spec.wheels.torque, Dimension::Moment, kLarge),
     "of the base's reaction wheels, per axis of B; 0: there are none");
-  t("wheel_momentum", Number(spec.wheels.momentum, Dimension::AngularImpulse, kNonNegative),
+  t("wheel_momentum", Number(spec.wheels.momentum, Dimension::AngularImpulse, kLarge),
     "that they can hold, per axis");
-  t("handback_start", Number(spec.handback_start, Dimension::Time, kNonNegative),
+  t("handback_start", Number(spec.handback_start, Dimension::Time, kWait),
     "`rns_handback`: after the impact; `rns_damped` until then");
-  t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kNonNegative),
+  t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kGain),
     "`rns_handback`: the wheels take this part of the momentum per second, as far as they can");
   t("contact", Map([&](Table& m) { contact_fields(m, spec.contact); }, {.alone = "model"}),
     "how hand and target interact in the simulations of `verify` and `simulate`: a model alone, "
@@ -134,9 +133,9 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
   const About limit{.need = spec.controllers.empty() ? Need::Optional : Need::Required,
                     .without = "required with controllers"};
   t("residual_base_rate_max",
-    Number(spec.residual_base_rate_max, Dimension::AngularVelocity, kNonNegative),
+    Number(spec.residual_base_rate_max, Dimension::AngularVelocity, kLarge),
     "base rate at the horizon", limit);
-  t("attitude_change_max", Number(spec.attitude_change_max, Dimension::Angle, kNonNegative),
+  t("attitude_change_max", Number(spec.attitude_change_max, Dimension::Angle, kLarge),
     "attitude change over the horizon", limit);
 }
 

@@ -21,7 +21,7 @@ void hand_fields(Table& t, HandSpec& hand) {
     "`none` (a contact feature is then reached by a free `base_position` alone), `position`, "
     "`axis` (position, and approach axis against the normal), `pose` (all axes)");
   t("position",
-    Either({Instead("feature", !hand.position), Vector(hand.position, Dimension::Length)}),
+    Either({Instead("feature", !hand.position), Vector(hand.position, Dimension::Length, kPlace)}),
     "where the hand's origin must be (beside a stated `impact.direction`), or `feature` (the "
     "contact feature at the contact time)");
   t("orientation", Either({Instead("feature", !hand.orientation), Orientation(hand.orientation)}),
@@ -30,7 +30,7 @@ void hand_fields(Table& t, HandSpec& hand) {
   t("frame", Word(hand.frame, kFrameNames), "of position and orientation: `inertial` or `base`");
   t("approach_axis", Vector(hand.approach_axis, VectorKind::Direction),
     "direction in the hand's frame that points out of the hand", {.frame = "hand"});
-  t("roll", Number(hand.roll, Dimension::Angle),
+  t("roll", Number(hand.roll, Dimension::Angle, kAngle),
     "`pose` without stated orientation: angle about the normal");
 }
 
@@ -39,15 +39,15 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
   t("case", Word(constraints.impact_case, kCaseConstraintNames),
     "`none`, `C` (C1 or C2), `C1`, `C2`, `G2`, `G3`");
   t("joint_limit_margin",
-    Number(constraints.joint_limit_margin, Dimension::JointPosition, kNonNegative),
+    Number(constraints.joint_limit_margin, Dimension::JointPosition, kDistance),
     "kept from every joint limit");
-  t("closing_speed_min", Number(constraints.closing_speed_min, Dimension::Velocity, kPositive),
+  t("closing_speed_min", Number(constraints.closing_speed_min, Dimension::Velocity, kSpeedPositive),
     "smallest closing speed; without it the best plan would be to miss the target");
-  t("joint_rate_scale", Number(constraints.joint_rate_scale, kPositive),
+  t("joint_rate_scale", Number(constraints.joint_rate_scale, kLargePositive),
     "the joint rates right after the nominal impact stay below this part of the robot file's "
     "limits");
   t("joint_rate_max",
-    JointValues(constraints.joint_rate_max, problem.robot, kJointVelocity, kPositive),
+    JointValues(constraints.joint_rate_max, problem.robot, kJointVelocity, kLargePositive),
     "instead: limits of their own");
   t.not_both("joint_rate_scale", "joint_rate_max");
   const Range singular{.lower = 0, .upper = 1e9};
@@ -59,9 +59,9 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
   t("jacobian_singular_value_min",
     Number(constraints.jacobian_singular_value_min, Dimension::Length, singular),
     "the same of the generalized Jacobian, its angular rows times `jacobian_length`");
-  t("jacobian_length", Number(constraints.jacobian_length, Dimension::Length, kPositive),
+  t("jacobian_length", Number(constraints.jacobian_length, Dimension::Length, kSize),
     "converts angles into lengths there");
-  t("clearance", Number(constraints.clearance, Dimension::Length, kNonNegative),
+  t("clearance", Number(constraints.clearance, Dimension::Length, kDistance),
     "the search keeps this distance at the contact between the shapes of arm, base, base-fixed "
     "obstacles and target; see `constraints.clearance` in problems/README.md");
 }

@@ -1,5 +1,9 @@
 // The section `robot`.
+#include <cmath>
+
 #include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
 
 #include <stillbase/robot/urdf_reader.hpp>
 
@@ -74,10 +78,16 @@ void check_start(MapReader& map, const CaptureProblem& problem) {
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
     if (problem.start[k] >= joint.lower && problem.start[k] <= joint.upper) continue;
-    map.context().add(map.line_of("start"), "outside-limits",
-                      fmt::format("{}.{}: {} {} is outside the joint's limits [{}, {}]",
-                                  map.path_of("start"), joint.name, problem.start[k],
-                                  joint.is_prismatic() ? "m" : "rad", joint.lower, joint.upper));
+    const double in_degrees = problem.start[k] * kPi / 180;
+    const bool may_be_degrees = !joint.is_prismatic() && std::abs(problem.start[k]) > 2 * kPi &&
+                                in_degrees >= joint.lower && in_degrees <= joint.upper;
+    map.context().add(
+        map.line_of("start"), "outside-limits",
+        fmt::format(
+            "{}.{}: {} {} is outside the joint's limits [{}, {}]{}", map.path_of("start"),
+            joint.name, problem.start[k], joint.is_prismatic() ? "m" : "rad", joint.lower,
+            joint.upper,
+            may_be_degrees ? fmt::format("; did you mean '{} deg'?", problem.start[k]) : ""));
   }
 }
 
@@ -88,10 +98,10 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
   t("file", Text(problem.urdf_path), "URDF, relative to this file", kNeeded);
   t("hand", Text(hand), "hand link", {.without = "the only link without children"});
   if (t.reader() != nullptr) read_robot(*t.reader(), problem, sources, hand);
-  t("start", JointValues(problem.start, problem.robot, kJointPosition, kAny, {.for_all = false}),
+  t("start", JointValues(problem.start, problem.robot, kJointPosition, kAngle, {.for_all = false}),
     "posture before the approach, within the joint limits", kNeeded);
   if (t.reader() != nullptr) check_start(*t.reader(), problem);
-  t("base", Map([&](Table& base) { pose_fields(base, problem.base, "B", "N"); }),
+  t("base", Map([&](Table& base) { pose_fields(base, problem.base, "B", "N", kPlace); }),
     "stated base pose", {.frame = "N", .without = "`position` 0, `orientation` 1"});
   t("allowed_contacts",
     List(problem.allowed_contacts, [&](LinkPair& pair) { return Links(pair, problem.robot); },

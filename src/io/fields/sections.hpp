@@ -44,6 +44,5 @@ void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& 
 
 constexpr int kMany = std::numeric_limits<int>::max();  ///< no limit of a count
 constexpr int kManyTimes = 1'000'000'000;
-constexpr double kFastest = 1e5;  ///< m/s, ten times the speed of an orbit
 
 }  // namespace stillbase::io

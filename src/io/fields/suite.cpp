@@ -57,7 +57,7 @@ void family_fields(Table& t, FamilySpec& family, const std::optional<std::string
     Number(family.free_attitude, Dimension::Angle,
            {.lower = 0, .upper = kPi, .is_lower_open = true}),
     "the base may rotate by this angle, too");
-  t("free_contact_time", Number(family.free_contact_time, Dimension::Time, kNonNegative),
+  t("free_contact_time", Number(family.free_contact_time, Dimension::Time, kWait),
     "the contact may be this much earlier or later, too");
   t("instances", Integer(family.instances, 1, 1000), "per goal");
 }
@@ -66,7 +66,7 @@ void family_fields(Table& t, FamilySpec& family, const std::optional<std::string
 
 void suite_fields(Table& t, SuiteSpec& suite, const std::optional<std::string>& folder) {
   format_fields(t, "stillbase.suite");
-  t("gradient_cost", Number(suite.gradient_cost, kNonNegative), "cost of a gradient in evaluations",
+  t("gradient_cost", Number(suite.gradient_cost, kLarge), "cost of a gradient in evaluations",
     kNeeded);
   t("best_known", Text(suite.best_known), "file with the best known values, relative to this file",
     {.without = "none"});

@@ -15,12 +15,12 @@ namespace {
 
 void inertia_fields(Table& t, Matrix3d& inertia) {
   const std::size_t before = t.reader() == nullptr ? 0 : t.reader()->context().findings.size();
-  t("ixx", Number(inertia(0, 0), Dimension::Inertia), "", kNeeded);
-  t("iyy", Number(inertia(1, 1), Dimension::Inertia), "", kNeeded);
-  t("izz", Number(inertia(2, 2), Dimension::Inertia), "", kNeeded);
-  t("ixy", Number(inertia(0, 1), Dimension::Inertia), "");
-  t("ixz", Number(inertia(0, 2), Dimension::Inertia), "");
-  t("iyz", Number(inertia(1, 2), Dimension::Inertia), "");
+  t("ixx", Number(inertia(0, 0), Dimension::Inertia, kInertia), "", kNeeded);
+  t("iyy", Number(inertia(1, 1), Dimension::Inertia, kInertia), "", kNeeded);
+  t("izz", Number(inertia(2, 2), Dimension::Inertia, kInertia), "", kNeeded);
+  t("ixy", Number(inertia(0, 1), Dimension::Inertia, kInertia), "");
+  t("ixz", Number(inertia(0, 2), Dimension::Inertia, kInertia), "");
+  t("iyz", Number(inertia(1, 2), Dimension::Inertia, kInertia), "");
   inertia = Matrix3d(inertia.selfadjointView<Eigen::Upper>());
   MapReader* map = t.reader();
   if (map == nullptr || map->context().findings.size() != before) return;
@@ -32,13 +32,13 @@ void inertia_fields(Table& t, Matrix3d& inertia) {
 }  // namespace
 
 static void fields(Table& t, TargetShape& shape) {
-  pose_fields(t, shape.pose, "the shape", "T");
+  pose_fields(t, shape.pose, "the shape", "T", kPlaceOnBody);
   t("geometry", geometry_of(shape.geometry), "geometry, in m", kNeeded);
 }
 
 static void fields(Table& t, ContactFeature& feature) {
   t("name", Text(feature.name), "name", kNeeded);
-  t("point", Vector(feature.point, Dimension::Length), "place",
+  t("point", Vector(feature.point, Dimension::Length, kPlaceOnBody), "place",
     {.need = Need::Required, .frame = "T"});
   t("normal", Vector(feature.normal, VectorKind::Unit), "outward normal",
     {.need = Need::Required, .frame = "T"});
@@ -48,14 +48,14 @@ static void fields(Table& t, EstimateDeviations& deviations) {
   // Beyond these a Gaussian of the error means nothing.
   const Range angle{.lower = 0, .upper = 1}, relative{.lower = 0, .upper = 0.5};
   const auto in = [](const char* frame) { return About{.frame = frame, .without = "0"}; };
-  t("position", Deviation(deviations.position, Dimension::Length, kNonNegative), "of the centroid",
+  t("position", Deviation(deviations.position, Dimension::Length, kDistance), "of the centroid",
     in("N"));
   t("orientation", Deviation(deviations.orientation, Dimension::Angle, angle),
     "of the rotation vector from the estimated to the true attitude", in("T"));
-  t("linear_velocity", Deviation(deviations.linear_velocity, Dimension::Velocity, kNonNegative),
+  t("linear_velocity", Deviation(deviations.linear_velocity, Dimension::Velocity, kSpeed),
     "of the centroid", in("N"));
   t("angular_velocity",
-    Deviation(deviations.angular_velocity, Dimension::AngularVelocity, kNonNegative),
+    Deviation(deviations.angular_velocity, Dimension::AngularVelocity, kSpinSize),
     "of the angular velocity", in("N"));
   t("mass", Number(deviations.mass, relative), "of the mass, relative");
   t("moments", Deviation(deviations.moments, Dimension::None, relative),
@@ -66,21 +66,21 @@ static void fields(Table& t, EstimateDeviations& deviations) {
 namespace {
 
 void state_fields(Table& t, TargetState& state, std::optional<EstimateDeviations>& deviations) {
-  t("time", Number(state.time, Dimension::Time), "instant of the estimate");
-  pose_fields(t, state.pose, "T, the centroid", "N");
-  t("linear_velocity", Vector(state.linear_velocity, Dimension::Velocity), "of the centroid",
-    {.frame = "N"});
+  t("time", Number(state.time, Dimension::Time, kInstant), "instant of the estimate");
+  pose_fields(t, state.pose, "T, the centroid", "N", kPlace);
+  t("linear_velocity", Vector(state.linear_velocity, Dimension::Velocity, kVelocity),
+    "of the centroid", {.frame = "N"});
   Vector3d axis = Vector3d::UnitZ();
   double rate = 0;
   t("angular_velocity",
     Either({Shorthand(Map([&](Table& spin) {
                         spin("axis", Vector(axis, VectorKind::Direction), "axis of the rotation",
                              needed("", "N"));
-                        spin("rate", Number(rate, Dimension::AngularVelocity), "rate about it",
-                             kNeeded);
+                        spin("rate", Number(rate, Dimension::AngularVelocity, kSpin),
+                             "rate about it", kNeeded);
                       }),
                       [&] { state.angular_velocity = axis * rate; }),
-            Vector(state.angular_velocity, Dimension::AngularVelocity)}),
+            Vector(state.angular_velocity, Dimension::AngularVelocity, kSpin)}),
     "vector, or `{axis, rate}`", {.frame = "N"});
   EstimateDeviations stated = deviations.value_or(EstimateDeviations{});
   t("covariance", Map([&](Table& m) { fields(m, stated); }, {.is_written = deviations.has_value()}),
@@ -106,6 +106,8 @@ void read_target(MapReader& map, const std::string& file, CaptureProblem& proble
   }
   std::vector<Finding>& findings = map.context().findings;
   findings.insert(findings.end(), own.findings.begin(), own.findings.end());
+  std::vector<Finding>& remarks = map.context().remarks;
+  remarks.insert(remarks.end(), own.remarks.begin(), own.remarks.end());
 }
 
 }  // namespace
@@ -138,7 +140,7 @@ void target_fields(Table& t, CaptureProblem& problem, const ProblemSources& sour
   if (t.states("file", false)) {
     t("file", Text(file), "a target file (`format: stillbase.target`) instead of the next fields",
       {.need = Need::Required, .without = "none"});
-    if (t.reader() != nullptr) read_target(*t.reader(), file, problem, sources);
+    if (t.reader() != nullptr && !file.empty()) read_target(*t.reader(), file, problem, sources);
   } else {
     TargetBody body = problem.target.value_or(TargetBody{});
     target_body_fields(t, body);

@@ -44,8 +44,7 @@ void uncertainty_fields(Table& t, CaptureProblem& problem) {
     "planar problems: `xy`, `yz`, `xz` or a normal; the cone becomes a wedge in this plane. "
     "Refused where arm, base, target or an error of its estimate may leave the plane",
     {.frame = "B"});
-  t("closing_speed",
-    Number(spread.closing_speed, Dimension::Velocity, {.lower = 0, .upper = kFastest}),
+  t("closing_speed", Number(spread.closing_speed, Dimension::Velocity, kSpeed),
     "half range of a uniform distribution, as the next six; they count for samples alone");
   t("restitution", Number(spread.restitution, {.lower = 0, .upper = 1}), "stays in [0, 1]");
   t("target_mass", Number(spread.target_mass, {.lower = 0, .upper = 0.99}), "fraction of the mass");

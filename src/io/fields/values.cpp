@@ -300,8 +300,10 @@ void format_fields(Table& t, const std::string& format) {
   t("version", Integer(version, 1, 1), "", kNeeded);
 }
 
-void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame) {
-  t("position", Vector(pose.position, Dimension::Length), "origin of " + what, {.frame = frame});
+void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame,
+                 const Range& places) {
+  t("position", Vector(pose.position, Dimension::Length, places), "origin of " + what,
+    {.frame = frame});
   t("orientation", Orientation(pose.orientation), "axes of " + what,
     {.frame = frame, .without = "identity"});
 }

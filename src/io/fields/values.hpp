@@ -7,6 +7,7 @@
 #include <stillbase/robot/robot_model.hpp>
 
 #include "io/field_reader.hpp"
+#include "io/fields/ranges.hpp"
 #include "io/fields/table.hpp"
 #include "io/names.hpp"
 
@@ -159,7 +160,8 @@ std::vector<std::string> link_names(const RobotModel& robot);
 
 void format_fields(Table& t, const std::string& format);
 /// Position and orientation. @param what the pose is that of, in words
-void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame);
+void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame,
+                 const Range& places = kAny);
 /// {sphere: {radius}}, {capsule: {radius, length}}, {cylinder: {radius, length}}, {box: {size}} or
 /// {convex_mesh: {vertices, faces}}.
 Map geometry_of(Geometry& geometry);

@@ -5,9 +5,6 @@ namespace stillbase::io {
 
 namespace {
 
-/// Within a mission, s: farther away the attitude of a tumbling target is not known to any digit.
-constexpr Range kTimes{.lower = -1e9, .upper = 1e9};
-
 /// A finding where a lower end lies above an upper one.
 void check_order(MapReader* map, bool is_ordered) {
   if (map == nullptr || is_ordered) return;
@@ -38,19 +35,19 @@ void position_fields(Table& t, VariableSpec& variables) {
   const bool is_box = variables.base_position == PositionFreedom::Box;
   const About corner{
       .need = is_box ? Need::Required : Need::Optional, .frame = "N", .without = "[0, 0, 0]"};
-  t("lower", Vector(variables.base_position_lower, Dimension::Length), "`box`: lower corner",
-    corner);
-  t("upper", Vector(variables.base_position_upper, Dimension::Length), "`box`: upper corner",
-    corner);
+  t("lower", Vector(variables.base_position_lower, Dimension::Length, kPlace),
+    "`box`: lower corner", corner);
+  t("upper", Vector(variables.base_position_upper, Dimension::Length, kPlace),
+    "`box`: upper corner", corner);
   check_order(
       t.reader(),
       (variables.base_position_lower.array() <= variables.base_position_upper.array()).all());
 }
 
 void time_fields(Table& t, VariableSpec& variables) {
-  t("lower", Number(variables.contact_time_lower, Dimension::Time, kTimes), "start of the window",
+  t("lower", Number(variables.contact_time_lower, Dimension::Time, kInstant), "start of the window",
     kNeeded);
-  t("upper", Number(variables.contact_time_upper, Dimension::Time, kTimes), "end of the window",
+  t("upper", Number(variables.contact_time_upper, Dimension::Time, kInstant), "end of the window",
     kNeeded);
   check_order(t.reader(), variables.contact_time_lower <= variables.contact_time_upper);
 }
@@ -90,7 +87,7 @@ void variables_fields(Table& t, CaptureProblem& problem) {
   double instant = 0;
   t("contact_time",
     Either(
-        {Shorthand(Number(instant, Dimension::Time, kTimes),
+        {Shorthand(Number(instant, Dimension::Time, kInstant),
                    [&] { variables.contact_time_lower = variables.contact_time_upper = instant; }),
          Map([&](Table& m) { time_fields(m, variables); })}),
     "an instant, or a window `{lower, upper}` (beside a stated `impact.direction` nothing depends "

@@ -18,7 +18,8 @@ constexpr Range kProbability{.lower = 0, .upper = 1};
 }  // namespace
 
 static void fields(Table& t, Claim& claim) {
-  t("group", Word(claim.group, names_up_to(ClaimGroup::SearchRecord)), "what the check is about", kNeeded);
+  t("group", Word(claim.group, names_up_to(ClaimGroup::SearchRecord)), "what the check is about",
+    kNeeded);
   t("name", Text(claim.name), "of the check", kNeeded);
   t("value", OrNull(Number(claim.value), !claim.value), "null: could not be evaluated", kNeeded);
   t("limit", Number(claim.limit), "what the value is held against", kNeeded);
