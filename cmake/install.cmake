@@ -1,5 +1,5 @@
-# What `cmake --install` gives: headers, library and its CMake package, the tool, the problem files and
-# the schemas of all files.
+# What `cmake --install` gives: headers, library and its CMake package, the tool, the problem files,
+# the suite of the benchmark and the schemas of all files.
 include(CMakePackageConfigHelpers)
 
 set(STILLBASE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/stillbase)
@@ -37,6 +37,9 @@ endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${without_proof})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR})
+# The suite names ../problems.
+install(FILES ${PROJECT_SOURCE_DIR}/bench/suite.yaml ${PROJECT_SOURCE_DIR}/bench/best_known.json
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/stillbase/bench)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillbaseConfig.cmake.in
   ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake

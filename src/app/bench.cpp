@@ -27,8 +27,7 @@ namespace fs = std::filesystem;
 
 struct BenchRequest {
   BenchSelection selection;
-  std::string suite = "bench/suite.yaml";
-  std::string folder;
+  std::string suite, folder;
   int jobs = 0;
   bool quick = false, list = false, planners = false, update_best_known = false;
 };
@@ -36,7 +35,7 @@ struct BenchRequest {
 /// One instance of each kind, two seeds and few evaluations: shows that everything works, not who
 /// is better.
 void make_quick(BenchSelection& selection) {
-  selection.instances = 1;
+  if (selection.problems.empty()) selection.instances = 1;
   selection.seeds = 2;
   selection.budget = 500;
   selection.with_defaults = false;
@@ -141,6 +140,20 @@ std::vector<RunRecord> refined_best(const std::vector<BenchmarkInstance>& instan
   return out;
 }
 
+/// The suite of the source tree below the working directory, or that of the installed tool.
+/// @throws InputError
+std::string default_suite() {
+  const fs::path relative = fs::path("bench") / "suite.yaml";
+  std::error_code error;
+  if (fs::is_regular_file(relative, error)) return relative.string();
+  const fs::path tool = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed = (tool.parent_path() / STILLBASE_DATA / relative).lexically_normal();
+  if (fs::is_regular_file(installed, error)) return installed.string();
+  throw InputError({{relative.string(), 0, "missing-file",
+                     fmt::format("there is no such file, nor {}; state --suite or problem files",
+                                 installed.string())}});
+}
+
 /// Files of other people are not replaced.
 void refuse_foreign(const std::string& folder) {
   if (!fs::is_directory(folder) || fs::is_empty(folder) || fs::exists(fs::path(folder) / "runs")) {
@@ -154,7 +167,11 @@ int run_bench(const BenchRequest& request) {
   if (request.update_best_known && !request.selection.problems.empty()) {
     throw CommandLineError("--update-best-known: belongs to the suite, not to problem files");
   }
-  const SuiteSpec suite = read_suite(request.suite);
+  // Problem files need no suite.
+  SuiteSpec suite;
+  if (!request.suite.empty() || request.selection.problems.empty()) {
+    suite = read_suite(request.suite.empty() ? default_suite() : request.suite);
+  }
   const int jobs =
       request.jobs > 0 ? request.jobs : std::max(1u, std::thread::hardware_concurrency());
   std::unique_ptr<TemporaryFolder> temporary;
@@ -219,11 +236,14 @@ Command bench_command() {
       "bench",
       "compare optimizers on families of capture problems, or approach planners",
       {{"problems", "PROBLEM.yaml", "problem files in place of the suite", &selection.problems},
-       {"--suite", "SUITE.yaml", "suite of problems", &request->suite},
+       {"--suite", "SUITE.yaml",
+        "suite of problems; without it bench/suite.yaml, or the one that was installed",
+        &request->suite},
        {"--select", "NAME,...",
         "instances of the suite, or what their names begin with, e.g. iiwa/nominal",
         &selection.select},
-       {"--instances", "N", "instances per family and goal", &selection.instances, false, 1, 1000},
+       {"--instances", "N", "instances per family and goal; without it 5, or those of --select",
+        &selection.instances, false, 1, 1000},
        {"--optimizers", "NAME,...",
         "names of --list; NAME:defaults runs with the library's own options",
         &selection.optimizers},
@@ -237,7 +257,7 @@ Command bench_command() {
         .value = "",
         .about = "one instance of each kind, 2 seeds, 500 evaluations",
         .target = &request->quick,
-        .excludes = {"--seeds", "--budget"}},
+        .excludes = {"--seeds", "--budget", "--instances"}},
        {"--list", "", "the optimizers and what each needs", &request->list},
        {"--planners", "", "approach planners instead: logs for OMPL's Planner Arena",
         &request->planners},

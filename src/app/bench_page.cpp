@@ -115,15 +115,29 @@ PageSection recommendation(const BenchmarkAnalysis& analysis) {
   }
   const OptimizerFigures& first = analysis.optimizers[0];
   const OptimizerFigures& second = analysis.optimizers[1];
-  out.paragraphs = {
-      fmt::format("By default {}: it solves {} of its runs to {}, more than any other; {} follows "
-                  "with {} ({} problems, {} seeds, a cost of {} evaluations).",
-                  first.optimizer, percent(first.solved.back()), precision_words(kTightestTarget),
-                  second.optimizer, percent(second.solved.back()), analysis.problems,
-                  analysis.seeds, analysis.budget),
-      fmt::format("No optimizer solved {} of {} problems; random search solved {}.",
-                  analysis.solved_by_nobody.size(), analysis.problems,
-                  analysis.problems_by_random_search)};
+  const std::string extent = fmt::format("({} problems, {} seeds, a cost of {} evaluations)",
+                                         analysis.problems, analysis.seeds, analysis.budget);
+  const std::string precision = precision_words(kTightestTarget);
+  if (first.solved.back().value == 0) {
+    out.paragraphs.push_back(fmt::format(
+        "No run reached {}, so that nothing is said of a choice {}.", precision, extent));
+  } else if (first.solved.back().value == second.solved.back().value) {
+    out.paragraphs.push_back(
+        fmt::format("{} and {} solve {} of their runs to {}, and none more {}.", first.optimizer,
+                    second.optimizer, percent(first.solved.back()), precision, extent));
+  } else {
+    out.paragraphs.push_back(
+        fmt::format("By default {}: it solves {} of its runs to {}, more than any other; {} "
+                    "follows with {} {}.",
+                    first.optimizer, percent(first.solved.back()), precision, second.optimizer,
+                    percent(second.solved.back()), extent));
+  }
+  std::string unsolved = fmt::format("No optimizer solved {} of {} problems",
+                                     analysis.solved_by_nobody.size(), analysis.problems);
+  if (analysis.problems_by_random_search) {
+    unsolved += fmt::format("; random search solved {}", *analysis.problems_by_random_search);
+  }
+  out.paragraphs.push_back(unsolved + ".");
   return out;
 }
 
@@ -137,6 +151,7 @@ std::string speed_words(const BenchmarkAnalysis& analysis) {
   const OptimizerFigures& most = *std::max_element(
       analysis.optimizers.begin(), analysis.optimizers.end(),
       [](const auto& a, const auto& b) { return a.distinct_per_second < b.distinct_per_second; });
+  if (most.distinct_per_second == 0) return "No solution was found.";
   std::string out = fmt::format(
       "In a second {} finds {} distinct solutions (points of a continuum counted each) and {} {}",
       first.optimizer, words(first), second.optimizer, words(second));
@@ -238,7 +253,7 @@ PageSection unsolved(const BenchmarkAnalysis& analysis) {
   PageSection out;
   out.heading = "Unsolved problems";
   out.paragraphs = {analysis.solved_by_nobody.empty()
-                        ? "None: every problem was solved by some optimizer."
+                        ? "None: every problem was solved by some optimizer that ran."
                         : fmt::format("{}.", fmt::join(analysis.solved_by_nobody, ", "))};
   return out;
 }

@@ -39,9 +39,13 @@ bool names(const std::string& part, const std::string& instance) {
 }
 
 bool is_selected(const BenchSelection& selection, const std::string& instance, int number) {
-  if (selection.select.empty()) return number < selection.instances;
-  return std::any_of(selection.select.begin(), selection.select.end(),
-                     [&](const std::string& part) { return names(part, instance); });
+  constexpr int kInstances = 5;
+  if (selection.select.empty()) return number < selection.instances.value_or(kInstances);
+  return std::any_of(
+      selection.select.begin(), selection.select.end(), [&](const std::string& part) {
+        if (part == instance) return true;
+        return names(part, instance) && number < selection.instances.value_or(number + 1);
+      });
 }
 
 RunRecord record_without_result(const BenchmarkInstance& instance, const RunRequest& request,
@@ -63,7 +67,17 @@ std::string host_words() {
 std::vector<BenchmarkInstance> select_instances(const SuiteSpec& suite,
                                                 const BenchSelection& selection) {
   std::vector<FamilySpec> families = suite.families;
-  if (!selection.problems.empty()) families.clear();
+  if (!selection.problems.empty()) {
+    if (selection.instances) {
+      throw CommandLineError("--instances: a problem file is one instance of each goal");
+    }
+    families.clear();
+  }
+  for (const FamilySpec& family : families) {
+    if (selection.instances.value_or(0) <= family.instances) continue;
+    say(fmt::format("--instances {}: {} has {}", *selection.instances, family.name,
+                    family.instances));
+  }
   for (const std::string& path : selection.problems) families.push_back(family_of(path));
   std::vector<BenchmarkInstance> out;
   for (const FamilySpec& family : families) {

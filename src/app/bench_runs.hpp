@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct BenchSelection {
   std::vector<std::string> problems;    ///< problem files in place of the suite's families
   std::vector<std::string> select;      ///< instances, or what their names begin with; empty: all
   std::vector<std::string> optimizers;  ///< labels; empty: all, and a few runs with defaults
-  int instances = 5;                    ///< per family and goal, unless `select` names some
+  /// Per family and goal; not stated: those that `select` names, or the first five.
+  std::optional<int> instances;
   int seeds = 15;
   std::uint64_t first_seed = 1;
   long budget = 2000;

@@ -215,3 +215,47 @@ TEST_CASE("approach planners leave a log for Planner Arena") {
   CHECK(log.find("geometric_rrt_connect\n") != std::string::npos);
   CHECK(log.find("2 runs\n") != std::string::npos);
 }
+
+TEST_CASE("problem files are compared without a suite, and only what ran is spoken of") {
+  const Workshop shop;
+  const std::string problem = "'" + source_path("problems/planar_two_link_c2_a.yaml") + "' ";
+  const std::string small = "--optimizers nlopt-slsqp,ipopt --seeds 1 ";
+  const Outcome solved = shop.run("bench " + small + "--budget 400 " + problem);
+  INFO(solved.err);
+  CHECK(solved.code == 0);
+  CHECK(solved.out.find("andom search") == std::string::npos);
+  const Outcome unsolved = shop.run("bench " + small + "--budget 1 " + problem);
+  CHECK(unsolved.code == 0);
+  CHECK(unsolved.out.find("By default") == std::string::npos);
+  CHECK(unsolved.out.find("No run reached") != std::string::npos);
+  CHECK(shop.run("bench --planners --seeds 1 " + problem).code == 0);
+  const Outcome lost = shop.run("bench --quick");
+  CHECK(lost.code == 3);
+  CHECK(lost.says("state --suite or problem files"));
+}
+
+TEST_CASE("a tool finds the suite that was installed beside it") {
+  const Workshop shop;
+  REQUIRE(shop.run_script("mkdir -p bin share/stillbase/bench && cp '" STILLBASE_TOOL "' bin && "
+                          "cp -r '" +
+                          source_path("problems") + "' share/stillbase && cp '" +
+                          source_path("bench/suite.yaml") + "' share/stillbase/bench")
+              .code == 0);
+  const Outcome outcome = shop.run_script(
+      "bin/stillbase bench --select planar_two_link/case/0 --optimizers nlopt-slsqp --seeds 1 "
+      "--budget 50");
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+}
+
+TEST_CASE("a number of instances is kept, or refused where it cannot be") {
+  const Workshop shop;
+  const std::string small = "--optimizers nlopt-slsqp --seeds 1 --budget 5 ";
+  const std::string problem = "'" + source_path("problems/planar_two_link_c2_a.yaml") + "' ";
+  CHECK(shop.run(bench("--quick --instances 2")).code == 2);
+  CHECK(shop.run("bench --instances 2 " + small + problem).code == 2);
+  CHECK(
+      shop.run(bench("--select spart/nominal --instances 2 " + small)).says("2 problems, 2 runs"));
+  CHECK(shop.run(bench("--select spart/nominal/7 --instances 2 " + small)).says("1 problems"));
+  CHECK(shop.run(bench("--select spart/nominal --instances 20 " + small)).says("spart has 15"));
+}

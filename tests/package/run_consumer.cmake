@@ -39,4 +39,9 @@ endforeach()
 # The tool is part of the package where it is part of the build.
 if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)
   execute_process(COMMAND ${WORK_DIR}/prefix/bin/stillbase --version COMMAND_ERROR_IS_FATAL ANY)
+  # Far from the source tree it finds the suite that was installed with it.
+  execute_process(
+    COMMAND ${WORK_DIR}/prefix/bin/stillbase bench --select planar_two_link/case/0
+      --optimizers nlopt-slsqp --seeds 1 --budget 50
+    WORKING_DIRECTORY ${WORK_DIR} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 endif()

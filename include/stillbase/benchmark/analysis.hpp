@@ -6,6 +6,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,7 +63,8 @@ struct BenchmarkAnalysis {
   std::vector<Win> wins;                     ///< per group and shown target
   std::vector<DefaultsComparison> defaults;
   std::vector<std::string> solved_by_nobody;  ///< problems, at the tightest target
-  int problems_by_random_search = 0;          ///< solved at least once, at the tightest target
+  /// Solved at least once, at the tightest target; empty: random search did not run.
+  std::optional<int> problems_by_random_search;
 };
 
 /// What the runs are measured against: the known value of each instance, or that of the records

@@ -41,7 +41,7 @@ struct FamilySpec {
 
 struct SuiteSpec {
   /// Cost of a gradient in evaluations, measured: see bench/README.md.
-  double gradient_cost = 1;
+  double gradient_cost = 0.8;
   std::string best_known;  ///< path of the file with the best known values; empty: none
   std::vector<FamilySpec> families;
   std::vector<std::string> approaches;  ///< paths of the problems for the approach planners
