@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -79,7 +80,12 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   const bool is_predicted = problem.target && problem.target_deviations &&
                             !problem.impulse.direction && !problem.variables.feature.empty();
   if (!is_predicted) return text;
-  const DirectionCone cone = direction_cone(problem, uncertainty.cone_confidence.value_or(0.95));
+  DirectionCone cone;
+  try {
+    cone = direction_cone(problem, uncertainty.cone_confidence.value_or(0.95));
+  } catch (const std::invalid_argument& error) {
+    return text + fmt::format("no prediction of the contact: {}\n", error.what());
+  }
   const ContactPrediction& contact = cone.widest;
   text += fmt::format(
       "predicted contact at {:.6g} s: the normal within {:.4g} deg with probability {:g}; "

@@ -26,8 +26,9 @@ inline constexpr Range kSpin{.lower = -100, .upper = 100};
 inline constexpr Range kSpinSize{.lower = 0, .upper = 100};
 /// Rotation of a target while its motion is computed, rad: takes half a second.
 inline constexpr double kMostRotation = 1e4;
-/// Instants, s: farther away the attitude of a tumbling target is not known to any digit.
-inline constexpr Range kInstant{.lower = -1e9, .upper = 1e9};
+/// Instants, s, as from an estimate: a double keeps 1e-10 s of them, and with less the samples of a
+/// path no longer give its accelerations.
+inline constexpr Range kInstant{.lower = -1e6, .upper = 1e6};
 /// Waits and motions, s: a day.
 inline constexpr Range kWait{.lower = 0, .upper = 86400};
 inline constexpr Range kDuration{.lower = 0, .upper = 86400, .is_lower_open = true};
