@@ -10,6 +10,7 @@
 
 #include <stillbase/core/random.hpp>
 
+#include "verification/claim_list.hpp"
 #include "verification/contact_case.hpp"
 #include "verification/objective.hpp"
 
@@ -70,6 +71,13 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
                     outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6;
 }
 
+/// Errors of a target's estimate, normal and not cut.
+EstimateVector drawn_error(const EstimateDeviations& deviations, Random& random) {
+  EstimateVector error = covariance_of(deviations).diagonal().cwiseSqrt();
+  for (double& x : error) x *= random.normal();
+  return error;
+}
+
 TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
                        int trial, const StopCondition& stop) {
   Random random(seed, static_cast<std::uint64_t>(trial));
@@ -85,9 +93,16 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   // The order of the draws is that of trial_input_names().
   double angle = 0;
   const Vector3d base_n = nominal.event.n;
-  const Vector3d direction = drawn_direction(truth, base_n, sizes.cone_half_angle, random, angle);
+  // A cone that follows from the covariance stands for the errors that are drawn below.
+  const bool has_estimate = sizes.estimate && nominal.motion && !truth.impulse.direction;
+  const bool is_cone_drawn = !(has_estimate && truth.uncertainty.cone_confidence);
+  const Vector3d direction =
+      drawn_direction(truth, base_n, is_cone_drawn ? sizes.cone_half_angle : 0, random, angle);
   outcome.inputs.push_back(angle);
-  const double faster = draw(sizes.closing_speed);
+  const double nominal_speed = closing_speed(truth, nominal.event, base_n);
+  const bool is_absolute = sizes.closing_speed_error > 0 && nominal_speed > 0;
+  const double faster =
+      draw(is_absolute ? sizes.closing_speed_error / nominal_speed : sizes.closing_speed);
   truth.impulse.restitution =
       std::clamp(truth.impulse.restitution + draw(sizes.restitution), 0.0, 1.0);
   const double heavier = draw(sizes.target_mass), stiffer = draw(sizes.target_inertia);
@@ -110,11 +125,35 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   for (Body& body : truth.robot.bodies) scale_body(body);
   outcome.inputs.push_back(robot_mass / nominal.response.dynamics.mass);
 
+  double posture_error = 0;
+  for (int k = 0; k < sizes.joint_position.size(); ++k) {
+    const double error = sizes.joint_position[k] * random.uniform(-1, 1);
+    at.phi[k] += error;
+    posture_error = std::hypot(posture_error, error);
+  }
+  outcome.inputs.push_back(posture_error);
+  EstimateVector error = EstimateVector::Zero();
+  if (has_estimate) error = drawn_error(*sizes.estimate, random);
+  for (const int part :
+       {kPositionError, kOrientationError, kLinearVelocityError, kAngularVelocityError}) {
+    outcome.inputs.push_back(error.segment<3>(part).norm());
+  }
+
   // The contact at that time, its direction rotated as the nominal one was.
   if (nominal.motion && !truth.impulse.direction) at.contact_time += later;
-  ContactEvent event = contact_event(truth, nominal.target(), at);
+  const TargetMotion* motion = nominal.target();
+  std::optional<TargetMotion> drawn;
+  if (has_estimate) {
+    const TargetEstimate estimate = with_error({*truth.target, truth.target_state}, error);
+    truth.target = estimate.body;
+    truth.target_state = estimate.state;
+    drawn = target_motion(truth, at, nominal.hand_N, at.contact_time);
+    motion = &*drawn;
+  }
+  ContactEvent event = contact_event(truth, motion, at);
   const Eigen::Quaterniond deviation = rotation_between(base_n, direction);
   const Vector3d d = (deviation * event.n).normalized();
+  if (has_estimate) outcome.inputs.front() = angle_between(base_n, d);
   truth.impulse.closing_speed *= 1 + faster;
   truth.impulse.magnitude *= 1 + faster;
   if (event.velocity) *event.velocity *= 1 + faster;
@@ -122,14 +161,25 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   // The contact is off the hand's origin: its point on the hand is where the impulse acts.
   const Vector3d e1 = d.unitOrthogonal(), e2 = d.cross(e1);
   const Vector3d offset = radius * (std::cos(azimuth) * e1 + std::sin(azimuth) * e2);
-  const Matrix3d R_Bhand = nominal.response.dynamics.hand_rotation;
-  truth.robot.p_hand += truth.robot.R_hand * (R_Bhand.transpose() * offset);
+  Vector3d miss = Vector3d::Zero();
+  if (has_estimate) {
+    const ContactEvent expected = contact_event(nominal.problem, nominal.target(), at);
+    const Vector3d apart =
+        at.base.orientation.conjugate() * Vector3d(event.feature->point - expected.feature->point);
+    miss = apart - d.dot(apart) * d;
+  }
+  const Matrix3d R_Bhand = sizes.joint_position.size() > 0
+                               ? posture_dynamics(truth, at.phi).dynamics.hand_rotation
+                               : nominal.response.dynamics.hand_rotation;
+  truth.robot.p_hand += truth.robot.R_hand * (R_Bhand.transpose() * (offset + miss));
   event.r += offset;
 
   const PostureResponse response = posture_response(truth, at.phi);
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
-  outcome.hit = truth.impulse.source == ImpulseSource::Given || closing_speed(truth, event, d) > 0;
+  const double least = truth.constraints.closing_speed_min - kFeasibilityTolerance;
+  const double speed = closing_speed(truth, event, d);
+  outcome.hit = truth.impulse.source == ImpulseSource::Given || (speed > 0 && speed >= least);
   outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
@@ -138,7 +188,7 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
     outcome.success = outcome.hit;
   } else {
     const ContactCase subject =
-        contact_case(truth, nominal.target(), event, response, at, d, Fbar, 1 + faster);
+        contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster);
     simulate_trial(truth, nominal, sizes, subject, seed, trial, stop, outcome);
   }
   return outcome;
@@ -160,7 +210,11 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   };
   if (problem.impulse.closing_speed > 0) {
     take(stated.closing_speed / problem.impulse.closing_speed, sizes.closing_speed);
+  } else if (is_predicted) {
+    sizes.closing_speed_error = stated.closing_speed;
   }
+  sizes.joint_position = stated.joint_position;
+  if (is_predicted) sizes.estimate = problem.target_deviations;
   take(stated.restitution, sizes.restitution);
   take(stated.target_mass, sizes.target_mass);
   take(stated.target_inertia, sizes.target_inertia);
@@ -172,8 +226,10 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
 }
 
 std::vector<std::string> trial_input_names() {
-  return {"direction_angle", "closing_speed", "restitution",  "target_mass",
-          "target_inertia",  "contact_point", "contact_time", "robot_mass"};
+  return {"direction_angle", "closing_speed",     "restitution",       "target_mass",
+          "target_inertia",  "contact_point",     "contact_time",      "robot_mass",
+          "joint_position",  "estimate_position", "estimate_attitude", "estimate_velocity",
+          "estimate_rate"};
 }
 
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
@@ -185,6 +241,7 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
 
   std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(count));
+  std::vector<char> is_done(outcomes.size(), 0);
   std::atomic<int> next{0};
   std::atomic<bool> failed{false};
   std::exception_ptr failure;
@@ -194,6 +251,7 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
     for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
       try {
         outcomes[i] = verification::run_trial(nominal, sizes, seed, first + i, stop);
+        is_done[i] = !stop.reached();
         const std::lock_guard lock(mutex);
         if (on_progress) on_progress(++done, count);
       } catch (...) {
@@ -208,11 +266,10 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   work();
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
-  if (stop.reached()) {
-    // Only trials that finished have results.
-    const auto is_open = [](const TrialOutcome& outcome) { return !outcome.finished; };
-    outcomes.erase(std::remove_if(outcomes.begin(), outcomes.end(), is_open), outcomes.end());
-  }
+  // Nothing is known of those that were stopped. What follows them is left out, too: the place of
+  // an outcome is the number of its trial.
+  const auto end = std::find(is_done.begin(), is_done.end(), 0);
+  outcomes.resize(static_cast<std::size_t>(end - is_done.begin()));
   return outcomes;
 }
 

@@ -24,6 +24,15 @@ Perturbations nothing() {
   return sizes;
 }
 
+/// Sizes for a problem without those that it does not state.
+Perturbations stated_alone(const CaptureProblem& problem) {
+  Perturbations sizes = perturbations_for(problem);
+  sizes.cone_half_angle = sizes.closing_speed = sizes.contact_time = 0;
+  sizes.restitution = sizes.target_mass = sizes.target_inertia = sizes.contact_point = 0;
+  sizes.robot_mass = sizes.base_rate_error = sizes.joint_rate_error = 0;
+  return sizes;
+}
+
 bool same(const TrialOutcome& a, const TrialOutcome& b) {
   return a.inputs == b.inputs && a.objective == b.objective && a.impulse == b.impulse &&
          a.residual_base_rate == b.residual_base_rate && a.success == b.success;
@@ -87,6 +96,67 @@ TEST_CASE("impulses grow with the closing speed, as the sensitivities state") {
   CHECK(impulse.p5 < impulse.p50);
   CHECK(impulse.p50 < impulse.p95);
   CHECK(std::abs(impulse.mean - nominal) < 0.1 * nominal);
+}
+
+TEST_CASE("a posture error that the problem states is drawn per joint") {
+  Plan plan = planar_plan();
+  plan.problem.post_impact.controllers.clear();
+  plan.problem.uncertainty.joint_position = JointVectord::Constant(2, 0.02);
+  const auto outcomes = run_trials(plan, stated_alone(plan.problem), 3, 0, 20, 1);
+  const double nominal = run_trials(plan, nothing(), 3, 0, 1, 1)[0].impulse;
+  for (const TrialOutcome& outcome : outcomes) {
+    CHECK(outcome.impulse != nominal);
+    CHECK(std::abs(outcome.impulse - nominal) < 0.1 * nominal);
+  }
+}
+
+TEST_CASE("an error of a predicted target's closing speed is drawn in m/s") {
+  Plan plan = planar_plan("iiwa_client_50");
+  plan.problem.post_impact.controllers.clear();
+  const TrialOutcome nominal = run_trials(plan, nothing(), 3, 0, 1, 1)[0];
+  plan.problem.uncertainty.closing_speed = 0.1 * plan.impact.closing_speed;
+  double least = 2, most = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, stated_alone(plan.problem), 3, 0, 200, 1)) {
+    least = std::min(least, outcome.impulse / nominal.impulse);
+    most = std::max(most, outcome.impulse / nominal.impulse);
+  }
+  CHECK(least == Approx(0.9).margin(0.01));
+  CHECK(most == Approx(1.1).margin(0.01));
+}
+
+TEST_CASE("errors of an estimate with covariance are drawn as normal and not cut") {
+  Plan plan = planar_plan("ets7_client");
+  plan.problem.post_impact.controllers.clear();
+  const auto outcomes = run_trials(plan, stated_alone(plan.problem), 3, 0, 2000, 2);
+  const double cone = plan.problem.uncertainty.cone_half_angle;
+  int outside = 0;
+  double impulse = outcomes[0].impulse, spread = 0;
+  for (const TrialOutcome& outcome : outcomes) {
+    outside += outcome.inputs.at(0) > cone;
+    spread = std::max(spread, std::abs(outcome.impulse - impulse));
+  }
+  // The cone holds 95 % at the worst contact time of the window, more at others.
+  CHECK(outside > 2);
+  CHECK(outside < 0.07 * 2000);
+  CHECK(spread > 1e-3 * impulse);
+}
+
+TEST_CASE("a contact below the smallest closing speed is a miss") {
+  Plan plan = planar_plan();
+  plan.problem.post_impact.controllers.clear();
+  plan.problem.constraints.closing_speed_min = 0.99;  // of 1 m/s
+  Perturbations sizes = nothing();
+  CHECK(run_trials(plan, sizes, 1, 0, 1, 1)[0].hit);
+  sizes.closing_speed = 0.05;
+  const auto outcomes = run_trials(plan, sizes, 1, 0, 100, 1);
+  int hits = 0;
+  for (const TrialOutcome& outcome : outcomes) {
+    hits += outcome.hit;
+    CHECK(outcome.success == outcome.hit);
+    CHECK(outcome.hit == (outcome.inputs.at(1) >= -0.01));
+  }
+  CHECK(hits > 30);
+  CHECK(hits < 90);
 }
 
 TEST_CASE("percentiles, mean and worst case are those of the outcomes") {

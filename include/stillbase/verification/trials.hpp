@@ -1,10 +1,15 @@
 // Trials of a plan: impact and motion after it, with random errors in direction, speed, masses,
-// contact point, contact time and sensors.
+// contact point, contact time, posture, estimate of the target and sensors.
 //
 // Assumptions. The robot waits in the plan's posture, and the contact takes place. Each trial draws
 // direction (uniform in the cone), closing speed, restitution, mass and inertia of the target,
-// contact point and time, mass properties of the robot's bodies (each evenly within its half range)
-// and sensor errors (normal). A contact at another time has the target's feature at that time. The
+// contact point and time, posture, mass properties of the robot's bodies (each evenly within its
+// half range) and sensor errors (normal). A contact at another time has the target's feature at
+// that time. Where the problem states the covariance of a predicted target's estimate, the errors
+// of the estimate are drawn as well, normal and not cut, and the target moves on from there; a cone
+// that follows from this covariance is not drawn beside it. The feature then touches the hand off
+// its origin, by the error of its place across the direction. A contact that closes in more slowly
+// than the problem's closing_speed_min is a miss. The
 // impulse follows from the contact law with the drawn values, by `reference`. The plant after it is
 // the robot as drawn, while the controller is made for the robot of the plan. All numbers are drawn
 // from the stream (seed, trial), so that results depend on neither order nor workers.
@@ -12,6 +17,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +30,7 @@ namespace stillbase {
 struct Perturbations {
   double cone_half_angle = 0;      ///< rad
   double closing_speed = 0;        ///< fraction of the nominal one
+  double closing_speed_error = 0;  ///< m/s; where it is stated, in place of the fraction
   double restitution = 0.05;       ///< on e; cut at 0 and 1
   double target_mass = 0.05;       ///< fraction
   double target_inertia = 0.05;    ///< fraction
@@ -32,6 +39,9 @@ struct Perturbations {
   double robot_mass = 0.02;        ///< fraction, mass and inertia of each body
   double base_rate_error = 1e-4;   ///< rad/s, standard deviation
   double joint_rate_error = 1e-4;  ///< rad/s (m/s), standard deviation
+  JointVectord joint_position;     ///< rad (m), n or empty
+  /// Standard deviations of a predicted target's estimate.
+  std::optional<EstimateDeviations> estimate;
 };
 
 /// Sizes for a problem: those that its `uncertainty` states; where it states none, 5 % of the
@@ -41,7 +51,7 @@ Perturbations perturbations_for(const CaptureProblem& problem);
 /// Deviations from nominal that one trial drew, and its result.
 struct TrialOutcome {
   std::vector<double> inputs;  ///< in the order of trial_input_names()
-  bool hit = false;            ///< target and hand close in
+  bool hit = false;            ///< target and hand close in, at closing_speed_min at least
   bool finished = false;       ///< the simulation reached the horizon
   bool success = false;  ///< contact, the problem's limits hold after it, no joint stop reached
   double impulse = 0;    ///< N s
@@ -57,7 +67,7 @@ struct TrialOutcome {
 std::vector<std::string> trial_input_names();
 
 /// Trials first .. first + count - 1 of the plan, in this order whatever the number of workers.
-/// Fewer when stopped: the ones that were done.
+/// Fewer when stopped: those before the first one that was not done.
 /// @param on_progress called after each trial with (done, count), by one worker at a time; may be
 /// empty
 /// @throws InputError, std::invalid_argument for a plan that verify_plan() would not evaluate

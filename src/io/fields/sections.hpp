@@ -33,6 +33,8 @@ void approach_fields(Table& t, CaptureProblem& problem);
 void post_impact_fields(Table& t, PostImpactSpec& post_impact);
 void fields(Table& t, Obstacle& obstacle);
 
+/// Standard deviations of the estimate of a target.
+void fields(Table& t, EstimateDeviations& deviations);
 /// The keys of a body: name, model, mass, inertia, shapes, features.
 void target_body_fields(Table& t, TargetBody& body);
 /// A target file.

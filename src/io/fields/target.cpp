@@ -44,7 +44,7 @@ static void fields(Table& t, ContactFeature& feature) {
     {.need = Need::Required, .frame = "T"});
 }
 
-static void fields(Table& t, EstimateDeviations& deviations) {
+void fields(Table& t, EstimateDeviations& deviations) {
   // Beyond these a Gaussian of the error means nothing.
   const Range angle{.lower = 0, .upper = 1}, relative{.lower = 0, .upper = 0.5};
   const auto in = [](const char* frame) { return About{.frame = frame, .without = "0"}; };

@@ -6,6 +6,7 @@
 #include <stillbase/simulation/controllers.hpp>
 
 #include "io/fields/results.hpp"
+#include "io/fields/sections.hpp"
 
 namespace stillbase {
 
@@ -55,6 +56,8 @@ static void fields(Table& t, Perturbations& sizes) {
   };
   size("cone_half_angle", sizes.cone_half_angle, "rad");
   size("closing_speed", sizes.closing_speed, "1");
+  t("closing_speed_error", Number(sizes.closing_speed_error, kNonNegative),
+    "where it is not 0, in place of closing_speed", needed("m/s"));
   size("restitution", sizes.restitution, "1");
   size("target_mass", sizes.target_mass, "1");
   size("target_inertia", sizes.target_inertia, "1");
@@ -63,6 +66,12 @@ static void fields(Table& t, Perturbations& sizes) {
   size("robot_mass", sizes.robot_mass, "1");
   size("base_rate_error", sizes.base_rate_error, "rad/s");
   size("joint_rate_error", sizes.joint_rate_error, "rad/s (m/s)");
+  t("joint_position", Numbers(sizes.joint_position), "in the order of the joints; empty: none",
+    needed("rad (m)"));
+  EstimateDeviations estimate = sizes.estimate.value_or(EstimateDeviations{});
+  t("estimate",
+    Map([&](Table& m) { fields(m, estimate); }, {.is_written = sizes.estimate.has_value()}),
+    "standard deviations of the target's estimate");
 }
 
 static void fields(Table& t, Spread& spread) {
@@ -168,6 +177,9 @@ std::vector<TrialOutcome> trial_outcomes_from_text(const std::string& text) {
   try {
     for (const io::Json& row : io::Json::parse(text)) {
       const auto number = [&row](std::size_t i) { return row.at(i).get<double>(); };
+      if (row.at(0).size() != trial_input_names().size()) {
+        throw InputError({{"trials", 0, "not-trials", "drawn by another version of stillbase"}});
+      }
       outcomes.push_back({row.at(0).get<std::vector<double>>(), row.at(1).get<bool>(),
                           row.at(2).get<bool>(), row.at(3).get<bool>(), number(4), number(5),
                           number(6), number(7), number(8), number(9), number(10),
