@@ -281,6 +281,8 @@ int merge_cases(const CampaignMergeRequest& request) {
   if (!merged.is_complete()) {
     const std::string cases = (fs::path(request.folder) / "cases.jsonl").string();
     say_next({"campaign", "run", cases, "-o", request.folder});
+  } else if (request.output.is_given()) {
+    say_next({"report", request.output.path, "-o", with_extension(request.output.path, ".html")});
   }
   return merged.is_complete() ? kDone : kCampaignIncomplete;
 }
