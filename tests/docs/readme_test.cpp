@@ -24,8 +24,8 @@ const fs::path kRoot = STILLBASE_SOURCE_DIR;
 /// Every page of documentation.
 std::vector<fs::path> pages() {
   std::vector<fs::path> out{kRoot / "README.md"};
-  for (const char* folder :
-       {"problems", "problems/reference", "docs", "examples", "src", "bench", "tests", "web"}) {
+  for (const char* folder : {"problems", "problems/reference", "docs", "docs/how-to", "examples",
+                             "src", "bench", "tests", "web"}) {
     if (!fs::exists(kRoot / folder)) continue;
     for (const auto& entry : fs::directory_iterator(kRoot / folder)) {
       if (entry.path().extension() == ".md") out.push_back(entry.path());
@@ -34,22 +34,37 @@ std::vector<fs::path> pages() {
   return out;
 }
 
+/// A command with the lines shown below it, or a file that is written before the next command.
 struct Snippet {
   std::string command;
   std::vector<std::string> output;
+  std::string file = {}, content = {};
 };
 
-/// Commands of the console blocks, in order, with the lines shown below each.
+/// Commands of the console blocks and files of the blocks that name one ("```yaml file=NAME"), in
+/// their order.
 std::vector<Snippet> console_snippets(const fs::path& file) {
   std::istringstream text(read_text_file(file.string()));
+  const std::regex named("```[a-z]+ file=(\\S+)");
   std::vector<Snippet> out;
-  bool inside = false;
+  enum class Block { None, Other, Console, File } block = Block::None;
   for (std::string line; std::getline(text, line);) {
+    std::smatch name;
     if (line.rfind("```", 0) == 0) {
-      inside = !inside && line == "```console";
-    } else if (inside && line.rfind("$ ", 0) == 0) {
+      const bool is_file = std::regex_match(line, name, named);
+      if (block != Block::None) {
+        block = Block::None;
+      } else if (is_file) {
+        block = Block::File;
+        out.push_back({"", {}, name[1], ""});
+      } else {
+        block = line == "```console" ? Block::Console : Block::Other;
+      }
+    } else if (block == Block::File) {
+      out.back().content += line + "\n";
+    } else if (block == Block::Console && line.rfind("$ ", 0) == 0) {
       out.push_back({line.substr(2), {}});
-    } else if (inside && !line.empty()) {
+    } else if (block == Block::Console && !line.empty()) {
       REQUIRE_FALSE(out.empty());
       out.back().output.push_back(line);
     }
@@ -111,6 +126,10 @@ TEST_CASE("every command in the READMEs runs and prints what is shown") {
     const fs::path folder = scratch_folder();
     fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
     for (const Snippet& snippet : console_snippets(readme)) {
+      if (!snippet.file.empty()) {
+        write_file_atomically((folder / snippet.file).string(), snippet.content, true);
+        continue;
+      }
       INFO(readme.string() << ": " << snippet.command);
       REQUIRE(snippet.command.rfind("stillbase ", 0) == 0);
       int code = 0;
