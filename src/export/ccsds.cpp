@@ -1,4 +1,5 @@
 // Messages of CCSDS in keyword-value notation.
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -148,14 +149,6 @@ std::string pair_line(const std::string& key, const std::string& value) {
   return fmt::format("{:<20} = {}\n", key, value);
 }
 
-std::string header(const std::string& version_key, const Plan& plan,
-                   const EphemerisOptions& options) {
-  (void)parse_date(options.creation_date);
-  return pair_line(version_key, "2.0") + "COMMENT stillbase export of the plan '" +
-         object_name(plan.problem.name) + "'\n" +
-         pair_line("CREATION_DATE", options.creation_date) + pair_line("ORIGINATOR", "STILLBASE");
-}
-
 /// What both messages say of the object and the frames.
 std::string metadata_comments(const BodyMotion& motion, const Plan& plan,
                               const EphemerisOptions& options) {
@@ -174,25 +167,30 @@ std::string times(const BodyMotion& motion) {
          pair_line("STOP_TIME", date_text(motion.states.back().at));
 }
 
-void check_options(const EphemerisOptions& options) {
+/// A message up to the first keyword in which the two kinds differ.
+std::string opening(const std::string& version_key, const std::string& units,
+                    const BodyMotion& motion, const Plan& plan, const EphemerisOptions& options) {
   check_value("the frame", options.frame);
   check_value("the center", options.center);
+  (void)parse_date(options.creation_date);
+  return pair_line(version_key, "2.0") + "COMMENT stillbase export of the plan '" +
+         object_name(plan.problem.name) + "'\n" +
+         pair_line("CREATION_DATE", options.creation_date) + pair_line("ORIGINATOR", "STILLBASE") +
+         "META_START\n" + metadata_comments(motion, plan, options) + "COMMENT " + units + "\n" +
+         pair_line("OBJECT_NAME", motion.name) + pair_line("OBJECT_ID", "UNKNOWN") +
+         pair_line("CENTER_NAME", options.center);
 }
 
 }  // namespace
 
 std::string attitude_ephemeris(const Plan& plan, const EphemerisOptions& options) {
-  check_options(options);
   const BodyMotion motion = body_motion(plan, options);
-  std::string text = header("CCSDS_AEM_VERS", plan, options) + "META_START\n" +
-                     metadata_comments(motion, plan, options) +
-                     "COMMENT Quaternion Q1 Q2 Q3 QC (1), angular velocity in deg/s.\n" +
-                     pair_line("OBJECT_NAME", motion.name) + pair_line("OBJECT_ID", "UNKNOWN") +
-                     pair_line("CENTER_NAME", options.center) +
-                     pair_line("REF_FRAME_A", options.frame) +
-                     pair_line("REF_FRAME_B", "SC_BODY_1") + times(motion) +
-                     pair_line("ATTITUDE_TYPE", "QUATERNION/ANGVEL") +
-                     pair_line("ANGVEL_FRAME", "SC_BODY_1") + "META_STOP\nDATA_START\n";
+  std::string text =
+      opening("CCSDS_AEM_VERS", "Quaternion Q1 Q2 Q3 QC (1), angular velocity in deg/s.", motion,
+              plan, options) +
+      pair_line("REF_FRAME_A", options.frame) + pair_line("REF_FRAME_B", "SC_BODY_1") +
+      times(motion) + pair_line("ATTITUDE_TYPE", "QUATERNION/ANGVEL") +
+      pair_line("ANGVEL_FRAME", "SC_BODY_1") + "META_STOP\nDATA_START\n";
   Eigen::Vector4d before(0, 0, 0, 1);
   for (const BodyMotion::State& state : motion.states) {
     Eigen::Vector4d q = state.pose.orientation.coeffs();  // x, y, z, w
@@ -206,14 +204,10 @@ std::string attitude_ephemeris(const Plan& plan, const EphemerisOptions& options
 }
 
 std::string orbit_ephemeris(const Plan& plan, const EphemerisOptions& options) {
-  check_options(options);
   const BodyMotion motion = body_motion(plan, options);
-  std::string text = header("CCSDS_OEM_VERS", plan, options) + "META_START\n" +
-                     metadata_comments(motion, plan, options) +
-                     "COMMENT Position in km, velocity in km/s.\n" +
-                     pair_line("OBJECT_NAME", motion.name) + pair_line("OBJECT_ID", "UNKNOWN") +
-                     pair_line("CENTER_NAME", options.center) +
-                     pair_line("REF_FRAME", options.frame) + times(motion) + "META_STOP\n";
+  std::string text =
+      opening("CCSDS_OEM_VERS", "Position in km, velocity in km/s.", motion, plan, options) +
+      pair_line("REF_FRAME", options.frame) + times(motion) + "META_STOP\n";
   for (const BodyMotion::State& state : motion.states) {
     const Vector3d r = state.pose.position / 1000, v = state.velocity / 1000;
     text += fmt::format("{} {:.15e} {:.15e} {:.15e} {:.15e} {:.15e} {:.15e}\n", date_text(state.at),

@@ -61,6 +61,12 @@ class UrdfWriter {
  public:
   explicit UrdfWriter(const RobotModel& robot) : robot_(robot) {
     for (const Joint& joint : robot.joints) joint_names_.insert(joint.name);
+    // A body that no link of a file stands for, of a robot put together in a program.
+    for (int body = robot.n() - 1; body >= kBase; --body) {
+      const std::string& name = body_of(body).name;
+      if (find_link(robot_, name) != nullptr) continue;
+      robot_.links.insert(robot_.links.begin(), {name, body, {}, ""});
+    }
   }
 
   std::string text() {
@@ -159,7 +165,7 @@ class UrdfWriter {
         attribute(body_of(link.body).name), attribute(link.name));
   }
 
-  const RobotModel& robot_;
+  RobotModel robot_;
   std::set<std::string> joint_names_;
   std::string text_;
 };

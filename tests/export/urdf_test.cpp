@@ -129,6 +129,15 @@ TEST_CASE("axes and origins in any direction, also at a pitch of 90 deg, read ba
   }
 }
 
+TEST_CASE("a body that no link stands for is a link of its own") {
+  const std::string path = STILLBASE_SOURCE_DIR "/problems/robots/planar_three_link.urdf";
+  RobotModel robot = read_urdf(read_text_file(path), path, "");
+  robot.base.name = "assembled";
+  const RobotModel back = read_urdf(robot_urdf(robot), "written", robot.hand);
+  CHECK(back.base.name == "assembled");
+  check_same_matrices(robot, back, JointVectord::Constant(3, 0.7));
+}
+
 TEST_CASE("a mesh has no place in one URDF file") {
   RobotModel robot = read_urdf(
       read_text_file(STILLBASE_SOURCE_DIR "/problems/robots/planar_two_link_a.urdf"), "a", "");
