@@ -139,3 +139,36 @@ TEST_CASE("colours are for terminals that allow them") {
   CHECK_FALSE(has(on_terminal(shop, command, "-u NO_COLOR TERM=dumb"), "\033[3"));
   CHECK_FALSE(shop.run("verify plan.json -o v.json --force").says("\033["));
 }
+
+TEST_CASE("campaign merge prints probability, percentiles with units, worst case and its driver") {
+  const Workshop shop;
+  REQUIRE(shop.run("plan " + kClient + " -o plan.json").code == 0);
+  shop.write("campaign.yaml",
+             "format: stillbase.campaign\nversion: 1\nplans: [plan.json]\nseeds: [1, 2]\n"
+             "trials: 60\ntrials_per_case: 20\n");
+  const Outcome make = shop.run("campaign make campaign.yaml -o cases.jsonl");
+  CHECK(make.says("6 cases\nnext: stillbase campaign run cases.jsonl -o cases\n"));
+  const Outcome part = shop.run("campaign run cases.jsonl -o cases --shard 1/2");
+  CHECK(part.says("next: stillbase campaign merge cases -o cases.json\n"));
+  const Outcome early = shop.run("campaign merge cases -o early.json");
+  CHECK(early.code == 8);
+  CHECK(early.says("next: stillbase campaign run cases/cases.jsonl -o cases\n"));
+  REQUIRE(shop.run("campaign run cases.jsonl -o cases").code == 0);
+  const Outcome merged = shop.run("campaign merge cases -o cases.json");
+  INFO(merged.err);
+  CHECK(merged.code == 0);
+  CHECK(lines_of(merged.err) <= 24);
+  CHECK(merged.says("plan.json, seed 1: 60 trials: "));
+  CHECK(merged.says("plan.json, seed 2: 60 trials: "));
+  CHECK(std::regex_search(
+      merged.err,
+      std::regex("probability [01]\\.[0-9]+ \\(95 % interval [0-9.]+ to [0-9.]+, Wilson")));
+  CHECK(std::regex_search(
+      merged.err,
+      std::regex(
+          "\n  objective +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ N m s +[0-9]+  [a-z_ ]+")));
+  CHECK(merged.says("driven by (rank correlation)"));
+  CHECK(merged.says("next: stillbase report cases.json -o cases.html\n"));
+  const ordered_json result = ordered_json::parse(shop.text("cases.json"));
+  CHECK(result.dump().find("as the plan") == std::string::npos);
+}

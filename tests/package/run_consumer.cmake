@@ -44,4 +44,11 @@ if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)
     COMMAND ${WORK_DIR}/prefix/bin/stillbase bench --select planar_two_link/case/0
       --optimizers nlopt-slsqp --seeds 1 --budget 50
     WORKING_DIRECTORY ${WORK_DIR} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  foreach(page IN ITEMS man/man1/stillbase.1 bash-completion/completions/stillbase
+                        zsh/site-functions/_stillbase)
+    file(READ ${WORK_DIR}/prefix/share/${page} text)
+    if(NOT text MATCHES "campaign")
+      message(FATAL_ERROR "share/${page} lacks the commands")
+    endif()
+  endforeach()
 endif()
