@@ -16,6 +16,7 @@
 
 #include "app/check_report.hpp"
 #include "app/command_line.hpp"
+#include "app/page_documents.hpp"
 
 namespace stillbase::app {
 
@@ -25,6 +26,7 @@ struct CheckRequest {
   std::vector<std::string> files;
   std::string hand;
   bool is_strict = false;
+  OutputFile page;
 };
 
 /// The start posture keeps the clearance that the approach asks for. Obstacles in N are left out
@@ -53,6 +55,7 @@ void check_start(const CaptureProblem& problem, const std::string& path) {
 struct Report {
   std::string kind, text;
   std::vector<Finding> remarks = {};  ///< on what looks like a mistake
+  std::optional<CaptureProblem> problem = {};
 };
 
 /// @param robot the last robot before this file: a state is a state of it
@@ -95,7 +98,7 @@ Report report_on(const std::string& path, const std::string& hand,
   check_start(problem, path);
   const std::string report = problem_report(problem, remarks);
   remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
-  return {"problem", report, std::move(remarks)};
+  return {"problem", report, std::move(remarks), problem};
 }
 
 /// The command that takes a good file further.
@@ -108,7 +111,9 @@ void print_next(const std::string& file, const std::string& kind) {
 
 /// Every file is looked at, whatever is wrong with the ones before it.
 int check_files(const CheckRequest& request) {
+  request.page.check({".html", ".htm"});
   int code = kDone;
+  std::vector<CheckedFile> drawn;
   std::optional<RobotModel> robot;
   for (const std::string& file : request.files) {
     try {
@@ -116,6 +121,11 @@ int check_files(const CheckRequest& request) {
       if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
       if (request.files.size() == 1) print_next(file, report.kind);
+      if (report.problem) {
+        drawn.push_back({file, report.text, report.problem->robot, report.problem});
+      } else if (report.kind == "robot") {
+        drawn.push_back({file, report.text, *robot, {}});
+      }
     } catch (const InputError& error) {
       say(error.what());
       code = kInputRefused;
@@ -124,7 +134,13 @@ int check_files(const CheckRequest& request) {
       if (code == kDone) code = kCommandLine;
     }
   }
-  return code;
+  if (!request.page.is_given() || code != kDone) return code;
+  if (drawn.empty()) {
+    throw CommandLineError("-o: a page shows robots and problems; a plan has one by `report`");
+  }
+  request.page.write(check_page(drawn));
+  say(fmt::format("written to {}", request.page.path));
+  return kDone;
 }
 
 }  // namespace
@@ -135,13 +151,16 @@ Command check_command() {
       "check",
       "validate robot, problem, target, plan or state files; print what was understood and what "
       "is suspicious",
-      {{"files", "FILE...",
-        "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
-        "robot one of it)",
-        &request->files, true},
-       {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand},
-       {"--strict", "", "refuse what is remarked upon in a robot or problem file",
-        &request->is_strict}},
+      std::vector<Option>{
+          {"files", "FILE...",
+           "robots (.urdf), problems, targets, campaigns (.yaml), plans, states (.json; after a "
+           "robot one of it)",
+           &request->files, true},
+          {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand},
+          {"--strict", "", "refuse what is remarked upon in a robot or problem file",
+           &request->is_strict}} +
+          output_options(request->page, "-o,--output",
+                         "page (HTML) that draws the robots and problems"),
       [request] { return check_files(*request); }};
 }
 

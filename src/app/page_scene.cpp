@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include <fmt/format.h>
-
-#include <stillbase/collision/scene.hpp>
-#include <stillbase/dynamics/jacobian.hpp>
-#include <stillbase/dynamics/reaction_null_space.hpp>
+#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
-#include <stillbase/planner/post_impact.hpp>
 
+#include "app/page_motion.hpp"
 #include "io/fields/values.hpp"
-#include "planner/contact_case.hpp"
 
 namespace stillbase::app {
 
@@ -22,228 +17,13 @@ namespace {
 
 using io::Json;
 
-/// Six significant digits: finer than a screen, a third of the bytes. Null: not finite.
-Json number(double x) {
-  if (!std::isfinite(x)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", x).c_str(), nullptr);
-}
-
-Json numbers(const Eigen::Ref<const Eigen::VectorXd>& v) {
-  Json out = Json::array();
-  for (const double x : v) out.push_back(number(x));
-  return out;
-}
-
-Json pose_json(const Pose& pose) {
-  const Eigen::Quaterniond& q = pose.orientation;
-  Json out = numbers(pose.position);
-  // Every digit: the page multiplies poses along the chain.
-  for (const double x : {q.w(), q.x(), q.y(), q.z()}) out.push_back(x);
-  return out;
-}
-
 Json shape_json(const Pose& pose, Geometry geometry) {
   return {{"pose", pose_json(pose)}, {"geometry", io::geometry_of(geometry).write()}};
 }
 
 Json body_json(const Body& body) {
-  return {{"name", body.name}, {"mass", number(body.mass)}, {"centroid", numbers(body.centroid)}};
-}
-
-/// Where hand and target are at one instant.
-struct Sight {
-  double distance = 0;       ///< m, from the hand to the contact feature
-  double closing_speed = 0;  ///< m/s, along the feature's normal
-};
-
-Sight sight_of(const RobotModel& robot, const Kinematics<double>& kinematics,
-               const PlantState& state, const TargetState& target, const ContactFeature& feature) {
-  const auto jacobian = compute_hand_jacobian(robot, kinematics);
-  const Vector3d velocity =
-      state.base.orientation *
-      Vector3d((jacobian.R_bh * state.Omega + jacobian.J_phi * state.phidot).head<3>());
-  const Vector3d r = target.pose.orientation * feature.point;
-  const Vector3d normal = target.pose.orientation * feature.normal;
-  const Vector3d material = target.linear_velocity + target.angular_velocity.cross(r);
-  return {(target.pose.position + r - state.base * kinematics.r_bh).norm(),
-          normal.dot(material - velocity)};
-}
-
-/// Columns of a motion, one element per sample.
-struct MotionColumns {
-  Json times = Json::array(), joints = Json::array(), rates = Json::array(),
-       torques = Json::array(), base = Json::array(), base_rates = Json::array(),
-       target = Json::array(), rns = Json::array(), momenta = Json::array(),
-       distances = Json::array(), closing_speeds = Json::array();
-
-  void add(double time, const PlantState& state, const JointVectord& tau,
-           const JointVectord& null_space_rates, const Vector3d& momentum_sizes) {
-    times.push_back(number(time));
-    joints.push_back(numbers(state.phi));
-    rates.push_back(numbers(state.phidot));
-    torques.push_back(numbers(tau));
-    base.push_back(pose_json(state.base));
-    base_rates.push_back(numbers(state.Omega));
-    rns.push_back(numbers(null_space_rates));
-    momenta.push_back(numbers(momentum_sizes));
-  }
-  void see(const Pose& target_pose, const std::optional<Sight>& sight) {
-    target.push_back(pose_json(target_pose));
-    if (!sight) return;
-    distances.push_back(number(sight->distance));
-    closing_speeds.push_back(number(sight->closing_speed));
-  }
-  Json json() const {
-    return {{"times", times},
-            {"joints", joints},
-            {"rates", rates},
-            {"torques", torques},
-            {"base", base},
-            {"base_rates", base_rates},
-            {"target", target},
-            {"rns", rns},
-            {"momenta", momenta},
-            {"distances", distances},
-            {"closing_speeds", closing_speeds}};
-  }
-};
-
-const ContactFeature* feature_of(const CaptureProblem& problem) {
-  return problem.target && !problem.variables.feature.empty() ? &chosen_feature(problem) : nullptr;
-}
-
-/// One instant of the approach. `sample` is the stored one, or that before a wait.
-struct Instant {
-  double time = 0;
-  std::size_t sample = 0;
-};
-
-/// The stored samples, and every 0.1 s between two in the same posture: the target moves on while
-/// the robot waits.
-std::vector<Instant> instants_of(const Approach& path) {
-  constexpr double kStep = 0.1;
-  std::vector<Instant> out;
-  for (std::size_t i = 0; i < path.times.size(); ++i) {
-    out.push_back({path.times[i], i});
-    if (i + 1 == path.times.size() || path.joint_positions[i] != path.joint_positions[i + 1]) {
-      continue;
-    }
-    for (double t = path.times[i] + kStep; t < path.times[i + 1] - kStep / 2; t += kStep) {
-      out.push_back({t, i});
-    }
-  }
-  return out;
-}
-
-/// The stored samples of the approach, with what follows from them.
-Json approach_json(const Plan& plan) {
-  const CaptureProblem& problem = plan.problem;
-  const RobotModel& robot = problem.robot;
-  const Approach& path = plan.approach;
-  const auto motion = encounter_motion(problem, plan.configuration);
-  const ContactFeature* const feature = feature_of(problem);
-  const CollisionScene scene(problem);
-  const JointVectord rotors = added_plant_inertia(problem.resistance, robot.n());
-  MotionColumns columns;
-  Json clearances = Json::array(), pairs = Json::array();
-  for (const auto& [time, i] : instants_of(path)) {
-    PlantState state = state_at_rest(path.base_poses[i], path.joint_positions[i]);
-    state.phidot = path.joint_velocities[i];
-    state.Omega = path.base_velocities[i];
-    const PlantTerms terms(robot, rotors, state);
-    const auto momentum = compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
-    const auto parts =
-        decompose_joint_velocity(angular_reaction_null_space(terms.tilde), state.phidot);
-    columns.add(time, state, path.joint_torques[i], parts.rns,
-                {momentum.base.norm(), momentum.coupling.norm(), momentum.L_g.norm()});
-    std::optional<TargetState> target;
-    if (motion) target = motion->state(time);
-    if (target) {
-      std::optional<Sight> sight;
-      if (feature != nullptr) sight = sight_of(robot, terms.kinematics, state, *target, *feature);
-      columns.see(target->pose, sight);
-    }
-    const auto closest =
-        scene.nearest(terms.kinematics, state.base, target ? &target->pose : nullptr, false);
-    clearances.push_back(closest ? number(closest->distance) : Json());
-    pairs.push_back(closest ? Json(to_string(*closest)) : Json());
-  }
-  Json out = columns.json();
-  out["clearances"] = clearances;
-  out["pairs"] = pairs;
-  return out;
-}
-
-/// The target right after the impulse on the hand, whose opposite it takes.
-TargetState target_after(const ContactCase& contact) {
-  const TargetAtContact& target = *contact.target;
-  const TargetPlantState& before = target.state;
-  const Vector3d J = -contact.impulse * contact.normal_N;
-  const Eigen::Quaterniond& R = before.pose.orientation;
-  TargetState after;
-  after.pose = before.pose;
-  after.linear_velocity = before.velocity + J / target.body.mass;
-  const Vector3d hand =
-      contact.before.base * compute_kinematics<double>(contact.robot, contact.before.phi).r_bh;
-  const Vector3d moment = R.conjugate() * (hand - before.pose.position).cross(J);
-  after.angular_velocity =
-      R * Vector3d(before.angular_velocity + target.body.inverse_inertia() * moment);
-  return after;
-}
-
-/// The samples that a page keeps of a trace: every 20 ms in the first second, every 50 ms later.
-bool is_kept(double since_last, double time) { return since_last >= (time <= 1 ? 0.02 : 0.05); }
-
-Json after_json(const Plan& plan, const std::string& controller, const StopCondition& stop) {
-  const CaptureProblem& problem = plan.problem;
-  const AfterContact run =
-      simulate_post_impact(problem, plan.configuration, plan.impact, controller, stop);
-  const ContactCase contact = contact_case(problem, plan.configuration, plan.impact);
-  const ContactFeature* const feature = feature_of(problem);
-  const std::vector<TraceSample>& trace = run.simulation.trace;
-  std::optional<TargetMotion> free_motion;
-  Pose hand_target;  // T in the hand frame, when it is held
-  const auto hand_pose = [&](const Kinematics<double>& kinematics) {
-    return Pose{kinematics.r_bh, Eigen::Quaterniond(kinematics.R_hand)};
-  };
-  if (contact.target) {
-    free_motion.emplace(contact.target->body, target_after(contact), trace.back().time + 1);
-    const PlantState& before = contact.before;
-    hand_target =
-        (before.base * hand_pose(compute_kinematics<double>(contact.robot, before.phi))).inverse() *
-        contact.target->state.pose;
-  }
-  MotionColumns columns;
-  double last = -1;
-  for (std::size_t i = 0; i < trace.size(); ++i) {
-    const TraceSample& sample = trace[i];
-    if (i + 1 < trace.size() && !is_kept(sample.time - last + 1e-9, sample.time)) continue;
-    last = sample.time;
-    columns.add(sample.time, sample.state, sample.tau, sample.rns,
-                {sample.base.norm(), sample.coupling.norm(), sample.total.norm()});
-    if (!contact.target) continue;
-    const auto kinematics = compute_kinematics<double>(problem.robot, sample.state.phi);
-    if (run.is_held) {
-      columns.see(sample.state.base * hand_pose(kinematics) * hand_target, std::nullopt);
-      continue;
-    }
-    TargetState target = free_motion->state(sample.time);
-    if (sample.target) {
-      target.pose = sample.target->pose;
-      target.linear_velocity = sample.target->velocity;
-      target.angular_velocity = target.pose.orientation * sample.target->angular_velocity;
-    }
-    std::optional<Sight> sight;
-    if (feature != nullptr) {
-      sight = sight_of(problem.robot, kinematics, sample.state, target, *feature);
-    }
-    columns.see(target.pose, sight);
-  }
-  Json out{{"controller", controller},
-           {"status", to_string(run.simulation.status)},
-           {"held", run.is_held}};
-  out.update(columns.json());
-  return out;
+  return {
+      {"name", body.name}, {"mass", rounded(body.mass)}, {"centroid", rounded_list(body.centroid)}};
 }
 
 Json target_json(const CaptureProblem& problem) {
@@ -255,14 +35,52 @@ Json target_json(const CaptureProblem& problem) {
   }
   for (const ContactFeature& feature : target.features) {
     features.push_back({{"name", feature.name},
-                        {"point", numbers(feature.point)},
-                        {"normal", numbers(feature.normal)}});
+                        {"point", rounded_list(feature.point)},
+                        {"normal", rounded_list(feature.normal)}});
   }
   return {{"name", target.name},
-          {"mass", number(target.mass)},
+          {"mass", rounded(target.mass)},
           {"shapes", shapes},
           {"features", features},
           {"feature", problem.variables.feature}};
+}
+
+/// Robot, target, obstacles and start of a problem.
+Json setting_json(const CaptureProblem& problem) {
+  Json obstacles = Json::array();
+  for (const Obstacle& obstacle : problem.obstacles) {
+    Json json = shape_json(obstacle.pose, obstacle.geometry);
+    json["name"] = obstacle.name;
+    json["on_base"] = obstacle.frame == Frame::Base;
+    obstacles.push_back(json);
+  }
+  Json out{{"robot", robot_scene(problem.robot)},
+           {"target", target_json(problem)},
+           {"obstacles", obstacles},
+           {"start", {{"joints", rounded_list(problem.start)}, {"base", pose_json(problem.base)}}},
+           {"cone_half_angle", rounded(problem.uncertainty.cone_half_angle)}};
+  return out;
+}
+
+/// The target over the window of contact times, with the hand where it starts; null: no target.
+Json window_json(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  double first = variables.contact_time_lower, last = variables.contact_time_upper;
+  if (!(last > first)) {
+    first -= 5;
+    last += 5;
+  }
+  const Configuration start = start_configuration(problem);
+  const auto motion = encounter_motion(problem, start);
+  if (!motion) return nullptr;
+  constexpr int kSamples = 120;
+  Json times = Json::array(), poses = Json::array();
+  for (int i = 0; i <= kSamples; ++i) {
+    const double time = first + (last - first) * i / kSamples;
+    times.push_back(time);
+    poses.push_back(pose_json(motion->state(time).pose));
+  }
+  return {{"times", times}, {"target", poses}};
 }
 
 /// A problem looked at in one posture: the target at that posture's contact.
@@ -277,6 +95,59 @@ CaptureProblem with_feature(CaptureProblem problem, const Configuration& configu
   return problem;
 }
 
+/// The most angular momentum that goes into the base, over the deviation of the impulse from its
+/// nominal direction, in one configuration.
+Json spread_json(const CaptureProblem& stated, const Configuration& at,
+                 const std::vector<double>& deviations) {
+  constexpr int kAzimuths = 24;
+  CaptureProblem problem = with_feature(stated, at);
+  const EncounterModel model = encounter_model(problem);
+  const auto contact =
+      contact_kinematics<double>(model, at.base.orientation.toRotationMatrix(), at.contact_time);
+  Json out = Json::array();
+  for (const double deviation : deviations) {
+    problem.uncertainty.cone_half_angle = deviation;
+    double most = 0;
+    for (const Scenario& scenario : rim_scenarios(problem, kAzimuths)) {
+      const Encounter<double> encounter = encounter_along(model, contact, scenario);
+      most = std::max(most, impact_at(problem, model, encounter, at.phi).base.norm());
+    }
+    out.push_back(rounded(most));
+  }
+  return out;
+}
+
+/// One standard deviation of the contact feature's predicted position in N: principal axes and
+/// half-lengths, m. Null: the problem states no deviations of its estimate.
+Json contact_ellipsoid_json(const CaptureProblem& problem, double time) {
+  if (!problem.target_deviations || problem.impulse.direction) return nullptr;
+  const ContactPrediction contact =
+      predict_contact({*problem.target, problem.target_state},
+                      covariance_of(*problem.target_deviations), chosen_feature(problem), {time})
+          .front();
+  const SymmetricEigen3 axes =
+      symmetric_eigen3(contact.spread.block<3, 3>(kContactPoint, kContactPoint));
+  Matrix3d R = axes.vectors;
+  if (R.determinant() < 0) R.col(0) = -R.col(0);
+  return {{"pose", pose_json({contact.estimated.point, Eigen::Quaterniond(R)})},
+          {"deviations", rounded_list(axes.values.cwiseMax(0).cwiseSqrt())}};
+}
+
+/// Robust and nominal optimum side by side, to 1.5 times the half-angle of the cone.
+Json spreads_json(const Plan& plan) {
+  const double half_angle = plan.problem.uncertainty.cone_half_angle;
+  if (!(half_angle > 0) || plan.status == PlanStatus::Infeasible) return nullptr;
+  constexpr int kSteps = 24;
+  std::vector<double> deviations;
+  for (int i = 0; i <= kSteps; ++i) deviations.push_back(1.5 * half_angle * i / kSteps);
+  Json out{{"deviations", deviations},
+           {"chosen", spread_json(plan.problem, plan.configuration, deviations)}};
+  if (plan.nominal_optimum) {
+    out["nominal"] = spread_json(plan.problem, plan.nominal_optimum->configuration, deviations);
+  }
+  return out;
+}
+
 }  // namespace
 
 Json robot_scene(const RobotModel& robot) {
@@ -286,10 +157,10 @@ Json robot_scene(const RobotModel& robot) {
                       {"slides", joint.is_prismatic()},
                       {"parent", joint.parent},
                       {"pose", pose_json({joint.p, Eigen::Quaterniond(joint.R)})},
-                      {"lower", number(joint.lower)},
-                      {"upper", number(joint.upper)},
-                      {"max_velocity", number(joint.max_velocity)},
-                      {"max_effort", number(joint.max_effort)}});
+                      {"lower", rounded(joint.lower)},
+                      {"upper", rounded(joint.upper)},
+                      {"max_velocity", rounded(joint.max_velocity)},
+                      {"max_effort", rounded(joint.max_effort)}});
   }
   for (const Body& body : robot.bodies) bodies.push_back(body_json(body));
   for (const CollisionShape& shape : robot.shapes) {
@@ -310,33 +181,35 @@ Json robot_scene(const RobotModel& robot) {
             {"pose", pose_json({robot.p_hand, Eigen::Quaterniond(robot.R_hand)})}}}};
 }
 
-Json problem_scene(const CaptureProblem& problem) {
-  Json obstacles = Json::array();
-  for (const Obstacle& obstacle : problem.obstacles) {
-    Json json = shape_json(obstacle.pose, obstacle.geometry);
-    json["name"] = obstacle.name;
-    json["on_base"] = obstacle.frame == Frame::Base;
-    obstacles.push_back(json);
+Json lone_robot_scene(const RobotModel& robot) {
+  JointVectord joints(robot.n());
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    joints[k] = std::clamp(0.0, joint.lower, joint.upper);
   }
-  Json out{{"robot", robot_scene(problem.robot)},
-           {"target", target_json(problem)},
-           {"obstacles", obstacles},
-           {"start", {{"joints", numbers(problem.start)}, {"base", pose_json(problem.base)}}},
-           {"cone_half_angle", number(problem.uncertainty.cone_half_angle)}};
+  return {{"robot", robot_scene(robot)},
+          {"target", nullptr},
+          {"start", {{"joints", rounded_list(joints)}, {"base", pose_json({})}}}};
+}
+
+Json problem_scene(const CaptureProblem& problem) {
+  Json out = setting_json(problem);
+  out["window"] = window_json(problem);
   return out;
 }
 
 Json plan_scene(const Plan& plan, const StopCondition& stop) {
   Plan chosen = plan;
   chosen.problem = with_feature(plan.problem, plan.configuration);
-  Json out = problem_scene(chosen.problem);
+  Json out = setting_json(chosen.problem);
   if (plan.candidates.empty()) return out;
   const Configuration& contact = plan.configuration;
-  out["contact"] = {{"time", number(contact.contact_time)},
-                    {"joints", numbers(contact.phi)},
+  out["contact"] = {{"time", rounded(contact.contact_time)},
+                    {"joints", rounded_list(contact.phi)},
                     {"base", pose_json(contact.base)},
                     {"target", target_pose_json(chosen.problem, contact)},
-                    {"impulse", numbers(Vector3d(plan.impact.Fbar.head<3>()))}};
+                    {"impulse", rounded_list(Vector3d(plan.impact.Fbar.head<3>()))}};
+  out["contact_ellipsoid"] = contact_ellipsoid_json(chosen.problem, contact.contact_time);
   Json candidates = Json::array();
   for (const Candidate& candidate : plan.candidates) {
     candidates.push_back(target_pose_json(with_feature(plan.problem, candidate.configuration),
@@ -350,6 +223,7 @@ Json plan_scene(const Plan& plan, const StopCondition& stop) {
     after.push_back(after_json(chosen, controller, stop));
   }
   out["after"] = after;
+  out["spreads"] = spreads_json(plan);
   return out;
 }
 

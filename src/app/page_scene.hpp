@@ -16,13 +16,16 @@ namespace stillbase::app {
 /// drawn by their shapes.
 io::Json robot_scene(const RobotModel& robot);
 
+/// A robot alone: all joints at zero, or at the limit that is nearest to it.
+io::Json lone_robot_scene(const RobotModel& robot);
+
 /// The robot, its start posture, target and obstacles, and the nominal motion of the target over
-/// the window of contact times.
+/// the window of contact times (where that is one instant, 10 s around it).
 io::Json problem_scene(const CaptureProblem& problem);
 
 /// That of the problem, and: the target along the approach and at every candidate's contact, hand
 /// distance and closing speed, momenta, clearance, the motion after the impact under every
-/// controller of the problem.
+/// controller of the problem, and what robust and nominal optimum make of other directions.
 /// @param stop ends the simulations early
 io::Json plan_scene(const Plan& plan, const StopCondition& stop);
 

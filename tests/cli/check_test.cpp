@@ -138,3 +138,19 @@ TEST_CASE("inspect prints the dynamics of an arm that has yet to be mounted") {
   CHECK_FALSE(prints(inspect, "hand_inverse_inertia"));
   CHECK(shop.run("check arm.urdf").code == 0);
 }
+
+TEST_CASE("check draws what it understood, and nothing where a file is refused") {
+  const Workshop shop;
+  const std::string robot = "'" + source_path("problems/robots/iiwa_on_cube.urdf") + "'";
+  const std::string problem = "'" + source_path("problems/iiwa_client_50.yaml") + "'";
+  CHECK(shop.run("check " + robot + " " + problem + " -o page.html").code == 0);
+  const std::string page = shop.text("page.html");
+  CHECK(page.find("<!DOCTYPE html>") == 0);
+  CHECK(page.find("iiwa_client_50") != std::string::npos);
+  CHECK(shop.run("check " + robot + " -o page.html").code == 7);  // never overwrites
+  shop.write("bad.yaml", "format: stillbase.problem\n");
+  CHECK(shop.run("check " + robot + " bad.yaml -o bad.html").code == 3);
+  CHECK_FALSE(shop.has("bad.html"));
+  shop.write("state.json", "{}");
+  CHECK(shop.run("check state.json -o state.html").code == 2);
+}

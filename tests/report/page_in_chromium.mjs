@@ -93,7 +93,7 @@ test(
         }, 0);
         assert.match(words, /worst case over the cone/);
         assert.ok(words.includes(json('plan.json').content_sha256));
-        assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), 10);
+        assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), 11);
       });
     });
 
@@ -222,6 +222,8 @@ test('failed checks stand on top and are named, and a failed approach looks fail
   plan.approach = {...plan.approach, status: 'time_out', detail: 'no path in 60 s'};
   const verdict = json('verdict.json');
   verdict.verdict = 'fail';
+  // Whatever else is not checked or fails: these two are.
+  for (const claim of verdict.claims) claim.pass = true;
   Object.assign(verdict.claims[40], {pass: false, name: 'a_check_that_fails'});
   Object.assign(verdict.claims[41], {pass: null, detail: 'not enough samples'});
   plan.verification = verdict;
@@ -231,7 +233,7 @@ test('failed checks stand on top and are named, and a failed approach looks fail
     const words = await text(page);
     assert.match(words, /No approach path: time out/);
     assert.match(
-        words, /Verification failed: 1 of 94 checks, 1 could not be made \(a check that fails\)/);
+        words, /Verification failed: 1 of \d+ checks, 1 could not be made \(a check that fails\)/);
     assert.ok(
         await page.evaluate(`document.querySelector('article').classList.contains('failed')`));
     const section = words.slice(words.lastIndexOf('Verification failed'));
@@ -267,6 +269,41 @@ test('a sweep, a front and a verification alone have pages of their own', async 
       assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), plots);
     });
   }
+});
+
+test('a cone as wide as the problem states costs what the plan says', async () => {
+  await opened('plan.html', {}, async page => {
+    const {deviations, chosen, nominal} =
+        await page.evaluate(`document.querySelector('article').viewer.data.spreads`);
+    const plan = json('plan.json');
+    const at = deviations.findIndex(
+        each => Math.abs(each - plan.problem.uncertainty.cone_half_angle) < 1e-9);
+    const near = (value, wanted) =>
+        assert.ok(Math.abs(value - wanted) < 0.01 * wanted, `${value} ${wanted}`);
+    near(chosen[at], plan.objective.worst_case);
+    near(nominal[at], plan.objective.nominal_optimum.worst_case);
+    assert.ok(Math.abs(chosen[0] - plan.objective.nominal) < 1e-6);
+    assert.match(await text(page), /What uncertainty of the direction costs/);
+  });
+});
+
+test('check draws robots and problems, and its sliders move the joints', async () => {
+  run('check', join(source, 'problems/iiwa_client_50.yaml'),
+      join(source, 'problems/robots/deos.urdf'), '-o', 'check.html');
+  await opened('check.html', {width: 1200}, async page => {
+    await scene(page);
+    assert.equal(await page.evaluate(`document.querySelectorAll('.joint').length`), 7);
+    assert.match(
+        await page.evaluate(`document.querySelector('.hud').innerText`), /window of contact times/);
+    const hand = `document.querySelector('article').viewer.view.robot.hand.position.toArray()`;
+    const before = await page.evaluate(hand);
+    await page.evaluate(
+        `{ const slider = document.querySelector('.joint input'); slider.value = 0; slider.dispatchEvent(new Event('input')); }`);
+    assert.notDeepEqual(await page.evaluate(hand), before);
+    await page.evaluate(`document.querySelectorAll('.tabs button')[1].click()`);
+    await scene(page);
+    assert.match(await text(page), /bodies after merging fixed links/);
+  });
 });
 
 test('the committed page is what its sources give', async t => {

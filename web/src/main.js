@@ -1,4 +1,5 @@
 // Reads the data of the page and shows one document at a time.
+import {checkPage} from './check.js';
 import {h, table} from './dom.js';
 import {figures, planPage, standing} from './plan.js';
 import {repaint} from './plots.js';
@@ -7,6 +8,8 @@ import {verificationPage} from './verification.js';
 
 const kPages = {
   plan: planPage,
+  problem: checkPage,
+  robot: checkPage,
   verification: verificationPage,
   analysis: analysisPage,
   pareto: paretoPage,

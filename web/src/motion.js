@@ -23,21 +23,27 @@ function hermite(x0, v0, x1, v1, h, s) {
       (s3 - s2) * h * v1;
 }
 
+/// A column of poses at a time. @param record with `times`, at least two
+export function sampleAt(record, column, time) {
+  const i = sampleBefore(record.times, time);
+  const h = record.times[i + 1] - record.times[i];
+  const part = h > 0 ? Math.min(1, Math.max(0, (time - record.times[i]) / h)) : 0;
+  return between(poseFrom(record[column][i]), poseFrom(record[column][i + 1]), part);
+}
+
 /// Robot and target at a time of one record of samples.
 export function stateAt(record, time) {
   const {times} = record;
-  if (times.length === 1) times.push(times[0]);
   const i = sampleBefore(times, time);
   const h = times[i + 1] - times[i];
   const part = h > 0 ? Math.min(1, Math.max(0, (time - times[i]) / h)) : 0;
   const joints = record.joints[i].map(
       (x, k) =>
           hermite(x, record.rates[i][k], record.joints[i + 1][k], record.rates[i + 1][k], h, part));
-  const pose = list => between(poseFrom(list[i]), poseFrom(list[i + 1]), part);
   return {
     joints,
-    base: pose(record.base),
-    target: record.target.length ? pose(record.target) : null,
+    base: sampleAt(record, 'base', time),
+    target: record.target.length ? sampleAt(record, 'target', time) : null,
     sample: part < 0.5 ? i : i + 1,
   };
 }
@@ -47,8 +53,9 @@ export function stateAt(record, time) {
 export class Motion {
   constructor(scene) {
     this.scene = scene;
-    this.after = scene.after ?? [];
-    this.approach = scene.approach ?? null;
+    const played = record => record && record.times.length > 1;
+    this.after = (scene.after ?? []).filter(played);
+    this.approach = played(scene.approach) ? scene.approach : null;
     this.contact = scene.contact ?? null;
     if (this.approach) {
       const end = this.approach.times.at(-1);

@@ -164,6 +164,31 @@ function risks(document) {
       'What could go wrong', h('ul', {class: 'risks'}, out.map(text => h('li', {}, text))));
 }
 
+/// What other directions of the impulse do to the chosen posture and to the nominal optimum.
+function spreads(document) {
+  const {spreads: data, cone_half_angle: cone} = document.scene;
+  if (!data) return null;
+  const series = [{name: 'chosen posture', color: '--series-0', y: data.chosen}];
+  if (data.nominal) {
+    series.push(
+        {name: 'optimum for the nominal direction alone', color: '--series-1', y: data.nominal});
+  }
+  const plot = new Plot({
+    title:
+        'Most angular momentum into the base, over the deviation of the impulse from its nominal direction',
+    x_label: 'deviation, deg',
+    y_label: 'N m s',
+    x: data.deviations.map(degrees),
+    x_name: 'deg',
+    height: 260,
+    from_zero: true,
+    series,
+    marks: [{x: degrees(cone), label: 'cone'}],
+  });
+  return section(
+      'What uncertainty of the direction costs', h('div', {class: 'plots one'}, plot.element));
+}
+
 function candidateTable(document) {
   const {content: plan} = document;
   if (!plan.candidates.length) return null;
@@ -437,7 +462,7 @@ export function planPage(document) {
         h('div', {class: 'answers'},
           kQuestions.map(([title, topics]) => section(title, words(topics)))),
         h('section', {class: 'wide'}, h('h2', {}, 'The capture'), viewer.element), plots.element,
-        risks(document), binding(document), candidateTable(document),
+        risks(document), spreads(document), binding(document), candidateTable(document),
         verificationParts(document.verification), inputs(document));
   element.viewer = viewer;
   return {

@@ -1,7 +1,7 @@
 // Pages of what is no plan: a sweep of directions, a front, a campaign, a benchmark.
 import {degrees, digits, h, section, spaced, table} from './dom.js';
 import {Plot, plotGrid} from './plots.js';
-import {trialParts} from './trials.js';
+import {svg, trialParts} from './trials.js';
 
 function head(kicker, title, purpose) {
   return h(
@@ -190,6 +190,19 @@ export function campaignPage({content, path}) {
   };
 }
 
+/// A share with its interval, \"75 % [67, 84]\", with a bar: the dot is the share.
+function shareCell(text) {
+  const found = /^(\d+) % \[(\d+), (\d+)\]$/.exec(text);
+  if (!found) return text;
+  const [value, low, high] = found.slice(1).map(Number);
+  const bar =
+      svg('svg', {viewBox: '0 0 104 12', class: 'share', 'aria-hidden': 'true'},
+          svg('rect', {x: 2, y: 5.5, width: 100, height: 1, class: 'axis'}),
+          svg('rect', {x: 2 + low, y: 3, width: Math.max(1, high - low), height: 6, class: 'body'}),
+          svg('circle', {cx: 2 + value, cy: 6, r: 3, class: 'mean'}));
+  return h('span', {class: 'with-share'}, text, bar);
+}
+
 /// Tables and figures as `bench` writes them.
 export function benchPage({title, sections}) {
   const first = sections[0];
@@ -199,7 +212,10 @@ export function benchPage({title, sections}) {
         sections.map(
             (each, i) => section(
                 each.heading, each.paragraphs.slice(i === 0 ? 1 : 0).map(text => h('p', {}, text)),
-                each.header.length ? table(each.header, each.rows, {label: each.heading}) : null,
+                each.header.length ? table(
+                                         each.header, each.rows.map(row => row.map(shareCell)),
+                                         {label: each.heading}) :
+                                     null,
                 each.figures.length ?
                     plotGrid(
                         each.figures.filter(figure => figure.series.length)

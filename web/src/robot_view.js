@@ -23,6 +23,7 @@ export class RobotView {
       return group;
     });
     this.frames = [];
+    this.centroids = [];
     const drawn = new Set(robot.meshes.map(mesh => mesh.body));
     for (const mesh of robot.meshes) this.addMesh(mesh, materials, options);
     for (const shape of robot.shapes) {
@@ -121,7 +122,7 @@ export class RobotView {
       dot.position.set(...body.centroid);
       dot.renderOrder = 2;
       this.bodies[i].add(dot);
-      this.frames.push(dot);
+      this.centroids.push(dot);
     });
   }
 

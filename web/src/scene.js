@@ -1,6 +1,6 @@
 // The scene: robot, target, feature, impulse, and what is drawn of their motion. World is the
 // inertial frame, z up.
-import {AmbientLight, CatmullRomCurve3, Color, ConeGeometry, DirectionalLight, DoubleSide, EdgesGeometry, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, RingGeometry, Scene as ThreeScene, TubeGeometry, Vector3, WebGLRenderer} from 'three';
+import {AmbientLight, CatmullRomCurve3, Color, ConeGeometry, DirectionalLight, DoubleSide, EdgesGeometry, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, RingGeometry, Scene as ThreeScene, SphereGeometry, TubeGeometry, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
 import {fit, inView, viewDirection, viewFrames} from './cameras.js';
@@ -69,6 +69,7 @@ export class Scene {
     this.reach = reachOf(data.robot);
     this.robot = new RobotView(data.robot, this.materials);
     this.robot.addFrames(0.16 * this.reach);
+    this.robot.addCentroids(this.materials, 0.016 * this.reach);
     this.world.add(this.robot.group);
     this.ghost = new RobotView(data.robot, this.materials, {ghost: true});
     this.ghost.group.visible = false;
@@ -81,6 +82,7 @@ export class Scene {
     }
     this.addObstacles();
     this.addContact();
+    this.addEllipsoid();
     this.traces = new Group();
     this.world.add(this.traces);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -202,6 +204,16 @@ export class Scene {
     pointer.position.copy(hand.position);
     pointer.quaternion.setFromUnitVectors(kY, direction);
     this.impulse.add(pointer);
+  }
+
+  /// Three standard deviations of the feature's predicted position.
+  addEllipsoid() {
+    const {contact_ellipsoid: ellipsoid} = this.data;
+    if (!ellipsoid) return;
+    const mesh = new Mesh(new SphereGeometry(1, 24, 16), this.materials.cone);
+    place(mesh, poseFrom(ellipsoid.pose));
+    mesh.scale.set(...ellipsoid.deviations.map(each => Math.max(3 * each, 1e-4 * this.reach)));
+    this.impulse.add(mesh);
   }
 
   /// Paths of hand and feature in N under one controller.

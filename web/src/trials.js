@@ -4,7 +4,7 @@ import {digits, h, spaced, table} from './dom.js';
 
 const kSvg = 'http://www.w3.org/2000/svg';
 
-function svg(name, attributes, ...children) {
+export function svg(name, attributes, ...children) {
   const element = document.createElementNS(kSvg, name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
   element.append(...children);

@@ -79,7 +79,10 @@ export class Viewer {
     });
     this.hud = h('div', {class: 'hud', 'aria-live': 'off'});
     this.frame = h('div', {class: 'scene-frame'}, this.canvas, this.hud);
-    this.element = h('div', {class: 'viewer'}, this.frame, this.makeTransport(), this.makeTools());
+    const transport = this.makeTransport();
+    this.element =
+        h('div', {class: 'viewer'}, this.frame, motion.end > motion.begin ? transport : null,
+          this.makeTools());
     // Words and plots come first: the scene starts when it is about to be seen.
     const seen = new IntersectionObserver(entries => {
       if (!entries.at(-1).isIntersecting) return;
@@ -165,20 +168,26 @@ export class Viewer {
   }
 
   makeTools() {
-    const {data, motion} = this;
+    const {data, motion, options} = this;
     const row = h('div', {class: 'tools'});
     const cameras = data.target && data.target.feature ?
         kCameras :
         {free: kCameras.free, base: kCameras.base, hand: kCameras.hand};
     row.append(buttons('Camera', cameras, 'free', key => this.look(key)));
-    row.append(toggle('Frames', this.frames = hashOptions.has('frames'), on => {
+    row.append(toggle('Frames', this.frames = options.frames || hashOptions.has('frames'), on => {
       this.frames = on;
       this.refresh();
     }, 'axes: x red, y green, z blue'));
-    row.append(toggle('Traces', true, on => {
-      this.traces = on;
+    row.append(toggle('Centroids', this.centroids = Boolean(options.centroids), on => {
+      this.centroids = on;
       this.refresh();
-    }, 'paths of the hand and of the contact feature'));
+    }, 'of base and bodies'));
+    if (motion.end > motion.begin) {
+      row.append(toggle('Traces', true, on => {
+        this.traces = on;
+        this.refresh();
+      }, 'paths of the hand and of the contact feature'));
+    }
     if (motion.approach?.clearances) {
       row.append(toggle('Clearance', true, on => {
         this.clearance = on;
@@ -259,7 +268,9 @@ export class Viewer {
   seek(time) {
     this.time = Math.min(this.motion.end, Math.max(this.motion.begin, time));
     this.slider.value = this.time;
-    this.clock.textContent = `${this.time < 0 ? '−' : '+'}${Math.abs(this.time).toFixed(2)} s`;
+    this.clock.textContent = this.motion.contact ?
+        `${this.time < 0 ? '−' : '+'}${Math.abs(this.time).toFixed(2)} s` :
+        `${this.time.toFixed(2)} s`;
     this.refresh();
     this.options.onTime?.(this.time);
   }
@@ -282,6 +293,7 @@ export class Viewer {
     }
     this.view.traces.visible = this.traces && !candidate;
     for (const frame of this.view.robot.frames) frame.visible = this.frames;
+    for (const dot of this.view.robot.centroids) dot.visible = this.centroids;
     if (this.view.targetFrame) this.view.targetFrame.visible = this.frames;
     this.view.show(state, ghost, candidate ? -1e9 : this.time);
     this.view.markPair(this.clearance && !candidate ? this.pairNow(state) : null);
@@ -303,6 +315,7 @@ export class Viewer {
     const lines = [];
     const i = state.sample;
     const line = (label, text) => lines.push(h('span', {}, h('i', {}, label), text));
+    for (const [label, text] of this.options.say?.(state) ?? []) line(label, text);
     if (record?.distances?.length) {
       line('hand to feature ', `${digits(record.distances[i], 3)} m`);
       line('closing at ', `${digits(record.closing_speeds[i], 3)} m/s`);
