@@ -87,6 +87,7 @@ export function checkPage({kind, path, title, words, scene}) {
   element.viewer = viewer;
   return {
     element,
+    viewer,
     connect: theme => viewer.connect(theme),
     paint: theme => viewer.paint(theme),
     key: event => viewer.key(event),

@@ -29,23 +29,23 @@ export function digits(x, count = 4) {
 
 export const fixed = (x, places) => x.toFixed(places).replace('-', '−');
 
-/// A table. Cells that are numbers stand to the right.
+/// A table. Numbers stand to the right; null is a number that there is not.
 export function table(header, rows, options = {}) {
-  const cell = value => value instanceof Node ?
-      h('td', {}, value) :
-      h('td', {class: typeof value === 'number' ? 'number' : null},
-        typeof value === 'number' ? digits(value) : String(value ?? ''));
+  const cell = value => {
+    if (value instanceof Node) return h('td', {}, value);
+    if (typeof value === 'number' || value === null)
+      return h('td', {class: 'number'}, digits(value));
+    return h('td', {}, String(value ?? ''));
+  };
+  const isNumber = k =>
+      rows.length > 0 && rows.every(row => row[k] === null || typeof row[k] === 'number');
+  const head =
+      header.map((name, k) => h('th', {scope: 'col', class: isNumber(k) ? 'number' : null}, name));
+  const body = rows.map((row, i) => h('tr', {class: options.rowClass?.(i)}, row.map(cell)));
+  const label = options.label ?? header.join(', ');
   return h(
-      'div', {
-        class: 'scroll',
-        tabindex: 0,
-        role: 'region',
-        'aria-label': options.label ?? header.join(', ')
-      },
-      h('table', {class: options.class},
-        h('thead', {}, h('tr', {}, header.map(name => h('th', {scope: 'col'}, name)))),
-        h('tbody', {},
-          rows.map((row, i) => h('tr', {class: options.rowClass?.(i)}, row.map(cell))))));
+      'div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label},
+      h('table', {class: options.class}, h('thead', {}, h('tr', {}, head)), h('tbody', {}, body)));
 }
 
 export function section(title, ...children) {

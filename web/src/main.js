@@ -1,9 +1,10 @@
 // Reads the data of the page and shows one document at a time.
 import {checkPage} from './check.js';
 import {h, table} from './dom.js';
-import {figures, planPage, standing} from './plan.js';
+import {planPage} from './plan.js';
 import {repaint} from './plots.js';
 import {analysisPage, benchPage, campaignPage, paretoPage} from './results.js';
+import {figures, standing} from './standing.js';
 import {verificationPage} from './verification.js';
 
 const kPages = {
@@ -103,6 +104,16 @@ addEventListener('keydown', event => {
     return;
   if (shown?.key?.(event)) event.preventDefault();
 });
+// Paper is light, and has nothing to unfold.
+let before = null;
 addEventListener('beforeprint', () => {
+  before = stated;
+  stated = 'light';
+  shown?.viewer?.begin();
+  applyTheme();
   document.querySelectorAll('details').forEach(details => details.setAttribute('open', ''));
+});
+addEventListener('afterprint', () => {
+  stated = before;
+  applyTheme();
 });

@@ -69,7 +69,7 @@ export class Scene {
     this.reach = reachOf(data.robot);
     this.robot = new RobotView(data.robot, this.materials);
     this.robot.addFrames(0.16 * this.reach);
-    this.robot.addCentroids(this.materials, 0.016 * this.reach);
+    this.robot.addCentroids(this.materials, 0.011 * this.reach);
     this.world.add(this.robot.group);
     this.ghost = new RobotView(data.robot, this.materials, {ghost: true});
     this.ghost.group.visible = false;
@@ -122,7 +122,7 @@ export class Scene {
       const color = {
         cone: colors.impulse,
         ghostTarget: colors.target,
-        centroid: colors.close
+        centroid: colors.tool
       }[name] ??
           colors[name];
       material.color.set(color);

@@ -66,8 +66,8 @@ export function arrow(length, radius, material) {
 export function triad(size) {
   const group = new Group();
   [['#c0392b', 1, 0, 0], ['#2e8b57', 0, 1, 0], ['#2f6fc0', 0, 0, 1]].forEach(([color, ...axis]) => {
-    group.add(
-        new ArrowHelper(new Vector3(...axis), new Vector3(), size, color, 0.22 * size, 0.1 * size));
+    group.add(new ArrowHelper(
+        new Vector3(...axis), new Vector3(), size, color, 0.16 * size, 0.055 * size));
   });
   return group;
 }

@@ -37,8 +37,8 @@ export function verificationParts(verification) {
   const failed = claims.filter(claim => claim.pass === false);
   const open = claims.filter(claim => claim.pass === null);
   const groups = [...new Set(claims.map(claim => claim.group))];
-  const [tone, words] = verdictOf(verification);
-  const parts = [h('p', {class: `verdict ${tone}`}, words)];
+  const [verdict, words] = verdictOf(verification);
+  const parts = [h('p', {class: `verdict ${verdict}`}, words)];
   if (failed.length)
     parts.push(
         h('h3', {class: 'fail'}, 'Failed'),
@@ -48,12 +48,15 @@ export function verificationParts(verification) {
     const of = claims.filter(claim => claim.group === group);
     const bad = of.filter(claim => claim.pass === false).length;
     const held = of.filter(claim => claim.pass === true);
+    const [tone, sign] = bad    ? ['fail', '✕'] :
+        held.length < of.length ? ['warn', '!'] :
+                                  ['pass', '✓'];
     if (!held.length) continue;
-    parts.push(h(
-        'details', {},
-        h('summary', {}, h('span', {class: bad ? 'mark fail' : 'mark pass'}, bad ? '✕' : '✓'),
-          ` ${spaced(group)} `, h('span', {class: 'quiet'}, `${held.length} of ${of.length} hold`)),
-        table(kHeader, rows(held))));
+    parts.push(
+        h('details', {},
+          h('summary', {}, h('span', {class: `mark ${tone}`}, sign), ` ${spaced(group)} `,
+            h('span', {class: 'quiet'}, `${held.length} of ${of.length} hold`)),
+          table(kHeader, rows(held))));
   }
   const runs = verification.post_impact;
   if (runs?.length) {

@@ -84,12 +84,18 @@ export class Viewer {
         h('div', {class: 'viewer'}, this.frame, motion.end > motion.begin ? transport : null,
           this.makeTools());
     // Words and plots come first: the scene starts when it is about to be seen.
-    const seen = new IntersectionObserver(entries => {
-      if (!entries.at(-1).isIntersecting) return;
-      seen.disconnect();
-      this.start();
+    this.seen = new IntersectionObserver(entries => {
+      if (entries.at(-1).isIntersecting) this.begin();
     }, {rootMargin: '300px'});
-    seen.observe(this.frame);
+    this.seen.observe(this.frame);
+  }
+
+  /// Starts the scene unless it has started.
+  begin() {
+    if (this.begun) return;
+    this.begun = true;
+    this.seen.disconnect();
+    this.start();
   }
 
   start() {
@@ -150,6 +156,7 @@ export class Viewer {
 
   phaseBar() {
     const {motion} = this;
+    if (!motion.contact) return null;
     const length = motion.end - motion.begin || 1;
     const parts = [
       ['approach', motion.begin, motion.waitBegin], ['wait', motion.waitBegin, 0],

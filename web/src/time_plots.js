@@ -1,0 +1,154 @@
+// The plots over time, linked to the scene.
+import {degrees, h} from './dom.js';
+import {poseFrom} from './kinematics.js';
+import {Plot} from './plots.js';
+import {buttons} from './viewer.js';
+
+/// The plots over time, from the approach on through the motion under one controller.
+export class TimePlots {
+  constructor(motion, robot, onSeek) {
+    this.motion = motion;
+    this.robot = robot;
+    this.onSeek = onSeek;
+    this.grid = h('div', {class: 'plots'});
+    this.span = null;
+    this.element =
+        h('section', {}, motion.approach && motion.after.length ? this.spanButtons() : null,
+          this.grid);
+    this.show(0);
+  }
+
+  /// Which part of the time the plots show.
+  spanButtons() {
+    const {begin, end} = this.motion;
+    return h(
+        'div', {class: 'spans'},
+        buttons(
+            'Time shown in the plots',
+            {all: 'All', approach: 'Approach', after: 'After the impact', first: 'First second'},
+            'all', key => {
+              this.span = {
+                all: null,
+                approach: [begin, 0],
+                after: [0, end],
+                first: [-0.1, Math.min(1, end)]
+              }[key];
+              for (const plot of this.plots) plot.setSpan(this.span);
+            }));
+  }
+
+  show(controller) {
+    const parts = [this.motion.approach, this.motion.after[controller]].filter(Boolean);
+    const columns = name => parts.flatMap(part => part[name] ?? []);
+    const x = columns('times');
+    if (x.length < 2) return;
+    const marks =
+        this.motion.approach && this.motion.after.length ? [{x: 0, label: 'contact'}] : [];
+    const plot = (title, y_label, series, more = {}) => new Plot({
+      title,
+      x_label: 'time from the contact, s',
+      y_label,
+      x,
+      series,
+      marks,
+      onSeek: this.onSeek,
+      ...more,
+    });
+    const norm = list => Math.hypot(...list);
+    const base = columns('base').map(poseFrom);
+    const reference = base[Math.max(0, (this.motion.approach?.times.length ?? 1) - 1)].quaternion;
+    const rates = columns('base_rates');
+    const momenta = columns('momenta');
+    const {joints} = this.robot;
+    const plots = [
+      plot(
+          'Base: rotation away from the attitude at the contact', 'deg', [{
+            name: 'rotation angle',
+            y: base.map(pose => degrees(pose.quaternion.angleTo(reference)))
+          }],
+          {from_zero: true}),
+      plot(
+          'Base: angular rate', 'deg/s',
+          [
+            {name: '|ω|', y: rates.map(rate => degrees(norm(rate.slice(3))))},
+            ...['x', 'y', 'z'].map(
+                (axis, k) =>
+                    ({name: `ω ${axis}`, y: rates.map(rate => degrees(rate[3 + k])), width: 1}))
+          ]),
+      plot(
+          'Angular momentum about the centroid, norms', 'N m s',
+          [['base part', '--series-1'], ['coupling part', '--series-0'], ['total', '--ink']].map(
+              ([name, color], k) => ({name, color, y: momenta.map(row => row[k])})),
+          {from_zero: true}),
+    ];
+    const count = columns('distances').length;
+    if (count === x.length) {
+      plots.push(
+          plot(
+              'Hand to contact feature', 'm', [{name: 'distance', y: columns('distances')}],
+              {from_zero: true}),
+          plot(
+              'Closing speed along the normal', 'm/s',
+              [{name: 'closing speed', y: columns('closing_speeds')}]));
+    }
+    for (const slides of [false, true]) {
+      const of = joints.map((joint, k) => [joint, k]).filter(([joint]) => joint.slides === slides);
+      if (!of.length) continue;
+      const scale = slides ? 1 : 180 / Math.PI;
+      const unit = slides ? 'm' : 'deg';
+      const series = (name, factor) => of.map(
+          ([joint, k]) => ({name: joint.name, y: columns(name).map(row => factor * row[k])}));
+      const limits = (low, high, factor) =>
+          of.flatMap(([joint]) => [joint[low], joint[high]])
+              .filter(limit => limit !== null && limit !== undefined)
+              .flatMap(limit => low === high ? [factor * limit, -factor * limit] : [factor * limit])
+              .map(y => ({y}));
+      plots.push(
+          plot(
+              slides ? 'Sliding joints: positions' : 'Joint positions', unit,
+              series('joints', scale), {limits: limits('lower', 'upper', scale)}),
+          plot(
+              slides ? 'Sliding joints: rates' : 'Joint rates', `${unit}/s`, series('rates', scale),
+              {limits: limits('max_velocity', 'max_velocity', scale)}),
+          plot(
+              slides ? 'Sliding joints: forces' : 'Joint torques', slides ? 'N' : 'N m',
+              series('torques', 1).map(each => ({...each, steps: true})),
+              {limits: limits('max_effort', 'max_effort', 1)}));
+    }
+    const rns = columns('rns');
+    const all = columns('rates');
+    plots.push(plot(
+        'Joint rates: parts by the reaction null space, norms',
+        joints.some(joint => joint.slides) ? 'rad/s (m/s)' : 'rad/s',
+        [
+          {name: 'joint rates', color: '--ink', y: all.map(norm)},
+          {name: 'in the null space', color: '--series-0', y: rns.map(norm)}, {
+            name: 'orthogonal',
+            color: '--series-1',
+            y: all.map((row, i) => norm(row.map((rate, k) => rate - rns[i][k])))
+          }
+        ],
+        {from_zero: true}));
+    if (this.motion.approach?.clearances?.some(each => each !== null)) {
+      const {times, clearances} = this.motion.approach;
+      plots.push(new Plot({
+        title: 'Clearance of the approach, hand and target left out',
+        x_label: 'time from the contact, s',
+        y_label: 'm',
+        x: times,
+        series: [{name: 'closest pair', y: clearances}],
+        onSeek: this.onSeek,
+        from_zero: true
+      }));
+    }
+    this.plots = plots;
+    this.grid.replaceChildren(...plots.map(each => each.element));
+    for (const each of plots) each.setSpan(this.span);
+    if (this.time !== undefined) this.setTime(this.time);
+  }
+
+  setTime(time) {
+    this.time = time;
+    for (const plot of this.plots ?? []) plot.setTime(time);
+  }
+}
