@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/random.hpp>
 
 #include "formulation/projection.hpp"
 
@@ -98,19 +99,66 @@ class MinimaFinder {
   MeasureMinima& out_;
 };
 
+/// How many of the values are those of the best minimum.
+int count_best(const std::vector<double>& values, double best, double same) {
+  return static_cast<int>(std::count_if(values.begin(), values.end(),
+                                        [&](double value) { return value <= same * best; }));
+}
+
+/// Projected places about a minimum.
+std::vector<Eigen::VectorXd> hops_from(const Formulation& formulation, const Eigen::VectorXd& x,
+                                       Random& random, const MeasureSearchOptions& options) {
+  std::vector<Eigen::VectorXd> out;
+  for (int i = 0; i < options.hops; ++i) {
+    for (int draw = 0; draw < options.draws_per_hop; ++draw) {
+      const ProjectionResult there =
+          project_onto_constraints(formulation, hopped(x, random, options), false, 15);
+      if (!(there.violation <= options.on_constraints)) continue;
+      out.push_back(there.x);
+      break;
+    }
+  }
+  return out;
+}
+
 }  // namespace
+
+Eigen::VectorXd hopped(const Eigen::VectorXd& x, Random& random,
+                       const MeasureSearchOptions& options) {
+  Eigen::VectorXd direction(x.size());
+  for (double& entry : direction) entry = random.normal();
+  const double shortest = std::log(options.shortest_hop), longest = std::log(options.longest_hop);
+  return x + std::exp(random.uniform(shortest, longest)) * direction.normalized();
+}
 
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
-                             const std::vector<Eigen::VectorXd>& starts,
-                             const MeasureSearchOptions& options) {
+                             const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
+                             std::uint64_t seed, const MeasureSearchOptions& options) {
   MeasureMinima out;
   MinimaFinder finder(formulation, measure, optimizer, solve, out);
 
   std::vector<Point> approached;
-  for (const Eigen::VectorXd& start : starts) {
-    if (finder.stopped()) break;
-    if (auto point = finder.rough(start)) approached.push_back(std::move(*point));
+  std::vector<double> ends;  // values at which starts ended by themselves
+  const auto approach = [&](const std::vector<Eigen::VectorXd>& from, bool by_themselves) {
+    for (const Eigen::VectorXd& start : from) {
+      if (finder.stopped()) return;
+      auto point = finder.rough(start);
+      if (!point) continue;
+      if (by_themselves) ends.push_back(point->value);
+      approached.push_back(std::move(*point));
+    }
+  };
+  approach(starts, true);
+  Random random(seed, 1);
+  for (int round = 0; more && round < options.most_rounds && !finder.stopped(); ++round) {
+    const auto best = std::min_element(approached.begin(), approached.end(), lower);
+    if (best != approached.end()) {
+      const int reached = count_best(ends, best->value, options.same_value);
+      if (round >= options.least_rounds && reached >= options.enough) break;
+      approach(hops_from(formulation, Eigen::VectorXd(best->x), random, options), false);
+    }
+    approach(more(round), true);
   }
   approached = distinct(formulation, std::move(approached), options.same_basin);
 
@@ -154,6 +202,7 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     }
     i = 0;  // the order may have changed
   }
+  out.reached = count_best(ends, minima.front().value, options.same_value);
   return out;
 }
 

@@ -1,7 +1,8 @@
-// Local minima of the measure from many starts: rough solves from all, fine ones from the best,
-// then the other branches of the best.
+// Local minima of the measure from many starts: rough solves from all, further rounds of starts and
+// of hops from the best minimum, fine solves from the best, then the other branches of the best.
 #pragma once
 
+#include <stillbase/core/random.hpp>
 #include <stillbase/search/search.hpp>
 
 #include "formulation/measures/measure.hpp"
@@ -12,13 +13,24 @@ struct MeasureMinima {
   std::vector<Eigen::VectorXd>
       points;  ///< on the constraints; repeated when reached more than once
   int solver_calls = 0;
+  /// Starts that ended at the best value by themselves; hops from the best minimum do not count.
+  int reached = 0;
   bool stopped = false;
 };
 
+/// A place in a random direction from x, at a distance of the options: small ones are as likely as
+/// large ones, by their logarithm. Not on the constraints.
+Eigen::VectorXd hopped(const Eigen::VectorXd& x, Random& random,
+                       const MeasureSearchOptions& options);
+
+/// Further starts of a round (from 0), on the constraints to about 1e-3.
+using MoreStarts = std::function<std::vector<Eigen::VectorXd>(int round)>;
+
 /// @param starts on the constraints to about 1e-3
+/// @param more may be empty: then there are no further rounds
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
-                             const std::vector<Eigen::VectorXd>& starts,
-                             const MeasureSearchOptions& options);
+                             const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
+                             std::uint64_t seed, const MeasureSearchOptions& options);
 
 }  // namespace stillbase

@@ -57,6 +57,12 @@ bool ends_at_minima(const nlp::OptimizerInfo& info) {
   return info.uses_gradient && !info.global && info.name != "gradient-projection";
 }
 
+/// Of simulations and of functions of the user a direction costs too much for rounds of starts.
+bool is_worst_case_of_jump(const CaptureProblem& problem) {
+  return problem.measure.kind == RiskMeasure::WorstCase && !simulates_turn(problem) &&
+         problem.user.terms.empty();
+}
+
 class Search {
  public:
   Search(const CaptureProblem& problem, const Formulation& formulation,
@@ -222,16 +228,19 @@ class Search {
 
   /// The local minima of the problem's measure, beside the solutions of the nominal problem.
   void find_minima_of_measure() {
-    std::vector<Eigen::VectorXd> from = std::move(on_constraints_);
-    for (const Solution& solution : solutions_) from.push_back(solution.x);
-    for (Eigen::VectorXd& start : screened_starts()) from.push_back(std::move(start));
+    const bool in_rounds = options_.is_adaptive && is_worst_case_of_jump(problem_);
+    out_.had_rounds = in_rounds;
+    MoreStarts more;
+    if (in_rounds) more = [this](int round) { return fresh_starts(round); };
+    const std::vector<Eigen::VectorXd> from = first_starts(in_rounds);
     // A long list is stated where many candidates may touch something.
     MeasureSearchOptions effort = options_.minima;
     effort.finished = std::max(effort.finished, options_.max_candidates / 2);
-    const MeasureMinima found =
-        measure_minima(formulation_, measure_, *optimizer_, solve_, from, effort);
+    const MeasureMinima found = measure_minima(formulation_, measure_, *optimizer_, solve_, from,
+                                               more, options_.seed, effort);
     out_.solver_calls[options_.optimizer] += found.solver_calls;
     out_.stopped = out_.stopped || found.stopped;
+    if (in_rounds) out_.unseen = std::exp(-found.reached);
     std::vector<Solution> minima;
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
@@ -305,16 +314,91 @@ class Search {
     }
   }
 
-  /// Postures on the constraints that look best for the measure, out of many draws.
-  std::vector<Eigen::VectorXd> screened_starts() const {
-    const int first = own_starts_ * (1 + options_.more_draws);
+  /// Where solves of the measure begin: the starts' postures, the solutions of the nominal problem,
+  /// and what looks best of many draws. Where rounds follow: what looks best of all.
+  std::vector<Eigen::VectorXd> first_starts(bool in_rounds) const {
+    std::vector<Eigen::VectorXd> postures = on_constraints_, solutions;
+    for (const Solution& solution : solutions_) solutions.push_back(solution.x);
+    const std::vector<Eigen::VectorXd> drawn = drawn_postures(0);
+    if (in_rounds) {
+      postures.insert(postures.end(), drawn.begin(), drawn.end());
+      return best_of_both(postures, solutions, options_.minima.first);
+    }
+    postures.insert(postures.end(), solutions.begin(), solutions.end());
+    for (Eigen::VectorXd& start :
+         best_by_screening(problem_, formulation_, drawn, options_.screening)) {
+      postures.push_back(std::move(start));
+    }
+    return postures;
+  }
+
+  /// As many as `kept` of either list, by screening.
+  std::vector<Eigen::VectorXd> best_of_both(const std::vector<Eigen::VectorXd>& first,
+                                            const std::vector<Eigen::VectorXd>& second,
+                                            int kept) const {
+    ScreeningOptions screening = options_.screening;
+    screening.kept = kept;
+    auto out = best_by_screening(problem_, formulation_, first, screening);
+    for (Eigen::VectorXd& x : best_by_screening(problem_, formulation_, second, screening)) {
+      out.push_back(std::move(x));
+    }
+    return out;
+  }
+
+  /// Postures on the constraints, of a batch of draws that no start has used.
+  std::vector<Eigen::VectorXd> drawn_postures(int batch) const {
+    const int first = own_starts_ * (1 + options_.more_draws) + batch * options_.screening.drawn;
     std::vector<Eigen::VectorXd> postures;
     for (int draw = first; draw < first + options_.screening.drawn && !options_.stop.reached();
          ++draw) {
       const ProjectionResult posture = projected(drawn(draw));
       if (posture.violation <= options_.on_constraints) postures.push_back(posture.x);
     }
-    return best_by_screening(problem_, formulation_, postures, options_.screening);
+    return postures;
+  }
+
+  /// Starts of a further round: postures that look best for the measure, and zeros of the nominal
+  /// value that do. Minima of the measure are often near the best zeros of a self-motion, and
+  /// Newton steps to a zero cost a tenth of a solve.
+  std::vector<Eigen::VectorXd> fresh_starts(int round) const {
+    const std::vector<Eigen::VectorXd> postures = drawn_postures(1 + round);
+    std::vector<Eigen::VectorXd> zeros;
+    for (const Eigen::VectorXd& posture : postures) {
+      if (options_.stop.reached()) break;
+      const ProjectionResult zero = project_onto_constraints(formulation_, posture, true, 15);
+      if (zero.violation <= options_.on_constraints) zeros.push_back(zero.x);
+    }
+    return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);
+  }
+
+  /// Zeros after a few random steps along their self-motions, each taken where the measure falls.
+  std::vector<Eigen::VectorXd> walk_along_zeros(std::vector<Eigen::VectorXd> zeros,
+                                                int round) const {
+    const MeasureSearchOptions& effort = options_.minima;
+    if (zeros.empty()) return zeros;
+    ScreeningOptions screening = options_.screening;
+    screening.kept = effort.fresh;
+    zeros = best_by_screening(problem_, formulation_, zeros, screening);
+    Eigen::VectorXd values = screen(problem_, formulation_, zeros, screening);
+    Random random(options_.seed, 2 + static_cast<std::uint64_t>(round));
+    for (int step = 0; step < effort.self_motion_steps && !options_.stop.reached(); ++step) {
+      std::vector<Eigen::VectorXd> moved;
+      std::vector<bool> is_zero;
+      for (const Eigen::VectorXd& zero : zeros) {
+        const Eigen::VectorXd there = hopped(zero, random, effort);
+        const ProjectionResult end = project_onto_constraints(formulation_, there, true, 10);
+        is_zero.push_back(end.violation <= options_.on_constraints);
+        moved.push_back(end.x);
+      }
+      const Eigen::VectorXd trial = screen(problem_, formulation_, moved, screening);
+      for (std::size_t i = 0; i < zeros.size(); ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        if (!is_zero[i] || !(trial[k] < values[k])) continue;
+        zeros[i] = moved[i];
+        values[k] = trial[k];
+      }
+    }
+    return zeros;
   }
 
   /// Candidates in their order, with certificates.

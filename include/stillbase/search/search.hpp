@@ -55,11 +55,34 @@ struct MeasureSearchOptions {
   double same_minimum = 1e-3;  ///< rad: finished ones
   double promising = 1.05;     ///< of the best |y|^2: minima whose other branches are tried
   double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
+
+  // Rounds of further starts.
+  int first = 32;             ///< starts before the rounds, of either kind
+  int least_rounds = 4;       ///< what the first starts end at may be a wide valley
+  int most_rounds = 12;       ///< a search takes about three times the time of one without rounds
+  int enough = 5;             ///< starts that end at the best minimum end the rounds
+  int fresh = 12;             ///< starts of a round on the constraints, and as many among the zeros
+  int self_motion_steps = 4;  ///< random ones of a zero, before it is a start
+  int hops = 12;              ///< starts of a round about the best minimum
+  double same_value = 1.02;   ///< of |y|^2: ends that are one value; rough solves leave a percent
+  double shortest_hop = 0.3, longest_hop = 4;  ///< rad: to the next valley, to anywhere
+  int draws_per_hop = 3;                       ///< until one can be projected onto the constraints
+  double on_constraints = 1e-3;                ///< violation from which a local solver can go on
 };
+
+/// SearchSpec::starts of a search that decides itself, `auto` in a problem file.
+inline constexpr int kAutomaticStarts = 0;
+/// Starts of the nominal problem, before any rounds.
+inline int first_starts(const SearchSpec& search) {
+  constexpr int kDefault = 64;
+  return search.starts == kAutomaticStarts ? kDefault : search.starts;
+}
 
 struct SearchOptions {
   std::string optimizer = "nlopt-slsqp";
   int starts = 64;
+  /// Whether a worst case has further rounds of starts, until its best minimum was reached often.
+  bool is_adaptive = false;
   std::uint64_t seed = 1;
   int max_candidates = 32;
   std::vector<Eigen::VectorXd> more_starts;  ///< points to start from as well (N each)
@@ -107,11 +130,20 @@ struct SearchResult {
   /// Estimated probability that one more start ends at a solution of the nominal problem that none
   /// has reached: the share of the starts whose solution, or curve of solutions, was reached once
   /// (Good and Turing). Near 1 where more than one direction is open at the solutions.
+  ///
+  /// Of a worst case with rounds of starts: exp(-k), k starts having ended at the best minimum.
+  /// With that probability as many starts would all have missed a better one that is as easy to
+  /// reach.
   double unseen = 1;
-  bool stopped = false;  ///< a limit or an interrupt came before the end
+  bool had_rounds = false;  ///< of starts, see SearchOptions::is_adaptive
+  bool stopped = false;     ///< a limit or an interrupt came before the end
   std::map<std::string, long> solver_calls;
   long evaluations = 0;
 };
+
+/// Largest SearchResult::unseen of an optimal plan whose search had rounds: three starts, exp(-3),
+/// ended at its minimum.
+inline constexpr double kUnseenLevel = 0.05;
 
 /// Optimal: violation at most 1e-9 and KKT residual at most 1e-6; feasible: the first only.
 PlanStatus status_of(const Certificate& certificate);
