@@ -12,6 +12,7 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/report/plot.hpp>
+#include <stillbase/search/search.hpp>
 #include <stillbase/search/trade_off.hpp>
 
 #include "app/command_line.hpp"
@@ -136,7 +137,7 @@ int run_pareto(const CaptureProblem& problem, const std::string& quantities, dou
   const std::string extension = extension_of(output.path);
   TradeOffOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = problem.search.starts;
+  options.starts = first_starts(problem.search);
   options.seed = problem.search.seed;
   options.stop = stop_condition(time_limit);
   ProgressLine progress;

@@ -9,6 +9,7 @@
 
 #include <stillbase/dynamics/inertia.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "app/words.hpp"
 
@@ -182,7 +183,14 @@ std::string certificate_words(const Certificate& certificate) {
   return text + fmt::format("; curvature {:.3g} in some direction: not a minimum", *curvature);
 }
 
-std::string coverage_words(const Certificate& certificate) {
+/// @param in_rounds whether the starts of the search were its own choice, for a worst case
+std::string coverage_words(const Certificate& certificate, bool in_rounds) {
+  if (in_rounds) {
+    return fmt::format(
+        "a better minimum, as easy to reach as this one, was missed with a "
+        "probability of about {:.2g}",
+        certificate.unseen);
+  }
   if (certificate.unseen > 0.9) {
     return "almost every start ended at a solution of its own: the solutions form a continuum";
   }
@@ -290,7 +298,9 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     lines.push_back({"case", case_words(plan)});
     lines.push_back({"certificate", certificate_words(plan.certificate)});
     if (is_feasible && proof.status != ProofStatus::Complete) {
-      lines.push_back({"coverage", coverage_words(plan.certificate)});
+      const bool in_rounds = plan.problem.search.starts == kAutomaticStarts &&
+                             plan.problem.measure.kind == RiskMeasure::WorstCase;
+      lines.push_back({"coverage", coverage_words(plan.certificate, in_rounds)});
     }
     if (!plan.families.empty()) lines.push_back({"curves", curve_words(plan)});
     if (is_feasible) lines.push_back({"approach", approach_words(plan.approach)});

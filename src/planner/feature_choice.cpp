@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include <stillbase/search/search.hpp>
 #include "search/ranking.hpp"
+
+#include "planner/self_motion.hpp"
 
 namespace stillbase {
 
@@ -115,7 +118,9 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
     out.candidates.resize(most);
   }
   if (sample) out.candidates.push_back(*sample);
-  if (reached > 0) out.certificate.unseen = unseen / reached;
+  // With rounds of starts it is about the minimum of the chosen feature.
+  const bool has_rounds = out.problem.search.starts == kAutomaticStarts;
+  if (reached > 0 && !has_rounds) out.certificate.unseen = unseen / reached;
   out.certificate.proof = {};
   out.certificate.proof.statement = "no proof: there are several contact features";
   return out;

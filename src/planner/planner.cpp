@@ -77,17 +77,13 @@ void bound_and_search_suspects(
   }
 }
 
-/// Search and proof. Solutions that the search had missed are added.
-SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
-                              const CollisionScene& scene, const PlannerOptions& options,
-                              Plan& plan, Proof& proof) {
-  const auto begin = Clock::now();
-  const auto progress = [&](const std::string& what, int done, int total) {
-    if (options.on_progress) options.on_progress(what, done, total);
-  };
+/// What a plan asks of its search. @param problem, scene, options outlive the result
+SearchOptions search_options_of(const CaptureProblem& problem, const CollisionScene& scene,
+                                const PlannerOptions& options) {
   SearchOptions search_options;
   search_options.optimizer = problem.search.optimizer;
-  search_options.starts = problem.search.starts;
+  search_options.starts = first_starts(problem.search);
+  search_options.is_adaptive = problem.search.starts == kAutomaticStarts;
   search_options.seed = problem.search.seed;
   search_options.max_candidates = problem.search.max_candidates;
   search_options.stop = options.stop;
@@ -97,7 +93,17 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     judge_collisions(problem, scene, candidate);
     return candidate.collision_free;
   };
-  search_options.on_progress = [&](int done, int total) { progress("search", done, total); };
+  search_options.on_progress = [&](int done, int total) {
+    if (options.on_progress) options.on_progress("search", done, total);
+  };
+  return search_options;
+}
+
+/// Search and proof. Solutions that the search had missed are added.
+SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& formulation,
+                              SearchOptions search_options, const PlannerOptions& options,
+                              Plan& plan, Proof& proof) {
+  const auto begin = Clock::now();
   SearchResult found = search(problem, formulation, search_options);
 
   const auto search_from = [&](const std::vector<Eigen::VectorXd>& starts) {
@@ -112,7 +118,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     return found;
   }
   const auto proof_begin = Clock::now();
-  progress("proof", 0, 1);
+  if (options.on_progress) options.on_progress("proof", 0, 1);
   proof = prove_solutions(options.prover, problem, formulation,
                           half_of_remaining_time(options.stop), options.enclosure);
   match_candidates(problem, found, proof, options.enclosure);
@@ -195,7 +201,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   plan.problem = problem;
   plan.optimizer = problem.search.optimizer;
   Proof proof;
-  SearchResult found = search_and_prove(problem, formulation, scene, options, plan, proof);
+  const SearchOptions search_options = search_options_of(problem, scene, options);
+  SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
   for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
 
   const auto approach_begin = Clock::now();
@@ -226,6 +233,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     if (!choice.certified) known = found.worst_cases[chosen];
     describe(problem, found.candidates[chosen], known, plan);
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
+    const bool may_be_missed = found.had_rounds && plan.certificate.unseen > kUnseenLevel;
+    if (plan.status == PlanStatus::Optimal && may_be_missed) plan.status = PlanStatus::Feasible;
   }
   plan.candidates = std::move(found.candidates);
   plan.certificate.proof.gap = gap_to_bound(plan);

@@ -33,7 +33,8 @@ double best_of_search(const std::string& name) {
   CaptureProblem problem = test::shipped(name);
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = problem.search.starts;
+  options.starts = first_starts(problem.search);
+  options.is_adaptive = problem.search.starts == kAutomaticStarts;
   options.seed = problem.search.seed;
   options.max_candidates = problem.search.max_candidates;
   std::vector<std::string> features = problem.variables.features;

@@ -1,5 +1,6 @@
 // A problem file: its sections in order, and the small ones among them.
 #include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/search/search.hpp>
 
 #include "io/fields/sections.hpp"
 
@@ -10,8 +11,12 @@ namespace {
 void search_fields(Table& t, SearchSpec& search) {
   t("optimizer", Text(search.optimizer, nlp::optimizer_names(), "optimizers"),
     "name of a local optimizer");
-  t("starts", Integer(search.starts, 1, kMaxStarts),
-    "number of start points; 16 times as many where the equations leave no freedom");
+  t("starts",
+    Either({Instead("auto", search.starts == kAutomaticStarts,
+                    [&search] { search.starts = kAutomaticStarts; }),
+            Integer(search.starts, 1, kMaxStarts)}),
+    "number of start points, 16 times as many where the equations leave no freedom, or `auto`: 64, "
+    "and of a worst case rounds of further ones until several have ended at the best minimum");
   t("seed", Seed(search.seed), "same seed, same bytes");
   t("max_candidates", Integer(search.max_candidates, 1, kManyTimes), "solutions kept in the plan");
 }
