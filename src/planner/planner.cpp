@@ -15,6 +15,7 @@
 #include "planner/candidates.hpp"
 #include "planner/completeness.hpp"
 #include "planner/feature_choice.hpp"
+#include "planner/further_search.hpp"
 
 namespace stillbase {
 
@@ -204,6 +205,10 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   const SearchOptions search_options = search_options_of(problem, scene, options);
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
   for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
+  // Where every solution is enclosed there is nothing to search for.
+  if (proof.status == ProofStatus::NotApplicable) {
+    add_candidates_that_hold(problem, scene, search_options, options, found, plan.solver_calls);
+  }
 
   const auto approach_begin = Clock::now();
   ChosenApproach choice;

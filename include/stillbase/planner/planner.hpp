@@ -62,7 +62,12 @@ struct PlannerOptions {
   int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
   double neighbour_distance = 0.3;  ///< rad: candidates nearer than that mostly fail together
   double improvement = 1e-6;        ///< relative: smaller differences of the measure do not count
-  int bound_rounds = 8;             ///< of bound and repeated search, at most
+  /// Searches beside the first one, while no candidate keeps the limits after the impact.
+  int further_searches = 4;
+  int further_candidates = 4;   ///< of such a search: the list of each is that much longer
+  double further_margin = 0.1;  ///< rad or m from the joints' stops: what a joint that is slowed
+                                ///< down moves on
+  int bound_rounds = 8;         ///< of bound and repeated search, at most
   ApproachOptions approach;
   SelfMotionOptions self_motion;
   ContactRefinementOptions contact_refinement;

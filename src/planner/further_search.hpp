@@ -1,0 +1,22 @@
+// Further searches where no candidate keeps the limits after the impact.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/search/search.hpp>
+
+namespace stillbase {
+
+/// Adds candidates that touch nothing and keep the limits after the impact where the search has
+/// found none: from other draws, every other time with limits of the joints' rates right after the
+/// impact and distances from their stops as constraints. Nothing happens when a candidate holds,
+/// without controllers, and where the path decides on the configuration.
+/// @param found of `search_options`, judged for collisions
+void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
+                              const SearchOptions& search_options, const PlannerOptions& options,
+                              SearchResult& found, std::map<std::string, long>& solver_calls);
+
+}  // namespace stillbase

@@ -1,0 +1,66 @@
+// Plans where no candidate of the first search keeps the limits after the impact.
+#include <catch2/catch.hpp>
+
+#include <stillbase/audit/audit.hpp>
+#include <stillbase/encounter/encounter.hpp>
+#include <stillbase/planner/planner.hpp>
+#include <stillbase/planner/post_impact.hpp>
+#include <stillbase/search/search.hpp>
+
+#include "support/random_capture.hpp"
+
+namespace stillbase {
+namespace {
+
+/// A random capture whose joint rate limits are just below what the best candidates of its search
+/// need after the impact.
+CaptureProblem with_tight_rates(std::uint64_t number) {
+  CaptureProblem problem = random_capture(number);
+  problem.search.starts = 16;
+  problem.search.max_candidates = 8;
+  problem.post_impact.controllers = {"none"};
+  problem.post_impact.horizon = 0.05;
+  problem.post_impact.residual_base_rate_max = 1e3;
+  problem.post_impact.attitude_change_max = 3.14;
+  SearchOptions options;
+  options.starts = problem.search.starts;
+  options.max_candidates = problem.search.max_candidates;
+  double needed = kInfinity;  // of the rate limits
+  for (const Candidate& candidate : search(problem, Formulation(problem), options).candidates) {
+    const ImpactSummary impact = impact_at(problem, candidate.configuration);
+    double most = 0;
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const double limit = problem.robot.joints[static_cast<std::size_t>(k)].max_velocity;
+      most = std::max(most, std::abs(impact.Delta_phidot[k]) / limit);
+    }
+    needed = std::min(needed, most);
+  }
+  for (Joint& joint : problem.robot.joints) joint.max_velocity *= 0.8 * needed;
+  return problem;
+}
+
+std::string failure_after(const Plan& plan) {
+  return post_impact_failure(plan.problem, plan.configuration,
+                             impact_at(plan.problem, plan.configuration), {});
+}
+
+}  // namespace
+
+TEST_CASE("a search whose candidates all break a limit after the impact goes on") {
+  for (const std::uint64_t number : {0, 1, 2, 6}) {
+    const CaptureProblem problem = with_tight_rates(number);
+    INFO("problem " << number);
+    PlannerOptions once;
+    once.further_searches = 0;
+    CHECK_FALSE(failure_after(make_plan(problem, once)).empty());
+    const Plan plan = make_plan(problem);
+    CHECK(failure_after(plan).empty());
+    CHECK(plan.candidates.size() <= 8);
+    for (const Claim& claim : judge_plan(plan).claims) {
+      INFO(claim.name << ": " << claim.detail);
+      CHECK_FALSE(claim.fails());
+    }
+  }
+}
+
+}  // namespace stillbase
