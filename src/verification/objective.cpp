@@ -216,11 +216,22 @@ WorstDirection worst_over_cone(const std::function<double(const Vector3d&)>& val
     }
   }
 
-  // Compass search in (angle, azimuth) from the best samples: in these coordinates the rim is a
+  // Compass search in (angle, azimuth) from the best samples, each apart from the better ones, so
+  // that a narrow maximum beside a wide one is found as well. In these coordinates the rim is a
   // bound on one of them, and the search slides along it.
-  const std::size_t kept = std::min<std::size_t>(8, grid.size());
-  std::partial_sort(grid.begin(), grid.begin() + static_cast<std::ptrdiff_t>(kept), grid.end(),
-                    [](const ConePoint& a, const ConePoint& b) { return a.value > b.value; });
+  std::stable_sort(grid.begin(), grid.end(),
+                   [](const ConePoint& a, const ConePoint& b) { return a.value > b.value; });
+  std::vector<ConePoint> apart;
+  for (const ConePoint& sample : grid) {
+    const Vector3d d = direction(sample);
+    const bool is_near = std::any_of(apart.begin(), apart.end(), [&](const ConePoint& other) {
+      return (direction(other) - d).norm() < 2.5 * angle_step;
+    });
+    if (!is_near) apart.push_back(sample);
+    if (apart.size() == 8) break;
+  }
+  grid = std::move(apart);
+  const std::size_t kept = grid.size();
   ConePoint best = grid.front();
   for (std::size_t i = 0; i < kept && half_angle > 0; ++i) {
     ConePoint p = grid[i];
