@@ -22,6 +22,7 @@ class FeasibleManifold {
   Eigen::Index dimension() const { return Z_.cols(); }
   Eigen::Index variables() const { return Z_.rows(); }
   const Eigen::MatrixXd& directions() const { return Z_; }
+  int rotation_vector() const { return variables_.rotation_vector(); }
   /// x(u); empty: the correction does not converge. A base whose position is free stands where the
   /// hand is at its point.
   std::optional<Configuration> at(const Eigen::VectorXd& u) const;

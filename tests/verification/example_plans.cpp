@@ -309,6 +309,29 @@ void plan_approach_motion(Plan& plan, Flip flip) {
   a.base_velocities.push_back(Vector6d::Zero());
 }
 
+/// The constraints of the two problems below; all equations are satisfied.
+void state_constraints(Plan& plan, const Vector3d& n) {
+  const CaptureProblem& problem = plan.problem;
+  const auto add = [&](const std::string& name, double value, double lower, double upper) {
+    plan.constraints.push_back({name, value, lower, upper, 0});
+  };
+  const auto hand = reference::compute(problem.robot, {plan.configuration.phi, {}, {}});
+  add("closing_speed", plan.impact.closing_speed, problem.constraints.closing_speed_min, kInfinity);
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    if (joint.type == JointType::Continuous) continue;
+    add("joint_limit_" + joint.name, plan.configuration.phi[k], joint.lower, joint.upper);
+  }
+  if (problem.hand.constraint == HandConstraint::Axis) {
+    add("hand_axis_1", 0, 0, 0);
+    add("hand_axis_2", 0, 0, 0);
+    add("hand_facing", n.dot(hand.hand_rotation.col(2)), -kInfinity, 0);
+  } else {
+    add("case_total_1", 0, 0, 0);
+    add("case_coupling_1", 0, 0, 0);
+  }
+}
+
 /// Everything about the impact and the objective, from configuration and contact.
 void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   const PlannedImpact planned = plan_impact(plan.problem, plan.configuration.phi, contact, flip);
@@ -316,10 +339,13 @@ void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.objective = planned.objective;
   plan.candidates = {{plan.configuration, planned.objective.nominal, planned.objective.worst_case,
                       0, 1, true, "", planned.objective.value}};
+  plan.problem.search.starts = 1;
   plan.certificate.starts = 1;
   plan.certificate.distinct_solutions = 1;
   plan.optimizer = plan.problem.search.optimizer;
   plan.solver_calls = {{plan.optimizer, 1}};
+  plan.certificate.proof.statement = "no proof: this planner proves nothing";
+  state_constraints(plan, contact.n);
   plan.status = PlanStatus::Optimal;
 }
 
@@ -405,6 +431,10 @@ Plan arm_plan(Flip flip, BaseMode base_mode) {
   contact.inertia = client.inertia;
   contact.target_mass = client.mass;
   state_impact(plan, contact, flip);
+  // Nobody has minimised anything: the residual of the first order is large.
+  plan.status = PlanStatus::Feasible;
+  plan.certificate.kkt_residual = 0.421204;
+  plan.certificate.reduced_hessian_min_eigenvalue = -5.4185;
   plan_approach_motion(plan, flip);
   return plan;
 }

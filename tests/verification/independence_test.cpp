@@ -22,7 +22,7 @@ std::string problem_path(const std::string& name) {
 std::string failures(const Verification& verification) {
   std::string out;
   for (const Claim& claim : verification.claims) {
-    if (!claim.pass) out += claim.name + ": " + claim.detail + "\n";
+    if (claim.fails()) out += claim.name + ": " + claim.detail + "\n";
   }
   return out;
 }
