@@ -281,6 +281,9 @@ void check_proof(const Context& context, ClaimList& claims) {
   const Proof& proof = plan.certificate.proof;
   if (proof.status == ProofStatus::NotApplicable) return check_nothing_proven(proof, claims);
   const FreeVariables variables(context.problem);
+  const bool are_zeros = read_statement(proof).are_zeros;
+  const Equations equations(context.problem, variables,
+                            are_zeros ? Equations::Demand::Zero : Equations::Demand::HandAndCase);
   const Recount recount = search_solutions(context);
   double worst = 0;
   Objections unlisted, unproven;
@@ -293,7 +296,7 @@ void check_proof(const Context& context, ClaimList& claims) {
     const int c = s < proof.candidates.size() ? proof.candidates[s] : -1;
     const std::size_t index = static_cast<std::size_t>(c);
     if (has_index(plan.candidates, c) &&
-        variables.holds(box, plan.candidates[index].configuration)) {
+        equations.leads_to(box, plan.candidates[index].configuration)) {
       ++boxes_of[index];
     } else if (c >= 0 || !was_cut) {
       unlisted.add(fmt::format("solution {}", s));
@@ -304,13 +307,17 @@ void check_proof(const Context& context, ClaimList& claims) {
   claims.none_wrong("proof_solutions_listed", unlisted,
                     "enclosed solutions without their candidate");
   // With remaining freedom, candidates may be local minima at which the objective is not zero.
-  const bool is_whole_list =
-      proof.status == ProofStatus::Complete && !recount.asks_for_zero && recount.not_done.empty();
+  const bool is_whole_list = !recount.asks_for_zero && recount.not_done.empty();
   for (std::size_t c = 0; is_whole_list && c < boxes_of.size(); ++c) {
-    unproven.demand(boxes_of[c] == 1, fmt::format("candidate {} in {} of them", c, boxes_of[c]));
+    const Configuration& at = plan.candidates[c].configuration;
+    const bool is_open = std::any_of(proof.undecided.begin(), proof.undecided.end(),
+                                     [&](const JointBox& box) { return variables.holds(box, at); });
+    unproven.demand(boxes_of[c] == 1 || (boxes_of[c] == 0 && is_open),
+                    fmt::format("candidate {} in {} of them", c, boxes_of[c]));
   }
-  claims.none_wrong("proof_candidates_enclosed", unproven,
-                    "candidates that are not in exactly one enclosed solution");
+  claims.none_wrong(
+      "proof_candidates_enclosed", unproven,
+      "candidates that are neither in exactly one enclosed solution nor in an undecided box");
   check_statement(plan, claims);
   check_completeness(context, variables, recount, claims);
 }

@@ -14,6 +14,9 @@ namespace {
 /// Candidates satisfy their constraints to 1e-9; distinct solutions are further apart than this.
 constexpr double kNear = 1e-6;      ///< rad, m
 constexpr double kNearTime = 1e-5;  ///< s: targets are slow
+/// Distance of a configuration from the solution that it is taken for: the tolerance of 1e-9 leaves
+/// a double one an extent of its root.
+constexpr double kSolvedNearby = 1e-4;
 
 double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
@@ -319,6 +322,14 @@ std::optional<Eigen::VectorXd> Equations::solve(Eigen::VectorXd x) const {
     if (!better) return std::nullopt;
   }
   return std::nullopt;
+}
+
+bool Equations::leads_to(const JointBox& box, const Configuration& at) const {
+  if (variables_.holds(box, at)) return true;
+  const Eigen::VectorXd x = variables_.of(at);
+  const auto solved = solve(x);
+  return solved && variables_.distance(*solved, x) <= kSolvedNearby &&
+         variables_.holds(box, variables_.at(*solved));
 }
 
 bool Equations::keeps_inequalities(const Configuration& at) const {

@@ -84,6 +84,9 @@ class Equations {
   /// Closing speed, bounds of the base position, side from which the hand approaches: each with a
   /// margin of rounding.
   bool keeps_inequalities(const Configuration& at) const;
+  /// Whether a configuration belongs to the solution in a box: it is in the box, or Gauss-Newton
+  /// from it ends there nearby. A nearly double solution is known less exactly than its residual.
+  bool leads_to(const JointBox& box, const Configuration& at) const;
   /// The limits on rates, singular values and clearances, likewise.
   bool keeps_margins(Configuration at) const;
 

@@ -5,9 +5,15 @@
 
 #include <stillbase/core/rotation.hpp>
 
+#include "formulation/projection.hpp"
+
 namespace stillbase {
 
 namespace {
+
+/// Distance of a candidate from the solution that it is taken for: a tolerance of 1e-9 leaves a
+/// double one an extent of its root.
+constexpr double kSolvedNearby = 1e-4;
 
 double middle_of(const Ends& ends) { return (ends.lower + ends.upper) / 2; }
 
@@ -88,15 +94,31 @@ Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof,
                       const EnclosureOptions& options) {
   proof.candidates.assign(proof.solutions.size(), -1);
-  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
-    for (std::size_t c = 0; c < found.candidates.size() && proof.candidates[s] < 0; ++c) {
-      const bool solved = status_of(found.certificates[c]) != PlanStatus::Infeasible;
-      if (solved &&
-          is_near(problem, proof.solutions[s], found.candidates[c].configuration, options)) {
-        proof.candidates[s] = static_cast<int>(c);
+  const auto match = [&](const auto& configuration_of) {
+    for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
+      for (std::size_t c = 0; c < found.candidates.size() && proof.candidates[s] < 0; ++c) {
+        const bool solved = status_of(found.certificates[c]) != PlanStatus::Infeasible;
+        if (solved && is_near(problem, proof.solutions[s], configuration_of(c), options)) {
+          proof.candidates[s] = static_cast<int>(c);
+        }
       }
     }
+  };
+  match([&](std::size_t c) { return found.candidates[c].configuration; });
+  const bool is_whole = std::none_of(proof.candidates.begin(), proof.candidates.end(),
+                                     [](int candidate) { return candidate < 0; });
+  if (is_whole) return;
+  // Nearly double solutions are known less exactly than their residual: what Newton's method makes
+  // of the candidates.
+  const Formulation formulation(problem);
+  const bool are_zeros = proof.lower_bound == 0.0;
+  std::vector<Configuration> exact;
+  for (const Eigen::VectorXd& x : found.points) {
+    const Eigen::VectorXd moved = project_onto_constraints(formulation, x, are_zeros, 20).x;
+    const bool is_same = formulation.distance(moved, x) <= kSolvedNearby;
+    exact.push_back(formulation.configuration(is_same ? moved : x));
   }
+  match([&](std::size_t c) { return exact[c]; });
 }
 
 std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof) {

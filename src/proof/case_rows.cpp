@@ -1,8 +1,10 @@
 #include "proof/case_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/dynamics/inertia.hpp>
 
 #include "proof/elimination.hpp"
@@ -119,7 +121,38 @@ std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>&
   return out;
 }
 
-Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x) {
+std::vector<double> row_tolerances(const ZeroProblem& problem, const std::vector<Row>& rows,
+                                   std::span<const Dual> domain) {
+  const EquationTolerances known;
+  const VariableEncounter& encounter = problem.encounter;
+  const double kinematic =
+      known.feasible + (encounter.has(VariableKind::Time) ? known.integrated : 0);
+  double part = kinematic, det = 1;
+  if (std::any_of(rows.begin(), rows.end(), needs_joint_part)) {
+    const EncounterRange<Dual> at = encounter_over<Dual>(encounter, domain);
+    const Kinematics<Dual> kin = compute_kinematics<Dual>(problem.robot, at.phi);
+    const TildeInertia<Dual> tilde =
+        compute_tilde_inertia<Dual>(compute_inertia<Dual>(problem.robot, kin));
+    Interval trace(0.0);
+    for (int i = 0; i < 3; ++i) trace += tilde.Htilde_omega(i, i).v;
+    const double largest = trace.upper();
+    const double least = principal_moments(problem.robot.base.inertia)[0];
+    part = kinematic * std::sqrt(largest / least);
+    det = std::pow(largest / 3, 3);
+  }
+  std::vector<double> out;
+  for (const Row& row : rows) {
+    double tolerance = kinematic;
+    if (needs_joint_part(row)) tolerance = part;
+    // Where the total is zero but for the tolerance, it joins the coupling part.
+    if (row.kind == RowKind::CouplingAtZeroTotal) tolerance = 2 * part;
+    if (row.kind == RowKind::Coupling) tolerance = part * det;
+    out.push_back(tolerance / row.scale);
+  }
+  return out;
+}
+
+Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x, double slack) {
   if (problem.inequalities.empty()) return Kept::Yes;
   const EncounterRange<Dual> at = encounter_over<Dual>(problem.encounter, x);
   const Kinematics<Dual> kin = compute_kinematics<Dual>(problem.robot, at.phi);
@@ -127,7 +160,7 @@ Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x) {
   for (const Row& row : problem.inequalities) {
     const Interval value =
         kinematic_value<Dual>(row, problem.encounter, at, kin.r_bh, kin.R_hand).v;
-    if (value.upper() < row.lower || value.lower() > row.upper) return Kept::No;
+    if (value.upper() < row.lower - slack || value.lower() > row.upper + slack) return Kept::No;
     if (!(value.lower() >= row.lower && value.upper() <= row.upper)) all = Kept::Open;
   }
   return all;

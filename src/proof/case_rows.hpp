@@ -73,10 +73,19 @@ template <class S>
 std::vector<S> evaluate_rows(const ZeroProblem& problem, const std::vector<Row>& rows,
                              std::span<const S> x);
 
+/// By how much the value of each row, over its scale, may miss zero where the planner takes a
+/// configuration for a solution. The planner's rows of the jump are the momenta themselves. Ours
+/// are (Htilde_omega - G) Htilde_omega^-1 times them, G = h A^-1 h' between zero and Htilde_omega:
+/// a factor of at most the root of Htilde_omega's condition number, and its eigenvalues lie between
+/// the least one of the base's own inertia and the trace.
+/// @param domain all values of the variables
+std::vector<double> row_tolerances(const ZeroProblem& problem, const std::vector<Row>& rows,
+                                   std::span<const Dual> domain);
+
 enum class Kept { Yes, No, Open };
 
-/// Whether the inequalities hold at every point of a box (Yes), at none (No).
+/// Whether the inequalities hold at every point of a box (Yes), at none by more than `slack` (No).
 /// @param x values of the variables over the box
-Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x);
+Kept keeps_inequalities(const ZeroProblem& problem, std::span<const Dual> x, double slack = 0);
 
 }  // namespace stillbase::proof

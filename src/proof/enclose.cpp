@@ -17,12 +17,23 @@ struct FormCut {
   std::array<double, N> change{};  ///< of the rows along the sides; zero: not known
 };
 
+/// By how much the values of f may miss zero.
 template <int N>
-FormCut<N> cut_by_forms(const System<N>& system, const EncloseOptions& options, Box<N>& X) {
+struct Slack {
+  std::array<double, N> of{};
+  double operator[](int i) const { return of[static_cast<std::size_t>(i)]; }
+};
+
+Interval widened(const Interval& x, double slack) { return x + Interval(-slack, slack); }
+
+template <int N>
+FormCut<N> cut_by_forms(const System<N>& system, const Slack<N>& slack,
+                        const EncloseOptions& options, Box<N>& X) {
   FormCut<N> out;
   std::array<Quadratic<N>, N> x, f;
   for (int j = 0; j < N; ++j) x[j] = Quadratic<N>(X[j], j);
   if (!system.evaluate(x, f)) return out;
+  for (int i = 0; i < N; ++i) f[i].r += slack[i];
   Eigen::Matrix<double, N, N> J, Y;
   bool is_bounded = true, is_known = true;
   for (int i = 0; i < N; ++i) {
@@ -80,13 +91,13 @@ struct Linearised {
 };
 
 template <int N>
-Linearised<N> linearise(const System<N>& system, const Box<N>& X) {
+Linearised<N> linearise(const System<N>& system, const Slack<N>& slack, const Box<N>& X) {
   Linearised<N> out;
   std::array<Dual, N> x, f;
   for (int j = 0; j < N; ++j) x[j] = Dual(X[j], j, N);
   system.evaluate(x, f);
   for (int i = 0; i < N; ++i) {
-    out.may_have_zero = out.may_have_zero && contains_zero(f[i].v);
+    out.may_have_zero = out.may_have_zero && contains_zero(widened(f[i].v, slack[i]));
     std::copy_n(f[i].d.begin(), N, out.J[i].begin());
   }
   if (!out.may_have_zero) return out;
@@ -98,7 +109,7 @@ Linearised<N> linearise(const System<N>& system, const Box<N>& X) {
   }
   system.evaluate(at, f_c);
   for (int i = 0; i < N; ++i) {
-    out.f_c[i] = f_c[i].v;
+    out.f_c[i] = widened(f_c[i].v, slack[i]);
     Interval mean_value = out.f_c[i];
     for (int j = 0; j < N; ++j) mean_value += out.J[i][j] * out.step[j];
     out.may_have_zero = out.may_have_zero && contains_zero(mean_value);
@@ -127,8 +138,9 @@ bool contract_componentwise(const Linearised<N>& at, Box<N>& X) {
 enum class Verdict { Empty, Unique, Open };
 
 /// Krawczyk's test on the box that `at` belongs to; X becomes K(X) cut with X.
+/// @param image becomes K(X), unless it is null or there is none
 template <int N>
-Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
+Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular, Box<N>* image = nullptr) {
   using Matrix = Eigen::Matrix<double, N, N>;
   Matrix M;
   for (int i = 0; i < N; ++i) {
@@ -152,6 +164,7 @@ Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
       row += std::max(std::abs(E.lower()), std::abs(E.upper()));
       K += E * at.step[j];
     }
+    if (image != nullptr) (*image)[i] = K;
     largest_row = std::max(largest_row, row);
     const Interval x = at.step[i] + at.c[i];  // contains the box's side
     if (is_disjoint(K, x)) return Verdict::Empty;
@@ -163,14 +176,16 @@ Verdict krawczyk(const Linearised<N>& at, Box<N>& X, bool& is_regular) {
   return strictly_inside ? Verdict::Unique : Verdict::Open;
 }
 
-/// The zero of a box that holds exactly one, to rounding.
+/// What of a box that holds exactly one zero is within `slack` of it; without slack, the zero to
+/// rounding.
 template <int N>
-Box<N> tighten(const System<N>& system, const EncloseOptions& options, Box<N> X) {
+Box<N> tighten(const System<N>& system, const Slack<N>& slack, const EncloseOptions& options,
+               Box<N> X) {
   for (int round = 0; round < options.tightening_rounds; ++round) {
     const double before = width_of(X);
     bool is_regular = false;
     Box<N> next = X;
-    if (krawczyk(linearise(system, X), next, is_regular) == Verdict::Empty) break;
+    if (krawczyk(linearise(system, slack, X), next, is_regular) == Verdict::Empty) break;
     X = next;
     // Slow at first where slopes change much, fast near the zero, and at an end by rounding.
     const bool is_slow = width_of(X) > options.tightening_slow * before;
@@ -184,7 +199,7 @@ template <int N>
 class Search {
  public:
   Search(const System<N>& system, const EncloseOptions& options)
-      : system_(system), options_(options) {}
+      : system_(system), options_(options), slack_{system.tolerance()} {}
 
   Enclosure<N> run(const Box<N>& domain) {
     std::vector<Box<N>> open{domain};
@@ -199,7 +214,9 @@ class Search {
       if (is_known_zero(X)) continue;
       ++out_.boxes;
       if (system_.excludes(X) || !reduce(X)) continue;
-      if (width_of(X) <= options_.min_width) {
+      const bool is_solution = is_within_tolerance(X);
+      if (is_solution && try_about(X)) continue;
+      if (is_solution || width_of(X) <= options_.min_width) {
         out_.undecided.push_back(X);
         continue;
       }
@@ -219,7 +236,7 @@ class Search {
   bool reduce(Box<N>& X) {
     for (int round = 0; round < options_.max_rounds; ++round) {
       const double before = width_of(X);
-      const FormCut<N> forms = cut_by_forms(system_, options_, X);
+      const FormCut<N> forms = cut_by_forms(system_, slack_, options_, X);
       if (!forms.may_have_zero) return false;
       change_ = forms.change;
       if (!forms.may_be_unique) {
@@ -227,7 +244,7 @@ class Search {
         continue;
       }
       const Box<N> whole = X;
-      const Linearised<N> at = linearise(system_, X);
+      const Linearised<N> at = linearise(system_, slack_, X);
       if (!at.may_have_zero) return false;
       measure_slopes(at, X);
       bool is_regular = false;
@@ -248,7 +265,7 @@ class Search {
     Box<N> larger = X;
     const double margin = options_.inflated_by * width_of(X) + options_.inflated_least;
     for (Interval& side : larger.side) side += Interval(-margin, margin);
-    const Linearised<N> at = linearise(system_, larger);
+    const Linearised<N> at = linearise(system_, slack_, larger);
     if (!at.may_have_zero) return true;
     bool is_regular = false;
     Box<N> cut = larger;
@@ -257,21 +274,58 @@ class Search {
     return verdict != Verdict::Open;
   }
 
+  /// Of a small box, whether its middle counts as a solution.
+  bool is_within_tolerance(const Box<N>& X) const {
+    if (!(width_of(X) <= options_.tangent_width)) return false;
+    std::array<Dual, N> x, f;
+    for (int j = 0; j < N; ++j) x[j] = Dual(middle(X[j]));
+    system_.evaluate(x, f);
+    for (int i = 0; i < N; ++i) {
+      if (!(boost::numeric::norm(f[i].v) <= slack_[i])) return false;
+    }
+    return true;
+  }
+
+  /// Boxes that grow about X to hold all that the tolerance allows. @return whether one holds a
+  /// single zero
+  bool try_about(const Box<N>& X) {
+    Box<N> larger = X;
+    for (int k = 0; k < options_.inflations; ++k) {
+      for (Interval& side : larger.side) {
+        const double margin = options_.inflated_by * width_of(side) + options_.inflated_least;
+        side += Interval(-margin, margin);
+      }
+      const Linearised<N> at = linearise(system_, slack_, larger);
+      bool is_regular = false;
+      Box<N> cut = larger, image = larger;
+      if (!at.may_have_zero) return false;
+      if (krawczyk(at, cut, is_regular, &image) == Verdict::Unique) {
+        keep(larger, cut);
+        return true;
+      }
+      if (!is_regular) return false;
+      for (int i = 0; i < N; ++i) larger[i] = boost::numeric::hull(X[i], image[i]);
+    }
+    return false;
+  }
+
   void keep(const Box<N>& unique, const Box<N>& cut) {
-    const Box<N> tight = tighten(system_, options_, cut);
+    const Box<N> tight = tighten(system_, Slack<N>{}, options_, cut);
+    const Box<N> reach = tighten(system_, slack_, options_, cut);
     for (Zero<N>& known : out_.zeros) {
       // Both boxes hold one zero, and this one's zero is in the other's: the same zero.
       if (is_inside(tight, known.unique) || is_inside(known.tight, unique)) {
         if (width_of(unique) > width_of(known.unique)) known.unique = unique;
+        for (int i = 0; i < N; ++i) known.reach[i] = boost::numeric::hull(known.reach[i], reach[i]);
         return;
       }
       if (!is_disjoint(tight,
                        known.tight)) {  // may be the same zero: never observed, but not excluded
-        out_.undecided.push_back(tight);
+        out_.undecided.push_back(reach);
         return;
       }
     }
-    out_.zeros.push_back({unique, tight});
+    out_.zeros.push_back({unique, tight, reach});
   }
 
   void measure_slopes(const Linearised<N>& at, const Box<N>& X) {
@@ -309,6 +363,7 @@ class Search {
 
   const System<N>& system_;
   const EncloseOptions& options_;
+  const Slack<N> slack_;
   std::array<double, N> change_{};  ///< of the rows along the sides of the box examined
   Enclosure<N> out_;
 };
@@ -361,12 +416,12 @@ Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,
     bool outside = false, on_edge = false;
     for (int i = 0; i < N; ++i) {
       if (periodic[i]) continue;
-      outside = outside || is_disjoint(zero.tight[i], searched[i]);
+      outside = outside || is_disjoint(zero.reach[i], searched[i]);
       on_edge = on_edge || !is_inside(zero.tight[i], domain[i]);
     }
     if (outside) continue;  // found through a box that was made larger
     if (on_edge) {
-      found.undecided.push_back(zero.tight);
+      found.undecided.push_back(zero.reach);
       continue;
     }
     const bool known = std::any_of(out.zeros.begin(), out.zeros.end(), [&](const Zero<N>& other) {

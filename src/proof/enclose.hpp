@@ -25,6 +25,9 @@ class System {
   virtual bool evaluate(const std::array<Quadratic<N>, N>&, std::array<Quadratic<N>, N>&) const {
     return false;
   }
+  /// By how much each f_i may miss zero at a point that counts as a solution, >= 0: what a solver
+  /// leaves of its equations.
+  virtual std::array<double, N> tolerance() const { return {}; }
   /// Whether no point of a box is of interest, zero or not.
   virtual bool excludes(const Box<N>&) const { return false; }
 };
@@ -36,6 +39,9 @@ struct EncloseOptions {
   /// Boxes below this width are not divided any more. Zeros closer to each other than about ten
   /// times this are not told apart, and neither is a double zero.
   double min_width = 1e-8;
+  /// Boxes below this width in whose middle f is within its tolerance are not divided any more:
+  /// the tolerance leaves a double zero an extent of about 1e-4.
+  double tangent_width = 1e-5;
   StopCondition stop = {};  ///< counts as the limit
 
   // Effort. Every choice is right; these need the fewest boxes on the shipped problems.
@@ -49,6 +55,7 @@ struct EncloseOptions {
   double inflated_width = 0.5;    ///< boxes wider than this are not tried enlarged
   double inflated_by = 0.25;      ///< of the widest side, on either side
   double inflated_least = 1e-14;  ///< the same of a box without width
+  int inflations = 4;             ///< of a box about a point within the tolerance
   int tightening_rounds = 60;     ///< of Krawczyk's operator on the box of one zero
   /// The rounds end where one leaves more than the first part of the width of a box below
   /// `tight_width`, or of any box more than the second part.
@@ -66,6 +73,7 @@ template <int N>
 struct Zero {
   Box<N> unique;  ///< contains exactly one zero
   Box<N> tight;   ///< contains that zero
+  Box<N> reach;   ///< contains every point of `unique` at which f is within its tolerance
 };
 
 template <int N>
@@ -79,8 +87,10 @@ struct Enclosure {
   bool complete() const { return undecided.empty(); }
 };
 
-/// Every zero of f in the domain that the system does not exclude lies in one of the zeros' boxes
-/// or in an undecided box. (Excluded ones may be among them.)
+/// Every point of the domain at which f is within its tolerance, and that the system does not
+/// exclude, lies in one of the zeros' boxes `reach` or in an undecided box. (Excluded ones may be
+/// among them.) A zero is told apart from others when f + e has exactly one in its box for every e
+/// within the tolerance; nearly double zeros are undecided.
 ///
 /// Where there are second-order forms of f a box is first cut to where they, and their combinations
 /// that are about c_i + eps_i, may be zero; the remainder is then of third order in its width.

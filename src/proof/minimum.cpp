@@ -8,26 +8,11 @@
 #include "proof/case_rows.hpp"
 #include "proof/mean_squares.hpp"
 #include "proof/objective_kernel.hpp"
+#include "proof/plan_boxes.hpp"
 
 namespace stillbase::proof {
 
 namespace {
-
-/// The values of a variable in a box of the plan.
-Interval side_of(const Variable& variable, const JointBox& place, double time_unit) {
-  switch (variable.kind) {
-    case VariableKind::Joint:
-      return Interval(place.lower[variable.joint], place.upper[variable.joint]);
-    case VariableKind::BaseAngle:
-      return Interval(place.base_angle.value().lower, place.base_angle.value().upper);
-    case VariableKind::Time:
-      return Interval(place.contact_time.value().lower, place.contact_time.value().upper) /
-             Interval(time_unit);
-    case VariableKind::BaseParameter:
-      break;  // no boxes of the plan have them
-  }
-  return Interval(-1, 1);
-}
 
 /// All values of the variables, by as much wider as the planner's may be off; those that are not
 /// needed stay at zero.

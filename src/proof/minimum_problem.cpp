@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "proof/solution_reach.hpp"
+
 namespace stillbase::proof {
 namespace {
 
@@ -258,8 +260,10 @@ std::string minimum_objection(const CaptureProblem& problem) {
 MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scenario>& scenarios,
                            const Proof& enclosed, double best, const MinimumOptions& options) {
   proof::MinimumProblem bounded = proof::minimum_problem(problem, scenarios);
-  const bool only_points = proof::is_list_of_points(enclosed);
-  if (only_points) bounded.places = enclosed.solutions;
+  if (proof::is_list_of_points(enclosed)) {
+    bounded.places = proof::reach_of_solutions(proof::zero_problem(problem), enclosed.solutions);
+  }
+  const bool only_points = !bounded.places.empty();
   const auto configuration_at = [&](const Eigen::VectorXd& x) {
     return proof::configuration_at(problem, bounded.where.encounter, x);
   };

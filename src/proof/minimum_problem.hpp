@@ -29,13 +29,7 @@ struct ImpulseCase {
 };
 
 /// How exactly the planner's configurations and values are known, and what an impulse costs.
-struct MinimumTolerances {
-  /// By which configurations may violate their constraints: twice what the planner allows, m, rad,
-  /// s, m/s.
-  double feasible = 2e-9;
-  /// By which the contact point of the planner's integrated target may be off, m: four times what
-  /// tests/proof/spin_test.cpp finds.
-  double integrated = 4e-9;
+struct MinimumTolerances : EquationTolerances {
   double best_value = 1e-6;    ///< relative error of the best known value
   double unit_vector = 1e-12;  ///< of the lengths of directions, and of the sum of weights
   /// Divisors that change by less than this part over a box are expanded to second order.

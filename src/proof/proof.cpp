@@ -9,8 +9,8 @@
 
 #include <stillbase/proof/minimum.hpp>
 
-#include "proof/case_rows.hpp"
-#include "proof/enclose.hpp"
+#include "proof/plan_boxes.hpp"
+#include "proof/row_system.hpp"
 
 namespace stillbase::proof {
 namespace {
@@ -24,152 +24,6 @@ std::string counted(int count, const std::string& what) {
 Proof not_applicable(const std::string& reason) {
   Proof out;
   out.statement = "no proof: " + reason;
-  return out;
-}
-
-/// Two unit vectors normal to f and to each other.
-std::pair<Vector3d, Vector3d> normals_of(const Vector3d& f) {
-  int smallest = 0;
-  f.cwiseAbs().minCoeff(&smallest);
-  const Vector3d u = f.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
-  return {u, f.cross(u).normalized()};
-}
-
-/// All equations, those that may vanish identically included.
-std::vector<Row> all_rows(const ZeroProblem& problem) {
-  std::vector<Row> rows = problem.hand_equations;
-  const VariableEncounter& encounter = problem.encounter;
-  const CaseConstraint wanted = problem.impact_case;
-  bool total =
-      wanted == CaseConstraint::C || wanted == CaseConstraint::C1 || wanted == CaseConstraint::C2;
-  const bool coupling = wanted == CaseConstraint::C2 || wanted == CaseConstraint::G3;
-  bool base = wanted == CaseConstraint::G2;
-  if (problem.zero && wanted != CaseConstraint::C2) {
-    (*problem.zero == ResponsePart::TotalAngularMomentum ? total : base) = true;
-  }
-  if (total) {
-    // Without a moment L = r x f is normal to f: two components say it all.
-    const bool is_fixed = encounter.is_fixed();
-    const Vector3d f = is_fixed ? Vector3d(encounter.stated.F.head<3>()) : encounter.n;
-    const auto [u, v] = normals_of(f);
-    rows.push_back({RowKind::Total, 0, u});
-    rows.push_back({RowKind::Total, 1, v});
-    const bool has_moment =
-        is_fixed ? !encounter.stated.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
-    if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized()});
-  }
-  for (int i = 0; i < 3; ++i) {
-    if (base) rows.push_back({RowKind::Base, i});
-    if (coupling) {
-      rows.push_back({total ? RowKind::CouplingAtZeroTotal : RowKind::Coupling, i});
-    }
-  }
-  return rows;
-}
-
-template <int N>
-class RowSystem final : public System<N> {
- public:
-  RowSystem(const ZeroProblem& problem, const std::vector<Row>& rows)
-      : problem_(problem), rows_(rows) {}
-
-  void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const override { fill(x, f); }
-  bool evaluate(const std::array<Quadratic<N>, N>& x,
-                std::array<Quadratic<N>, N>& f) const override {
-    if constexpr (N == 1) {
-      // As forms of two variables, the second of which does not occur: one type less to compile.
-      std::array<Quadratic<2>, 1> wide{x[0].c()};
-      wide[0].coefficient[1] = x[0].a(0);
-      const Quadratic<2> row = evaluate_rows<Quadratic<2>>(problem_, rows_, wide).front();
-      f[0].coefficient = {row.c(), row.a(0), row.q(0, 0)};
-      f[0].r = row.r;
-    } else {
-      fill(x, f);
-    }
-    return true;
-  }
-  bool excludes(const Box<N>& box) const override { return kept_over(box) == Kept::No; }
-
-  /// Whether the inequalities hold over a box.
-  Kept kept_over(const Box<N>& box) const {
-    std::array<Dual, N> x;
-    for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Dual(box[i]);
-    return keeps_inequalities(problem_, x);
-  }
-
- private:
-  template <class S>
-  void fill(const std::array<S, N>& x, std::array<S, N>& f) const {
-    const std::vector<S> values = evaluate_rows<S>(problem_, rows_, x);
-    std::copy(values.begin(), values.end(), f.begin());
-  }
-
-  const ZeroProblem& problem_;
-  const std::vector<Row>& rows_;
-};
-
-/// How it is decided whether to enclose at all, in plain doubles: no proof depends on it.
-struct SurveyOptions {
-  int samples = 16;     ///< points at which the sizes of the rows are taken
-  double zero = 1e-10;  ///< rows below this part of the largest one of their kind say nothing
-  int starts = 48;      ///< of Newton's steps
-  int max_steps = 30;
-  double longest_step = 0.5;  ///< rad
-  double pivot = 1e-15;       ///< pivots below this part of the largest count as zero
-  double solved = 1e-11;      ///< residual of the scaled rows
-  double rank = 1e-7;         ///< singular values below this part of the largest count as zero
-  int enough = 4;             ///< solutions of deficient rank that decide
-};
-
-/// The rows that say something, with their sizes, and the variables that they depend on.
-template <int N>
-struct Survey {
-  std::vector<Row> rows;
-  std::array<bool, N> matters{};
-};
-
-/// Sizes of the rows over evenly spread points; rows that vanish everywhere are dropped.
-template <int N>
-Survey<N> survey_of(const ZeroProblem& problem, std::vector<Row> rows) {
-  const SurveyOptions options;
-  const Box<N> domain = domain_of<N>(problem.encounter);
-  const std::size_t num_rows = rows.size();
-  for (int i = 0; i < 3; ++i) rows.push_back({RowKind::Total, i, Vector3d::Unit(i)});
-  std::vector<double> size(rows.size(), 0);
-  std::vector<std::array<double, N>> slopes(rows.size(), std::array<double, N>{});
-  for (int sample = 0; sample < options.samples; ++sample) {
-    const Eigen::VectorXd u = low_discrepancy_point(sample, N, 0);
-    std::array<Dual, N> x;
-    for (int i = 0; i < N; ++i) {
-      const double at = domain[i].lower() + u[i] * (domain[i].upper() - domain[i].lower());
-      x[static_cast<std::size_t>(i)] = Dual(Interval(at), i, N);
-    }
-    const auto values = evaluate_rows<Dual>(problem, rows, x);
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      size[r] = std::max(size[r], boost::numeric::norm(values[r].v));
-      for (std::size_t i = 0; i < N; ++i) {
-        const double slope = boost::numeric::norm(values[r].d[i]);
-        size[r] = std::max(size[r], slope);
-        slopes[r][i] = std::max(slopes[r][i], slope);
-      }
-    }
-  }
-  Survey<N> out;
-  for (std::size_t r = 0; r < num_rows; ++r) {
-    // The base part is what remains of the total.
-    const bool is_part = rows[r].kind == RowKind::Base;
-    double largest = 0;
-    for (std::size_t q = 0; q < rows.size(); ++q) {
-      const bool is_larger = is_part && rows[q].kind == RowKind::Total;
-      if (rows[q].kind == rows[r].kind || is_larger) largest = std::max(largest, size[q]);
-    }
-    if (!(size[r] > options.zero * largest)) continue;
-    rows[r].scale = std::exp2(std::round(std::log2(size[r])));  // divides without rounding
-    out.rows.push_back(rows[r]);
-    for (std::size_t i = 0; i < N; ++i) {
-      out.matters[i] = out.matters[i] || slopes[r][i] > options.zero * size[r];
-    }
-  }
   return out;
 }
 
@@ -223,24 +77,6 @@ std::string idle_variable(const VariableEncounter& encounter, const Survey<N>& s
     return kind == VariableKind::Time ? "the contact time" : "the base attitude";
   }
   return "";
-}
-
-template <int N>
-JointBox joint_box(const VariableEncounter& encounter, const Box<N>& box) {
-  JointBox out{encounter.start, encounter.start, {}, {}};
-  for (std::size_t i = 0; i < N; ++i) {
-    const Variable& variable = encounter.variables[i];
-    const double lower = box.side[i].lower(), upper = box.side[i].upper();
-    if (variable.kind == VariableKind::Joint) {
-      out.lower[variable.joint] = lower;
-      out.upper[variable.joint] = upper;
-    } else if (variable.kind == VariableKind::BaseAngle) {
-      out.base_angle = Ends{lower, upper};
-    } else if (variable.kind == VariableKind::Time) {
-      out.contact_time = Ends{lower * encounter.time_unit, upper * encounter.time_unit};
-    }
-  }
-  return out;
 }
 
 /// In the mode that everything else is computed in.
@@ -303,7 +139,7 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
   std::array<bool, N> periodic;
   for (std::size_t i = 0; i < N; ++i) periodic[i] = encounter.variables[i].is_periodic;
   const Box<N> domain = domain_of<N>(encounter);
-  const RowSystem<N> system(problem, rows);
+  const RowSystem<N> system(problem, rows, domain);
   const int rank = rank_at_solutions<N>(system, domain);
   if (rank >= 0 && rank < N) {
     return not_applicable("where they hold, " + counted(N, "equation") + " say as much as " +
@@ -328,7 +164,9 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
     }
     beyond_limits += within == WithinLimits::No;
     if (within == WithinLimits::Yes) out.solutions.push_back(box);
-    if (within == WithinLimits::Undecided) out.undecided.push_back(box);
+    if (within == WithinLimits::Undecided) {
+      out.undecided.push_back(joint_box(encounter, zero.reach));
+    }
   }
   out.status = out.undecided.empty() ? ProofStatus::Complete : ProofStatus::Undecided;
   out.statement = statement_of(problem, out, found.limit_reached, beyond_limits);

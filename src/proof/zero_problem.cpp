@@ -60,6 +60,14 @@ void set_target(const CaptureProblem& problem, VariableEncounter& out) {
   }
 }
 
+/// Two unit vectors normal to f and to each other.
+std::pair<Vector3d, Vector3d> normals_of(const Vector3d& f) {
+  int smallest = 0;
+  f.cwiseAbs().minCoeff(&smallest);
+  const Vector3d u = f.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
+  return {u, f.cross(u).normalized()};
+}
+
 VariableEncounter variable_encounter(const CaptureProblem& problem) {
   VariableEncounter out;
   static_cast<EncounterModel&>(out) = encounter_model(problem);
@@ -136,6 +144,37 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
     add(RowKind::BaseTilt, 0, std::cos(variables.base_attitude_max), kInfinity);
   }
   return out;
+}
+
+std::vector<Row> all_rows(const ZeroProblem& problem) {
+  std::vector<Row> rows = problem.hand_equations;
+  const VariableEncounter& encounter = problem.encounter;
+  const CaseConstraint wanted = problem.impact_case;
+  bool total =
+      wanted == CaseConstraint::C || wanted == CaseConstraint::C1 || wanted == CaseConstraint::C2;
+  const bool coupling = wanted == CaseConstraint::C2 || wanted == CaseConstraint::G3;
+  bool base = wanted == CaseConstraint::G2;
+  if (problem.zero && wanted != CaseConstraint::C2) {
+    (*problem.zero == ResponsePart::TotalAngularMomentum ? total : base) = true;
+  }
+  if (total) {
+    // Without a moment L = r x f is normal to f: two components say it all.
+    const bool is_fixed = encounter.is_fixed();
+    const Vector3d f = is_fixed ? Vector3d(encounter.stated.F.head<3>()) : encounter.n;
+    const auto [u, v] = normals_of(f);
+    rows.push_back({RowKind::Total, 0, u});
+    rows.push_back({RowKind::Total, 1, v});
+    const bool has_moment =
+        is_fixed ? !encounter.stated.F.tail<3>().isZero(0) : !encounter.moment.isZero(0);
+    if (has_moment) rows.push_back({RowKind::Total, 2, f.normalized()});
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (base) rows.push_back({RowKind::Base, i});
+    if (coupling) {
+      rows.push_back({total ? RowKind::CouplingAtZeroTotal : RowKind::Coupling, i});
+    }
+  }
+  return rows;
 }
 
 }  // namespace stillbase::proof

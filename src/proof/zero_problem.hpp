@@ -37,6 +37,16 @@ struct Row {
   double scale = 1;  ///< typical size of an equation, a power of two by which it is divided
 };
 
+/// How exactly the planner's configurations are known.
+struct EquationTolerances {
+  /// By which configurations may violate their constraints: twice what the planner allows, since
+  /// its rows are components along other axes, m, rad, s, m/s.
+  double feasible = 2e-9;
+  /// By which the contact point of the planner's integrated target may be off, m: four times what
+  /// tests/proof/spin_test.cpp finds.
+  double integrated = 4e-9;
+};
+
 /// Equations and inequalities over the encounter's variables.
 struct ZeroProblem {
   RobotModel robot;
@@ -53,5 +63,8 @@ struct ZeroProblem {
 /// The variables, equations and inequalities of a capture problem. Constraints on rates, singular
 /// values and clearances are left out.
 ZeroProblem zero_problem(const CaptureProblem& problem);
+
+/// All equations, those that may vanish identically included.
+std::vector<Row> all_rows(const ZeroProblem& problem);
 
 }  // namespace stillbase::proof

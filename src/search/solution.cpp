@@ -76,16 +76,31 @@ Solution polish(const CaptureProblem& problem, const Formulation& formulation,
 
 void keep_distinct(const Formulation& formulation, const Solution& found,
                    std::vector<Solution>& solutions, double same) {
-  for (Solution& known : solutions) {
-    if (formulation.distance(known.x, found.x) > same) continue;
-    const int reached = known.reached + found.reached;
-    const int family = std::max(known.family, found.family);
-    if (better(found, known)) known = found;
-    known.reached = reached;
-    known.family = family;
+  const auto is_same = [&](const Solution& a, const Solution& b) {
+    return formulation.distance(a.x, b.x) <= same;
+  };
+  const auto absorb = [](Solution& into, const Solution& other) {
+    const int reached = into.reached + other.reached;
+    const int family = std::max(into.family, other.family);
+    if (better(other, into)) into = other;
+    into.reached = reached;
+    into.family = family;
+  };
+  const auto first = std::find_if(solutions.begin(), solutions.end(),
+                                  [&](const Solution& one) { return is_same(one, found); });
+  if (first == solutions.end()) {
+    solutions.push_back(found);
     return;
   }
-  solutions.push_back(found);
+  absorb(*first, found);
+  // A better point took the place of one that it repeats. It may repeat others as well.
+  auto known = static_cast<std::size_t>(first - solutions.begin());
+  for (std::size_t i = solutions.size(); i-- > 0;) {
+    if (i == known || !is_same(solutions[i], solutions[known])) continue;
+    absorb(solutions[known], solutions[i]);
+    solutions.erase(solutions.begin() + static_cast<std::ptrdiff_t>(i));
+    if (i < known) --known;
+  }
 }
 
 }  // namespace stillbase

@@ -65,7 +65,11 @@ TEST_CASE("a candidate outside all enclosures is found") {
   other.configuration.phi[0] += 1e-3;
   plan.candidates.push_back(other);
   CHECK_FALSE(passes(plan, "proof_candidates_enclosed"));
+  // Of a proof that leaves places open, in one of these.
   plan.certificate.proof.status = ProofStatus::Undecided;
+  CHECK_FALSE(passes(plan, "proof_candidates_enclosed"));
+  const JointVectord& phi = other.configuration.phi;
+  plan.certificate.proof.undecided = {{phi, phi}};
   CHECK(passes(plan, "proof_candidates_enclosed"));
 }
 

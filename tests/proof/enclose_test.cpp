@@ -11,12 +11,25 @@ namespace {
 template <int N, class F>
 class Written final : public System<N> {
  public:
-  explicit Written(F f) : f_(f) {}
+  explicit Written(F f, double tolerance = 0) : f_(f) { tolerance_.fill(tolerance); }
   void evaluate(const std::array<Dual, N>& x, std::array<Dual, N>& f) const override { f_(x, f); }
+  std::array<double, N> tolerance() const override { return tolerance_; }
 
  private:
   F f_;
+  std::array<double, N> tolerance_;
 };
+
+/// Zeros of a parabola and its axis, at +-half on the axis; a tolerance of 1e-9.
+Enclosure<2> zeros_of_parabola(double half) {
+  const auto parabola = [half](const auto& x, auto& f) {
+    f[0] = x[1] - x[0] * x[0] + half * half;
+    f[1] = x[1] + 0.0 * x[0];
+  };
+  Box<2> domain;
+  for (Interval& side : domain.side) side = Interval(-1, 1.3);
+  return enclose_zeros<2>(Written<2, decltype(parabola)>(parabola, 1e-9), domain, {});
+}
 
 template <int N, class F>
 Enclosure<N> zeros_of(F f, const Box<N>& domain, std::array<bool, N> periodic = {},
@@ -112,6 +125,54 @@ TEST_CASE("a double zero is never lost and never called proven") {
   CHECK(found.zeros.size() == 1);  // (-0.7, 1)
   CHECK(holds<2>(found, {-0.7, 1.0}));
   CHECK(width_of(found.undecided[0]) < 1e-3);
+}
+
+TEST_CASE("zeros that a tolerance does not tell apart are one undecided place") {
+  const RoundUpward upward;
+  for (const double half : {0.0, 1e-9, 1e-6, 2e-5}) {
+    CAPTURE(half);
+    const auto found = zeros_of_parabola(half);
+    CHECK(found.zeros.empty());
+    REQUIRE(found.undecided.size() == 1);
+    // All points at which both values are within 1e-9.
+    const double extent = std::sqrt(half * half + 2e-9);
+    for (const double x : {-extent, -half, 0.0, half, extent}) {
+      CHECK(found.undecided[0][0].lower() <= 0.999 * x + 1e-12);
+      CHECK(found.undecided[0][0].upper() >= 0.999 * x - 1e-12);
+    }
+    CHECK(width_of(found.undecided[0]) < 3 * extent);
+    CHECK(found.boxes < 2000);
+  }
+}
+
+TEST_CASE("a function that misses zero by less than its tolerance has an undecided place") {
+  const RoundUpward upward;
+  const auto square = [](const auto& x, auto& f) { f[0] = x[0] * x[0] + 0.9e-9; };
+  Box<1> domain;
+  domain[0] = Interval(-1, 1.3);
+  CHECK(enclose_zeros<1>(Written<1, decltype(square)>(square), domain, {}).complete());
+  const auto found = enclose_zeros<1>(Written<1, decltype(square)>(square, 1e-9), domain, {});
+  CHECK(found.zeros.empty());
+  CHECK(found.undecided.size() == 1);
+}
+
+TEST_CASE("zeros that a tolerance tells apart come with all points within it") {
+  const RoundUpward upward;
+  for (const double half : {1e-3, 1e-2, 0.1}) {
+    CAPTURE(half);
+    const auto found = zeros_of_parabola(half);
+    REQUIRE(found.complete());
+    REQUIRE(found.zeros.size() == 2);
+    for (const Zero<2>& zero : found.zeros) {
+      const double at = middle(zero.tight[0]);
+      CHECK(std::abs(std::abs(at) - half) < 1e-12);
+      CHECK(width_of(zero.tight) < 1e-12);
+      // |x^2 - half^2| <= 2e-9 in all
+      CHECK(zero.reach[0].lower() <= at - 0.9e-9 / half);
+      CHECK(zero.reach[0].upper() >= at + 0.9e-9 / half);
+      CHECK(width_of(zero.reach) < 3e-9 / half);
+    }
+  }
 }
 
 TEST_CASE("the same angle at both ends of its range of 360 deg is one zero") {
