@@ -27,6 +27,7 @@ struct CheckRequest {
   std::string hand;
   bool is_strict = false;
   OutputFile page;
+  bool suggests_contacts = false;
 };
 
 /// The start posture keeps the clearance that the approach asks for. Obstacles in N are left out
@@ -54,7 +55,8 @@ void check_start(const CaptureProblem& problem, const std::string& path) {
 /// Kind of file, as it says itself, and what was understood of it.
 struct Report {
   std::string kind, text;
-  std::vector<Finding> remarks = {};  ///< on what looks like a mistake
+  std::vector<Finding> remarks = {};     ///< on what looks like a mistake
+  std::optional<RobotModel> robot = {};  ///< that is in it
   std::optional<CaptureProblem> problem = {};
 };
 
@@ -64,7 +66,7 @@ Report report_on(const std::string& path, const std::string& hand,
   const std::string extension = extension_of(path);
   if (extension == ".urdf" || extension == ".xml") {
     robot = load_robot(path, hand, {.may_lack_base = true, .may_lack_hand = true});
-    return {"robot", robot_report(*robot), robot->remarks};
+    return {"robot", robot_report(*robot), robot->remarks, robot};
   }
   if (extension != ".yaml" && extension != ".yml" && extension != ".json") {
     throw CommandLineError(
@@ -74,7 +76,7 @@ Report report_on(const std::string& path, const std::string& hand,
   const std::string format = stated_format(text, path);
   if (format == "stillbase.plan") {
     const PlanFile file = load_plan(path);
-    return {"plan", plan_report(file), file.plan.problem.robot.remarks};
+    return {"plan", plan_report(file), file.plan.problem.robot.remarks, file.plan.problem.robot};
   }
   if (format == "stillbase.target") return {"target", target_report(read_target_text(text, path))};
   if (format.empty() && extension == ".json") {
@@ -98,7 +100,7 @@ Report report_on(const std::string& path, const std::string& hand,
   check_start(problem, path);
   const std::string report = problem_report(problem, remarks);
   remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
-  return {"problem", report, std::move(remarks), problem};
+  return {"problem", report, std::move(remarks), problem.robot, problem};
 }
 
 /// The command that takes a good file further.
@@ -121,10 +123,9 @@ int check_files(const CheckRequest& request) {
       if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
       if (request.files.size() == 1) print_next(file, report.kind);
-      if (report.problem) {
-        drawn.push_back({file, report.text, report.problem->robot, report.problem});
-      } else if (report.kind == "robot") {
-        drawn.push_back({file, report.text, *robot, {}});
+      if (report.robot) drawn.push_back({file, report.text, *report.robot, report.problem});
+      if (request.suggests_contacts && report.robot) {
+        write_stdout(contact_suggestions(*report.robot));
       }
     } catch (const InputError& error) {
       say(error.what());
@@ -158,7 +159,10 @@ Command check_command() {
            &request->files, true},
           {"--hand", "LINK", "hand link of the robots that have several ends", &request->hand},
           {"--strict", "", "refuse what is remarked upon in a robot or problem file",
-           &request->is_strict}} +
+           &request->is_strict},
+          {"--suggest-contacts", "",
+           "sample postures: links that always touch, ready to paste, and links that never do",
+           &request->suggests_contacts}} +
           output_options(request->page, "-o,--output",
                          "page (HTML) that draws the robots and problems"),
       [request] { return check_files(*request); }};

@@ -20,6 +20,9 @@ std::string state_report(const RobotState& state, const RobotModel& robot);
 /// Of a state that no robot was named for.
 std::string lone_state_report(const RobotState& state);
 
+/// What random postures say of links that touch always or never, as lines of a problem file.
+std::string contact_suggestions(const RobotModel& robot);
+
 /// "suspicious:" and one line each, or nothing when there are none.
 std::string remark_lines(const std::vector<std::string>& remarks);
 

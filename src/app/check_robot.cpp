@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/benchmark/suite.hpp>
+#include <stillbase/collision/contact_survey.hpp>
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
@@ -99,6 +100,24 @@ Coupling sample_coupling(const RobotModel& robot) {
 }
 
 }  // namespace
+
+std::string contact_suggestions(const RobotModel& robot) {
+  const ContactSurvey survey = survey_contacts(robot);
+  const auto lines = [](const ContactSurvey::LinkPairs& pairs) {
+    std::string text;
+    for (const auto& [a, b] : pairs) text += fmt::format("    - [{}, {}]\n", a, b);
+    return text;
+  };
+  std::string text =
+      "# Links that touch in every posture that was tried; paste them into `robot`.\n";
+  text += survey.always.empty() ? "  # allowed_contacts: none is needed\n"
+                                : "  allowed_contacts:\n" + lines(survey.always);
+  if (!survey.never.empty()) {
+    text += "# Links that touched in none; what they may do costs time alone.\n";
+    for (const auto& [a, b] : survey.never) text += fmt::format("    # [{}, {}]\n", a, b);
+  }
+  return text;
+}
 
 std::string remark_lines(const std::vector<std::string>& remarks) {
   if (remarks.empty()) return "";

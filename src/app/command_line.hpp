@@ -55,6 +55,7 @@ std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& 
 
 // The subcommands, one file each.
 
+Command new_command();
 Command check_command();
 Command inspect_command();
 Command analyze_command();

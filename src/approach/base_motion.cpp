@@ -83,13 +83,13 @@ std::vector<Pose> base_poses_from(const RobotModel& robot, const JointPath& path
 
 Vector3d system_centroid(const RobotModel& robot, const Kinematics<double>& kinematics) {
   Vector3d sum = Vector3d::Zero();  // the base body's centroid is B's origin
-  for (int k = 0; k < robot.n(); ++k) sum += robot.bodies[k].mass * kinematics.c[k];
+  for (int k = 0; k < kinematics.n; ++k) sum += robot.bodies[k].mass * kinematics.c[k];
   return sum / robot.total_mass();
 }
 
 JointVectord centroid_levers(const RobotModel& robot) {
   JointVectord levers = JointVectord::Zero(robot.n());
-  for (int b = 0; b < robot.n(); ++b) {
+  for (int b = 0; b < robot.num_bodies(); ++b) {
     const Body& body = robot.bodies[b];
     levers += body.mass / robot.total_mass() * motion_bound(robot, b, body.centroid.norm()).lever;
   }

@@ -103,7 +103,7 @@ bool overlap_at_joint(const RobotModel& robot, const CollisionShape& a, const Co
   const CollisionShape& child = a.body > b.body ? a : b;
   const CollisionShape& parent = a.body > b.body ? b : a;
   if (child.body == kBase) return false;
-  const Joint& joint = robot.joints[child.body];
+  const Joint& joint = robot.tree()[child.body];
   if (joint.parent != parent.body) return false;
   const bool both_reach =
       point_distance(child.geometry, child.pose.inverse().position) <= options.reaches_joint &&
@@ -140,10 +140,11 @@ std::string to_string(const Proximity& proximity) {
 MotionBound motion_bound(const RobotModel& robot, int body, double reach,
                          const SceneOptions& options) {
   MotionBound bound{JointVectord::Zero(robot.n()), reach};
-  for (int k = body; k != kBase; k = robot.joints[k].parent) {
-    const Joint& joint = robot.joints[k];
+  for (int k = body; k != kBase; k = robot.tree()[k].parent) {
+    const Joint& joint = robot.tree()[k];
     const double stroke = std::max(std::abs(joint.lower), std::abs(joint.upper));
-    bound.lever[k] = joint.is_prismatic() ? 1.0 : bound.base_reach;
+    const double ratio = robot.is_coupled() ? std::abs(robot.couplings[k].ratio) : 1.0;
+    bound.lever[robot.coordinate(k)] += ratio * (joint.is_prismatic() ? 1.0 : bound.base_reach);
     bound.base_reach +=
         (joint.is_prismatic() ? std::min(stroke, options.unlimited_stroke) : 0) + joint.p.norm();
   }

@@ -3,6 +3,8 @@
 
 #include <stillbase/dynamics/articulated_body.hpp>
 
+#include <cassert>
+
 #include "dynamics/cholesky.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/rigid_inertia.hpp"
@@ -13,6 +15,7 @@ template <class S>
 ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const Kinematics<S>& kin,
                                                   const JointVectord& added_inertia,
                                                   const std::vector<bool>& locked) {
+  assert(!robot.is_coupled());
   ArticulatedBodies<S> out;
   BodyWorkspace<Matrix6<S>, S> articulated;
   for (int k = 0; k < kin.n; ++k) {

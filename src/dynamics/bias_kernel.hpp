@@ -11,7 +11,12 @@ namespace stillbase {
 template <class S>
 BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, const Matrix3<S>* I,
                            const Vector6<S>& Omega, const JointVector<S>& phidot) {
-  const int n = kin.n;
+  const int n = kin.n;  // bodies
+  const std::vector<Joint>& tree = robot.tree();
+  const bool is_coupled = robot.is_coupled();
+  const auto rate_of = [&](int k) -> S {
+    return is_coupled ? phidot[robot.couplings[k].joint] * S(robot.couplings[k].ratio) : phidot[k];
+  };
   const Vector3<S> v = Omega.template head<3>();
   const Vector3<S> omega_b = Omega.template tail<3>();
 
@@ -22,7 +27,7 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, co
   // v.
   const Vector3<S> a_b = omega_b.cross(v);
   for (int k = 0; k < n; ++k) {
-    const Joint& joint = robot.joints[k];
+    const Joint& joint = tree[k];
     const bool on_base = joint.parent == kBase;
     const Vector3<S> omega_p = on_base ? omega_b : omega[joint.parent];
     Vector3<S> d = kin.o[k];
@@ -33,7 +38,7 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, co
       a = a_o[joint.parent];
       alpha_p = alpha[joint.parent];
     }
-    const Vector3<S> rate = kin.z(k) * phidot[k];
+    const Vector3<S> rate = kin.z(k) * rate_of(k);
     a_o[k] = a + alpha_p.cross(d) + omega_p.cross(omega_p.cross(d));
     omega[k] = omega_p;
     alpha[k] = alpha_p;
@@ -51,17 +56,24 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, co
   }
 
   BiasForces<S> out;
-  out.c_phi.resize(n);
+  out.c_phi.resize(robot.n());
+  if (is_coupled) out.c_phi.setZero();
   const Vector3<S> I_omega_b = robot.base.inertia.template cast<S>() * omega_b;
   Vector3<S> f_b = a_b * S(robot.base.mass);
   Vector3<S> t_b = omega_b.cross(I_omega_b);
   for (int k = n - 1; k >= 0; --k) {
-    const Joint& joint = robot.joints[k];
+    const Joint& joint = tree[k];
     const Vector3<S> z = kin.z(k);
+    S force;
     if (joint.is_prismatic()) {
-      out.c_phi[k] = z.dot(f[k]);
+      force = z.dot(f[k]);
     } else {
-      out.c_phi[k] = z.dot(t[k] - kin.o[k].cross(f[k]));
+      force = z.dot(t[k] - kin.o[k].cross(f[k]));
+    }
+    if (is_coupled) {
+      out.c_phi[robot.couplings[k].joint] += force * S(robot.couplings[k].ratio);
+    } else {
+      out.c_phi[k] = force;
     }
     if (joint.parent == kBase) {
       f_b += f[k];

@@ -11,46 +11,76 @@
 
 namespace stillbase {
 
+/// The twist of body k's joint under unit rate of its coordinate, about the base centroid: linear
+/// and angular part.
+template <class S>
+[[gnu::always_inline]] inline void put_axis(const RobotModel& robot, const Joint& joint,
+                                            const Kinematics<S>& kin, int k, Vector3<S>& v,
+                                            Vector3<S>& w) {
+  const Vector3<S> z = kin.z(k);
+  if (joint.is_prismatic()) {
+    v = z;
+    w.setZero();
+  } else {
+    v = kin.o[k].cross(z);
+    w = z;
+  }
+  if (!robot.is_coupled()) return;
+  const S ratio(robot.couplings[k].ratio);
+  v *= ratio;
+  w *= ratio;
+}
+
 template <class S>
 InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kin) {
-  const int n = kin.n;
+  const int bodies = kin.n, n = robot.n();
+  const std::vector<Joint>& tree = robot.tree();
+  const bool is_coupled = robot.is_coupled();
   InertiaMatrices<S> out;
   // Twist of unit rate of joint k about the base centroid: linear and angular part.
   BodyWorkspace<Vector3<S>, S> axis_v, axis_w;
-  out.I.resize(n);
-  out.subtree.resize(n);
+  out.I.resize(bodies);
+  out.subtree.resize(bodies);
   RigidInertia<S>* const subtrees = out.subtree.data();
   RigidInertia<S> total{S(robot.base.mass), Vector3<S>::Zero(),
                         robot.base.inertia.template cast<S>()};
-  for (int k = 0; k < n; ++k) {
+  for (int k = 0; k < bodies; ++k) {
     out.I[k] = inertia_in_base_axes(robot, kin, k);
     subtrees[k] = inertia_about_base(robot, kin, k, out.I[k]);
-    const Vector3<S> z = kin.z(k);
-    if (robot.joints[k].is_prismatic()) {
-      axis_v[k] = z;
-      axis_w[k].setZero();
-    } else {
-      axis_v[k] = kin.o[k].cross(z);
-      axis_w[k] = z;
-    }
+    put_axis(robot, tree[k], kin, k, axis_v[k], axis_w[k]);
   }
 
   out.H_bphi.resize(6, n);
+  if (is_coupled) out.H_bphi.setZero();
   out.H_phi.resize(n, n);
   out.H_phi.setZero();
-  for (int k = n - 1; k >= 0; --k) {
+  for (int k = bodies - 1; k >= 0; --k) {
     const RigidInertia<S>& subtree = subtrees[k];
-    const Joint& joint = robot.joints[k];
+    const Joint& joint = tree[k];
     // Momentum of the subtree under unit rate of joint k: Ic_k S_k.
     const Vector3<S> p = axis_v[k] * subtree.m + axis_w[k].cross(subtree.h);
     Vector3<S> L = subtree.h.cross(axis_v[k]);
     L.noalias() += subtree.I * axis_w[k];
-    out.H_bphi.template block<3, 1>(0, k) = p;
-    out.H_bphi.template block<3, 1>(3, k) = L;
-    for (int j = k; j != kBase; j = robot.joints[j].parent) {
-      const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
-      out.H_phi(j, k) = value;
-      out.H_phi(k, j) = value;
+    if (is_coupled) {
+      // Several bodies share a coordinate: the congruence adds up.
+      const int row = robot.coordinate(k);
+      out.H_bphi.template block<3, 1>(0, row) += p;
+      out.H_bphi.template block<3, 1>(3, row) += L;
+      out.H_phi(row, row) += axis_v[k].dot(p) + axis_w[k].dot(L);
+      for (int j = joint.parent; j != kBase; j = tree[j].parent) {
+        const int column = robot.coordinate(j);
+        const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
+        out.H_phi(row, column) += value;
+        out.H_phi(column, row) += value;
+      }
+    } else {
+      out.H_bphi.template block<3, 1>(0, k) = p;
+      out.H_bphi.template block<3, 1>(3, k) = L;
+      for (int j = k; j != kBase; j = tree[j].parent) {
+        const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
+        out.H_phi(j, k) = value;
+        out.H_phi(k, j) = value;
+      }
     }
     (joint.parent == kBase ? total : subtrees[joint.parent]).add(subtree);
   }

@@ -14,14 +14,21 @@ Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& 
   using std::sin;
   assert(phi.size() == robot.n());
   Kinematics<S> kin;
-  kin.n = robot.n();
+  kin.n = robot.num_bodies();
   kin.R.resize(kin.n);
   kin.o.resize(kin.n);
   kin.c.resize(kin.n);
   Matrix3<S>* const R = kin.R.data();
   Vector3<S>* const o = kin.o.data();
+  const std::vector<Joint>& tree = robot.tree();
+  const auto position = [&robot, &phi](int k) -> S {
+    if (!robot.is_coupled()) return phi[k];
+    const Coupling& coupling = robot.couplings[k];
+    return phi[coupling.joint] * S(coupling.ratio) + S(coupling.offset);
+  };
   for (int k = 0; k < kin.n; ++k) {
-    const Joint& joint = robot.joints[k];
+    const Joint& joint = tree[k];
+    const S phi_k = position(k);
     Matrix3<S> A;
     if (joint.parent == kBase) {
       A = joint.R.template cast<S>();
@@ -33,10 +40,10 @@ Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& 
     }
     if (joint.is_prismatic()) {
       R[k] = A;
-      o[k] += A.col(2) * phi[k];
+      o[k] += A.col(2) * phi_k;
     } else {
-      const S c = cos(phi[k]);
-      const S s = sin(phi[k]);
+      const S c = cos(phi_k);
+      const S s = sin(phi_k);
       R[k].col(0) = A.col(0) * c + A.col(1) * s;
       R[k].col(1) = A.col(1) * c - A.col(0) * s;
       R[k].col(2) = A.col(2);

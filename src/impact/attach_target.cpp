@@ -18,8 +18,10 @@ Pose target_in_body(const RobotModel& robot, const Pose& hand_target) {
 /// Moves the origin of the base frame to s.
 void shift_base(RobotModel& robot, const Vector3d& s) {
   robot.base.centroid -= s;
-  for (Joint& joint : robot.joints) {
-    if (joint.parent == kBase) joint.p -= s;
+  for (auto* joints : {&robot.joints, &robot.coupled_tree}) {
+    for (Joint& joint : *joints) {
+      if (joint.parent == kBase) joint.p -= s;
+    }
   }
   for (LinkFrame& link : robot.links) {
     if (link.body == kBase) link.pose.position -= s;

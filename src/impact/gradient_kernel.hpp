@@ -4,7 +4,7 @@
 #include <stillbase/impact/gradient.hpp>
 
 #include "dynamics/cholesky.hpp"
-#include "dynamics/kinematics_kernel.hpp"
+#include "dynamics/inertia_kernel.hpp"
 
 namespace stillbase {
 
@@ -15,11 +15,12 @@ struct SpatialVector {
   Vector3<S> w;
 };
 
+/// Twist of body k's joint under unit rate of its coordinate.
 template <class S>
 inline SpatialVector<S> joint_axis(const RobotModel& robot, const Kinematics<S>& kin, int k) {
-  const Vector3<S> z = kin.z(k);
-  if (robot.joints[k].is_prismatic()) return {z, Vector3<S>::Zero()};
-  return {kin.o[k].cross(z), z};
+  SpatialVector<S> axis;
+  put_axis(robot, robot.tree()[k], kin, k, axis.v, axis.w);
+  return axis;
 }
 
 template <class S>
@@ -42,17 +43,18 @@ struct SubtreeMomenta {
                  const GeneralizedMotion<S>& x) {
     const Kinematics<S>& kin = posture.kinematics;
     const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
+    const std::vector<Joint>& tree = robot.tree();
     for (int k = 0; k < kin.n; ++k) {
-      const int parent = robot.joints[k].parent;
+      const int parent = tree[k].parent, coordinate = robot.coordinate(k);
       const SpatialVector<S>& inherited = parent == kBase ? base : V[parent];
-      V[k].v = inherited.v + axes[k].v * x.phidot[k];
-      V[k].w = inherited.w + axes[k].w * x.phidot[k];
+      V[k].v = inherited.v + axes[k].v * x.phidot[coordinate];
+      V[k].w = inherited.w + axes[k].w * x.phidot[coordinate];
       P[k].v = (V[k].v + V[k].w.cross(kin.c[k])) * S(robot.bodies[k].mass);
       P[k].w = kin.c[k].cross(P[k].v);
       P[k].w.noalias() += posture.inertia.I[k] * V[k].w;
     }
     for (int k = kin.n - 1; k >= 0; --k) {
-      const int parent = robot.joints[k].parent;
+      const int parent = tree[k].parent;
       if (parent == kBase) continue;
       P[parent].v += P[k].v;
       P[parent].w += P[k].w;
@@ -74,16 +76,16 @@ static void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>
     const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
     const Vector3<S> angular = a.V[k].v.cross(b.P[k].v) + b.V[k].v.cross(a.P[k].v) +
                                a.V[k].w.cross(b.P[k].w) + b.V[k].w.cross(a.P[k].w);
-    gradient[k] -= sign * (axes[k].v.dot(linear) + axes[k].w.dot(angular));
+    gradient[robot.coordinate(k)] -= sign * (axes[k].v.dot(linear) + axes[k].w.dot(angular));
   }
 }
 
 /// gradient += d/dphi (u' Htilde_omega w), u and w fixed: the robot turns as one body about its
 /// centroid g, so every body has the same twist and the momenta are those of the composite bodies.
 template <class S>
-static void add_locked_rotation_gradient(const PostureImpact<S>& posture, const JointAxes<S>& axes,
-                                         const Vector3<S>& u, const Vector3<S>& w,
-                                         JointVector<S>& gradient) {
+static void add_locked_rotation_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                         const JointAxes<S>& axes, const Vector3<S>& u,
+                                         const Vector3<S>& w, JointVector<S>& gradient) {
   const Vector3<S>& r = posture.inertia.r_bg;
   const S uw = u.dot(w), ur = u.dot(r), wr = w.dot(r);
   for (int k = 0; k < posture.kinematics.n; ++k) {
@@ -99,7 +101,8 @@ static void add_locked_rotation_gradient(const PostureImpact<S>& posture, const 
     Lw.noalias() += body.I * w;
     Vector3<S> Lu = r * uh + body.h * ur;
     Lu.noalias() += body.I * u;
-    gradient[k] += S(2) * uw * v.dot(h) - v.dot(w) * uh - v.dot(u) * wh - zu.dot(Lw) - zw.dot(Lu);
+    gradient[robot.coordinate(k)] +=
+        S(2) * uw * v.dot(h) - v.dot(w) * uh - v.dot(u) * wh - zu.dot(Lw) - zw.dot(Lu);
   }
 }
 
@@ -115,17 +118,22 @@ static void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& p
   Vector3<S> v = Vector3<S>::Zero();
   Vector3<S> w = Vector3<S>::Zero();
   Vector3<S> omega_N = lambda.Omega.template tail<3>();
-  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
-    if (!robot.joints[k].is_prismatic()) omega_N += kin.z(k) * lambda.phidot[k];
+  const std::vector<Joint>& tree = robot.tree();
+  for (int k = robot.hand_body; k != kBase; k = tree[k].parent) {
+    if (!tree[k].is_prismatic()) omega_N += axes[k].w * lambda.phidot[robot.coordinate(k)];
   }
-  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) {
+  for (int k = robot.hand_body; k != kBase; k = tree[k].parent) {
+    const int coordinate = robot.coordinate(k);
     const SpatialVector<S>& axis = axes[k];
     const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
     const Vector3<S> dw = axis.w.cross(w);
-    const Vector3<S> dh = posture.jacobian.J_phi.template block<3, 1>(0, k);
-    gradient[k] += dv.dot(f) + dw.dot(moment) + omega_N.dot(dh.cross(f));
-    v += axis.v * lambda.phidot[k];
-    w += axis.w * lambda.phidot[k];
+    // Of a coupled robot the column of the Jacobian is the sum over several bodies.
+    const Vector3<S> dh = robot.is_coupled()
+                              ? Vector3<S>(axis.v + axis.w.cross(kin.r_bh))
+                              : Vector3<S>(posture.jacobian.J_phi.template block<3, 1>(0, k));
+    gradient[coordinate] += dv.dot(f) + dw.dot(moment) + omega_N.dot(dh.cross(f));
+    v += axis.v * lambda.phidot[coordinate];
+    w += axis.w * lambda.phidot[coordinate];
   }
 }
 
@@ -142,7 +150,7 @@ static GeneralizedMotion<S> locked_rotation(const PostureImpact<S>& posture, con
   GeneralizedMotion<S> x;
   x.Omega.template head<3>() = -u.cross(posture.inertia.r_bg);
   x.Omega.template tail<3>() = u;
-  x.phidot.setZero(posture.kinematics.n);
+  x.phidot.setZero(posture.jacobian.J_phi.cols());
   return x;
 }
 
@@ -163,7 +171,7 @@ PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistanc
 
 template <class S>
 ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) {
-  const int n = posture.kinematics.n;
+  const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
   const Vector3<S> f = F.template head<3>();
   // J' F
   Vector6<S> F_b = F;
@@ -185,7 +193,7 @@ template <class S>
 ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                       const ImpactResponse<S>& response,
                                       const ResponseWeights<S>& weights) {
-  const int n = posture.kinematics.n;
+  const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
   const Vector3<S> f = response.F.template head<3>();
   const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
   ResponseGradient<S> out;
@@ -213,7 +221,7 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
 
   // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
   if (weights.base != Vector3<S>::Zero()) {
-    add_locked_rotation_gradient<S>(posture, axes, weights.base, response.omega(), out.phi);
+    add_locked_rotation_gradient<S>(robot, posture, axes, weights.base, response.omega(), out.phi);
   }
 
   // So does H_b Delta Omega with H_b.
@@ -246,7 +254,7 @@ JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>
         posture.inertia.H_bphi.template block<3, 1>(0, k) * (w[k] / posture.inertia.mass);
   }
   JointVector<S> gradient;
-  gradient.setZero(posture.kinematics.n);
+  gradient.setZero(robot.n());
   add_inertia_gradient(robot, posture, joint_axes(robot, posture.kinematics),
                        locked_rotation(posture, y), x, S(1), gradient);
   return gradient;
@@ -256,7 +264,7 @@ template <class S>
 JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
                                         int i, const Vector3<S>& y) {
   JointVector<S> w;
-  w.setZero(posture.kinematics.n);
+  w.setZero(robot.n());
   w[i] = S(1);
   return coupling_gradient<S>(robot, posture, w, y);
 }
@@ -285,10 +293,10 @@ JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
       -base_motion(momentum.template head<3>(), momentum.template tail<3>()), w};
   const Vector3<S> f = y.template head<3>();
   const Vector3<S> t = y.template tail<3>() + posture.kinematics.r_bh.cross(f);
-  const GeneralizedMotion<S> mu{base_motion(f, t), JointVector<S>::Zero(posture.kinematics.n)};
+  const GeneralizedMotion<S> mu{base_motion(f, t), JointVector<S>::Zero(robot.n())};
   const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
   JointVector<S> gradient;
-  gradient.setZero(posture.kinematics.n);
+  gradient.setZero(robot.n());
   add_hand_gradient(robot, posture, axes, x, y, gradient);
   add_inertia_gradient(robot, posture, axes, mu, x, S(-1), gradient);
   return gradient;

@@ -116,7 +116,7 @@ GeneralizedJacobianIndices generalized_jacobian_indices(const PostureImpact<doub
 
 DynamicCoupling dynamic_coupling(const PostureImpact<double>& posture, double rank_tolerance) {
   DynamicCoupling out;
-  if (posture.kinematics.n == 0) return out;
+  if (posture.jacobian.J_phi.cols() == 0) return out;
   const auto hat = compute_hat_inertia(posture.inertia, posture.jacobian);
   const Eigen::MatrixXd X = posture.inertia.H_b.llt().solve(posture.inertia.H_bphi);
   out.translation_per_rate = singular_values(X.topRows(3));

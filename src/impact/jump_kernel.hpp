@@ -26,7 +26,7 @@ ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
                            const Vector6<S>& Fbar) {
   const Kinematics<S> kin = compute_kinematics(robot, phi);
   const HandJacobian<S> jacobian = compute_hand_jacobian(robot, kin);
-  if (robot.n() < kArticulatedBodyJoints) {
+  if (robot.n() < kArticulatedBodyJoints || robot.is_coupled()) {
     const InertiaMatrices<S> inertia = compute_inertia(robot, kin);
     return compute_jump(factorize_inertia(inertia, added_inertia, locked), jacobian, Fbar);
   }

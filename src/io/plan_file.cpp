@@ -80,14 +80,20 @@ std::vector<InputFile> input_files(const std::string& problem_path) {
   io::ReadContext context{problem_path, {}, {}};
   const io::Node root = io::parse_document(text, context);
   std::vector<InputFile> files{{"problem", problem_path, sha256_hex(text)}};
-  for (const char* role : {"robot", "target"}) {
-    const io::Node* section = root.find(role);
+  const auto add = [&](const char* role, const io::Node* section) {
     const io::Node* name = section == nullptr ? nullptr : section->find("file");
-    if (name == nullptr) continue;
+    if (name == nullptr) return;
     const auto path = std::filesystem::path(problem_path).parent_path() / name->text;
     const std::string content = read_text_file(path.string(), io::DocumentLimits{}.bytes);
     files.push_back({role, name->text, sha256_hex(content)});
+  };
+  const io::Node* const robot = root.find("robot");
+  add("robot", robot);
+  const io::Node* const arms = robot == nullptr ? nullptr : robot->find("arms");
+  if (arms != nullptr) {
+    for (const io::Node& arm : arms->items) add("robot", &arm);
   }
+  add("target", root.find("target"));
   return files;
 }
 

@@ -262,7 +262,7 @@ bool is_parallel(const Vector3d& a, const Vector3d& unit) {
 std::string out_of_plane(const CaptureProblem& problem, const Vector3d& normal) {
   // The axis of a joint stays parallel to the normal whatever the joints before it do.
   std::vector<Matrix3d> axes;
-  for (const Joint& joint : problem.robot.joints) {
+  for (const Joint& joint : problem.robot.tree()) {
     const Matrix3d R = joint.parent == kBase
                            ? joint.R
                            : Matrix3d(axes[static_cast<std::size_t>(joint.parent)] * joint.R);

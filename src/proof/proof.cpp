@@ -206,6 +206,7 @@ Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options)
 
 /// Why a problem cannot be proven; empty: it can.
 std::string objection(const CaptureProblem& problem) {
+  if (problem.robot.is_coupled()) return "some joints follow others";
   const VariableSpec& variables = problem.variables;
   const AttitudeFreedom attitude = variables.base_attitude;
   if (attitude != AttitudeFreedom::Cone && attitude != AttitudeFreedom::Free) return "";

@@ -40,11 +40,38 @@ Matrix3d rotation_about_z(double angle) {
   return m;
 }
 
-std::vector<MovingFrame> body_frames(const RobotModel& robot, const VectorXd& phi,
-                                     const VectorXd& phidot) {
+// [Omega; rates of the bodies' joints] = G [Omega; phidot].
+MatrixXd coupling_matrix(const RobotModel& robot) {
+  const int bodies = robot.num_bodies();
+  MatrixXd G = MatrixXd::Zero(6 + bodies, 6 + robot.n());
+  G.topLeftCorner(6, 6).setIdentity();
+  for (int k = 0; k < bodies; ++k) {
+    G(6 + k, 6 + robot.couplings[k].joint) = robot.couplings[k].ratio;
+  }
+  return G;
+}
+
+// Positions of the bodies' joints.
+VectorXd body_positions(const RobotModel& robot, const VectorXd& phi) {
+  if (!robot.is_coupled()) return phi;
+  VectorXd all(robot.num_bodies());
+  for (int k = 0; k < robot.num_bodies(); ++k) {
+    const Coupling& coupling = robot.couplings[k];
+    all(k) = coupling.ratio * phi(coupling.joint) + coupling.offset;
+  }
+  return all;
+}
+
+std::vector<MovingFrame> body_frames(const RobotModel& robot, const VectorXd& joint_positions,
+                                     const VectorXd& joint_rates) {
+  const VectorXd phi = body_positions(robot, joint_positions);
+  VectorXd phidot = joint_rates;
+  if (robot.is_coupled()) {
+    phidot = coupling_matrix(robot).bottomRightCorner(robot.num_bodies(), robot.n()) * joint_rates;
+  }
   std::vector<MovingFrame> frames;
-  for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[k];
+  for (int k = 0; k < robot.num_bodies(); ++k) {
+    const Joint& joint = robot.tree()[k];
     const MovingFrame parent = joint.parent == kBase ? MovingFrame{} : frames[joint.parent];
     const Matrix3d R0 = parent.R * joint.R;
     const Vector3d z = R0.col(2);
@@ -73,17 +100,17 @@ struct PointJacobian {
 
 PointJacobian point_jacobian(const RobotModel& robot, const std::vector<MovingFrame>& frames,
                              int body, const Vector3d& point, const Vector3d& point_rate) {
-  const int n = robot.n();
+  const int n = robot.num_bodies();
   PointJacobian result{MatrixXd::Zero(6, 6 + n), MatrixXd::Zero(6, 6 + n)};
   result.J.block<3, 3>(0, 0).setIdentity();
   result.J.block<3, 3>(0, 3) = -cross_matrix(point);
   result.J.block<3, 3>(3, 3).setIdentity();
   result.J_rate.block<3, 3>(0, 3) = -cross_matrix(point_rate);
-  for (int k = body; k != kBase; k = robot.joints[k].parent) {
+  for (int k = body; k != kBase; k = robot.tree()[k].parent) {
     const MovingFrame& frame = frames[k];
     const Vector3d z = frame.R.col(2);
     const Vector3d z_rate = frame.rate.cross(z);
-    if (robot.joints[k].is_prismatic()) {
+    if (robot.tree()[k].is_prismatic()) {
       result.J.block<3, 1>(0, 6 + k) = z;
       result.J_rate.block<3, 1>(0, 6 + k) = z_rate;
     } else {
@@ -94,6 +121,11 @@ PointJacobian point_jacobian(const RobotModel& robot, const std::vector<MovingFr
       result.J_rate.block<3, 1>(0, 6 + k) = z_rate.cross(arm) + z.cross(arm_rate);
       result.J_rate.block<3, 1>(3, 6 + k) = z_rate;
     }
+  }
+  if (robot.is_coupled()) {
+    const MatrixXd G = coupling_matrix(robot);
+    result.J = (result.J * G).eval();
+    result.J_rate = (result.J_rate * G).eval();
   }
   return result;
 }
@@ -130,7 +162,7 @@ Dynamics compute(const RobotModel& robot, const State& state) {
     PointJacobian jacobian;
   };
   std::vector<Part> parts;
-  for (int k = kBase; k < n; ++k) {
+  for (int k = kBase; k < robot.num_bodies(); ++k) {
     const Body& body = k == kBase ? robot.base : robot.bodies[k];
     const MovingFrame frame = k == kBase ? MovingFrame{} : frames[k];
     const Vector3d centroid = frame.point(body.centroid);

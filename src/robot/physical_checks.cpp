@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <stillbase/core/linear_algebra.hpp>
@@ -32,6 +33,34 @@ std::string inertia_fault(const Matrix3d& inertia) {
 std::string mass_fault(double mass) {
   if (std::isfinite(mass) && mass > 0) return "";
   return fmt::format("the mass is {:g} kg, must be greater than 0", mass);
+}
+
+std::string convex_mesh_fault(const ConvexMesh& mesh) {
+  const int vertices = static_cast<int>(mesh.vertices.size());
+  if (vertices < 4 || mesh.faces.size() < 4) {
+    return "a convex mesh needs at least 4 vertices and 4 faces";
+  }
+  double size = 0;
+  for (const Vector3d& v : mesh.vertices) size = std::max(size, (v - mesh.vertices[0]).norm());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const std::vector<int>& face = mesh.faces[f];
+    if (face.size() < 3) return fmt::format("face {} has fewer than 3 corners", f);
+    for (const int corner : face) {
+      if (corner < 0 || corner >= vertices) {
+        return fmt::format("face {} names vertex {}; there are {}", f, corner, vertices);
+      }
+    }
+    const Vector3d& origin = mesh.vertices[face[0]];
+    const Vector3d normal =
+        (mesh.vertices[face[1]] - origin).cross(mesh.vertices[face[2]] - origin).normalized();
+    for (const Vector3d& v : mesh.vertices) {
+      if (!(normal.dot(v - origin) <= 1e-6 * size)) {
+        return fmt::format(
+            "a vertex lies outside of face {} (corners counter-clockwise seen from outside?)", f);
+      }
+    }
+  }
+  return "";
 }
 
 }  // namespace stillbase

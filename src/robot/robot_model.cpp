@@ -32,8 +32,8 @@ RobotModel with_hand(RobotModel robot, const std::string& link) {
   robot.hand_body = frame->body;
   robot.R_hand = frame->pose.orientation.toRotationMatrix();
   robot.p_hand = frame->pose.position;
-  robot.moves_hand.assign(robot.joints.size(), false);
-  for (int k = robot.hand_body; k != kBase; k = robot.joints[k].parent) robot.moves_hand[k] = true;
+  robot.moves_hand.assign(robot.bodies.size(), false);
+  for (int k = robot.hand_body; k != kBase; k = robot.tree()[k].parent) robot.moves_hand[k] = true;
   return robot;
 }
 

@@ -56,7 +56,7 @@ Vector3d half_size(const Geometry& geometry) {
 Extent extent_of(const RobotModel& robot, int body) {
   Extent extent;
   if (body != kBase) extent.points.push_back(Vector3d::Zero());
-  for (const Joint& joint : robot.joints) {
+  for (const Joint& joint : robot.tree()) {
     if (joint.parent == body) extent.points.push_back(joint.p);
   }
   if (robot.hand_body == body) extent.points.push_back(robot.p_hand);
@@ -196,7 +196,7 @@ void look_at_shapes(const RobotModel& robot, std::vector<std::string>& remarks) 
     return;
   }
   std::string bare;
-  for (int body = kBase; body < robot.n(); ++body) {
+  for (int body = kBase; body < robot.num_bodies(); ++body) {
     const bool has_shape = std::any_of(robot.shapes.begin(), robot.shapes.end(),
                                        [&](const CollisionShape& s) { return s.body == body; });
     if (has_shape) continue;
@@ -208,11 +208,11 @@ void look_at_shapes(const RobotModel& robot, std::vector<std::string>& remarks) 
 
 /// Axes that are parallel with all joints at zero stay so when all joints turn about them.
 void look_at_axes(const RobotModel& robot, std::vector<std::string>& remarks) {
-  std::vector<Matrix3d> R(robot.joints.size());
+  std::vector<Matrix3d> R(robot.tree().size());
   Vector3d axis = Vector3d::Zero();
   int turning = 0;
-  for (std::size_t k = 0; k < robot.joints.size(); ++k) {
-    const Joint& joint = robot.joints[k];
+  for (std::size_t k = 0; k < robot.tree().size(); ++k) {
+    const Joint& joint = robot.tree()[k];
     R[k] = joint.parent == kBase ? joint.R
                                  : Matrix3d(R[static_cast<std::size_t>(joint.parent)] * joint.R);
     if (joint.is_prismatic()) continue;
@@ -232,7 +232,7 @@ void look_at_axes(const RobotModel& robot, std::vector<std::string>& remarks) {
 std::vector<std::string> robot_suspicions(const RobotModel& robot) {
   std::vector<std::string> remarks;
   look_at_body(robot, kBase, robot.base, remarks);
-  for (int k = 0; k < robot.n(); ++k) {
+  for (int k = 0; k < robot.num_bodies(); ++k) {
     look_at_body(robot, k, robot.bodies[static_cast<std::size_t>(k)], remarks);
   }
   look_for_shared_tensors(robot, remarks);

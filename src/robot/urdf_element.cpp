@@ -45,7 +45,7 @@ std::string listed(const std::vector<std::string_view>& names) {
 
 }  // namespace
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   std::string shown = "'" + std::string(text.substr(0, kLongest));
   for (char& c : shown) {
@@ -129,22 +129,22 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
     return kNaN;
   };
   if (error == std::errc::result_out_of_range) {
-    return refuse("not-finite", quoted(part) + " does not fit into a double");
+    return refuse("not-finite", in_quotes(part) + " does not fit into a double");
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {
     const char* const hint =
         part.find(',') != std::string_view::npos    ? " (the decimal separator is a point)"
         : part.find("${") != std::string_view::npos ? " (macros (xacro) must be expanded first)"
                                                     : "";
-    return refuse("not-a-number", quoted(part) + " is not a number" + hint);
+    return refuse("not-a-number", in_quotes(part) + " is not a number" + hint);
   }
-  if (!std::isfinite(number)) return refuse("not-finite", quoted(part) + " is not finite");
+  if (!std::isfinite(number)) return refuse("not-finite", in_quotes(part) + " is not finite");
   if (std::abs(number) > kLargestNumber) {
     return refuse("out-of-range",
-                  fmt::format("{} is larger than {:g}", quoted(part), kLargestNumber));
+                  fmt::format("{} is larger than {:g}", in_quotes(part), kLargestNumber));
   }
   if (sign == Sign::NonNegative && number < 0) {
-    return refuse("out-of-range", quoted(text) + " must not be negative");
+    return refuse("out-of-range", in_quotes(text) + " must not be negative");
   }
   return number;
 }
@@ -161,11 +161,21 @@ Vector3d Element::vector(const char* attribute, Sign sign,
   if (text == nullptr) return result;
   const std::vector<std::string_view> parts = split_at_blanks(text);
   if (parts.size() != 3) {
-    find_in(attribute, "not-a-vector", quoted(text) + " must be three numbers between blanks");
+    find_in(attribute, "not-a-vector", in_quotes(text) + " must be three numbers between blanks");
     return Vector3d::Constant(kNaN);
   }
   for (int i = 0; i < 3; ++i) result[i] = parse(attribute, text, parts[i], sign);
   return result;
+}
+
+std::vector<double> Element::numbers(const char* attribute) {
+  std::vector<double> list;
+  const char* text = value(attribute, true);
+  if (text == nullptr) return list;
+  for (const std::string_view part : split_at_blanks(text)) {
+    list.push_back(parse(attribute, text, part, Sign::Any));
+  }
+  return list;
 }
 
 void Element::leave_out(const char* name, const std::string& reason) {
@@ -180,14 +190,14 @@ void Element::finish() {
     const std::string_view name = a->Name();
     if (contains(attributes_, name) || name.starts_with("xmlns")) continue;
     findings_.remark(a->GetLineNum(), "unknown-attribute",
-                     fmt::format("{} {}: is not read; known there: {}", tag(), quoted(name),
+                     fmt::format("{} {}: is not read; known there: {}", tag(), in_quotes(name),
                                  listed(attributes_)));
   }
   for (const auto* node = xml_.FirstChild(); node != nullptr; node = node->NextSibling()) {
     if (node->ToText() != nullptr && !trimmed(node->Value()).empty()) {
       findings_.remark(
           node->GetLineNum(), "unexpected-text",
-          fmt::format("{} contains the text {}", tag(), quoted(trimmed(node->Value()))));
+          fmt::format("{} contains the text {}", tag(), in_quotes(trimmed(node->Value()))));
     }
     if (node->ToElement() == nullptr) continue;
     const std::string_view name = node->Value();
@@ -197,7 +207,7 @@ void Element::finish() {
       continue;
     }
     findings_.remark(node->GetLineNum(), "unknown-element",
-                     fmt::format("{} in {}: is not read; known there: {}", quoted(name), tag(),
+                     fmt::format("{} in {}: is not read; known there: {}", in_quotes(name), tag(),
                                  listed(children_)));
   }
 }

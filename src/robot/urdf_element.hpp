@@ -2,50 +2,19 @@
 // not asked for is remarked upon in the end.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <tinyxml2.h>
 
-#include <stillbase/core/error.hpp>
 #include <stillbase/core/types.hpp>
 
+#include "robot/urdf_findings.hpp"
+#include "robot/urdf_tree.hpp"
+
 namespace stillbase::urdf {
-
-/// Collects what is wrong with one file, and what was left out of it or assumed.
-class Findings {
- public:
-  explicit Findings(std::string source) : source_(std::move(source)) {}
-  void add(int line, std::string rule, std::string message) {
-    findings_.push_back({source_, line, std::move(rule), std::move(message)});
-  }
-  /// A remark: nothing is refused for it. Remarks of one rule and message are one kind.
-  /// @param subject joint or link that it is about; empty: the message says it
-  void remark(int line, const std::string& rule, const std::string& message,
-              const std::string& subject = {});
-  /// One finding per kind, in the order of the file: first line, number of times, subjects.
-  std::vector<Finding> remarks() const;
-  /// @throws InputError when anything is wrong
-  void raise() const {
-    if (!findings_.empty()) throw InputError(findings_);
-  }
-
- private:
-  struct Kind {
-    int line = 0, count = 0;
-    std::vector<std::string> subjects;
-  };
-  std::string source_;
-  std::vector<Finding> findings_;
-  std::map<std::pair<std::string, std::string>, Kind> remarks_;  ///< by rule and message
-};
-
-/// A piece of the file for a message: in quotes, short, without control characters.
-std::string quoted(std::string_view text);
 
 enum class Sign { Any, NonNegative };
 
@@ -71,6 +40,9 @@ class Element {
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
   /// Three finite numbers, alike.
   Vector3d vector(const char* attribute, Sign sign, const std::optional<Vector3d>& otherwise = {});
+
+  /// Any finite numbers between blanks; a required attribute.
+  std::vector<double> numbers(const char* attribute);
 
   /// Reads the children of this name, in file order; there must be `least` to `most` of them.
   template <class Read>
@@ -109,5 +81,14 @@ class Element {
 };
 
 inline constexpr int kAny = 1 << 20;  ///< number of elements
+
+/// Parses a text whose outermost element is <robot>.
+/// @throws InputError too large, not UTF-8, not well-formed, too deep, document types
+void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings);
+
+TreeLink read_link(Element& element);
+TreeJoint read_joint(Element& element);
+/// The pose of the <origin> of a parent: fixed axes roll, pitch, yaw.
+Pose read_origin(Element& parent);
 
 }  // namespace stillbase::urdf

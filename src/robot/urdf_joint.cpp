@@ -1,7 +1,7 @@
 // <joint> of a URDF file.
 #include <fmt/format.h>
 
-#include "robot/urdf_tree.hpp"
+#include "robot/urdf_element.hpp"
 
 namespace stillbase::urdf {
 
@@ -19,7 +19,7 @@ void read_type(Element& element, TreeJoint& out) {
   } else if (type != "revolute" && !out.is_fixed && !out.is_free && !type.empty()) {
     element.find("joint-type", fmt::format("joint {} is {}: no such type; allowed: revolute "
                                            "continuous prismatic fixed",
-                                           quoted(out.joint.name), quoted(type)));
+                                           in_quotes(out.joint.name), in_quotes(type)));
   }
 }
 
@@ -45,7 +45,7 @@ void read_limit(Element& limit, Joint& joint) {
   }
   if (lower > upper) {
     limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}",
-                                           quoted(joint.name), lower, upper));
+                                           in_quotes(joint.name), lower, upper));
   }
 }
 
@@ -61,16 +61,18 @@ void read_motion(Element& element, TreeJoint& out) {
     read_limit(limit, joint);
   });
   if (joint.type != JointType::Continuous && !has_limit) {
-    element.find("joint-limits",
-                 fmt::format("joint {} is {} and needs <limit> with lower and upper",
-                             quoted(joint.name), joint.is_prismatic() ? "prismatic" : "revolute"));
+    element.find(
+        "joint-limits",
+        fmt::format("joint {} is {} and needs <limit> with lower and upper", in_quotes(joint.name),
+                    joint.is_prismatic() ? "prismatic" : "revolute"));
   }
   element.each("dynamics", 0, 1, [&](Element& dynamics) {
     joint.viscous_friction = dynamics.number("damping", Sign::NonNegative, 0);
     joint.coulomb_friction = dynamics.number("friction", Sign::NonNegative, 0);
   });
   element.each("mimic", 0, 1, [&](Element& mimic) {
-    mimic.find("mimic", "coupled joints (<mimic>) are not supported: each joint is free");
+    out.mimic = Mimic{mimic.text("joint", true), mimic.number("multiplier", Sign::Any, 1),
+                      mimic.number("offset", Sign::Any, 0)};
   });
 }
 

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "robot/urdf_tree.hpp"
+#include <stillbase/robot/physical_checks.hpp>
+
+#include "robot/urdf_element.hpp"
 
 namespace stillbase::urdf {
 
@@ -21,6 +23,9 @@ Inertial read_inertial(Element& element) {
     const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
     inertial.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
   });
+  if (inertial.mass == 0 && !inertial.inertia.isZero(0)) {
+    element.remark("massless", "<inertial> of mass 0 has an inertia tensor, which counts");
+  }
   return inertial;
 }
 
@@ -32,6 +37,32 @@ bool has_size(Element& shape, double least) {
     shape.remark("no-shape", shape.tag() + " of size zero: left out");
   }
   return least > 0;
+}
+
+/// The hull that a written file gives beside a mesh: 3 coordinates per vertex, 3 corners per face.
+ConvexMesh read_hull(Element& element) {
+  ConvexMesh hull;
+  const std::vector<double> coordinates = element.numbers("vertices");
+  const std::vector<double> corners = element.numbers("faces");
+  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {
+    hull.vertices.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+  }
+  const auto is_vertex = [&](double x) {
+    return x >= 0 && x < static_cast<double>(hull.vertices.size()) && x == std::floor(x);
+  };
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    std::vector<int> face;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      face.push_back(is_vertex(corners[c]) ? static_cast<int>(corners[c]) : -1);
+    }
+    hull.faces.push_back(std::move(face));
+  }
+  std::string fault = convex_mesh_fault(hull);
+  if (coordinates.size() % 3 != 0 || corners.size() % 3 != 0) {
+    fault = "vertices and faces must be lists of three numbers each";
+  }
+  if (!fault.empty()) element.find("not-convex", "<hull>: " + fault);
+  return hull;
 }
 
 /// Reads one <geometry>; a cylinder whose <collision> has a name that ends in "_capsule" is a
@@ -67,7 +98,15 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
   }
   each("mesh", [&](Element& mesh) {
     link.meshes.push_back({mesh.line(), pose, mesh.text("filename", true),
-                           mesh.vector("scale", Sign::Any, Vector3d::Ones())});
+                           mesh.vector("scale", Sign::Any, Vector3d::Ones()), std::nullopt});
+  });
+  element.each("hull", 0, 1, [&](Element& hull) {
+    ConvexMesh mesh = read_hull(hull);
+    if (count == 1 && !link.meshes.empty()) {
+      link.meshes.back().hull = std::move(mesh);
+    } else {
+      hull.find("geometry", "<hull> stands beside the <mesh> that it encloses");
+    }
   });
   if (count == 0)
     element.remark("no-shape", "<collision> without a shape that is known", link.name);

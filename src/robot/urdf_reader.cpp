@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +11,7 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/physical_checks.hpp>
 
+#include "robot/mesh_shapes.hpp"
 #include "robot/urdf_tree.hpp"
 
 namespace stillbase {
@@ -68,8 +70,14 @@ class Builder {
       for (const auto& [pose, geometry] : tree.links[i].shapes) {
         robot_.shapes.push_back({link.body, link.name, link.pose * pose, geometry});
       }
+      for (const MeshUse& mesh : tree.links[i].meshes) {
+        if (mesh.hull) {
+          robot_.shapes.push_back({link.body, link.name, link.pose * mesh.pose, *mesh.hull});
+        }
+      }
     }
     merge_bodies();
+    couple_joints();
     move_origin_to_base_centroid();
   }
 
@@ -97,6 +105,7 @@ class Builder {
     const Matrix3d R_align = axes_with_z_along(source.axis.stableNormalized());
     const int body = robot_.n();
     robot_.joints.push_back(source.joint);
+    sources_.push_back(&source);
     Joint& joint = robot_.joints.back();
     joint.parent = parent;
     joint.R = T_parent_joint.orientation.toRotationMatrix() * R_align;
@@ -114,7 +123,35 @@ class Builder {
       if (link.name != body.name) body.merged_links.push_back(link.name);
     }
     merge(parts_[0], robot_.base);
-    for (int k = 0; k < robot_.n(); ++k) merge(parts_[k + 1], robot_.bodies[k]);
+    for (int k = 0; k < robot_.num_bodies(); ++k) merge(parts_[k + 1], robot_.bodies[k]);
+  }
+
+  // Joints that follow others leave the list of joints; the tree keeps them all. The friction of a
+  // joint counts at its master: viscous by the square of the ratio, Coulomb by the ratio.
+  void couple_joints() {
+    const auto follows = [](const TreeJoint* source) { return source->mimic.has_value(); };
+    if (std::none_of(sources_.begin(), sources_.end(), follows)) return;
+    robot_.coupled_tree = std::move(robot_.joints);
+    robot_.joints.clear();
+    std::map<std::string, int> number;
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+      if (follows(sources_[k])) continue;
+      number[robot_.coupled_tree[k].name] = robot_.n();
+      robot_.joints.push_back(robot_.coupled_tree[k]);
+    }
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+      const Joint& joint = robot_.coupled_tree[k];
+      if (!follows(sources_[k])) {
+        robot_.couplings.push_back({number.at(joint.name), 1, 0});
+        continue;
+      }
+      const Mimic& mimic = *sources_[k]->mimic;
+      const int master = number.at(mimic.master);
+      robot_.couplings.push_back({master, mimic.ratio, mimic.offset});
+      Joint& moved = robot_.joints[static_cast<std::size_t>(master)];
+      moved.viscous_friction += mimic.ratio * mimic.ratio * joint.viscous_friction;
+      moved.coulomb_friction += std::abs(mimic.ratio) * joint.coulomb_friction;
+    }
   }
 
   // So far the base's quantities are in the frame of the root link; B has its origin at the
@@ -122,8 +159,10 @@ class Builder {
   void move_origin_to_base_centroid() {
     const Vector3d shift = robot_.base.centroid;
     robot_.base.centroid.setZero();
-    for (Joint& joint : robot_.joints) {
-      if (joint.parent == kBase) joint.p -= shift;
+    for (auto* joints : {&robot_.joints, &robot_.coupled_tree}) {
+      for (Joint& joint : *joints) {
+        if (joint.parent == kBase) joint.p -= shift;
+      }
     }
     for (LinkFrame& link : robot_.links) {
       if (link.body == kBase) link.pose.position -= shift;
@@ -135,11 +174,12 @@ class Builder {
 
   const Tree& tree_;
   RobotModel robot_;
-  std::vector<std::vector<Part>> parts_;  // [0]: base, [k + 1]: body k
+  std::vector<const TreeJoint*> sources_;  // of the joints, as they were added
+  std::vector<std::vector<Part>> parts_;   // [0]: base, [k + 1]: body k
 };
 
 void check_body(const Body& body, int line, bool may_lack_mass, Findings& findings) {
-  std::string name = "body " + quoted(body.name);
+  std::string name = "body " + in_quotes(body.name);
   if (!body.merged_links.empty()) {
     name += fmt::format(" (with {} merged links)", body.merged_links.size());
   }
@@ -168,7 +208,7 @@ void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base
 std::string farthest_leaf(const RobotModel& robot, const std::vector<std::string>& leaves) {
   const auto joints_before = [&](const std::string& leaf) {
     int count = 0;
-    for (int k = find_link(robot, leaf)->body; k != kBase; k = robot.joints[k].parent) ++count;
+    for (int k = find_link(robot, leaf)->body; k != kBase; k = robot.tree()[k].parent) ++count;
     return count;
   };
   return *std::max_element(leaves.begin(), leaves.end(),
@@ -184,7 +224,7 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, bool m
       std::string names;
       for (const LinkFrame& link : robot.links) names += " " + link.name;
       findings.add(0, "hand-unknown",
-                   fmt::format("there is no link {}; links:{}", quoted(hand), names));
+                   fmt::format("there is no link {}; links:{}", in_quotes(hand), names));
     }
     return hand;
   }
@@ -196,11 +236,21 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, bool m
     findings.remark(0, "hand-missing",
                     fmt::format("no hand link is named: {} is taken, of the links without "
                                 "children: {}",
-                                quoted(chosen), names));
+                                in_quotes(chosen), names));
   } else {
     findings.add(0, "hand-missing", "name the hand link; links without children: " + names);
   }
   return chosen;
+}
+
+RobotModel model_of(const Tree& tree, const std::string& hand, const UrdfOptions& options,
+                    Findings& findings) {
+  RobotModel robot = Builder(tree).take();
+  check_physics(robot, tree, options.may_lack_base, findings);
+  const std::string hand_link = choose_hand(robot, hand, options.may_lack_hand, findings);
+  findings.raise();
+  robot.remarks = findings.remarks();
+  return with_hand(std::move(robot), hand_link);
 }
 
 }  // namespace
@@ -209,23 +259,25 @@ RobotModel read_urdf(std::string_view text, const std::string& source, const std
                      const UrdfOptions& options) {
   Findings findings(source);
   const Tree tree = read_tree(text, findings);
-  RobotModel robot = Builder(tree).take();
   for (const TreeLink& link : tree.links) {
     for (const MeshUse& mesh : link.meshes) {
+      if (mesh.hull) continue;
       findings.remark(mesh.line, "mesh",
-                      "meshes are not read: clearance does not cover these links", link.name);
+                      "meshes that are not there: clearance does not cover these links",
+                      fmt::format("{} ({})", link.name, mesh.file));
     }
   }
-  check_physics(robot, tree, options.may_lack_base, findings);
-  const std::string hand_link = choose_hand(robot, hand, options.may_lack_hand, findings);
-  findings.raise();
-  robot.remarks = findings.remarks();
-  return with_hand(std::move(robot), hand_link);
+  return model_of(tree, hand, options, findings);
 }
 
 RobotModel read_robot(const std::string& path, const std::string& hand,
                       const UrdfOptions& options) {
-  return read_urdf(read_text_file(path, kMaxUrdfBytes), path, hand, options);
+  Findings findings(path);
+  Tree tree = read_tree(read_text_file(path, kMaxUrdfBytes), findings);
+  MeshFolders folders{path, options.package_path};
+  for (std::string& folder : ros_package_path()) folders.packages.push_back(std::move(folder));
+  enclose_meshes(tree, folders, findings);
+  return model_of(tree, hand, options, findings);
 }
 
 }  // namespace stillbase

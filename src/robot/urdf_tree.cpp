@@ -8,6 +8,8 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "robot/urdf_element.hpp"
+
 namespace stillbase::urdf {
 
 namespace {
@@ -47,27 +49,9 @@ void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findin
 /// The links and joints of a text, or every finding about its form.
 Tree read_document(std::string_view text, Findings& findings) {
   tinyxml2::XMLDocument document;
-  check_text(text, findings);
-  findings.raise();
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    const bool deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
-    findings.add(document.ErrorLineNum(), deep ? "too-deep" : "xml",
-                 deep ? fmt::format("elements are nested more than {} deep", kMaxUrdfDepth)
-                      : fmt::format("not well-formed XML ({})", document.ErrorName()));
-    findings.raise();
-  }
-  check_everywhere(document, 0, findings);
-  const tinyxml2::XMLElement* root = document.RootElement();
-  if (root == nullptr || std::string_view(root->Name()) != "robot") {
-    findings.add(root != nullptr ? root->GetLineNum() : 0, "xml",
-                 "the outermost element must be <robot>");
-  } else if (root->NextSiblingElement() != nullptr) {
-    findings.add(root->NextSiblingElement()->GetLineNum(), "xml",
-                 "there is an element after </robot>");
-  }
-  findings.raise();
+  parse_robot(text, document, findings);
   Tree tree;
-  Element robot(*root, findings);
+  Element robot(*document.RootElement(), findings);
   tree.name = robot.text("name", true);
   if (robot.text("version", false) != "1.0" && robot.has("version")) {
     robot.find("version", "<robot> version: must be 1.0");
@@ -114,18 +98,64 @@ void drop_free_root(Tree& tree, Findings& findings) {
       findings.add(joint.line, "joint-type",
                    fmt::format("joint {} has several degrees of freedom: only the base floats; "
                                "allowed: revolute continuous prismatic fixed",
-                               quoted(joint.joint.name)));
+                               in_quotes(joint.joint.name)));
       continue;
     }
     findings.remark(joint.line, "free-root",
                     fmt::format("link {} and the floating joint below it: left out, every base "
                                 "floats",
-                                quoted(parent)));
+                                in_quotes(parent)));
     tree.links.erase(link);
     tree.joints.erase(tree.joints.begin() + static_cast<long>(j));
     break;
   }
   findings.raise();
+}
+
+/// Follows couplings of couplings to a joint that moves by itself. A coupled joint whose master
+/// cannot move is fixed.
+void follow_couplings(Tree& tree, Findings& findings) {
+  const auto index_of = [&](const std::string& name) {
+    const auto found = std::find_if(tree.joints.begin(), tree.joints.end(),
+                                    [&](const TreeJoint& j) { return j.joint.name == name; });
+    return static_cast<std::size_t>(found - tree.joints.begin());
+  };
+  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+    TreeJoint& joint = tree.joints[j];
+    if (!joint.mimic) continue;
+    Mimic& mimic = *joint.mimic;
+    const auto refuse = [&](const std::string& what) {
+      findings.add(joint.line, "mimic",
+                   fmt::format("joint {}: {}", in_quotes(joint.joint.name), what));
+    };
+    for (std::size_t steps = 0;; ++steps) {
+      const std::size_t m = index_of(mimic.master);
+      if (m == tree.joints.size()) {
+        refuse(fmt::format("there is no joint {} that it could follow", in_quotes(mimic.master)));
+        break;
+      }
+      if (steps > tree.joints.size()) {
+        refuse("the joints that it follows follow each other in a circle");
+        break;
+      }
+      const TreeJoint& master = tree.joints[m];
+      if (!master.mimic) break;
+      mimic.offset += mimic.ratio * master.mimic->offset;
+      mimic.ratio *= master.mimic->ratio;
+      mimic.master = master.mimic->master;
+    }
+  }
+  findings.raise();
+  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+    const TreeJoint& joint = tree.joints[j];
+    if (!joint.mimic) continue;
+    const bool has_still_master = tree.joints[index_of(joint.mimic->master)].is_fixed;
+    if (!has_still_master && joint.mimic->ratio != 0) continue;
+    findings.remark(joint.line, "mimic",
+                    "<mimic> of a joint that does not move: the coupled joint is fixed",
+                    joint.joint.name);
+    lock(tree, j, joint.mimic->offset);
+  }
 }
 
 /// Finds how links and joints hang together; every name once, every link with one parent.
@@ -135,7 +165,7 @@ void connect(Tree& tree, Findings& findings) {
                             const std::string& name, int line, int i) {
     if (names.emplace(name, i).second) return;
     findings.add(line, "duplicate-name",
-                 fmt::format("there is already a {} {}", kind, quoted(name)));
+                 fmt::format("there is already a {} {}", kind, in_quotes(name)));
   };
   for (std::size_t i = 0; i < tree.links.size(); ++i) {
     add_name(index, "link", tree.links[i].name, tree.links[i].line, static_cast<int>(i));
@@ -146,9 +176,9 @@ void connect(Tree& tree, Findings& findings) {
     const auto link_of = [&](const std::string& link) {
       const auto found = index.find(link);
       if (found != index.end()) return found->second;
-      findings.add(
-          joint.line, "unknown-link",
-          fmt::format("joint {}: there is no link {}", quoted(joint.joint.name), quoted(link)));
+      findings.add(joint.line, "unknown-link",
+                   fmt::format("joint {}: there is no link {}", in_quotes(joint.joint.name),
+                               in_quotes(link)));
       return -1;
     };
     joint.parent = link_of(joint.parent_name);
@@ -157,9 +187,10 @@ void connect(Tree& tree, Findings& findings) {
     tree.links[joint.parent].child_joints.push_back(j);
     int& parent_joint = tree.links[joint.child].parent_joint;
     if (parent_joint >= 0) {
-      findings.add(joint.line, "two-parents",
-                   fmt::format("link {} is already the child of joint {}", quoted(joint.child_name),
-                               quoted(tree.joints[parent_joint].joint.name)));
+      findings.add(
+          joint.line, "two-parents",
+          fmt::format("link {} is already the child of joint {}", in_quotes(joint.child_name),
+                      in_quotes(tree.joints[parent_joint].joint.name)));
     }
     parent_joint = j;
   }
@@ -180,7 +211,7 @@ void find_root(Tree& tree, Findings& findings) {
     } else {
       findings.add(link.line, "two-roots",
                    fmt::format("links {} and {} both have no parent: one robot has one base",
-                               quoted(tree.links[tree.root].name), quoted(link.name)));
+                               in_quotes(tree.links[tree.root].name), in_quotes(link.name)));
     }
   }
   while (!open.empty()) {
@@ -193,19 +224,61 @@ void find_root(Tree& tree, Findings& findings) {
     if (reached[i]) continue;
     findings.add(tree.links[i].line, "cycle",
                  fmt::format("link {} is not connected to the base: its joints form a cycle",
-                             quoted(tree.links[i].name)));
+                             in_quotes(tree.links[i].name)));
   }
   findings.raise();
 }
 
 }  // namespace
 
+void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings) {
+  check_text(text, findings);
+  findings.raise();
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    const bool deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
+    findings.add(document.ErrorLineNum(), deep ? "too-deep" : "xml",
+                 deep ? fmt::format("elements are nested more than {} deep", kMaxUrdfDepth)
+                      : fmt::format("not well-formed XML ({})", document.ErrorName()));
+    findings.raise();
+  }
+  check_everywhere(document, 0, findings);
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (root == nullptr || std::string_view(root->Name()) != "robot") {
+    findings.add(root != nullptr ? root->GetLineNum() : 0, "xml",
+                 "the outermost element must be <robot>");
+  } else if (root->NextSiblingElement() != nullptr) {
+    findings.add(root->NextSiblingElement()->GetLineNum(), "xml",
+                 "there is an element after </robot>");
+  }
+  findings.raise();
+}
+
 Tree read_tree(std::string_view text, Findings& findings) {
   Tree tree = read_document(text, findings);
   drop_free_root(tree, findings);
   connect(tree, findings);
   find_root(tree, findings);
+  follow_couplings(tree, findings);
   return tree;
+}
+
+void lock(Tree& tree, std::size_t j, double position) {
+  TreeJoint& joint = tree.joints[j];
+  Pose motion;
+  const Vector3d axis = joint.axis.stableNormalized();
+  if (joint.joint.is_prismatic()) {
+    motion.position = position * axis;
+  } else {
+    motion.orientation = rotation_exp(position * axis);
+  }
+  joint.origin = joint.origin * motion;
+  joint.is_fixed = true;
+  joint.mimic.reset();
+  const std::string name = joint.joint.name;
+  for (std::size_t k = 0; k < tree.joints.size(); ++k) {
+    const auto& mimic = tree.joints[k].mimic;
+    if (mimic && mimic->master == name) lock(tree, k, mimic->ratio * position + mimic->offset);
+  }
 }
 
 }  // namespace stillbase::urdf

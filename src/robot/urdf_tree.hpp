@@ -8,9 +8,15 @@
 
 #include <stillbase/robot/robot_model.hpp>
 
-#include "robot/urdf_element.hpp"
+#include "robot/urdf_findings.hpp"
 
 namespace stillbase::urdf {
+
+/// position = ratio * position of the master + offset.
+struct Mimic {
+  std::string master;
+  double ratio = 1, offset = 0;
+};
 
 struct TreeJoint {
   int line = 0;
@@ -19,6 +25,7 @@ struct TreeJoint {
   Joint joint;                        ///< as the file states it; parent and pose are not set
   Pose origin;                        ///< in the parent link
   Vector3d axis = Vector3d::UnitX();  ///< any length > 0
+  std::optional<Mimic> mimic;         ///< of a joint that is free to move; never of another mimic
   std::string parent_name, child_name;
   int parent = -1, child = -1;  ///< indices into Tree::links
 };
@@ -32,9 +39,10 @@ struct Inertial {
 /// A mesh that a <collision> names.
 struct MeshUse {
   int line = 0;
-  Pose pose;  ///< in the link
-  std::string file;
+  Pose pose;         ///< in the link
+  std::string file;  ///< as written
   Vector3d scale = Vector3d::Ones();
+  std::optional<ConvexMesh> hull;  ///< what stands for it, in its frame after scaling
 };
 
 struct TreeLink {
@@ -55,12 +63,14 @@ struct Tree {
   int root = -1;
 };
 
+/// The tree of a text. Couplings of couplings are followed to their master.
 /// @throws InputError with every finding of the same stage
 Tree read_tree(std::string_view text, Findings& findings);
 
-TreeLink read_link(Element& element);
-TreeJoint read_joint(Element& element);
-/// The pose of the <origin> of a parent: fixed axes roll, pitch, yaw.
-Pose read_origin(Element& parent);
+/// Joint j keeps this position: it becomes a fixed joint, and with it every joint that follows it.
+void lock(Tree& tree, std::size_t j, double position);
+
+/// The tree as a URDF text, by the names of links and joints.
+std::string urdf_text(const Tree& tree);
 
 }  // namespace stillbase::urdf

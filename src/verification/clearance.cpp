@@ -16,9 +16,9 @@ namespace {
 /// The scene's view of a posture, filled from the reference kinematics.
 Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd& phi) {
   Kinematics<double> kinematics;
-  kinematics.n = robot.n();
-  for (auto* points : {&kinematics.o, &kinematics.c}) points->resize(robot.n());
-  kinematics.R.resize(robot.n());
+  kinematics.n = robot.num_bodies();
+  for (auto* points : {&kinematics.o, &kinematics.c}) points->resize(robot.bodies.size());
+  kinematics.R.resize(robot.bodies.size());
   const std::vector<Pose> poses = reference::body_poses(robot, phi);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     kinematics.R[k] = poses[k].orientation.toRotationMatrix();

@@ -147,7 +147,7 @@ bool ContactShapes::must_be_apart(int i, int j) const {
 bool ContactShapes::are_neighbours(int i, int j) const {
   const auto is_parent = [&](const Shape& parent, const Shape& child) {
     return child.body >= 0 && !parent.is_obstacle &&
-           problem_.robot.joints[child.body].parent == parent.body;
+           problem_.robot.tree()[child.body].parent == parent.body;
   };
   const Shape &a = shape(i), &b = shape(j);
   return is_parent(a, b) || is_parent(b, a);

@@ -4,6 +4,7 @@
 #include <stillbase/impact/gradient.hpp>
 
 #include "support/autodiff_kernel.hpp"
+#include "support/coupled_robot.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -58,6 +59,27 @@ ImpactResistance random_resistance(Random& random, int n) {
 }
 
 }  // namespace
+
+TEST_CASE("the adjoint gradient of a robot with coupled joints agrees, too") {
+  Random random(17);
+  for (int trial = 0; trial < 60; ++trial) {
+    const RobotModel robot =
+        with_couplings(random_robot(random, 2 + random.index(9), trial % 2 == 0), random);
+    const int n = robot.n();
+    const JointVectord phi = random_joints(random, n, 1);
+    const Vector6d F = random_wrench(random);
+    const ImpactResistance resistance = random_resistance(random, n);
+    ResponseWeights<double> weights = random_weights(random);
+    const auto posture = evaluate_posture<double>(robot, resistance, phi);
+    const auto response = respond<double>(posture, F);
+    const auto gradient = response_gradient<double>(robot, posture, response, weights);
+    const auto dual_posture = evaluate_posture<Dual>(robot, resistance, independent(phi));
+    const Dual psi = weighted_sum(respond<Dual>(dual_posture, F.cast<Dual>()), weights);
+    CHECK(weighted_sum(response, weights) == Approx(psi.value()).epsilon(1e-12));
+    const double scale = 1 + psi.derivatives().cwiseAbs().maxCoeff();
+    CHECK((gradient.phi - psi.derivatives()).cwiseAbs().maxCoeff() < 1e-10 * scale);
+  }
+}
 
 TEST_CASE("the adjoint gradient over joints agrees with automatic differentiation") {
   Random random(7);

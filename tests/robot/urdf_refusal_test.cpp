@@ -185,7 +185,7 @@ TEST_CASE("joints that are not supported are refused with the reason") {
     refused(with("type=\"revolute\"", std::string("type=\"") + type + "\""), 14,
             empty ? "missing-attribute" : "joint-type");
   }
-  refused(with("<axis", "<mimic joint=\"j\"/><axis"), 18, "mimic");
+  refused(with("<axis", "<mimic joint=\"j\"/><axis"), 14, "mimic");
   refused(with("xyz=\"0 0 1\"", "xyz=\"0 0 0\""), 18, "joint-axis");
   refused(with("<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/>", ""), 14,
           "joint-limits");

@@ -87,6 +87,8 @@ std::optional<std::string> library_of(const std::string& header) {
       {std::regex("ompl/.*"), "OMPL"},
       {std::regex("(fcl|ccd|octomap)/.*"), "FCL"},
       {std::regex("tinyxml2?\\.h"), "tinyxml2"},
+      {std::regex("assimp/.*"), "assimp"},
+      {std::regex("libqhull.*"), "Qhull"},
       {std::regex("yaml-cpp/.*"), "yaml-cpp"},
       {std::regex("nlohmann/.*"), "json"},
       {std::regex("CLI/.*"), "CLI11"},

@@ -15,7 +15,7 @@ using BodyWorkspace = std::array<T, static_cast<std::size_t>(kMaxJointsOf<S>)>;
 /// Where everything is at joint positions phi, in B.
 template <class S>
 struct Kinematics {
-  int n = 0;                 ///< joints
+  int n = 0;                 ///< bodies: as many as joints unless some follow others
   PerBody<Matrix3<S>, S> R;  ///< axes of body k in B; column 2 is the axis z_k of joint k
   PerBody<Vector3<S>, S> o;  ///< origin of body k (on the axis of joint k) in B, m
   PerBody<Vector3<S>, S> c;  ///< centroid of body k in B, m

@@ -13,6 +13,7 @@
 #include <stillbase/plan/post_impact.hpp>
 #include <stillbase/plan/quantities.hpp>
 #include <stillbase/plan/user_functions.hpp>
+#include <stillbase/robot/assembled_robot.hpp>
 #include <stillbase/robot/robot_model.hpp>
 #include <stillbase/target/prediction.hpp>
 #include <stillbase/target/target.hpp>
@@ -188,8 +189,9 @@ struct CaptureProblem {
   std::string name;       ///< stem of the file
   std::string purpose;    ///< one sentence
   std::string source;     ///< file it was read from, for messages
-  std::string urdf;       ///< text of the robot file
-  std::string urdf_path;  ///< as written in the problem file
+  std::string urdf;       ///< text of the robot file, or of what was put together
+  std::string urdf_path;  ///< as written in the problem file; empty: `parts` names arms
+  RobotParts parts;       ///< how `urdf` was put together; it is not done again with a text
   RobotModel robot;
   JointResistance resistance;
   JointVectord start;  ///< n, start posture

@@ -1,9 +1,10 @@
-// What a mass or an inertia tensor must satisfy to belong to a real rigid body.
+// What a mass, an inertia tensor or a hull must satisfy to belong to a real rigid body.
 #pragma once
 
 #include <string>
 
 #include <stillbase/core/types.hpp>
+#include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
 
@@ -18,5 +19,9 @@ std::string inertia_fault(const Matrix3d& inertia);
 
 /// Why no rigid body can have this mass (kg); empty when one can: finite and > 0.
 std::string mass_fault(double mass);
+
+/// Why this is no convex mesh; empty when it is: at least 4 vertices and 4 faces, every face a
+/// polygon of the vertices, no vertex outside of a face by more than 1e-6 of the mesh's size.
+std::string convex_mesh_fault(const ConvexMesh& mesh);
 
 }  // namespace stillbase

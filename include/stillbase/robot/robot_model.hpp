@@ -23,13 +23,13 @@ inline constexpr int kBase = -1;  ///< body index of the base
 
 enum class JointType { Revolute, Continuous, Prismatic };
 
-/// Joint k connects body `parent` to body k.
+/// A joint connects body `parent` to the body that it moves.
 struct Joint {
   std::string name;
   JointType type = JointType::Revolute;
   int parent = kBase;                 ///< body index, kBase for the base
-  Matrix3d R = Matrix3d::Identity();  ///< axes of joint frame k at phi_k = 0 in the parent's frame
-  Vector3d p = Vector3d::Zero();      ///< origin of joint frame k in the parent's frame, m
+  Matrix3d R = Matrix3d::Identity();  ///< axes of the joint's frame at zero in the parent's frame
+  Vector3d p = Vector3d::Zero();      ///< origin of the joint's frame in the parent's frame, m
   double lower = -kInfinity;          ///< rad or m
   double upper = kInfinity;           ///< rad or m
   double max_velocity = kInfinity;    ///< rad/s or m/s
@@ -82,22 +82,43 @@ struct LinkFrame {
   std::string parent;  ///< parent link in the file; empty for the root
 };
 
+/// How the joint of one body moves: its position is ratio * phi[joint] + offset.
+struct Coupling {
+  int joint = 0;  ///< index into RobotModel::joints
+  double ratio = 1;
+  double offset = 0;  ///< rad or m
+};
+
+/// Joints that follow others (URDF's <mimic>) are no coordinates: phi, limits and matrices have one
+/// entry per joint that moves by itself (n). With phi_b the positions of all bodies' joints,
+/// phi_b = G phi + g with constant G, so the dynamics are those of the tree after the congruence
+/// H_phi = G' H_b G, c_phi = G' c_b.
 struct RobotModel {
   std::string name;
   Body base;
-  std::vector<Joint> joints;     ///< n
-  std::vector<Body> bodies;      ///< n; bodies[k] is moved by joints[k]
-  std::vector<LinkFrame> links;  ///< every link of the file, in file order
+  std::vector<Joint> joints;        ///< n: those that move by themselves
+  std::vector<Body> bodies;         ///< moved by the joints of tree(), parents first
+  std::vector<Joint> coupled_tree;  ///< empty without couplings: see tree()
+  std::vector<Coupling> couplings;  ///< one per body; empty: joint k moves body k alone
+  std::vector<LinkFrame> links;     ///< every link of the file, in file order
   std::vector<CollisionShape> shapes;
   std::string hand;  ///< name of the hand link
   int hand_body = kBase;
   Matrix3d R_hand = Matrix3d::Identity();  ///< axes of the hand frame in its body's frame
   Vector3d p_hand = Vector3d::Zero();      ///< origin of the hand frame in its body's frame, m
-  std::vector<bool> moves_hand;            ///< n; joint k lies between base and hand
+  std::vector<bool> moves_hand;            ///< per body: its joint lies between base and hand
   /// What of the file was not read or had to be assumed, one per kind; nothing is wrong with it.
   std::vector<Finding> remarks;
 
   int n() const { return static_cast<int>(joints.size()); }
+  /// The joint that moves each body; its `parent` is a body index below its own.
+  const std::vector<Joint>& tree() const { return couplings.empty() ? joints : coupled_tree; }
+  bool is_coupled() const { return !couplings.empty(); }
+  int num_bodies() const { return static_cast<int>(bodies.size()); }
+  /// Index into `joints` of what moves body k.
+  int coordinate(int k) const {
+    return couplings.empty() ? k : couplings[static_cast<std::size_t>(k)].joint;
+  }
   double total_mass() const;
 };
 

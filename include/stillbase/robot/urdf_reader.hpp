@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <stillbase/robot/robot_model.hpp>
 
@@ -21,6 +22,8 @@ struct UrdfOptions {
   /// Of several leaf links the hand is the one behind the most movable joints (the first of those
   /// in file order), and a remark says so.
   bool may_lack_hand = false;
+  /// Folders in which packages of meshes are looked for, before those of ROS_PACKAGE_PATH.
+  std::vector<std::string> package_path = {};
 };
 
 /// Reads a robot. Strict where physics needs it; what does not concern mechanics is left out, with
@@ -41,6 +44,12 @@ struct UrdfOptions {
 /// ends in "_capsule" and holds a <cylinder> is a capsule, the cylinder of that radius and length
 /// with a half sphere on both ends (a reader that does not know this reads the cylinder).
 ///
+/// Meshes in <collision> become convex hulls: read_robot() reads their files, read_urdf() takes the
+/// <hull> beside a <mesh> that a merged file has. Without either the link has no shape there, which
+/// is remarked upon.
+///
+/// Joints that follow others (<mimic>) are no joints of the model: see Coupling.
+///
 /// Remarked upon once per kind, with the number of times and the first line: elements, attributes
 /// and text that are not read (<gazebo>, <transmission>, <ros2_control>, safety controllers, axes
 /// of fixed joints, ...), shapes without size or of no known kind, limits of zero.
@@ -57,7 +66,10 @@ struct UrdfOptions {
 RobotModel read_urdf(std::string_view text, const std::string& source, const std::string& hand,
                      const UrdfOptions& options = {});
 
-/// Reads a robot file: read_urdf() of its text.
+/// Reads a robot file: read_urdf() of its text, with hulls around the meshes that it names by
+/// package://, file:// or a path. Packages are looked for upwards from the file, then in
+/// `package_path` and ROS_PACKAGE_PATH. Hulls have at most 64 vertices, hold every vertex of their
+/// mesh, and a remark names those that are much larger than their mesh.
 /// @throws InputError as read_urdf(); FileError when it cannot be read or is too large
 RobotModel read_robot(const std::string& path, const std::string& hand = {},
                       const UrdfOptions& options = {});

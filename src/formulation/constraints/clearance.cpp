@@ -41,12 +41,15 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
                                           normal.cross(Vector3<S>(point - kin.r_bh)), gradient);
     return;
   }
-  const std::vector<Joint>& joints = at.model.problem.robot.joints;
+  const RobotModel& robot = at.model.problem.robot;
+  const std::vector<Joint>& joints = robot.tree();
   for (int k = body; k != kBase; k = joints[static_cast<std::size_t>(k)].parent) {
     const auto index = static_cast<std::size_t>(k);
-    const Vector3<S> z = kin.z(k);
+    Vector3<S> z = kin.z(k);
+    if (robot.is_coupled()) z *= S(robot.couplings[index].ratio);
     const Vector3<S> lever = point - kin.o[index];
-    gradient.phi[k] += normal.dot(joints[index].is_prismatic() ? z : Vector3<S>(z.cross(lever)));
+    gradient.phi[robot.coordinate(k)] +=
+        normal.dot(joints[index].is_prismatic() ? z : Vector3<S>(z.cross(lever)));
   }
 }
 

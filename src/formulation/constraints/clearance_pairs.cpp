@@ -72,7 +72,7 @@ bool overlap_at_joint(const RobotModel& robot, const ClearanceShape& a, const Cl
   const ClearanceShape& child = a.body > b.body ? a : b;
   const ClearanceShape& parent = a.body > b.body ? b : a;
   if (child.body < 0 || parent.body == kTargetBody) return false;
-  const Joint& joint = robot.joints[static_cast<std::size_t>(child.body)];
+  const Joint& joint = robot.tree()[static_cast<std::size_t>(child.body)];
   if (joint.parent != parent.body) return false;
   const bool both_reach = reaches(child, Vector3d::Zero()) && reaches(parent, joint.p);
   return both_reach || overlap_always(joint, child, parent);

@@ -1,45 +1,11 @@
 // Shapes of bodies that are not the robot's.
-#include <fmt/format.h>
-#include <Eigen/Dense>
+#include <stillbase/robot/physical_checks.hpp>
 
 #include "io/fields/values.hpp"
 
 namespace stillbase::io {
 
 namespace {
-
-/// Every vertex lies on or below the plane of every face, and every face is a polygon of the mesh.
-void check_mesh(ReadContext& context, int line, const std::string& path, const ConvexMesh& mesh) {
-  const auto refuse = [&](const std::string& what) {
-    context.add(line, "not-convex", fmt::format("{}: {}", path, what));
-  };
-  const int vertices = static_cast<int>(mesh.vertices.size());
-  if (vertices < 4 || mesh.faces.size() < 4) {
-    return refuse("a convex mesh needs at least 4 vertices and 4 faces");
-  }
-  double size = 0;
-  for (const Vector3d& v : mesh.vertices) size = std::max(size, (v - mesh.vertices[0]).norm());
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const std::vector<int>& face = mesh.faces[f];
-    if (face.size() < 3) return refuse(fmt::format("face {} has fewer than 3 corners", f));
-    for (const int corner : face) {
-      if (corner < 0 || corner >= vertices) {
-        return refuse(fmt::format("face {} names vertex {}; there are {}", f, corner, vertices));
-      }
-    }
-    const Vector3d& origin = mesh.vertices[face[0]];
-    const Vector3d normal =
-        (mesh.vertices[face[1]] - origin).cross(mesh.vertices[face[2]] - origin).normalized();
-    for (const Vector3d& v : mesh.vertices) {
-      if (!(normal.dot(v - origin) <= 1e-6 * size)) {
-        return refuse(
-            fmt::format("a vertex lies outside of face {} (corners counter-clockwise "
-                        "seen from outside?)",
-                        f));
-      }
-    }
-  }
-}
 
 void mesh_fields(Table& t, ConvexMesh& mesh) {
   t("vertices",
@@ -102,7 +68,8 @@ void geometry_fields(Table& t, Geometry& geometry) {
     t("convex_mesh", Map([&mesh](Table& m) { mesh_fields(m, mesh); }), "", kNeeded);
     MapReader* map = t.reader();
     if (map != nullptr && !map->was_refused("convex_mesh")) {
-      check_mesh(map->context(), map->line_of("convex_mesh"), map->path_of("convex_mesh"), mesh);
+      const std::string fault = convex_mesh_fault(mesh);
+      if (!fault.empty()) map->refuse("convex_mesh", "not-convex", fault);
     }
     geometry = mesh;
   }

@@ -13,6 +13,10 @@
 
 #include "io/fields/values.hpp"
 
+namespace stillbase {
+class RobotAssembly;
+}
+
 namespace stillbase::io {
 
 /// Where the files that a problem names come from.
@@ -35,6 +39,17 @@ void fields(Table& t, Obstacle& obstacle);
 
 /// Standard deviations of the estimate of a target.
 void fields(Table& t, EstimateDeviations& deviations);
+
+/// {ixx, iyy, izz, ixy, ixz, iyz} of a body that is possible.
+void inertia_fields(Table& t, Matrix3d& inertia);
+
+/// The parts of a robot that is put together: the base's body, arms, locked joints, limits.
+void base_body_fields(Table& t, std::optional<BaseBody>& body, bool& is_homogeneous);
+void fields(Table& t, MountedArm& arm);
+/// @param assembly knows the joints; null: any joint, in SI units
+Value locked_of(std::map<std::string, double>& locked, const RobotAssembly* assembly);
+Value limits_of(std::map<std::string, JointLimits>& limits, const RobotAssembly* assembly);
+
 /// The keys of a body: name, model, mass, inertia, shapes, features.
 void target_body_fields(Table& t, TargetBody& body);
 /// A target file.

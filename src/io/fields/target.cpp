@@ -11,8 +11,6 @@ namespace stillbase {
 
 namespace io {
 
-namespace {
-
 void inertia_fields(Table& t, Matrix3d& inertia) {
   const std::size_t before = t.reader() == nullptr ? 0 : t.reader()->context().findings.size();
   t("ixx", Number(inertia(0, 0), Dimension::Inertia, kInertia), "", kNeeded);
@@ -28,8 +26,6 @@ void inertia_fields(Table& t, Matrix3d& inertia) {
   if (fault.empty()) return;
   map->context().add(map->line(), "impossible-inertia", fmt::format("{}: {}", map->path(), fault));
 }
-
-}  // namespace
 
 static void fields(Table& t, TargetShape& shape) {
   pose_fields(t, shape.pose, "the shape", "T", kPlaceOnBody);

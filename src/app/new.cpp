@@ -1,0 +1,95 @@
+// stillbase new: a first problem for a robot file.
+#include <unistd.h>
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/command_line.hpp"
+#include "app/problem_draft.hpp"
+
+namespace stillbase::app {
+
+namespace {
+
+struct NewRequest {
+  DraftRequest draft;
+  std::vector<std::string> base_size;
+  OutputFile output;
+};
+
+/// An answer to a question on a terminal; the default for an empty one.
+std::string ask(const std::string& question, const std::string& otherwise) {
+  fmt::print(stderr, "{}{}: ", question, otherwise.empty() ? "" : " [" + otherwise + "]");
+  std::string answer;
+  if (!std::getline(std::cin, answer)) throw CommandLineError("there is no answer");
+  return answer.empty() ? otherwise : answer;
+}
+
+double number_of(const std::string& option, const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value) || value < 0) {
+    throw CommandLineError(fmt::format("{}: '{}' is not a finite number >= 0", option, text));
+  }
+  return value;
+}
+
+int make_problem(NewRequest request) {
+  DraftRequest& draft = request.draft;
+  request.output.path = draft.problem;
+  request.output.check();
+  if (extension_of(draft.problem) != ".yaml" && extension_of(draft.problem) != ".yml") {
+    throw CommandLineError(draft.problem + ": a problem ends in .yaml");
+  }
+  if (draft.robot.empty()) {
+    if (isatty(STDIN_FILENO) != 1) throw CommandLineError("--robot ARM.urdf must be named");
+    draft.robot = ask("robot file (URDF)", "");
+    draft.hand = ask("hand link, empty: found", "");
+    draft.base_mass =
+        number_of("mass", ask("mass of the satellite, kg, 0: ten times the arm's", "0"));
+    draft.target_mass = number_of("mass", ask("mass of the target, kg, 0: a tenth of it all", "0"));
+    draft.spin = number_of("rate", ask("its rotation, deg/s", "2"));
+  }
+  if (!request.base_size.empty()) {
+    if (request.base_size.size() != 3)
+      throw CommandLineError("--base-size X,Y,Z: three numbers in m");
+    for (int i = 0; i < 3; ++i) {
+      draft.base_size[i] = number_of("--base-size", request.base_size[static_cast<std::size_t>(i)]);
+    }
+    if (!(draft.base_size.minCoeff() > 0)) throw CommandLineError("--base-size: must be > 0");
+  }
+  const Draft made = draft_problem(draft);
+  request.output.write(made.text);
+  for (const std::string& note : made.notes) say(note);
+  say(fmt::format("written to {0}; next: stillbase plan {0} -o plan.json", draft.problem));
+  return kDone;
+}
+
+}  // namespace
+
+Command new_command() {
+  auto request = std::make_shared<NewRequest>();
+  DraftRequest& draft = request->draft;
+  return {"new",
+          "write a first problem for a robot file, annotated, that plans as it is",
+          {{"problem", "PROBLEM.yaml", "problem file to write", &draft.problem, true},
+           {"--robot", "ARM.urdf", "robot file; on a terminal it is asked for", &draft.robot},
+           {"--hand", "LINK", "hand link; without it the end behind the most joints", &draft.hand},
+           {"--base-mass", "KG", "of the satellite, kg; without it ten times the arm's",
+            &draft.base_mass},
+           {"--base-size", "X,Y,Z", "edges of the satellite, m; without it those of 200 kg/m^3",
+            &request->base_size},
+           {"--target-mass", "KG", "of the target, kg; without it a tenth of the spacecraft's",
+            &draft.target_mass},
+           {"--spin", "DEG_PER_S", "rotation of the target, deg/s", &draft.spin},
+           {"--distance", "M", "of the target at the start, m", &draft.distance},
+           {"--package-path", "DIR", "folders in which packages of meshes are looked for",
+            &draft.package_path},
+           {"--force", "", "replace a problem file that exists", &request->output.force}},
+          [request] { return make_problem(*request); }};
+}
+
+}  // namespace stillbase::app

@@ -1,0 +1,29 @@
+// Meshes of files: STL, OBJ, COLLADA, glTF, PLY.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <stillbase/core/types.hpp>
+
+namespace stillbase {
+
+/// Largest mesh file and largest number of its triangles.
+inline constexpr std::size_t kMaxMeshBytes = 256u << 20;
+inline constexpr std::size_t kMaxMeshTriangles = 4'000'000;
+
+struct Mesh {
+  std::vector<Vector3d> vertices;             ///< m
+  std::vector<std::array<int, 3>> triangles;  ///< indices of vertices
+};
+
+/// Reads a mesh. The unit of a COLLADA file is applied, its up axis is not: robot files are written
+/// for readers that leave it out.
+/// @throws std::runtime_error what is wrong with the file, without its name
+Mesh read_mesh(const std::string& path);
+
+/// Volume that closed triangles enclose, m^3; 0 when they leave gaps.
+double enclosed_volume(const Mesh& mesh);
+
+}  // namespace stillbase

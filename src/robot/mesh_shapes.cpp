@@ -1,0 +1,179 @@
+#include "robot/mesh_shapes.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "robot/convex_hull.hpp"
+#include "robot/mesh_file.hpp"
+
+namespace stillbase::urdf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostFoldersUp = 8;  ///< from a robot file to the folder of its packages
+
+/// A mesh that lies where the file may not point to. what() says why.
+struct PathError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// `name` below `folder`; it must not climb out of `root`.
+fs::path below(const fs::path& folder, const std::string& name, const fs::path& root) {
+  const fs::path path = (folder / name).lexically_normal();
+  const fs::path relative = path.lexically_relative(root.lexically_normal());
+  if (relative.empty() || *relative.begin() == "..") {
+    throw PathError(
+        fmt::format("the path {} leaves the folder {}", in_quotes(name), root.string()));
+  }
+  return path;
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code fault;
+  const fs::file_status status = fs::status(path, fault);
+  if (fault == std::errc::too_many_symbolic_link_levels) {
+    throw PathError(fmt::format("{}: symbolic links in a circle", path.string()));
+  }
+  return fs::exists(status);
+}
+
+std::vector<fs::path> folders_up_from(const fs::path& file) {
+  std::vector<fs::path> folders;
+  fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  while (folders.size() < kMostFoldersUp) {
+    folders.push_back(folder);
+    if (folder == folder.parent_path()) break;
+    folder = folder.parent_path();
+  }
+  return folders;
+}
+
+/// Path of a file of a package; empty: there is none.
+fs::path find_in_package(const std::string& package, const std::string& name,
+                         const MeshFolders& folders) {
+  std::vector<fs::path> packages;
+  for (const fs::path& folder : folders_up_from(folders.robot_file)) {
+    if (folder.filename() == package) packages.push_back(folder);
+    packages.push_back(folder / package);
+  }
+  for (const std::string& given : folders.packages) {
+    const fs::path folder = fs::absolute(given).lexically_normal();
+    if (folder.filename() == package) packages.push_back(folder);
+    packages.push_back(folder / package);
+  }
+  for (const fs::path& folder : packages) {
+    const fs::path path = below(folder, name, folder);
+    if (is_there(path)) return path;
+  }
+  return {};
+}
+
+/// The folder that relative names may not leave: that of the package, or the one above the file,
+/// since urdf/ and meshes/ lie side by side.
+fs::path root_of(const std::string& robot_file) {
+  const std::vector<fs::path> folders = folders_up_from(robot_file);
+  for (const fs::path& folder : folders) {
+    if (is_there(folder / "package.xml")) return folder;
+  }
+  return folders.size() > 1 ? folders[1] : folders[0];
+}
+
+/// @return empty: it is not there
+fs::path find_mesh(const std::string& name, const MeshFolders& folders) {
+  for (const char* scheme : {"package://", "model://"}) {
+    if (!name.starts_with(scheme)) continue;
+    const std::string path = name.substr(std::string(scheme).size());
+    const std::size_t slash = path.find('/');
+    if (slash == std::string::npos)
+      throw PathError(in_quotes(name) + " names no file of a package");
+    return find_in_package(path.substr(0, slash), path.substr(slash + 1), folders);
+  }
+  std::string path = name;
+  if (name.starts_with("file://")) {
+    path = name.substr(7);
+  } else if (name.find("://") != std::string::npos) {
+    throw PathError(in_quotes(name) + ": meshes are read from package://, file:// and paths");
+  }
+  if (fs::path(path).is_absolute()) {
+    const fs::path full = fs::path(path).lexically_normal();
+    return is_there(full) ? full : fs::path();
+  }
+  const std::vector<fs::path> above = folders_up_from(folders.robot_file);
+  const fs::path full = below(above[0], path, root_of(folders.robot_file));
+  if (is_there(full)) return full;
+  // Some files are written for programs that start in a folder above.
+  for (std::size_t i = 1; i < std::min<std::size_t>(above.size(), 3); ++i) {
+    const fs::path other = (above[i] / path).lexically_normal();
+    if (path.find("..") == std::string::npos && is_there(other)) return other;
+  }
+  return {};
+}
+
+std::vector<Vector3d> scaled(const std::vector<Vector3d>& points, const Vector3d& scale) {
+  std::vector<Vector3d> result;
+  result.reserve(points.size());
+  for (const Vector3d& point : points) result.push_back(point.cwiseProduct(scale));
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> ros_package_path() {
+  std::vector<std::string> folders;
+  const char* const list = std::getenv("ROS_PACKAGE_PATH");
+  std::string text = list == nullptr ? "" : list;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(':'), text.size());
+    if (end > 0) folders.push_back(text.substr(0, end));
+    text.erase(0, end + 1);
+  }
+  return folders;
+}
+
+bool enclose_meshes(Tree& tree, const MeshFolders& folders, Findings& findings) {
+  constexpr double kWorthSaying = 1.3;  // times the volume: a hole or a notch of a quarter
+  std::map<std::string, Mesh> meshes;
+  bool has_hull = false;
+  for (TreeLink& link : tree.links) {
+    for (MeshUse& use : link.meshes) {
+      if (use.hull) {
+        has_hull = true;
+        continue;
+      }
+      try {
+        const fs::path path = find_mesh(use.file, folders);
+        if (path.empty()) {
+          findings.remark(use.line, "mesh",
+                          "meshes that are not there: clearance does not cover these links",
+                          fmt::format("{} ({})", link.name, use.file));
+          continue;
+        }
+        const auto [mesh, is_new] = meshes.try_emplace(path.string());
+        if (is_new) mesh->second = read_mesh(path.string());
+        const EnclosingHull hull = enclosing_hull(scaled(mesh->second.vertices, use.scale));
+        const double volume = enclosed_volume(mesh->second) * std::abs(use.scale.prod());
+        if (volume > 0 && hull.volume > kWorthSaying * volume) {
+          findings.remark(use.line, "hull", "the hull is larger than its mesh",
+                          fmt::format("{} ({:.3g} times)", link.name, hull.volume / volume));
+        }
+        use.hull = hull.mesh;
+        has_hull = true;
+      } catch (const PathError& error) {
+        findings.add(use.line, "mesh-path", error.what());
+      } catch (const std::exception& error) {  // of the mesh's file or its points
+        findings.add(use.line, "mesh", fmt::format("{}: {}", in_quotes(use.file), error.what()));
+      }
+    }
+  }
+  return has_hull;
+}
+
+}  // namespace stillbase::urdf

@@ -1,0 +1,159 @@
+// A tree of links and joints as URDF text.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "robot/urdf_tree.hpp"
+
+namespace stillbase::urdf {
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string triple(const Vector3d& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
+
+/// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), to rounding also where pitch is a right
+/// angle: roll follows from the yaw that was chosen.
+Vector3d rpy_of(const Matrix3d& R) {
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  const double s = std::sin(yaw), c = std::cos(yaw);
+  const double pitch = std::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0));
+  const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
+  return {roll, pitch, yaw};
+}
+
+/// <origin>, or nothing where it is the identity.
+std::string origin(const Pose& pose) {
+  const Matrix3d R = pose.orientation.toRotationMatrix();
+  const bool turns = !R.isIdentity(0);
+  if (!turns && pose.position.isZero(0)) return "";
+  std::string text = fmt::format("<origin xyz=\"{}\"", triple(pose.position));
+  if (turns) text += fmt::format(" rpy=\"{}\"", triple(rpy_of(R)));
+  return text + "/>";
+}
+
+struct GeometryText {
+  std::string operator()(const Sphere& s) const {
+    return fmt::format("<sphere radius=\"{}\"/>", s.radius);
+  }
+  std::string operator()(const Capsule& c) const {
+    return fmt::format("<capsule radius=\"{}\" length=\"{}\"/>", c.radius, c.length);
+  }
+  std::string operator()(const Cylinder& c) const {
+    return fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", c.radius, c.length);
+  }
+  std::string operator()(const Box& b) const {
+    return fmt::format("<box size=\"{}\"/>", triple(b.size));
+  }
+  std::string operator()(const ConvexMesh& m) const {
+    std::string text = "<hull vertices=\"";
+    for (std::size_t i = 0; i < m.vertices.size(); ++i) {
+      text += (i > 0 ? " " : "") + triple(m.vertices[i]);
+    }
+    text += "\" faces=\"";
+    bool is_first = true;
+    for (const std::vector<int>& face : m.faces) {
+      for (std::size_t c = 2; c < face.size(); ++c) {  // a fan of triangles
+        text += fmt::format("{}{} {} {}", is_first ? "" : " ", face[0], face[c - 1], face[c]);
+        is_first = false;
+      }
+    }
+    return text + "\"/>";
+  }
+};
+
+std::string collision(const Pose& pose, const std::string& geometry) {
+  return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n", origin(pose),
+                     geometry);
+}
+
+std::string link_text(const TreeLink& link) {
+  std::string inside;
+  if (link.inertial) {
+    const Matrix3d& I = link.inertial->inertia;
+    inside += fmt::format(
+        "    <inertial>{}<mass value=\"{}\"/>"
+        "<inertia ixx=\"{}\" iyy=\"{}\" izz=\"{}\" ixy=\"{}\" ixz=\"{}\" iyz=\"{}\"/></inertial>\n",
+        origin(link.inertial->origin), link.inertial->mass, I(0, 0), I(1, 1), I(2, 2), I(0, 1),
+        I(0, 2), I(1, 2));
+  }
+  for (const auto& [pose, geometry] : link.shapes) {
+    inside += collision(pose, std::visit(GeometryText{}, geometry));
+  }
+  for (const MeshUse& mesh : link.meshes) {
+    const std::string scale =
+        mesh.scale == Vector3d::Ones() ? "" : fmt::format(" scale=\"{}\"", triple(mesh.scale));
+    inside +=
+        collision(mesh.pose, fmt::format("<mesh filename=\"{}\"{}/>{}", escaped(mesh.file), scale,
+                                         mesh.hull ? GeometryText{}(*mesh.hull) : std::string()));
+  }
+  const std::string name = escaped(link.name);
+  if (inside.empty()) return fmt::format("  <link name=\"{}\"/>\n", name);
+  return fmt::format("  <link name=\"{}\">\n{}  </link>\n", name, inside);
+}
+
+std::string joint_text(const TreeJoint& source) {
+  const Joint& joint = source.joint;
+  const char* const type = source.is_fixed                       ? "fixed"
+                           : joint.is_prismatic()                ? "prismatic"
+                           : joint.type == JointType::Continuous ? "continuous"
+                                                                 : "revolute";
+  std::string inside =
+      fmt::format("    <parent link=\"{}\"/><child link=\"{}\"/>{}\n", escaped(source.parent_name),
+                  escaped(source.child_name), origin(source.origin));
+  if (!source.is_fixed) {
+    inside += fmt::format("    <axis xyz=\"{}\"/>\n", triple(source.axis));
+    std::string limit;
+    if (joint.type != JointType::Continuous) {
+      limit += fmt::format(" lower=\"{}\" upper=\"{}\"", joint.lower, joint.upper);
+    }
+    // Of a continuous joint a bound that is not stated is none only where both are missing.
+    if (std::isfinite(joint.max_velocity)) {
+      limit += fmt::format(" velocity=\"{}\" effort=\"{}\"", joint.max_velocity, joint.max_effort);
+    }
+    if (!limit.empty()) inside += fmt::format("    <limit{}/>\n", limit);
+    if (joint.viscous_friction != 0 || joint.coulomb_friction != 0) {
+      inside += fmt::format("    <dynamics damping=\"{}\" friction=\"{}\"/>\n",
+                            joint.viscous_friction, joint.coulomb_friction);
+    }
+    if (source.mimic) {
+      inside +=
+          fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                      escaped(source.mimic->master), source.mimic->ratio, source.mimic->offset);
+    }
+  }
+  return fmt::format("  <joint name=\"{}\" type=\"{}\">\n{}  </joint>\n", escaped(joint.name), type,
+                     inside);
+}
+
+}  // namespace
+
+std::string urdf_text(const Tree& tree) {
+  std::string text = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"{}\">\n", escaped(tree.name));
+  for (const TreeLink& link : tree.links) text += link_text(link);
+  for (const TreeJoint& joint : tree.joints) text += joint_text(joint);
+  return text + "</robot>\n";
+}
+
+}  // namespace stillbase::urdf

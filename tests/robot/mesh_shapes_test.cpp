@@ -1,0 +1,287 @@
+// Collision meshes of files: formats, places, hulls, and what is refused.
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/robot/urdf_reader.hpp>
+
+#include "robot/mesh_file.hpp"
+
+using namespace stillbase;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder of its own that is removed in the end.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "stillbase_mesh_XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+  }
+  ~Scratch() { fs::remove_all(folder_); }
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  std::string write(const std::string& name, const std::string& text) const {
+    fs::create_directories(path(name).parent_path());
+    std::ofstream(path(name), std::ios::binary) << text;
+    return path(name).string();
+  }
+
+ private:
+  fs::path folder_;
+};
+
+/// Corners of the triangles of a box from (0, 0, 0) to `size`.
+std::vector<Vector3d> box_triangles(const Vector3d& size) {
+  const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  std::vector<Vector3d> corners;
+  for (const auto& face : faces) {
+    for (const int i : face) {
+      corners.push_back(size.cwiseProduct(Vector3d(i & 1, (i >> 1) & 1, (i >> 2) & 1)));
+    }
+  }
+  return corners;
+}
+
+std::string ascii_stl(const std::vector<Vector3d>& corners) {
+  std::string text = "solid box\n";
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (std::size_t c = i; c < i + 3; ++c) {
+      text += fmt::format("vertex {} {} {}\n", corners[c][0], corners[c][1], corners[c][2]);
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid box\n";
+}
+
+std::string binary_stl(const std::vector<Vector3d>& corners) {
+  const auto count = static_cast<std::uint32_t>(corners.size() / 3);
+  std::string text(80, 'b');
+  text.append(reinterpret_cast<const char*>(&count), 4);
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    float values[12] = {0, 0, 0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int k = 0; k < 3; ++k) values[3 + 3 * c + k] = static_cast<float>(corners[i + c][k]);
+    }
+    text.append(reinterpret_cast<const char*>(values), sizeof(values));
+    text.append(2, '\0');
+  }
+  return text;
+}
+
+std::string obj(const std::vector<Vector3d>& corners) {
+  std::string text;
+  for (const Vector3d& v : corners) text += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
+  for (std::size_t i = 1; i <= corners.size(); i += 3) {
+    text += fmt::format("f {} {} {}\n", i, i + 1, i + 2);
+  }
+  return text;
+}
+
+/// In millimetres with y up.
+std::string collada(const std::vector<Vector3d>& corners) {
+  std::string numbers, indices;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    numbers +=
+        fmt::format("{} {} {} ", 1e3 * corners[i][0], 1e3 * corners[i][1], 1e3 * corners[i][2]);
+    indices += fmt::format("{} ", i);
+  }
+  return fmt::format(R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="{0}">{2}</float_array><technique_common>
+<accessor source="#a" count="{1}" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>{3}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)",
+                     3 * corners.size(), corners.size(), numbers, indices);
+}
+
+std::string urdf_with(const std::string& mesh) {
+  return R"(<robot name="r">
+<link name="base"><inertial><mass value="10"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry>
+)" + mesh +
+         R"(
+</geometry></collision></link></robot>)";
+}
+
+Finding refusal(const std::string& robot) {
+  try {
+    read_robot(robot);
+  } catch (const InputError& error) {
+    return error.findings().front();
+  }
+  return {};
+}
+
+/// Edges of the box around the only shape, which is a hull.
+Vector3d size_of(const RobotModel& robot) {
+  REQUIRE(robot.shapes.size() == 1);
+  const auto& mesh = std::get<ConvexMesh>(robot.shapes[0].geometry);
+  Vector3d lower = mesh.vertices[0], upper = lower;
+  for (const Vector3d& v : mesh.vertices) {
+    lower = lower.cwiseMin(v);
+    upper = upper.cwiseMax(v);
+  }
+  CHECK(mesh.vertices.size() == 8);
+  return upper - lower;
+}
+
+}  // namespace
+
+TEST_CASE("meshes of every format become the same hull") {
+  const Scratch scratch;
+  const Vector3d size(0.25, 0.5, 1);
+  const std::vector<Vector3d> box = box_triangles(size);
+  scratch.write("a.stl", ascii_stl(box));
+  scratch.write("b.STL", binary_stl(box));
+  scratch.write("c.obj", obj(box));
+  scratch.write("d.dae", collada(box));
+  for (const char* name : {"a.stl", "b.STL", "c.obj", "d.dae"}) {
+    INFO(name);
+    const std::string robot =
+        scratch.write("r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name)));
+    CHECK(size_of(read_robot(robot)).isApprox(size, 1e-6));
+  }
+  const std::string scaled =
+      scratch.write("s.urdf", urdf_with("<mesh filename=\"a.stl\" scale=\"0.001 2 -1\"/>"));
+  CHECK(size_of(read_robot(scaled)).isApprox(Vector3d(0.25e-3, 1, 1), 1e-6));
+}
+
+TEST_CASE("packages are found upwards from the file and where the user says") {
+  const Scratch scratch;
+  const std::string stl = ascii_stl(box_triangles(Vector3d::Ones()));
+  scratch.write("ws/arm_description/meshes/link.stl", stl);
+  scratch.write("elsewhere/tool_description/link.stl", stl);
+  scratch.write("ws/arm_description/package.xml", "<package/>");
+  const std::string own = "<mesh filename=\"package://arm_description/meshes/link.stl\"/>";
+  CHECK(read_robot(scratch.write("ws/arm_description/urdf/r.urdf", urdf_with(own))).shapes.size() ==
+        1);
+  CHECK(read_robot(scratch.write("ws/other/urdf/r.urdf", urdf_with(own))).shapes.size() == 1);
+  const std::string up = urdf_with("<mesh filename=\"../meshes/link.stl\"/>");
+  CHECK(read_robot(scratch.write("ws/arm_description/urdf/u.urdf", up)).shapes.size() == 1);
+  const std::string file =
+      urdf_with(fmt::format("<mesh filename=\"file://{}\"/>",
+                            scratch.path("elsewhere/tool_description/link.stl").string()));
+  CHECK(read_robot(scratch.write("f.urdf", file)).shapes.size() == 1);
+
+  const std::string tool = scratch.write(
+      "t.urdf", urdf_with("<mesh filename=\"package://tool_description/link.stl\"/>"));
+  const RobotModel without = read_robot(tool);
+  CHECK(without.shapes.empty());
+  REQUIRE(without.remarks.size() == 1);
+  CHECK(without.remarks[0].rule == "mesh");
+  CHECK(without.remarks[0].line == 5);
+  CHECK(without.remarks[0].message.find("base (package://tool_description/link.stl)") !=
+        std::string::npos);
+  CHECK(
+      read_robot(tool, "", {.package_path = {scratch.path("elsewhere").string()}}).shapes.size() ==
+      1);
+}
+
+TEST_CASE("a mesh that is much smaller than its hull is remarked upon") {
+  const Scratch scratch;
+  std::vector<Vector3d> corners = box_triangles(Vector3d(1, 1, 0.1));  // an L of two plates
+  for (Vector3d v : box_triangles(Vector3d(1, 0.1, 1))) {
+    v.z() += 0.1;
+    corners.push_back(v);
+  }
+  scratch.write("l.stl", ascii_stl(corners));
+  const RobotModel robot =
+      read_robot(scratch.write("r.urdf", urdf_with("<mesh filename=\"l.stl\"/>")));
+  REQUIRE(robot.remarks.size() == 1);
+  CHECK(robot.remarks[0].rule == "hull");
+  CHECK(robot.remarks[0].message.find("times)") != std::string::npos);
+}
+
+TEST_CASE("hostile meshes are refused within a second, at their line") {
+  const Scratch scratch;
+  std::string huge(80, 'h');
+  const std::uint32_t count = 0xffffffff;
+  huge.append(reinterpret_cast<const char*>(&count), 4);
+  std::vector<Vector3d> bad = box_triangles(Vector3d::Ones());
+  bad[4].x() = std::nan("");
+  scratch.write("huge.stl", huge + std::string(500, '\0'));
+  scratch.write("nan.stl", binary_stl(bad));
+  scratch.write("nan_text.stl", ascii_stl(bad));
+  scratch.write("empty.stl", "");
+  scratch.write("faceless.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  scratch.write("faces.obj", "v 0 0 0\nf 1 2 3\n");
+  scratch.write("text.stl", "solid " + std::string(8u << 20, 'x'));
+  scratch.write("text.dae", "<COLLADA>" + std::string(8u << 20, 'x'));
+  scratch.write("text.obj", std::string(8u << 20, 'v'));
+  scratch.write("point.stl", ascii_stl({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}));
+  scratch.write("mesh.xyz", "1 2 3");
+  for (const char* name :
+       {"huge.stl", "nan.stl", "nan_text.stl", "empty.stl", "faceless.obj", "faces.obj", "text.stl",
+        "text.dae", "text.obj", "point.stl", "mesh.xyz"}) {
+    const std::string robot =
+        scratch.write("r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name)));
+    const auto start = std::chrono::steady_clock::now();
+    const Finding finding = refusal(robot);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    INFO(name << ": " << finding.message);
+    CHECK(finding.rule == "mesh");
+    CHECK(finding.line == 5);
+    CHECK(seconds.count() < 1);
+  }
+}
+
+TEST_CASE("paths that leave the robot's package or go in circles are refused") {
+  const Scratch scratch;
+  scratch.write("secret.stl", ascii_stl(box_triangles(Vector3d::Ones())));
+  scratch.write("arm/package.xml", "<package/>");
+  fs::create_directories(scratch.path("arm/meshes"));
+  fs::create_symlink("b.stl", scratch.path("arm/meshes/a.stl"));
+  fs::create_symlink("a.stl", scratch.path("arm/meshes/b.stl"));
+  for (const char* name : {"../../secret.stl", "package://arm/../secret.stl", "../meshes/a.stl",
+                           "http://host/a.stl", "package://arm"}) {
+    const Finding finding = refusal(
+        scratch.write("arm/urdf/r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name))));
+    INFO(name << ": " << finding.message);
+    CHECK(finding.rule == "mesh-path");
+    CHECK(finding.line == 5);
+  }
+}
+
+TEST_CASE("a COLLADA or glTF file names no file outside of its own folder") {
+  const Scratch scratch;
+  const std::vector<Vector3d> box = box_triangles(Vector3d::Ones());
+  std::string buffer;
+  for (const Vector3d& v : box) {
+    for (int k = 0; k < 3; ++k) {
+      const auto x = static_cast<float>(v[k]);
+      buffer.append(reinterpret_cast<const char*>(&x), 4);
+    }
+  }
+  const auto gltf = [&](const std::string& uri) {
+    return fmt::format(R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+"buffers":[{{"uri":"{}","byteLength":{}}}],
+"bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":{}}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":36,"type":"VEC3","min":[0,0,0],
+"max":[1,1,1]}}]}})",
+                       uri, buffer.size(), buffer.size());
+  };
+  scratch.write("meshes/box.bin", buffer);
+  scratch.write("box.bin", buffer);
+  const Mesh mesh = read_mesh(scratch.write("meshes/box.gltf", gltf("box.bin")));
+  CHECK(mesh.triangles.size() == 12);
+  CHECK_THROWS(read_mesh(scratch.write("meshes/out.gltf", gltf("../box.bin"))));
+}
