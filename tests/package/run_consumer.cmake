@@ -36,6 +36,26 @@ foreach(program IN LISTS programs)
     COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 
+# A build without CMake: pkg-config says how.
+find_program(pkg_config pkg-config)
+if(pkg_config)
+  file(GLOB_RECURSE pc_file ${WORK_DIR}/prefix/*/stillbase.pc)
+  get_filename_component(pc_folder ${pc_file} DIRECTORY)
+  set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+  foreach(part IN ITEMS cflags libs)
+    execute_process(COMMAND ${pkg_config} --static --${part} stillbase OUTPUT_VARIABLE ${part}
+      OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    separate_arguments(${part} UNIX_COMMAND "${${part}}")
+  endforeach()
+  separate_arguments(flags UNIX_COMMAND "${CXX_FLAGS}")
+  execute_process(COMMAND ${CXX_COMPILER} ${flags} ${CONSUMER_SOURCE_DIR}/readme.cpp ${cflags}
+    -o ${WORK_DIR}/by_pkg_config ${libs} COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${WORK_DIR}/by_pkg_config
+    WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase COMMAND_ERROR_IS_FATAL ANY)
+else()
+  message(STATUS "no pkg-config here: stillbase.pc is not tried")
+endif()
+
 # The tool is part of the package where it is part of the build.
 if(EXISTS ${WORK_DIR}/prefix/bin/stillbase)
   execute_process(COMMAND ${WORK_DIR}/prefix/bin/stillbase --version COMMAND_ERROR_IS_FATAL ANY)
