@@ -86,15 +86,22 @@ TEST_CASE("plans, verdicts and campaigns are what their schemas say") {
   CHECK(shop.run("verify plan.json --trials 8 -o verdict.json").code == 0);
   json cut = json::parse(shop.text("verdict.json"));
   cut["interrupted"] = true;
-  require_fit(shop, "verification", {json::parse(shop.text("verdict.json")), cut});
+  // Trials of a target whose estimate has a covariance, with a posture error.
+  shop.write_changed("client.yaml", "problems/ets7_client.yaml", "confidence: 0.95",
+                     "confidence: 0.95\n  joint_position: 0.1 deg");
+  REQUIRE(shop.run("plan client.yaml -o client.json").code == 0);
+  CHECK(shop.run("verify client.json --trials 2 -o client_verdict.json").code == 0);
+  require_fit(
+      shop, "verification",
+      {json::parse(shop.text("verdict.json")), json::parse(shop.text("client_verdict.json")), cut});
   json with_verdict = plan;
   with_verdict["verification"] = cut;
   CHECK(SchemaCheck(json::parse(shop.run("schema plan").out)).complaints(with_verdict) == "");
 
   shop.write("problem.yaml", file_text(source_path("problems/planar_two_link_c2_a.yaml")));
   shop.write("spec.yaml",
-             "format: stillbase.campaign\nversion: 1\nplans: [plan.json]\nproblems: "
-             "[problem.yaml]\ntrials: 4\n");
+             "format: stillbase.campaign\nversion: 1\nplans: [plan.json, "
+             "client.json]\nproblems: [problem.yaml]\ntrials: 4\n");
   REQUIRE(shop.run("campaign make spec.yaml -o cases.jsonl").code == 0);
   REQUIRE(shop.run("campaign run cases.jsonl --jobs 2 -o A").code == 0);
   REQUIRE(shop.run("campaign merge A -o whole.json").code == 0);
