@@ -50,7 +50,12 @@ const std::vector<ExportFormat>& export_formats() {
       {"urdf",
        {".urdf"},
        "the robot, masses of rigidly joined links merged",
-       [](const Plan& plan, const Options&) { return robot_urdf(plan.problem.robot); }}};
+       [](const Plan& plan, const Options&) {
+         const CaptureProblem& problem = plan.problem;
+         // What was put together, with its meshes, hulls and coupled joints, is a text already.
+         const bool is_text = !problem.parts.arms.empty() || problem.robot.is_coupled();
+         return is_text ? problem.urdf : robot_urdf(problem.robot);
+       }}};
   return formats;
 }
 

@@ -97,8 +97,8 @@ TEST_CASE("robot files built to hurt are refused quickly and in little memory") 
   require_refused(shop, "bomb.urdf", bomb + "]>" + open + "&j;</robot>", "doctype");
   require_refused(shop, "mesh.urdf",
                   replaced(kRobot, "<link name=\"hand\"/>",
-                           "<link name=\"hand\"><visual><geometry><mesh "
-                           "filename=\"../../../etc/passwd\"/></geometry></visual></link>"),
+                           "<link name=\"hand\"><collision><geometry><mesh "
+                           "filename=\"../../../etc/passwd\"/></geometry></collision></link>"),
                   "mesh-path");
 }
 
