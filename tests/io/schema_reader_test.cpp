@@ -33,8 +33,8 @@ std::optional<std::set<std::string>> listed(const std::string& message,
 }
 
 /// Places of a plan where the problem decides which of the schema's keys there are, and those whose
-/// keys exclude each other: objective.quantity and terms, the fields of a term by its quantity,
-/// target.file and the fields of a target.
+/// keys exclude each other: objective.quantity and terms, robot.file and robot.arms, the fields of
+/// a term by its quantity, target.file and the fields of a target.
 bool depends_on_others(const std::string& subject, const std::string& place) {
   static const std::set<std::string> kInPlans{"configuration",
                                               "candidates[]",
@@ -44,7 +44,8 @@ bool depends_on_others(const std::string& subject, const std::string& place) {
                                               "impact.joint_resistance_values",
                                               "certificate.proof.solutions[]",
                                               "certificate.proof.undecided[]"};
-  static const std::set<std::string> kInProblems{"objective", "objective.terms[]", "target"};
+  static const std::set<std::string> kInProblems{"objective", "objective.terms[]", "target",
+                                                 "robot", "robot.base"};
   const bool is_copy = subject == "plan" && place.rfind("problem.", 0) == 0;
   return kInProblems.count(is_copy ? place.substr(8) : place) > 0 ||
          (subject == "plan" && kInPlans.count(place) > 0);

@@ -110,8 +110,33 @@ uncertainty: {cone_half_angle: from_covariance, confidence: 0.9}
 post_impact: {controllers: [none], residual_base_rate_max: 1, attitude_change_max: 1}
 )";
 
+constexpr const char* kParts = R"(
+format: stillbase.problem
+version: 1
+purpose: A robot put together from parts.
+robot:
+  base:
+    mass: 200
+    inertia: {ixx: 30, iyy: 30, izz: 30}
+    shape: {box: {size: [1, 1, 1]}}
+    shapes: [{position: [0, 1, 0], geometry: {sphere: {radius: 0.1}}}]
+    position: [0, 0, 1]
+  arms:
+    - file: arms/seven_joint_arm.urdf
+      prefix: r_
+      mount: {position: [0, 0, 0.5]}
+      hand: grasp
+      hand_frame: {position: [0, 0, 0.1]}
+  package_path: [arms]
+  locked: {finger_1: 0.02}
+  limits: {joint_4: {rate: 0.1, torque: 12}}
+  start: [0, 0, 0, -1, 0, 1, 0]
+impact: {source: given, direction: [0, 0, -1]}
+objective: base_angular_velocity
+)";
+
 inline Subject problem_subject() {
-  Subject subject{"problem", read_problem_here, {yaml(kPlanar), yaml(kTumbling)}};
+  Subject subject{"problem", read_problem_here, {yaml(kPlanar), yaml(kTumbling), yaml(kParts)}};
   for (const char* name :
        {"planar_two_link_c2_a", "planar_two_link_post_impact_a", "iiwa_cone", "deos_features"}) {
     const std::string path = source_path(std::string("problems/") + name + ".yaml");
