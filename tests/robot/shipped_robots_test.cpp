@@ -161,3 +161,17 @@ TEST_CASE("the servicer's arm stretches straight up from its mount") {
   const Vector3d hand = straight_hand(shipped("servicer_6dof")).position;
   CHECK((hand - Vector3d(0.5, 0, 0.9 + 0.25 + 1.0 + 0.9 + 0.25 + 0.25 + 0.2)).norm() < 1e-14);
 }
+
+TEST_CASE("arms to be mounted are read, with meshes and a coupled finger") {
+  const std::string folder = STILLBASE_SOURCE_DIR "/problems/arms/";
+  const RobotModel six =
+      read_robot(folder + "six_joint_arm.urdf", "tool0", {.may_lack_base = true});
+  CHECK(six.n() == 6);
+  CHECK(six.base.mass == 0);
+  REQUIRE(six.shapes.size() == 6);
+  CHECK(std::get<ConvexMesh>(six.shapes[0].geometry).vertices.size() == 24);
+  const RobotModel seven = read_robot(folder + "seven_joint_arm.urdf", "grasp");
+  CHECK(seven.n() == 8);  // a finger moves, the other follows
+  CHECK(seven.num_bodies() == 9);
+  CHECK(seven.remarks.empty());
+}
