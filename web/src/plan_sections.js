@@ -1,7 +1,7 @@
 // The sections of a plan's page that say what its words rest on.
 import {degrees, digits, fixed, h, section, spaced, table} from './dom.js';
 import {Plot} from './plots.js';
-import {approachFails} from './standing.js';
+import {approachFails, controllerName} from './standing.js';
 
 /// The index of the chosen candidate; -1: none is it.
 function chosenIndex(plan) {
@@ -98,8 +98,21 @@ export function risks(document) {
   for (const record of scene.after ?? []) {
     const rate = degrees(Math.hypot(...record.base_rates.at(-1).slice(3)));
     if (rate > 0.1)
-      out.push(`Under ${spaced(record.controller)} the base still rotates at ${
+      out.push(`With ${controllerName(record.controller)} the base still rotates at ${
           digits(rate, 3)} deg/s after ${digits(record.times.at(-1))} s.`);
+  }
+  // The instantaneous impact knows one contact: what closes afterwards would touch once more.
+  const jumps = plan.problem.post_impact?.contact?.model === 'jump';
+  const closing = (jumps ? scene.after ?? [] : []).flatMap(record => {
+    const soon = record.closing_speeds.filter((speed, i) => record.times[i] <= 2);
+    const most = record.held ? 0 : Math.max(0, ...soon);
+    return most > 0.05 * plan.impact.closing_speed ?
+        [`${digits(most, 3)} m/s with ${controllerName(record.controller)}`] :
+        [];
+  });
+  if (closing.length) {
+    out.push(`Hand and target close once more within 2 s of the impact, at up to ${
+        closing.join(', ')}; a compliant contact (post_impact.contact) simulates what follows.`);
   }
   const open = (verification?.claims ?? []).filter(claim => claim.pass === null);
   if (open.length) out.push(`${open.length} verification checks could not be made.`);

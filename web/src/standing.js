@@ -11,6 +11,9 @@ const kStatusWords = {
 
 export const approachFails = plan => !['found', 'not_requested'].includes(plan.approach.status);
 
+/// Of a controller in words.
+export const controllerName = name => name === 'none' ? 'free joints' : spaced(name);
+
 /// Tone and words of what is known of a plan, most important first.
 export function standing(document) {
   const {content: plan, verification} = document;

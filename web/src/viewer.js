@@ -1,8 +1,9 @@
 // The scene with its controls: time, speed, cameras, layers, ghost, candidates.
 import {kCameras} from './cameras.js';
-import {degrees, digits, fixed, h, spaced} from './dom.js';
+import {degrees, digits, fixed, h} from './dom.js';
 import {bodyPoses} from './kinematics.js';
 import {Scene} from './scene.js';
+import {controllerName} from './standing.js';
 
 const hashOptions = new URLSearchParams(location.hash.slice(1));
 
@@ -202,7 +203,7 @@ export class Viewer {
       }, 'marks the closest pair that may not touch'));
     }
     if (motion.after.length) {
-      const names = motion.after.map((record, i) => [i, spaced(record.controller)]);
+      const names = motion.after.map((record, i) => [i, controllerName(record.controller)]);
       row.append(select('Controller', names, 0, value => {
         this.controller = value;
         this.options.onController?.(value);
@@ -338,7 +339,7 @@ export class Viewer {
           `${record.pairs[i].replace(' with ', ' – ')}, ${fixed(record.clearances[i], 3)} m`);
     }
     const name = this.motion.phase(this.time);
-    const who = this.time > 0 && record ? `, ${spaced(record.controller)}` : '';
+    const who = this.time > 0 && record ? `, ${controllerName(record.controller)}` : '';
     this.hud.replaceChildren(h('strong', {}, name + who), ...lines);
   }
 
