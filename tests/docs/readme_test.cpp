@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -219,6 +220,28 @@ TEST_CASE("every file that a page links to exists") {
     }
   }
   CHECK(links >= 20);
+}
+
+TEST_CASE("MkDocs builds static pages of everything, with every link good") {
+  const std::string script = (kRoot / "tools/docs").string();
+  const std::string text = read_text_file(script);
+  const std::regex entry("- (?:[^:\\n]+: )?(\\S+\\.md)\\n");
+  int entries = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), entry), end; it != end; ++it, ++entries) {
+    INFO((*it)[1]);
+    CHECK(fs::exists(kRoot / (*it)[1].str()));
+  }
+  CHECK(entries >= 12);
+  if (std::system("command -v mkdocs >/dev/null && command -v git >/dev/null") != 0) {
+    std::cout << "skipped: no mkdocs\n";
+    return;
+  }
+  const fs::path folder = scratch_folder();
+  int code = 0;
+  INFO(run("'" + script + "' site", folder, code));
+  CHECK(code == 0);
+  CHECK(fs::exists(folder / "site/docs/start.html"));
+  fs::remove_all(folder);
 }
 
 TEST_CASE("the annotated problem of problems/README.md is a problem that can be planned") {
