@@ -60,9 +60,9 @@ std::string geometry_text(const CollisionShape& shape) {
 class UrdfWriter {
  public:
   explicit UrdfWriter(const RobotModel& robot) : robot_(robot) {
-    for (const Joint& joint : robot.joints) joint_names_.insert(joint.name);
+    for (const Joint& joint : robot.tree()) joint_names_.insert(joint.name);
     // A body that no link of a file stands for, of a robot put together in a program.
-    for (int body = robot.n() - 1; body >= kBase; --body) {
+    for (int body = robot.num_bodies() - 1; body >= kBase; --body) {
       const std::string& name = body_of(body).name;
       if (find_link(robot_, name) != nullptr) continue;
       robot_.links.insert(robot_.links.begin(), {name, body, {}, ""});
@@ -77,7 +77,7 @@ class UrdfWriter {
         "<robot name=" +
         attribute(robot_.name) + ">\n";
     for (const LinkFrame& link : robot_.links) write_link(link);
-    for (int k = 0; k < robot_.n(); ++k) write_joint(k);
+    for (int k = 0; k < robot_.num_bodies(); ++k) write_joint(k);
     for (const LinkFrame& link : robot_.links) {
       if (link.name != body_of(link.body).name) write_fixed_joint(link);
     }
@@ -117,7 +117,7 @@ class UrdfWriter {
   }
 
   void write_joint(int k) {
-    const Joint& joint = robot_.joints[static_cast<std::size_t>(k)];
+    const Joint& joint = robot_.tree()[static_cast<std::size_t>(k)];
     // The joint frame has the joint's axis as z; the link frame stands as its file has it.
     const Pose& T_body_link = main_frame(k);
     const Pose T_parent_joint{joint.p, Eigen::Quaterniond(joint.R)};
@@ -132,11 +132,20 @@ class UrdfWriter {
         attribute(joint.name), type, origin_text(origin), attribute(body_of(joint.parent).name),
         attribute(body_of(k).name), vector_text(axis));
     write_limits(joint);
+    if (robot_.is_coupled()) write_coupling(joint, robot_.couplings[static_cast<std::size_t>(k)]);
     if (joint.viscous_friction != 0 || joint.coulomb_friction != 0) {
       text_ += fmt::format("    <dynamics damping=\"{}\" friction=\"{}\"/>\n",
                            joint.viscous_friction, joint.coulomb_friction);
     }
     text_ += "  </joint>\n";
+  }
+
+  /// A joint that follows another one.
+  void write_coupling(const Joint& joint, const Coupling& coupling) {
+    const std::string& leader = robot_.joints[static_cast<std::size_t>(coupling.joint)].name;
+    if (leader == joint.name) return;
+    text_ += fmt::format("    <mimic joint={} multiplier=\"{}\" offset=\"{}\"/>\n",
+                         attribute(leader), coupling.ratio, coupling.offset);
   }
 
   void write_limits(const Joint& joint) {
