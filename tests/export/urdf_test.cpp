@@ -138,6 +138,19 @@ TEST_CASE("a body that no link stands for is a link of its own") {
   check_same_matrices(robot, back, JointVectord::Constant(3, 0.7));
 }
 
+TEST_CASE("a joint that follows another one is written as such") {
+  const std::string path = STILLBASE_SOURCE_DIR "/problems/robots/planar_three_link.urdf";
+  std::string text = read_text_file(path);
+  const std::size_t at = text.find("</joint>", text.find("name=\"joint_3\""));
+  text.insert(at, "<mimic joint=\"joint_2\" multiplier=\"-0.5\" offset=\"0.25\"/>");
+  const RobotModel robot = read_urdf(text, "source", "hand");
+  REQUIRE(robot.is_coupled());
+  const RobotModel back = read_urdf(robot_urdf(robot), "written", "hand");
+  REQUIRE(back.n() == 2);
+  check_same_frames(robot, back);
+  check_same_matrices(robot, back, JointVectord::Constant(2, 0.7));
+}
+
 TEST_CASE("a mesh has no place in one URDF file") {
   RobotModel robot = read_urdf(
       read_text_file(STILLBASE_SOURCE_DIR "/problems/robots/planar_two_link_a.urdf"), "a", "");
