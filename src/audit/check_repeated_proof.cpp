@@ -16,6 +16,7 @@ constexpr double kLimitMargin = 1e-7;    ///< nearer to a limit than this is und
 constexpr double kBoundRounding = 1e-9;  ///< relative
 constexpr double kInsideCone = 1e-10;    ///< rad towards the axis: no direction is outside
 constexpr int kRimDirections = 24;
+constexpr int kMoreDirections = 64;   ///< configurations whose worst directions are added
 constexpr double kNearlyBest = 1.02;  ///< of the least measure: their worst directions count
 
 /// Whether a box's middle keeps the limits on rates, singular values and distances.
@@ -67,6 +68,26 @@ void compare_boxes(const char* name, const std::vector<JointBox>& stated,
   }
 }
 
+/// The worst directions at a configuration, in the frame of the scenarios. @param scenario nominal
+std::vector<Scenario> worst_at(const CaptureProblem& problem, const Configuration& configuration,
+                               const Scenario& nominal) {
+  const Situation at(problem, configuration);
+  const bool is_in_base =
+      problem.impulse.direction && problem.impulse.direction_frame == Frame::Base;
+  Eigen::Quaterniond R_EB = Eigen::Quaterniond::Identity();
+  if (!problem.impulse.direction) {
+    R_EB = at.event.R_NT.conjugate() * at.at.base.orientation;
+  } else if (!is_in_base) {
+    R_EB = at.at.base.orientation;
+  }
+  std::vector<Scenario> out;
+  for (const Vector3d& d : SmoothParts(at).worst_directions(at)) {
+    out.push_back(nominal);
+    out.back().direction = (R_EB * d + kInsideCone * nominal.direction).normalized();
+  }
+  return out;
+}
+
 /// Encounters over which a bound is repeated: all samples, or the worst directions of the best
 /// candidates and the rim of the cone.
 std::vector<Scenario> scenarios_of(const Context& context, double best) {
@@ -87,18 +108,8 @@ std::vector<Scenario> scenarios_of(const Context& context, double best) {
   }
   for (const Candidate& candidate : context.plan.candidates) {
     if (candidate.value > kNearlyBest * best) continue;
-    const Situation at(problem, candidate.configuration);
-    Eigen::Quaterniond R_EB = Eigen::Quaterniond::Identity();
-    if (!problem.impulse.direction) {
-      R_EB = at.event.R_NT.conjugate() * at.at.base.orientation;
-    } else if (!is_in_base) {
-      R_EB = at.at.base.orientation;
-    }
-    for (const Vector3d& d : SmoothParts(at).worst_directions(at)) {
-      Scenario scenario = out.front();
-      scenario.direction = (R_EB * d + kInsideCone * n).normalized();
-      out.push_back(scenario);
-    }
+    const std::vector<Scenario> worst = worst_at(problem, candidate.configuration, out.front());
+    out.insert(out.end(), worst.begin(), worst.end());
   }
   return out;
 }
@@ -146,8 +157,15 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
     if (!configuration_objections(there, context.options).empty()) return kInfinity;
     return measure_value(there, context.cone_samples());
   };
-  const MinimumBound found =
-      prover.prove_minimum(problem, scenarios_of(context, best), enclosed, best, options);
+  const std::vector<Scenario> known = scenarios_of(context, best);
+  if (problem.measure.kind == RiskMeasure::WorstCase && known.size() > 1) {
+    options.worst_at = [&problem, nominal = known.front(),
+                        left = kMoreDirections](const Configuration& at) mutable {
+      if (left-- <= 0) return std::vector<Scenario>();
+      return worst_at(problem, at, nominal);
+    };
+  }
+  const MinimumBound found = prover.prove_minimum(problem, known, enclosed, best, options);
   double least = kInfinity;
   for (const Configuration& at : found.suspects) least = std::min(least, options.value_at(at));
   if (least < bound * (1 - kBoundRounding)) {

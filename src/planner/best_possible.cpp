@@ -71,7 +71,20 @@ std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vec
   return out;
 }
 
-/// Where the cone's maxima are at the best candidates: there the bound has to be sharp.
+/// Where the cone's maxima are at a configuration.
+std::vector<Vector3d> worst_directions(const CaptureProblem& problem,
+                                       const Formulation& formulation, const Configuration& at,
+                                       const BoundOptions& options) {
+  std::vector<Vector3d> out;
+  const auto maxima = cone_maxima(problem, formulation, at);
+  for (const ConeMaximum& maximum : maxima) {
+    if (maximum.value < options.nearly_active * maxima.front().value) continue;
+    out.push_back(maximum.scenario.direction);
+  }
+  return out;
+}
+
+/// The same at the best candidates: there the bound has to be sharp.
 std::vector<Vector3d> active_directions(const CaptureProblem& problem,
                                         const Formulation& formulation, const SearchResult& found,
                                         double best, const BoundOptions& options) {
@@ -79,13 +92,26 @@ std::vector<Vector3d> active_directions(const CaptureProblem& problem,
   int looked_at = 0;
   for (const Candidate& candidate : found.candidates) {
     if (candidate.value > options.nearly_best * best || ++looked_at > options.candidates) continue;
-    const auto maxima = cone_maxima(problem, formulation, candidate.configuration);
-    for (const ConeMaximum& maximum : maxima) {
-      if (maximum.value < options.nearly_active * maxima.front().value) continue;
-      out.push_back(maximum.scenario.direction);
+    for (const Vector3d& direction :
+         worst_directions(problem, formulation, candidate.configuration, options)) {
+      out.push_back(direction);
     }
   }
   return out;
+}
+
+/// Adds encounters along directions within the cone that are not among the known ones.
+void add_directions(const std::vector<Vector3d>& directions, const Scenario& nominal,
+                    const BoundOptions& options, std::vector<Scenario>& known) {
+  for (const Vector3d& direction : directions) {
+    const Vector3d inside = (direction + options.inside * nominal.direction).normalized();
+    const auto is_same = [&](const Scenario& other) {
+      return (other.direction - inside).norm() < options.same_direction;
+    };
+    if (std::any_of(known.begin(), known.end(), is_same)) continue;
+    known.push_back(nominal);
+    known.back().direction = inside;
+  }
 }
 
 /// The encounters over which the measure is bounded.
@@ -113,17 +139,7 @@ std::vector<Scenario> scenarios_of(const CaptureProblem& problem, const Formulat
   for (const Vector3d& direction : spread_directions(problem, n, plane_normal, options)) {
     directions.push_back(direction);
   }
-  std::vector<Vector3d> known = {n};
-  for (const Vector3d& direction : directions) {
-    const Vector3d inside = (direction + options.inside * n).normalized();
-    const auto is_same = [&](const Vector3d& other) {
-      return (other - inside).norm() < options.same_direction;
-    };
-    if (std::any_of(known.begin(), known.end(), is_same)) continue;
-    known.push_back(inside);
-    out.push_back(nominal);
-    out.back().direction = inside;
-  }
+  add_directions(directions, nominal, options, out);
   return out;
 }
 
@@ -163,8 +179,22 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
     }
     return measure.reported(x);
   };
-  return prover->prove_minimum(problem, scenarios_of(problem, formulation, found, *best, bound),
-                               enclosed, *best, options);
+  std::vector<Scenario> known = scenarios_of(problem, formulation, found, *best, bound);
+  // A single one: the nominal measure, no cone, or a wedge that rotates with the base.
+  const bool has_cone = problem.measure.kind == RiskMeasure::WorstCase && known.size() > 1;
+  const std::size_t most = known.size() + static_cast<std::size_t>(bound.more_directions);
+  if (has_cone) {
+    options.worst_at = [&problem, &formulation, &bound, known,
+                        most](const Configuration& at) mutable {
+      const auto before = static_cast<std::ptrdiff_t>(known.size());
+      if (known.size() < most) {
+        add_directions(worst_directions(problem, formulation, at, bound),
+                       formulation.nominal_scenario(), bound, known);
+      }
+      return std::vector<Scenario>(known.begin() + before, known.end());
+    };
+  }
+  return prover->prove_minimum(problem, known, enclosed, *best, options);
 }
 
 void state_bound(const MinimumBound& bound, Proof& proof) {

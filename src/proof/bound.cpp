@@ -165,6 +165,7 @@ class Search {
         break;
       }
       if (options_.on_progress) options_.on_progress(out_.boxes);
+      add_where_stalled();
       // So many at a time whatever the number of threads: the same answer anywhere.
       boxes.clear();
       while (boxes.size() < options_.at_a_time && !open_.empty() && !(open_.top().lower >= goal_)) {
@@ -212,8 +213,9 @@ class Search {
       Examined& seen = results[i];
       out_.boxes += seen.evaluations;
       if (seen.middle && *seen.middle < options_.goal) {
-        try_point(middle_of(boxes[i].box));
-        expect_at_most(*seen.middle);
+        const Eigen::VectorXd middle = middle_of(boxes[i].box);
+        try_point(middle);
+        if (!add_values(middle)) expect_at_most(*seen.middle);
       }
       if (!seen.is_left) continue;
       if (width_of(seen.node.box) <= options_.min_width) {
@@ -229,6 +231,24 @@ class Search {
     if (!options_.value_at || !out_.suspects.empty()) return;
     const RoundToNearest nearest;
     if (options_.value_at(x) < options_.goal) out_.suspects.push_back(x);
+  }
+
+  bool add_values(const Eigen::VectorXd& x) const {
+    if (!options_.add_values || !out_.suspects.empty()) return false;
+    const RoundToNearest nearest;
+    return options_.add_values(x);
+  }
+
+  /// Asks for more f_k where the bound makes no more progress.
+  void add_where_stalled() {
+    const double missing = options_.goal - open_.top().lower;
+    if (!(missing > (1 - options_.progress) * stalled_missing_)) {
+      stalled_missing_ = missing;
+      stalled_since_ = out_.boxes;
+    } else if (out_.boxes - stalled_since_ >= options_.boxes_without_progress) {
+      add_values(middle_of(open_.top().box));
+      stalled_since_ = out_.boxes;
+    }
   }
 
   /// The bound will not be above the f_k of any point: as near to them is good enough.
@@ -378,7 +398,9 @@ class Search {
   const BoundOptions& options_;
   double goal_;  ///< the bound that is still sought
   std::priority_queue<Node> open_;
-  double undivided_ = kInfinite;  ///< least bound of boxes too small to divide
+  double undivided_ = kInfinite;        ///< least bound of boxes too small to divide
+  double stalled_missing_ = kInfinite;  ///< to the goal, when there was progress the last time
+  long stalled_since_ = 0;              ///< boxes examined then
   long serial_ = 0;
   Bound out_;
 };

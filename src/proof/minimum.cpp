@@ -72,6 +72,12 @@ class ImpactProgram final : public Program<N> {
   ImpactProgram(const MinimumProblem& problem, double level)
       : problem_(problem), basis_(problem.impulses), level_(level) {}
 
+  /// One more impulse of a worst case.
+  void add(const ImpulseCase& impulse) {
+    problem_.impulses.push_back(impulse);
+    basis_ = WrenchBasis(problem_.impulses);
+  }
+
   void evaluate(const std::array<Form<N>, N>& x, std::vector<Form<N>>& equations,
                 std::vector<Fraction<N>>& values) const override {
     using S = Form<N>;
@@ -159,17 +165,17 @@ class ImpactProgram final : public Program<N> {
     return out;
   }
 
-  const MinimumProblem& problem_;
+  MinimumProblem problem_;
   WrenchBasis basis_;
   double level_;
 };
 
 template <int N>
 Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& options,
-            const std::function<double(const Eigen::VectorXd& x)>& value_at) {
+            const MinimumCallbacks& at) {
   const MinimumTolerances& tolerances = problem.tolerances;
   const double cut = best * (1 + tolerances.best_value), goal = best * (1 - options.relative_gap);
-  const ImpactProgram<N> program(problem, best);
+  ImpactProgram<N> program(problem, best);
   const bool is_mean =
       problem.measure == RiskMeasure::Expectation || problem.measure == RiskMeasure::Cvar;
   const double samples = is_mean ? static_cast<double>(problem.impulses.size()) : 0;
@@ -181,10 +187,18 @@ Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& op
                       .stop = options.stop,
                       .on_progress = options.on_progress};
   const int used = problem.where.encounter.num_variables();
-  if (value_at) {
+  if (at.value) {
     search.value_at = [&](const Eigen::VectorXd& x) {
-      const double value = value_at(x.head(used));
+      const double value = at.value(x.head(used));
       return value * value;
+    };
+  }
+  if (at.more_impulses) {
+    search.add_values = [&](const Eigen::VectorXd& x) {
+      const std::vector<ImpulseCase> more = at.more_impulses(x.head(used));
+      const RoundUpward upward;
+      for (const ImpulseCase& impulse : more) program.add(impulse);
+      return !more.empty();
     };
   }
   Bound out = bound_below<N>(program, domain_of<N>(problem), search);
@@ -203,7 +217,7 @@ Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& op
 int max_minimum_joints() { return kMaxJointsOf<Form<2>>; }
 
 Bound bound_minimum(const MinimumProblem& problem, double best, const MinimumOptions& options,
-                    const std::function<double(const Eigen::VectorXd& x)>& value_at) {
+                    const MinimumCallbacks& at) {
   const VariableEncounter& encounter = problem.where.encounter;
   assert(problem.where.robot.n() <= max_minimum_joints());
   assert(!problem.impulses.empty() && best > 0);
@@ -212,9 +226,9 @@ Bound bound_minimum(const MinimumProblem& problem, double best, const MinimumOpt
   switch (encounter.num_variables()) {
     case 1:
     case 2:
-      return bound<2>(problem, best, options, value_at);
+      return bound<2>(problem, best, options, at);
     case 3:
-      return bound<3>(problem, best, options, value_at);
+      return bound<3>(problem, best, options, at);
     default:
       assert(!"one to three variables");
       return {};

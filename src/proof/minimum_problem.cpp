@@ -268,13 +268,22 @@ MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scen
     return proof::configuration_at(problem, bounded.where.encounter, x);
   };
   const Power power = objective_power(problem);
-  std::function<double(const Eigen::VectorXd&)> value_at;
+  proof::MinimumCallbacks at;
   if (options.value_at) {
-    value_at = [&](const Eigen::VectorXd& x) {
+    at.value = [&](const Eigen::VectorXd& x) {
       return power.length(options.value_at(configuration_at(x)));
     };
   }
-  proof::Bound found = proof::bound_minimum(bounded, power.length(best), options, value_at);
+  if (options.worst_at) {
+    at.more_impulses = [&](const Eigen::VectorXd& x) {
+      std::vector<proof::ImpulseCase> out;
+      for (const Scenario& scenario : options.worst_at(configuration_at(x))) {
+        out.push_back(proof::impulse_case(bounded.where.encounter, scenario));
+      }
+      return out;
+    };
+  }
+  proof::Bound found = proof::bound_minimum(bounded, power.length(best), options, at);
   found.lower = power.value(found.lower);
   MinimumBound out;
   out.limit_reached = found.limit_reached;

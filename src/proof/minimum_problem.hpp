@@ -57,13 +57,19 @@ struct MinimumProblem {
 MinimumProblem minimum_problem(const CaptureProblem& problem,
                                const std::vector<Scenario>& scenarios);
 
+/// What is asked about values x of the encounter's variables; each may be empty.
+struct MinimumCallbacks {
+  std::function<double(const Eigen::VectorXd& x)> value = {};  ///< the measure
+  /// Further impulses of a worst case, the largest at x.
+  std::function<std::vector<ImpulseCase>(const Eigen::VectorXd& x)> more_impulses = {};
+};
+
 /// Of the measure; suspects are values of the encounter's variables.
 /// @param best value of the best configuration known, > 0: nothing above it is examined
 /// @pre at most max_minimum_joints() joints, one to three variables, an enclosure of the target's
 /// motion that is valid
-/// @param value_at the measure where the encounter's variables are x; may be empty
 Bound bound_minimum(const MinimumProblem& problem, double best, const MinimumOptions& options = {},
-                    const std::function<double(const Eigen::VectorXd& x)>& value_at = {});
+                    const MinimumCallbacks& at = {});
 int max_minimum_joints();
 
 }  // namespace stillbase::proof

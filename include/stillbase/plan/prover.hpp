@@ -38,6 +38,10 @@ struct MinimumOptions {
   /// The measure at a configuration, infinite where a constraint is violated. Where it is below the
   /// best value by more than the gap the proof ends: that one is better. May be empty.
   std::function<double(const Configuration&)> value_at = {};
+  /// Of a worst case: further encounters within the cone along the worst directions at a
+  /// configuration. Asked for where the bound over the known ones stays below its goal. May be
+  /// empty, and so may the list.
+  std::function<std::vector<Scenario>(const Configuration&)> worst_at = {};
 };
 
 /// What a bound says, in words and numbers.

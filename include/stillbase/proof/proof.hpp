@@ -3,6 +3,10 @@
 // Branch and bound with interval arithmetic over the planner's variables: free joints, angle of the
 // base about an axis, contact time; one to three of them. Interval ends are rounded outwards.
 //
+// The equations carry the planner's tolerance: a configuration that the planner takes for a
+// solution is at an enclosed one or in an undecided box. Solutions that the tolerance does not tell
+// apart, nearly double ones, are undecided.
+//
 // The proof holds for the model: for the numbers of robot and problem as the doubles that the
 // planner uses. With the contact time free the model's target moves exactly as Euler's equations
 // say; the planner's integration of them is within 1e-9 of that. Equations that vanish identically
