@@ -257,7 +257,9 @@ class Curves {
     ends_.demand(!family.is_closed || family.is_complete, name + "closed, but not complete");
     if (family.is_closed || family.points.empty()) return;
     const Configuration& middle = family.points[family.points.size() / 2];
-    const std::vector<double> along = distances_to_limits({context_.problem, middle});
+    std::vector<double> along = distances_to_limits({context_.problem, middle});
+    // Of a short curve the ends alone are stated: no middle says which limits hold all along.
+    if (family.points.size() < 3) std::fill(along.begin(), along.end(), kInfinity);
     bool all_at_limits = true;
     for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
       const double gap = distance_to_end({context_.problem, *end}, along);

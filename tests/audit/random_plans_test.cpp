@@ -64,6 +64,8 @@ void hold(std::uint64_t first, std::uint64_t end) {
 
 TEST_CASE("plans of random problems pass verification and audit") { hold(0, 24); }
 
+TEST_CASE("a curve so short that its ends alone are stated passes the audit") { hold(113, 114); }
+
 TEST_CASE("plans of 300 random problems pass verification and audit", "[.slow]") { hold(0, 300); }
 
 }  // namespace stillbase
