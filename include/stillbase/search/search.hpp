@@ -60,7 +60,8 @@ struct MeasureSearchOptions {
   int first = 32;             ///< starts before the rounds, of either kind
   int least_rounds = 4;       ///< what the first starts end at may be a wide valley
   int most_rounds = 12;       ///< a search takes about three times the time of one without rounds
-  int enough = 5;             ///< starts that end at the best minimum end the rounds
+  int enough = 8;             ///< starts that end at the best minimum end the rounds: five are
+                              ///< sometimes those of a wide valley beside a deeper one
   int fresh = 12;             ///< starts of a round on the constraints, and as many among the zeros
   int self_motion_steps = 4;  ///< random ones of a zero, before it is a start
   int hops = 12;              ///< starts of a round about the best minimum
