@@ -17,7 +17,7 @@ namespace {
 struct AuditRequest {
   std::string plan;
   OutputFile output;
-  bool json = false, shows_all = false;
+  bool json = false, shows_all = false, reruns = false;
 };
 
 int audit_plan_file(const AuditRequest& request) {
@@ -25,7 +25,8 @@ int audit_plan_file(const AuditRequest& request) {
   const PlanFile file = read_plan(read_text_file(request.plan), request.plan);
   VerifyOptions audit;
   audit.stop = stop_condition();
-  const Verification verification = audit_plan(file.plan, audit);
+  Verification verification = audit_plan(file.plan, audit);
+  if (request.reruns) add_repeated_search(file, verification);
   const std::string text = verification_to_json(verification, file.computed_sha256);
   publish_verification(file.plan, verification, text,
                        {request.output, request.json, request.shows_all, "audit"});
@@ -45,6 +46,7 @@ Command audit_command() {
       std::vector<Option>{
           {"plan", "PLAN.json", "plan file (JSON)", &request->plan, true},
           {"--all", "", "print every check in full", &request->shows_all},
+          {"--rerun", "", "repeat the search and compare all bytes of the plan", &request->reruns},
           {"--json", "", "print the result on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
       [request] { return audit_plan_file(*request); }};

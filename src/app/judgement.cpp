@@ -10,8 +10,10 @@
 #include <fmt/format.h>
 
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/planner/planner.hpp>
 
 #include "app/words.hpp"
+#include "io/json.hpp"
 #include "io/problem_reader.hpp"
 
 namespace stillbase::app {
@@ -76,14 +78,27 @@ Claim inputs_check(const PlanFile& file, const std::string& plan_path,
   Claim claim{"inputs_unchanged", 0.0, 0, "1", true, {}};
   const auto path = problem_file_of(file, plan_path, problem_path);
   if (!path) {
+    claim.value.reset();
+    claim.pass = claim.is_checked = false;
     claim.detail = file.inputs.empty()
                        ? "not compared: the plan names no files"
                        : "not compared: " + file.inputs.front().path + " is not here (--problem)";
     return claim;
   }
   std::vector<std::string> changes;
+  for (const InputFile& stated : file.inputs) {
+    const std::string stem = std::filesystem::path(stated.path).stem().string();
+    if (stated.role == "problem" && stem != file.plan.problem.name) {
+      changes.push_back(fmt::format("the problem's name is {}, not that of its file, {}",
+                                    file.plan.problem.name, stem));
+    }
+  }
   try {
     const std::vector<InputFile> found = input_files(*path);
+    if (!file.inputs.empty() && file.inputs.size() != found.size()) {
+      changes.push_back(fmt::format("{} files are named, the problem is made of {}",
+                                    file.inputs.size(), found.size()));
+    }
     for (const InputFile& stated : file.inputs) {
       const auto same = [&stated](const InputFile& input) {
         return input.role == stated.role && input.sha256 == stated.sha256;
@@ -187,12 +202,14 @@ void print_verdict(const Verification& verification, const std::string& what) {
   const auto open =
       std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return !c.is_checked; });
   const std::string not_checked = open == 0 ? "" : fmt::format(", {} could not be checked", open);
+  const std::string against =
+      verification.is_against_file ? "" : ", against the plan's own copy of the problem";
   say(verification.pass
           ? toned(Tone::Good,
-                  fmt::format("verdict: pass, all {} {} checks hold{}",
-                              static_cast<long>(checks.size()) - open, what, not_checked))
-          : toned(Tone::Bad, fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}", failed,
-                                         checks.size(), what, not_checked)));
+                  fmt::format("verdict: pass, all {} {} checks hold{}{}",
+                              static_cast<long>(checks.size()) - open, what, not_checked, against))
+          : toned(Tone::Bad, fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}{}",
+                                         failed, checks.size(), what, not_checked, against)));
 }
 
 }  // namespace
@@ -205,6 +222,53 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
       inputs_check(file, plan_path, problem_path)};
   verification.claims.insert(verification.claims.begin(), std::begin(checks), std::end(checks));
   verification.pass = verification.pass && all_hold(verification.claims);
+  verification.is_against_file = std::end(checks)[-1].is_checked;
+}
+
+void add_repeated_search(const PlanFile& file, Verification& verification) {
+  Claim claim{"search_repeated", std::nullopt, 0, "1", false, {}, ClaimGroup::SearchRecord, false};
+  if (file.plan.status == PlanStatus::Limit) {
+    claim.detail = "not verified: a limit ended the search";
+    verification.claims.push_back(claim);
+    return;
+  }
+  PlannerOptions options;
+  options.stop = stop_condition();
+  ProgressLine progress;
+  options.on_progress = [&](const std::string& what, int done, int total) {
+    progress.show("repeated " + what, done, total);
+  };
+  const Plan again = make_plan(file.plan.problem, options);
+  progress.clear();
+  if (options.stop.reached()) {
+    claim.detail = "not verified: stopped before its end";
+    verification.claims.push_back(claim);
+    return;
+  }
+  const io::Json stated = io::Json::parse(plan_to_json(file.plan, {}, {}, file.inputs));
+  const io::Json found = io::Json::parse(plan_to_json(again, {}, {}, file.inputs));
+  std::vector<std::string> different;
+  for (const auto& [key, value] : stated.items()) {
+    if (key == "tool" || key == "timing" || key == "content_sha256") continue;
+    if (!found.contains(key) || found.at(key) != value) different.push_back(key);
+  }
+  claim.is_checked = true;
+  claim.pass = different.empty();
+  claim.value = static_cast<double>(different.size());
+  claim.detail =
+      claim.pass ? "the repeated search gives the same plan, byte for byte"
+                 : fmt::format("the repeated search gives other {}", fmt::join(different, ", "));
+  if (claim.pass) {
+    // What the search alone knows holds with it.
+    for (Claim& record : verification.claims) {
+      if (record.group != ClaimGroup::SearchRecord) continue;
+      record.is_checked = record.pass = true;
+      record.value = 0;
+      record.detail = "repeated: " + record.detail.substr(record.detail.find(": ") + 2);
+    }
+  }
+  verification.claims.push_back(claim);
+  verification.pass = verification.pass && claim.pass;
 }
 
 void publish_verification(const Plan& plan, const Verification& verification,

@@ -15,6 +15,11 @@ namespace stillbase::app {
 void add_input_checks(const PlanFile& file, const std::string& plan_path,
                       const std::string& problem_path, Verification& verification);
 
+/// Repeats the search of a plan and compares every byte of its content: then what only the search
+/// knows holds, or the first parts that differ are named. Not possible for a plan that a limit
+/// ended.
+void add_repeated_search(const PlanFile& file, Verification& verification);
+
 /// How a verification is published.
 struct Publication {
   OutputFile output;

@@ -22,7 +22,7 @@ namespace {
 struct VerifyRequest {
   std::string plan, problem;
   OutputFile output;
-  bool json = false, shows_all = false;
+  bool json = false, shows_all = false, reruns = false;
   int trials = 0;
   std::uint64_t seed = 1;
   int jobs = 1;
@@ -59,6 +59,7 @@ int verify_plan_file(const VerifyRequest& request) {
   verify.stop = stop_condition(request.time_limit);
   Verification verification = judge_plan(file.plan, verify);
   add_input_checks(file, request.plan, request.problem, verification);
+  if (request.reruns) add_repeated_search(file, verification);
 
   // A plan that fails may lack what a trial needs.
   std::optional<Trials> trials;
@@ -104,6 +105,7 @@ Command verify_command() {
            256},
           {"--all", "", "print every check in full, also those that hold", &request->shows_all},
           {"--time-limit", "S", "seconds after which checks and trials stop", &request->time_limit},
+          {"--rerun", "", "repeat the search and compare all bytes of the plan", &request->reruns},
           {"--json", "", "print the verification on stdout also with -o", &request->json}} +
           output_options(request->output, "-o,--output", "verification file (JSON); else stdout"),
       [request] { return verify_plan_file(*request); }};

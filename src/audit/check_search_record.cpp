@@ -86,6 +86,13 @@ void check_list(const Context& context, ClaimList& claims) {
                     "self-motion of the approach");
 }
 
+/// The optimizer, the one that goes on where it stops short, and the planner of the path.
+bool is_known_solver(const Context& context, const std::string& name) {
+  const ApproachSpec& approach = context.problem.approach;
+  if (name == context.plan.optimizer || name == "ipopt") return true;
+  return approach.enabled && (name == approach.planner || name == "reaction_null");
+}
+
 void check_status(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Certificate& certificate = plan.certificate;
@@ -100,7 +107,16 @@ void check_status(const Context& context, ClaimList& claims) {
   for (const auto& [name, calls] : plan.solver_calls) {
     objections.demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
   }
-  objections.demand(certificate.starts >= 1, "no starts");
+  const int least_starts = was_cut ? 1 : std::max(1, context.problem.search.starts);
+  objections.demand(certificate.starts >= least_starts,
+                    fmt::format("{} starts of {}", certificate.starts, least_starts));
+  const auto calls_of_optimizer = plan.solver_calls.find(plan.optimizer);
+  objections.demand(was_cut || calls_of_optimizer == plan.solver_calls.end() ||
+                        calls_of_optimizer->second >= context.problem.search.starts,
+                    "fewer calls of the optimizer than starts");
+  for (const auto& [name, calls] : plan.solver_calls) {
+    objections.demand(is_known_solver(context, name), name + " is none of the plan's solvers");
+  }
   objections.demand(
       (std::isfinite(certificate.kkt_residual) || was_cut) && certificate.kkt_residual >= 0,
       "the KKT residual is no number");
@@ -130,6 +146,11 @@ void check_status(const Context& context, ClaimList& claims) {
 /// The numbers of the polish that the plan states.
 void check_polish(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
+  if (approach.polish == PathPolish::None) {
+    claims.at_most("approach_polish_stated",
+                   std::max(approach.before_polish, approach.after_polish), 0, "s or rad",
+                   "numbers of a polish that was not made");
+  }
   if (!context.problem.approach.enabled || approach.status != ApproachStatus::Found ||
       approach.polish == PathPolish::None) {
     return;
@@ -141,6 +162,43 @@ void check_polish(const Context& context, ClaimList& claims) {
                  "the polished path is no worse than the planned one");
   claims.at_most("approach_polish_stated", std::abs(stated - found), kCopied, "s or rad",
                  "stated result of the polish");
+}
+
+/// What only a repeated search can confirm.
+void list_search_record(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  claims.begin(ClaimGroup::SearchRecord);
+  const std::string own = "the search's own record: ";
+  claims.not_verified(
+      "search_counts",
+      own +
+          "certificate.starts beyond those of the problem, certificate.distinct_solutions of a "
+          "list that was cut, certificate.unseen of a robust measure or a cut list, "
+          "candidates.starts_reached, solver_calls");
+  claims.not_verified("search_rounding",
+                      own +
+                          "certificate.kkt_residual below 1e-5, candidates.max_violation below the "
+                          "tolerance of the constraints");
+  if (!plan.families.empty())
+    claims.not_verified(
+        "search_families",
+        own + "families.starts, families.length within what the spacing of the points leaves open");
+  if (plan.certificate.proof.status != ProofStatus::NotApplicable || plan.certificate.proof.boxes) {
+    claims.not_verified("search_proof",
+                        own +
+                            "certificate.proof.found_by_search, certificate.proof.boxes of a "
+                            "bound, what certificate.proof.statement says of the search");
+  }
+  if (plan.approach.status != ApproachStatus::NotRequested) {
+    claims.not_verified("search_approach", own + "approach.detail, approach.polish.before");
+  }
+  if (!plan.nominal_optimum) {
+    claims.not_verified("search_nominal_optimum",
+                        own + "that objective.nominal_optimum is not known");
+  }
+  if (plan.status == PlanStatus::Limit) {
+    claims.not_verified("search_limit", own + "status: that a limit came first");
+  }
 }
 
 }  // namespace
@@ -156,6 +214,7 @@ void check_search_record(const Context& context, ClaimList& claims) {
   claims.at_most("certificate_violation",
                  std::abs(context.plan.certificate.max_violation - violation), 1e-12, "1",
                  "largest violation of the certificate from that of the list");
+  list_search_record(context, claims);
 }
 
 }  // namespace stillbase::audit

@@ -68,6 +68,8 @@ struct ControllerReport {
 struct Verification {
   bool pass = false;         ///< no check failed and at least one passed
   bool interrupted = false;  ///< stopped before the end, without a verdict (`pass` is false)
+  /// The problem file was compared; false: only the plan's own copy of the problem is there.
+  bool is_against_file = false;
   std::vector<Claim> claims;
   std::vector<ControllerReport> reports;  ///< in the problem's order
 };
