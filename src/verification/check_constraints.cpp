@@ -16,6 +16,7 @@ constexpr double kSameBound = 1e-12;
 
 double bound_difference(double stated, double wanted) {
   if (stated == wanted) return 0;  // infinities included
+  if (!std::isfinite(stated) || !std::isfinite(wanted)) return kInfinity;
   return std::abs(stated - wanted) / (1 + std::abs(wanted));
 }
 
