@@ -184,8 +184,9 @@ Eigen::Quaterniond sampled_rotation(const CaptureProblem& problem, const Vector3
 
 double typical_objective(const CaptureProblem& problem) {
   constexpr int kSamples = 15;
+  constexpr double kRounding = 1e-12;  // of the total angular momentum: the objective vanishes
   const FreeVariables variables(problem);
-  std::vector<double> sizes;
+  std::vector<double> sizes, larger;
   for (int sample = 0; sample < kSamples; ++sample) {
     const Eigen::VectorXd u = low_discrepancy_point(sample, variables.size(), 0);
     Eigen::VectorXd x = variables.lower + u.cwiseProduct(variables.upper - variables.lower);
@@ -196,11 +197,17 @@ double typical_objective(const CaptureProblem& problem) {
     ContactEvent event = at.event;
     // A target that moves away counts as if it came.
     if (event.velocity && event.n.dot(*event.velocity) < 0) event.velocity = -*event.velocity;
-    sizes.push_back(std::sqrt(
-        square_of(problem, at.response, impulse_along(problem, event, at.response, event.n))));
+    const auto impulse = impulse_along(problem, event, at.response, event.n);
+    sizes.push_back(std::sqrt(square_of(problem, at.response, impulse)));
+    larger.push_back(at.response.impact(impulse).total.norm());
   }
-  std::nth_element(sizes.begin(), sizes.begin() + kSamples / 2, sizes.end());
-  return sizes[kSamples / 2] > 0 ? sizes[kSamples / 2] : 1;
+  const auto median = [](std::vector<double>& values) {
+    std::nth_element(values.begin(), values.begin() + kSamples / 2, values.end());
+    return values[kSamples / 2];
+  };
+  const double size = median(sizes), whole = median(larger);
+  if (size > kRounding * whole) return size;
+  return whole > 0 ? whole : 1;
 }
 
 }  // namespace stillbase::audit
