@@ -108,7 +108,7 @@ TEST_CASE("parts that do not fit are refused at their key") {
   says("{finger: 0.02 m}", "{finger: 3 deg}", "robot.locked.finger");
   says("torque: 12 N m", "force: 12 N", "robot.limits: r_joint_4");
   says("hand: tool", "hand: claw", "robot.arms: there is no link 'claw'");
-  says("mass: 200 kg, ", "", "robot.arms: arms are mounted on a base");
+  says("mass: 200 kg, ", "", "robot.base.shape: belongs to a `mass`");
   says(", shape: {box: {size: [1, 1, 1]}}", "", "needs `inertia`, or a `shape`");
   says("    - {file: arm.urdf,", "    - {file: arm.urdf, prefix: r_}\n    - {file: arm.urdf,",
        "give this arm another `prefix`");
@@ -125,11 +125,11 @@ TEST_CASE("parts that do not fit are refused at their key") {
 
 TEST_CASE("from a robot file to a verified plan in three commands") {
   const Workshop shop;
-  shop.write("arm.urdf", six_joint_arm());
-  const Outcome made = shop.run("new problem.yaml --robot arm.urdf");
+  const std::string arm = "'" + source_path("problems/arms/seven_joint_arm.urdf") + "'";
+  const Outcome made = shop.run("new problem.yaml --robot " + arm);
   INFO(made.err);
   REQUIRE(made.code == 0);
-  CHECK(made.says("hand link: tool"));
+  CHECK(made.says("hand link: hand"));
   const Outcome check = shop.run("check problem.yaml");
   INFO(check.err << shop.text("problem.yaml"));
   REQUIRE(check.code == 0);
@@ -139,10 +139,10 @@ TEST_CASE("from a robot file to a verified plan in three commands") {
   const Outcome verify = shop.run("verify plan.json");
   INFO(verify.err << verify.out);
   CHECK(verify.code == 0);
-  CHECK(shop.run("new problem.yaml --robot arm.urdf").code == 7);
-  CHECK(shop.run("new other.yaml --robot arm.urdf --hand claw").code == 2);
+  CHECK(shop.run("new problem.yaml --robot " + arm).code == 7);
+  CHECK(shop.run("new other.yaml --robot " + arm + " --hand claw").code == 2);
   CHECK(shop.run("new other.yaml").code == 2);
-  CHECK(shop.run("new other.json --robot arm.urdf").code == 2);
+  CHECK(shop.run("new other.json --robot " + arm).code == 2);
 }
 
 TEST_CASE("check names links that always touch") {

@@ -15,35 +15,13 @@ using namespace stillbase::io_test;
 using namespace stillbase::test;
 
 TEST_CASE("every schema stands alone and uses words of draft-07 that validators know") {
-  static const std::set<std::string> kKnown{"$schema",
-                                            "title",
-                                            "description",
-                                            "type",
-                                            "required",
-                                            "additionalProperties",
-                                            "items",
-                                            "minItems",
-                                            "maxItems",
-                                            "minimum",
-                                            "exclusiveMinimum",
-                                            "maximum",
-                                            "pattern",
-                                            "enum",
-                                            "const",
-                                            "anyOf",
-                                            "allOf",
-                                            "oneOf",
-                                            "not",
-                                            "$ref",
-                                            "properties",
-                                            "definitions",
-                                            "uniqueItems",
-                                            "minProperties",
-                                            "maxProperties",
-                                            // Annotations of our own: see members_of().
-                                            "x-unit",
-                                            "x-frame",
-                                            "x-shape"};
+  static const std::set<std::string> kKnown{
+      "$schema", "title", "description", "type", "required", "additionalProperties", "items",
+      "minItems", "maxItems", "minimum", "exclusiveMinimum", "maximum", "pattern", "enum", "const",
+      "anyOf", "allOf", "oneOf", "not", "$ref", "properties", "definitions", "uniqueItems",
+      "minProperties", "maxProperties",
+      // Annotations of our own: see members_of().
+      "x-unit", "x-frame", "x-shape"};
   REQUIRE(file_formats().size() > 10);
   for (const FileFormat& format : file_formats()) {
     INFO(format.name);
@@ -106,6 +84,7 @@ TEST_CASE("a quantity of a schema takes the units of its dimension and the reade
       {"inertia", {Dimension::Inertia}},
       {"time", {Dimension::Time}},
       {"rate", {Dimension::Rate}},
+      {"force", {Dimension::Force}},
       {"moment", {Dimension::Moment}},
       {"impulse", {Dimension::Impulse}},
       {"angular_impulse", {Dimension::AngularImpulse}},
