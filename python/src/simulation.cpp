@@ -143,6 +143,8 @@ void register_simulation(py::module_& m) {
   number("attitude_turned", &SimulationSummary::attitude_turned,
          "Largest change of attitude, rad.");
   number("peak_torque", &SimulationSummary::peak_torque, "Of any joint, N m (N).");
+  number("peak_demanded_torque", &SimulationSummary::peak_demanded_torque,
+         "The same as the controller asks for it, before the torque limits, N m (N).");
   number("relative_momentum_drift", &SimulationSummary::relative_momentum_drift,
          "Error of the conserved momenta, relative.");
   simulation.def(

@@ -90,8 +90,12 @@ std::string run_words(const RobotModel& robot, const Run& run) {
       fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, attitude change at most {:.4g} deg\n",
                   first.state.Omega.tail<3>().norm() * kDegrees,
                   summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
-  text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m\n",
+  text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m",
                       first.state.phidot.norm(), summary.residual_joint_rate, summary.peak_torque);
+  if (summary.peak_demanded_torque > summary.peak_torque) {
+    text += fmt::format(" of {:.4g} N m demanded", summary.peak_demanded_torque);
+  }
+  text += '\n';
   text += contact_words(run);
   // A contact that takes time changes the momentum of the robot: that of the pair stays.
   text += fmt::format("  momentum drift  {:.2g} (relative)\n",

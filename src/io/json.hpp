@@ -3,9 +3,11 @@
 // The header includes no JSON library. nlohmann parses, and prints numbers, in json.cpp alone.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -96,7 +98,7 @@ class Json {
   void update(const Json& other);
 
   /// bool, a number, std::string, a std::vector of those, or the value itself.
-  /// @throws JsonError for another kind of value
+  /// @throws JsonError for another kind of value, and for a whole number that T does not hold
   template <class T>
   T get() const {
     if constexpr (std::is_same_v<T, Json>) {
@@ -106,6 +108,7 @@ class Json {
       return integer_ != 0;
     } else if constexpr (std::is_arithmetic_v<T>) {
       require(is_number(), "a number");
+      if constexpr (std::is_integral_v<T>) require(holds<T>(), "a whole number in range");
       if (kind_ == Kind::Real) return static_cast<T>(real_);
       return kind_ == Kind::Integer ? static_cast<T>(integer_)
                                     : static_cast<T>(static_cast<std::uint64_t>(integer_));
@@ -137,6 +140,15 @@ class Json {
  private:
   explicit Json(Kind kind) : kind_(kind) {}
   static void require(bool is_so, const char* wanted);  ///< @throws JsonError "a value is not ..."
+  /// Whether the whole number T can have the value of this number.
+  template <std::integral T>
+  bool holds() const {
+    if (kind_ == Kind::Integer) return std::in_range<T>(integer_);
+    if (kind_ == Kind::Unsigned) return std::in_range<T>(static_cast<std::uint64_t>(integer_));
+    constexpr auto kHalf = static_cast<double>(std::numeric_limits<T>::max() / 2 + 1);
+    return real_ == std::trunc(real_) && real_ < 2 * kHalf &&
+           real_ >= static_cast<double>(std::numeric_limits<T>::min());
+  }
 
   Kind kind_ = Kind::Null;
   std::int64_t integer_ = 0;  ///< Bool, Integer, Unsigned (its bits)

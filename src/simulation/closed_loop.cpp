@@ -103,7 +103,8 @@ ClosedLoop::ClosedLoop(const RobotModel& robot, const JointVectord& rotor_inerti
       options_(options),
       encounter_(encounter),
       sensing_(options.sensors, options.control_period),
-      command_{JointVectord::Zero(robot.n())} {}
+      command_{JointVectord::Zero(robot.n())},
+      demanded_(JointVectord::Zero(robot.n())) {}
 
 const PlantTerms& ClosedLoop::terms_at(const StateVector& x, const PlantState& state) {
   if (!terms_ || terms_x_.size() != x.size() || terms_x_ != x) {
@@ -137,6 +138,7 @@ void ClosedLoop::command(const PlantState& state, const PlantTerms& terms, doubl
 
 void ClosedLoop::limit(const JointVectord& phidot) {
   saturated_ = false;
+  demanded_ = command_.tau;
   for (int k = 0; k < n(); ++k) {
     const Joint& joint = robot_.joints[k];
     double& tau = command_.tau[k];
@@ -202,7 +204,7 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
       recorder->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
                                                               : Vector3d(Vector3d::Zero()));
     }
-    recorder->observe(t, state, terms, command_, saturated_);
+    recorder->observe(t, state, terms, command_, demanded_, saturated_);
   }
 
   const Load forces = load(t, x, state, terms);

@@ -118,6 +118,7 @@ class ClosedLoop {
   const EncounterPlant* encounter_;
   Sensing sensing_;
   ControlCommand command_;  ///< after limits, held between control instants
+  JointVectord demanded_;   ///< n; torques of the command before limits
   bool saturated_ = false;
   bool has_started_ = false;
   std::array<JointMode, kMaxJoints> mode_{};

@@ -11,7 +11,8 @@ namespace {
 constexpr double kNoMomentum = 1e-9;
 
 TraceSample make_sample(double t, const PlantState& state, const PlantTerms& terms,
-                        const Momentum<double>& momentum, const ControlCommand& command) {
+                        const Momentum<double>& momentum, const ControlCommand& command,
+                        const JointVectord& demanded) {
   TraceSample sample;
   sample.time = t;
   sample.state = state;
@@ -25,6 +26,7 @@ TraceSample make_sample(double t, const PlantState& state, const PlantTerms& ter
   sample.rns = parts.rns;
   sample.orthogonal = parts.orthogonal;
   sample.tau = command.tau;
+  sample.demanded_tau = demanded;
   sample.wheel_torque = command.wheel_torque;
   sample.thruster_torque = command.thruster_torque;
   sample.kinetic_energy = kinetic_energy(terms.inertia, state);
@@ -51,10 +53,12 @@ Recorder::Recorder(const RobotModel& robot, const Controller& controller, bool w
     : robot_(robot), controller_(controller), watch_stops_(watch_stops) {
   result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
   result_.summary.peak_torques = JointVectord::Zero(robot.n());
+  result_.summary.peak_demanded_torques = JointVectord::Zero(robot.n());
 }
 
 void Recorder::observe(double t, const PlantState& state, const PlantTerms& terms,
-                       const ControlCommand& command, bool saturated) {
+                       const ControlCommand& command, const JointVectord& demanded,
+                       bool saturated) {
   const JointVectord& tau = command.tau;
   SimulationSummary& summary = result_.summary;
   const Momentum<double> momentum =
@@ -69,6 +73,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   summary.peak_joint_rate = std::max(summary.peak_joint_rate, summary.residual_joint_rate);
   summary.peak_joint_rates = summary.peak_joint_rates.cwiseMax(state.phidot.cwiseAbs());
   summary.peak_torques = summary.peak_torques.cwiseMax(tau.cwiseAbs());
+  summary.peak_demanded_torques = summary.peak_demanded_torques.cwiseMax(demanded.cwiseAbs());
   summary.peak_wheel_torque =
       std::max(summary.peak_wheel_torque, command.wheel_torque.lpNorm<Eigen::Infinity>());
   summary.wheel_momentum = state.wheel_momentum;
@@ -83,7 +88,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   watch_limits(t, state);
 
   if (record_now_) {
-    result_.trace.push_back(make_sample(t, state, terms, momentum, command));
+    result_.trace.push_back(make_sample(t, state, terms, momentum, command, demanded));
     result_.trace.back().target = target_;
     result_.trace.back().contact_force = contact_force_;
     record_now_ = false;
@@ -178,7 +183,10 @@ void Recorder::note(int joint, LimitKind kind, double time) {
 
 SimulationResult Recorder::take(SimulationStatus status, long steps) {
   SimulationSummary& summary = result_.summary;
-  if (robot_.n() > 0) summary.peak_torque = summary.peak_torques.maxCoeff();
+  if (robot_.n() > 0) {
+    summary.peak_torque = summary.peak_torques.maxCoeff();
+    summary.peak_demanded_torque = summary.peak_demanded_torques.maxCoeff();
+  }
   summary.steps = steps;
   std::stable_sort(summary.limits.begin(), summary.limits.end(),
                    [](const LimitEvent& a, const LimitEvent& b) { return a.time < b.time; });

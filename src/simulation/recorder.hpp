@@ -12,9 +12,9 @@ class Recorder {
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
-  /// A step begins: state, terms of (3) and command after limits.
+  /// A step begins: state, terms of (3), command after limits and joint torques before them.
   void observe(double t, const PlantState& state, const PlantTerms& terms,
-               const ControlCommand& command, bool saturated);
+               const ControlCommand& command, const JointVectord& demanded, bool saturated);
   /// Before observe(), in runs with a target.
   void observe_target(const TargetPlantState& target, const Vector3d& contact_force);
   /// A joint runs into an enforced stop with this rate.

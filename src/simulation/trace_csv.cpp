@@ -36,6 +36,7 @@ const Quantity kQuantities[] = {
     {Per::Joint, "rate_orthogonal", "rad_per_s", [](Sample s) -> Values { return s.orthogonal; },
      "m_per_s"},
     {Per::Joint, "torque", "Nm", [](Sample s) -> Values { return s.tau; }, "N"},
+    {Per::Joint, "torque_demanded", "Nm", [](Sample s) -> Values { return s.demanded_tau; }, "N"},
     {Per::Axis, "angular_momentum_base", "Nms", [](Sample s) -> Values { return s.base; }},
     {Per::Axis, "angular_momentum_coupling", "Nms", [](Sample s) -> Values { return s.coupling; }},
     {Per::Axis, "angular_momentum_total", "Nms", [](Sample s) -> Values { return s.total; }},

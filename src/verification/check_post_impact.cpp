@@ -112,9 +112,11 @@ void judge_motion(const Context& context, const ControllerReport& report,
                  fmt::format("largest fraction of a rate limit{}; peak {:.3g} rad/s", under,
                              report.peak_joint_rate));
   claims.at_most("post_impact_joint_torques",
-                 largest_fraction(robot, summary.peak_torques, &Joint::max_effort), 1 + slack, "1",
-                 fmt::format("largest fraction of a torque limit{}; peak {:.3g} N m", under,
-                             report.peak_joint_torque));
+                 largest_fraction(robot, summary.peak_demanded_torques, &Joint::max_effort),
+                 1 + slack, "1",
+                 fmt::format("largest fraction of a torque limit that is demanded{}; peak {:.3g} "
+                             "N m, of which the joint gives {:.3g} N m",
+                             under, report.peak_demanded_torque, report.peak_joint_torque));
   Objections stops;
   for (const LimitEvent& event : summary.limits) {
     stops.demand(event.kind != LimitKind::LowerStop && event.kind != LimitKind::UpperStop,
@@ -166,6 +168,7 @@ void fill(ControllerReport& report, const SimulationSummary& summary, const Robo
   report.peak_joint_rate = summary.peak_joint_rates.cwiseAbs().maxCoeff();
   report.residual_joint_rate = summary.residual_joint_rate;
   report.peak_joint_torque = summary.peak_torque;
+  report.peak_demanded_torque = summary.peak_demanded_torque;
   for (const LimitEvent& event : summary.limits) {
     report.limits_met.push_back(describe(event, robot));
   }

@@ -63,7 +63,7 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
   outcome.peak_rate_part =
       largest_fraction(truth.robot, summary.peak_joint_rates, &Joint::max_velocity);
   outcome.peak_torque_part =
-      largest_fraction(truth.robot, summary.peak_torques, &Joint::max_effort);
+      largest_fraction(truth.robot, summary.peak_demanded_torques, &Joint::max_effort);
   outcome.stop_hits = summary.stop_hits;
   outcome.success = outcome.hit && outcome.finished && outcome.stop_hits == 0 &&
                     outcome.residual_base_rate <= spec.residual_base_rate_max &&

@@ -47,6 +47,16 @@ TEST_CASE("a record reads back the same, and so does the request in it") {
   CHECK(label_of(request) == "nlopt-slsqp:defaults");
 }
 
+TEST_CASE("counts of evaluations that are no whole numbers in range are refused") {
+  const std::string good = record_to_text(example(), "host");
+  for (const char* count : {"1e300", "-1e300", "7.5", "-1"}) {
+    std::string text = good;
+    text.replace(text.find("[7,6,"), 3, "[" + std::string(count) + ",");
+    INFO(count);
+    CHECK_THROWS_AS(read_records(text, "records.jsonl"), InputError);
+  }
+}
+
 TEST_CASE("lines that are no records are named with their numbers") {
   const std::string good = record_to_text(example(), "host");
   std::string other_end = good;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/io/verification_file.hpp>
 
 using namespace stillbase;
@@ -42,4 +43,25 @@ TEST_CASE("a check whose value is not finite is not written") {
   Verification verification;
   verification.claims = {{"impact", std::nan(""), 0, "1", false, ""}};
   CHECK_THROWS_AS(verification_to_json(verification, "abc"), std::invalid_argument);
+}
+
+TEST_CASE("outcomes of trials read back, and what is no such list is refused") {
+  TrialOutcome outcome;
+  outcome.inputs.assign(trial_input_names().size(), 0.1);
+  outcome.stop_hits = 3;
+  const std::string text = trial_outcomes_to_text({outcome, outcome});
+  CHECK(trial_outcomes_to_text(trial_outcomes_from_text(text)) == text);
+  CHECK(trial_outcomes_from_text("[]").empty());
+  const std::string row = trial_outcomes_to_text({outcome});
+  const std::string begin = row.substr(0, row.size() - 3);  // without "3]]"
+  REQUIRE(trial_outcomes_from_text(begin + "3]]").size() == 1);
+  for (const char* end : {"1e300]]", "4294967299]]", "3.5]]", "\"3\"]]", "3,4]]"}) {
+    INFO(end);
+    CHECK_THROWS_AS(trial_outcomes_from_text(begin + end), InputError);
+  }
+  const std::string map = "{\"row\": " + row.substr(1, row.size() - 2) + "}";
+  for (const std::string& other : {std::string("5"), std::string("{}"), map}) {
+    INFO(other);
+    CHECK_THROWS_AS(trial_outcomes_from_text(other), InputError);
+  }
 }

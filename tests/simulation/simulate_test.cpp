@@ -38,6 +38,7 @@ TEST_CASE("torque limits clip the controller and are reported", "[simulation]") 
   const PlantState state = moving(robot, 0.3);
   const SimulationResult clipped = simulate_post_impact(robot, {}, state, damping(), short_run());
   CHECK(clipped.summary.peak_torque == 0.5);
+  CHECK(clipped.trace.front().tau.cwiseAbs().maxCoeff() == 0.5);
   REQUIRE_FALSE(clipped.summary.limits.empty());
   CHECK(clipped.summary.limits.front().kind == LimitKind::Torque);
   CHECK(clipped.summary.limits.front().time == 0);
@@ -46,6 +47,10 @@ TEST_CASE("torque limits clip the controller and are reported", "[simulation]") 
   unlimited.torque_limits = false;
   const SimulationResult free = simulate_post_impact(robot, {}, state, damping(), unlimited);
   CHECK(free.summary.peak_torque > 0.5);
+  CHECK(free.summary.peak_demanded_torque == free.summary.peak_torque);
+  // The torque that is demanded is the same, limits or not.
+  CHECK(clipped.summary.peak_demanded_torque >= free.summary.peak_demanded_torque);
+  CHECK(clipped.trace.front().demanded_tau == free.trace.front().tau);
   CHECK(free.summary.limits.empty());
   CHECK(free.summary.residual_joint_rate < clipped.summary.residual_joint_rate);
 }
@@ -239,7 +244,7 @@ TEST_CASE("the trace's text has units in its header and reads back exactly", "[s
     for (std::string field; std::getline(fields, field, ',');) {
       numbers.push_back(std::stod(field));
     }
-    REQUIRE(numbers.size() == 1 + 3 + 4 + 6 + 5 * 3 + 5 * 3 + 1 + 4 * 3);
+    REQUIRE(numbers.size() == 1 + 3 + 4 + 6 + 6 * 3 + 5 * 3 + 1 + 4 * 3);
     CHECK(numbers[0] == result.trace[rows].time);
     CHECK(numbers[14] == result.trace[rows].state.phi[0]);
     CHECK(numbers[numbers.size() - 13] == result.trace[rows].kinetic_energy);

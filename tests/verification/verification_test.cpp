@@ -290,6 +290,12 @@ TEST_CASE("the motion after the impact is judged under the first controller alon
   plan = floating_plan();
   for (Joint& joint : plan.problem.robot.joints) joint.max_velocity = 0.01;
   CHECK(fails(judge_plan(plan), "post_impact_joint_rates"));
+  // The plant gives no more than a joint's limit: what the controller demands is judged.
+  plan = floating_plan();
+  for (Joint& joint : plan.problem.robot.joints) joint.max_effort = 0.0005;
+  const Verification saturated = judge_plan(plan);
+  CHECK(fails(saturated, "post_impact_joint_torques"));
+  CHECK(find_claim(saturated, "post_impact_joint_torques")->value.value_or(0) > 10);
   plan = floating_plan();
   plan.problem.post_impact.controllers = {"telepathy"};
   const Verification unknown = judge_plan(plan);

@@ -89,6 +89,7 @@ struct TraceSample {
   JointVectord rns;                      ///< n; phidot's part in the angular reaction null space
   JointVectord orthogonal;               ///< n; phidot - rns
   JointVectord tau;                      ///< n; torque of the controller after limits, N m
+  JointVectord demanded_tau;             ///< n; the same before limits, N m
   Vector3d wheel_torque = Vector3d::Zero();     ///< u of the wheels on the base, in B, N m
   Vector3d thruster_torque = Vector3d::Zero();  ///< on the base, in B, N m
   double kinetic_energy = 0;                    ///< J, of the robot
@@ -119,6 +120,9 @@ struct SimulationSummary {
   JointVectord peak_joint_rates;   ///< n, max |phidot_k|
   double peak_torque = 0;          ///< max over time and joints, N m
   JointVectord peak_torques;       ///< n, max |tau_k|
+  /// As both before, of the torques that the controller asks for: no limit has cut them.
+  double peak_demanded_torque = 0;
+  JointVectord peak_demanded_torques;
   /// Largest |P - P(0)| and |L - L(0)| in N, L = L_g and the wheels' momentum less what the
   /// thrusters gave. With a base wrench or a contact this is its doing, not an error.
   double linear_momentum_drift = 0;   ///< N s

@@ -60,7 +60,7 @@ struct TrialOutcome {
   double residual_base_rate = 0;  ///< at the horizon, first controller, rad/s
   double attitude_turned = 0;     ///< rad
   double peak_rate_part = 0;      ///< largest part of a joint's rate limit; 0 without limits
-  double peak_torque_part = 0;    ///< the same of a torque limit
+  double peak_torque_part = 0;    ///< the same of a torque limit, as the controller demands
   int stop_hits = 0;
 };
 

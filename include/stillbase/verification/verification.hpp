@@ -58,7 +58,8 @@ struct ControllerReport {
   double attitude_turned = 0;         ///< largest change of attitude since the impact, rad
   double peak_joint_rate = 0;         ///< max over time of the largest |phidot_k|, rad/s (m/s)
   double residual_joint_rate = 0;     ///< |phidot| at the horizon
-  double peak_joint_torque = 0;       ///< N m (N)
+  double peak_joint_torque = 0;       ///< within the torque limits, N m (N)
+  double peak_demanded_torque = 0;    ///< that the controller asks for, N m (N)
   double linear_momentum_drift = 0;   ///< in N, relative, by `reference`
   double angular_momentum_drift = 0;  ///< in N, about the system centroid, relative, by `reference`
   std::vector<std::string> limits_met;  ///< "joint 3 torque at 0.12 s"

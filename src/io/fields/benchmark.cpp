@@ -27,6 +27,14 @@ struct ImprovementRow : Value {
     read = [&x](ReadContext& context, const Node& node, const std::string& path) {
       const auto numbers = read_numbers(context, node, path, Dimension::None, 4);
       if (!numbers) return false;
+      for (const std::size_t i : {0, 1}) {
+        const double count = (*numbers)[i];
+        if (count == std::trunc(count) && count >= 0 && count <= kMany) continue;
+        context.add(
+            node.line, "out-of-range",
+            fmt::format("{}[{}] is {}, no whole number from 0 to {}", path, i, count, kMany));
+        return false;
+      }
       x.evaluations = static_cast<long>((*numbers)[0]);
       x.gradients = static_cast<long>((*numbers)[1]);
       x.value = (*numbers)[2];

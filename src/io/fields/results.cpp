@@ -222,6 +222,8 @@ void run_fields(Table& t, const RobotModel& robot, ControllerRun& run) {
   t("peak_joint_rate", Number(summary.peak_joint_rate), "norm", needed("rad/s"));
   t("residual_joint_rate", Number(summary.residual_joint_rate), "norm at the end", needed("rad/s"));
   t("peak_torque", Number(summary.peak_torque), "of any joint", needed("N m"));
+  t("peak_demanded_torque", Number(summary.peak_demanded_torque),
+    "the same as the controller asks for it, before the torque limits", needed("N m"));
   t("stop_hits", Integer(summary.stop_hits, 0, kMany), "times that a joint reached its stop",
     kNeeded);
   t("wheel_momentum", Vector(summary.wheel_momentum), "at the end", needed("N m s", "B"));

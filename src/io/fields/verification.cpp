@@ -42,7 +42,9 @@ static void fields(Table& t, ControllerReport& report) {
   open("attitude_turned", report.attitude_turned, "largest attitude change", "rad");
   open("peak_joint_rate", report.peak_joint_rate, "of the fastest joint", "rad/s (m/s)");
   open("residual_joint_rate", report.residual_joint_rate, "norm at the horizon", "rad/s");
-  open("peak_joint_torque", report.peak_joint_torque, "", "N m (N)");
+  open("peak_joint_torque", report.peak_joint_torque, "within the torque limits", "N m (N)");
+  open("peak_demanded_torque", report.peak_demanded_torque, "that the controller asks for",
+       "N m (N)");
   open("linear_momentum_drift", report.linear_momentum_drift, "relative", "1");
   open("angular_momentum_drift", report.angular_momentum_drift, "relative", "1");
   t("limits_met", Texts(report.limits_met), "limits of joints and actuators that were reached",
@@ -175,8 +177,13 @@ std::string trial_outcomes_to_text(const std::vector<TrialOutcome>& outcomes) {
 std::vector<TrialOutcome> trial_outcomes_from_text(const std::string& text) {
   std::vector<TrialOutcome> outcomes;
   try {
-    for (const io::Json& row : io::Json::parse(text)) {
+    const io::Json rows = io::Json::parse(text);
+    if (!rows.is_array()) throw io::JsonError("the outcomes are not a list");
+    for (const io::Json& row : rows) {
       const auto number = [&row](std::size_t i) { return row.at(i).get<double>(); };
+      if (!row.is_array() || row.size() != 12) {
+        throw io::JsonError("an outcome is not a list of 12 values");
+      }
       if (row.at(0).size() != trial_input_names().size()) {
         throw InputError({{"trials", 0, "not-trials", "drawn by another version of stillbase"}});
       }
