@@ -54,14 +54,17 @@ std::string count_list(const std::map<std::string, int>& counts) {
 
 PageFigure figure(const BenchmarkAnalysis& analysis, const std::string& file,
                   const std::string& title, const std::string& x_label, const std::string& y_label,
-                  const std::vector<double>& x, std::vector<double> OptimizerFigures::*curve) {
+                  const std::vector<double>& x, ShareCurve OptimizerFigures::*curve) {
   PlotPanel panel;
   panel.title = title;
   panel.x_label = x_label;
   panel.y_label = y_label;
   panel.x = x;
   for (const OptimizerFigures& figures : analysis.optimizers) {
-    if (panel.series.size() < 18) panel.series.push_back({figures.optimizer, figures.*curve});
+    const ShareCurve& shares = figures.*curve;
+    if (panel.series.size() < 18) {
+      panel.series.push_back({figures.optimizer, shares.value, shares.low, shares.high});
+    }
   }
   return {file, title, panel};
 }
@@ -221,7 +224,7 @@ PageSection curves(const BenchmarkAnalysis& analysis) {
   out.paragraphs = {
       "Runtimes: part of all (run, target) pairs reached, over 51 targets from 1 to 1e-8. Data "
       "profile (More and Wild, 2009) and performance profile (Dolan and More, 2002) at the "
-      "tightest target, one problem per instance and seed.",
+      "tightest target, one problem per instance and seed. Bands: 95 % bootstrap over problems.",
       "Caveat of performance profiles: each curve compares an optimizer with the best of all, not "
       "two optimizers with each other; removing a third one can reverse the order of two "
       "curves (Gould and Scott, 2016)."};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -96,8 +97,6 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
   out.optimizer = optimizer;
   std::set<std::string> solved;
   std::map<std::string, std::pair<double, double>> by_family;
-  std::vector<Runtime> runtimes;
-  std::vector<int> variables;
   double distinct = 0, evaluations = 0;
   for (const Run& run : runs) {
     const RunRecord& record = *run.record;
@@ -107,8 +106,6 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
     if (run.solved(kTightestTarget)) solved.insert(run.instance());
     by_family[record.family].first += run.solved(kTightestTarget) ? 1 : 0;
     by_family[record.family].second += 1;
-    runtimes.push_back(run.runtime);
-    variables.push_back(record.variables);
     distinct += static_cast<double>(record.distinct_solutions);
     out.hessians_per_run += static_cast<double>(record.hessians);
     evaluations += static_cast<double>(record.evaluations);
@@ -126,8 +123,6 @@ OptimizerFigures figures_of(const std::string& optimizer, const std::vector<Run>
   out.seconds_to_tightest = seconds_by_group(runs, analysis.groups);
   out.problems_solved = static_cast<int>(solved.size());
   for (const auto& [family, part] : by_family) out.by_family[family] = part.first / part.second;
-  out.runtime_ecdf =
-      runtime_distribution(runtimes, variables, powers_of_ten(analysis.log_cost_axis));
   if (evaluations > 0) out.distinct_per_1000 = 1000 * distinct / evaluations;
   if (out.seconds > 0) out.distinct_per_second = distinct / out.seconds;
   return out;
@@ -137,29 +132,84 @@ using Pair = std::pair<std::string, std::uint64_t>;  ///< instance, seed
 
 Pair pair_of(const Run& run) { return {run.instance(), run.record->request.seed}; }
 
-/// Data and performance profiles at the tightest target; a (instance, seed) pair is a problem.
-void add_profiles(const RunsByOptimizer& runs, BenchmarkAnalysis& analysis) {
+/// The runs of some instances, as the profiles take them; an (instance, seed) pair is a problem.
+struct ProfileRuns {
+  CostTable costs;             ///< at the tightest target: row per pair, column per optimizer
+  std::vector<int> variables;  ///< of each pair
+  std::vector<std::vector<Runtime>> runtimes;       ///< per optimizer
+  std::vector<std::vector<int>> runtime_variables;  ///< of each of these runs
+};
+
+/// @param instance empty: all
+ProfileRuns profile_runs(const RunsByOptimizer& runs, const BenchmarkAnalysis& analysis,
+                         const std::string& instance) {
+  const std::size_t count = analysis.optimizers.size();
   std::map<Pair, std::size_t> rows;
-  std::vector<int> variables;
-  for (const auto& entry : runs) {
-    for (const Run& run : entry.second) {
-      if (rows.insert({pair_of(run), rows.size()}).second) {
-        variables.push_back(run.record->variables);
-      }
-    }
-  }
-  CostTable costs(rows.size(), std::vector<double>(analysis.optimizers.size(), kInfinity));
-  for (std::size_t s = 0; s < analysis.optimizers.size(); ++s) {
+  ProfileRuns out;
+  out.runtimes.resize(count);
+  out.runtime_variables.resize(count);
+  for (std::size_t s = 0; s < count; ++s) {
     for (const Run& run : runs.at(analysis.optimizers[s].optimizer)) {
-      costs[rows.at(pair_of(run))][s] = run.runtime.to_target[kTightestTarget];
+      if (!instance.empty() && run.instance() != instance) continue;
+      const auto [row, is_new] = rows.insert({pair_of(run), rows.size()});
+      if (is_new) {
+        out.costs.emplace_back(count, kInfinity);
+        out.variables.push_back(run.record->variables);
+      }
+      out.costs[row->second][s] = run.runtime.to_target[kTightestTarget];
+      out.runtimes[s].push_back(run.runtime);
+      out.runtime_variables[s].push_back(run.record->variables);
     }
   }
-  const auto data = data_profile(costs, variables, powers_of_ten(analysis.log_kappa_axis));
-  const auto performance = performance_profile(costs, powers_of_ten(analysis.log_tau_axis));
-  for (std::size_t s = 0; s < analysis.optimizers.size(); ++s) {
-    analysis.optimizers[s].data_profile = data[s];
-    analysis.optimizers[s].performance_profile = performance[s];
+  return out;
+}
+
+/// Fills in one curve of every optimizer. `shares` gives the curves of a part of the runs.
+void add_curve(ShareCurve OptimizerFigures::*curve, const ProfileRuns& all,
+               const std::vector<ProfileRuns>& by_instance, const AnalysisOptions& options,
+               BenchmarkAnalysis& analysis,
+               const std::function<std::vector<std::vector<double>>(const ProfileRuns&)>& shares) {
+  const std::vector<std::vector<double>> values = shares(all);
+  std::vector<std::vector<std::vector<double>>> parts;
+  for (const ProfileRuns& runs : by_instance) parts.push_back(shares(runs));
+  for (std::size_t s = 0; s < values.size(); ++s) {
+    ShareCurve& out = analysis.optimizers[s].*curve;
+    out.value = values[s];
+    for (std::size_t i = 0; i < out.value.size(); ++i) {
+      std::vector<double> per_problem;
+      for (const auto& part : parts) per_problem.push_back(part[s][i]);
+      const BootstrapInterval band = bootstrap_mean(per_problem, options.seed, options.resamples);
+      out.low.push_back(std::min(band.low, out.value[i]));
+      out.high.push_back(std::max(band.high, out.value[i]));
+    }
   }
+}
+
+/// Runtime distributions; data and performance profiles at the tightest target.
+void add_profiles(const RunsByOptimizer& runs, const std::vector<std::string>& instances,
+                  const AnalysisOptions& options, BenchmarkAnalysis& analysis) {
+  const ProfileRuns all = profile_runs(runs, analysis, "");
+  std::vector<ProfileRuns> by_instance;
+  for (const std::string& instance : instances) {
+    by_instance.push_back(profile_runs(runs, analysis, instance));
+  }
+  add_curve(
+      &OptimizerFigures::runtime_ecdf, all, by_instance, options, analysis,
+      [costs = powers_of_ten(analysis.log_cost_axis)](const ProfileRuns& part) {
+        std::vector<std::vector<double>> out;
+        for (std::size_t s = 0; s < part.runtimes.size(); ++s) {
+          out.push_back(runtime_distribution(part.runtimes[s], part.runtime_variables[s], costs));
+        }
+        return out;
+      });
+  add_curve(&OptimizerFigures::data_profile, all, by_instance, options, analysis,
+            [kappas = powers_of_ten(analysis.log_kappa_axis)](const ProfileRuns& part) {
+              return data_profile(part.costs, part.variables, kappas);
+            });
+  add_curve(&OptimizerFigures::performance_profile, all, by_instance, options, analysis,
+            [taus = powers_of_ten(analysis.log_tau_axis)](const ProfileRuns& part) {
+              return performance_profile(part.costs, taus);
+            });
 }
 
 /// The optimizer of least expected running time; their number when none is finite.
@@ -308,7 +358,7 @@ BenchmarkAnalysis analyze_benchmark(const std::vector<RunRecord>& records,
   std::stable_sort(out.optimizers.begin(), out.optimizers.end(), [](const auto& a, const auto& b) {
     return a.solved.back().value > b.solved.back().value;
   });
-  add_profiles(tuned, out);
+  add_profiles(tuned, instances, options, out);
   add_wins(tuned, options, out);
   add_defaults(tuned, with_defaults, out);
   for (const std::string& instance : instances) {

@@ -18,6 +18,8 @@
 
 #include <stillbase/core/error.hpp>
 
+#include "core/sanitized.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -56,7 +58,7 @@ void end_with(pid_t parent) {
   const rlimit memory_limit{options.memory, options.memory};
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &cpu_limit);
-  ::setrlimit(RLIMIT_AS, &memory_limit);
+  if (!STILLBASE_SANITIZED) ::setrlimit(RLIMIT_AS, &memory_limit);
   ::setrlimit(RLIMIT_CORE, &no_core);
   // Both reach the whole process group, and are the parent's to answer.
   ::signal(SIGINT, SIG_IGN);

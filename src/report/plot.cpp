@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "report/escape.hpp"
+#include "core/escape.hpp"
 
 namespace stillbase {
 
@@ -72,6 +72,9 @@ void check(const PlotPanel& panel) {
   bool good = finite(panel.x);
   for (const PlotSeries& series : panel.series) {
     good = good && series.y.size() == panel.x.size() && finite(series.y);
+    good = good && series.low.size() == series.high.size() && finite(series.low);
+    good =
+        good && (series.low.empty() || series.low.size() == panel.x.size()) && finite(series.high);
   }
   if (!good) throw std::invalid_argument("panel '" + panel.title + "': lengths or numbers are off");
 }
@@ -93,8 +96,12 @@ std::string panel_svg(const PlotPanel& panel, int top) {
   check(panel);
   double low = 0, high = 0;
   for (const PlotSeries& series : panel.series) {
-    low = std::min(low, *std::min_element(series.y.begin(), series.y.end()));
-    high = std::max(high, *std::max_element(series.y.begin(), series.y.end()));
+    for (const std::vector<double>* values : {&series.y, &series.low, &series.high}) {
+      for (const double value : *values) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+    }
   }
   if (high == low) high = low + 1;
   const double margin = 0.05 * (high - low);
@@ -125,12 +132,24 @@ std::string panel_svg(const PlotPanel& panel, int top) {
       "<text class=\"label\" transform=\"translate(18,{:.1f}) rotate(-90)\" "
       "text-anchor=\"middle\">{}</text>\n",
       (y.from + y.to) / 2, escape_markup(panel.y_label));
+  const auto points = [&](const std::vector<double>& values, std::size_t k) {
+    return fmt::format("{:.1f},{:.1f}", x.pixel(panel.x[k]), y.pixel(values[k]));
+  };
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const PlotSeries& series = panel.series[i];
+    if (series.low.empty()) continue;
+    out += fmt::format("<polygon class=\"band\" opacity=\".12\" fill=\"{}\" points=\"",
+                       kColours[i % std::size(kColours)]);
+    const std::size_t count = series.low.size();
+    for (std::size_t k = 0; k < count; ++k) out += (k == 0 ? "" : " ") + points(series.low, k);
+    for (std::size_t k = count; k-- > 0;) out += " " + points(series.high, k);
+    out += "\"/>\n";
+  }
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     out += fmt::format("<polyline {} points=\"", stroke(i));
     for (std::size_t k = 0; k < series.y.size(); ++k) {
-      out += fmt::format("{}{:.1f},{:.1f}", k == 0 ? "" : " ", x.pixel(panel.x[k]),
-                         y.pixel(series.y[k]));
+      out += (k == 0 ? "" : " ") + points(series.y, k);
     }
     out += "\"/>\n";
     const int row = top + kTop + 14 + kLegendRow * static_cast<int>(i);

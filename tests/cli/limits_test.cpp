@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "cli/tool.hpp"
+#include "core/sanitized.hpp"
 #include "stillbase/core/random.hpp"
 
 using namespace stillbase::cli_test;
@@ -22,7 +23,7 @@ int address_space_to_start(const Workshop& shop) {
 /// Runs `check` as a child that the system kills beyond the limits, 192 MB more than it takes to
 /// start; sanitizers need more memory.
 Outcome check_within_limits(const Workshop& shop, const std::string& file) {
-#if defined(__SANITIZE_ADDRESS__)
+#if STILLBASE_SANITIZED
   const std::string limits = "ulimit -t 30; ";
 #else
   static const int size = address_space_to_start(shop) + 196'608;

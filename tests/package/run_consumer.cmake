@@ -52,6 +52,22 @@ if(pkg_config)
     -o ${WORK_DIR}/by_pkg_config ${libs} COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${WORK_DIR}/by_pkg_config
     WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase COMMAND_ERROR_IS_FATAL ANY)
+
+  # The user's own -march: Eigen would align otherwise than the library, and objects that cross the
+  # border would be freed in another way than they were allocated.
+  if(CMAKE_HOST_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    execute_process(COMMAND ${CXX_COMPILER} ${flags} -march=native ${CONSUMER_SOURCE_DIR}/readme.cpp
+      ${cflags} -o ${WORK_DIR}/with_march ${libs} COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND ${WORK_DIR}/with_march
+      WORKING_DIRECTORY ${WORK_DIR}/prefix/share/stillbase COMMAND_ERROR_IS_FATAL ANY)
+    set(own_flags ${cflags})
+    list(FILTER own_flags EXCLUDE REGEX "-DEIGEN_")
+    execute_process(COMMAND ${CXX_COMPILER} -fsyntax-only -mavx2
+      ${CONSUMER_SOURCE_DIR}/readme.cpp ${own_flags} ERROR_VARIABLE message RESULT_VARIABLE result)
+    if(result EQUAL 0 OR NOT message MATCHES "EIGEN_MAX_ALIGN_BYTES=16")
+      message(FATAL_ERROR "without the flags of the package -mavx2 is not refused:\n${message}")
+    endif()
+  endif()
 else()
   message(STATUS "no pkg-config here: stillbase.pc is not tried")
 endif()

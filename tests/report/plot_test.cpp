@@ -48,6 +48,20 @@ TEST_CASE("a larger value stands higher") {
   CHECK(y1 < y0);
 }
 
+TEST_CASE("a band is drawn below the lines, and belongs to the range of the axis") {
+  PlotPanel p = panel();
+  const std::string without = plot_svg({p});
+  p.series[0].low = {-20, -10, 0, -10, -20};
+  p.series[0].high = {0, 10, 40, 10, 0};
+  const std::string svg = plot_svg({p});
+  CHECK(count(svg, "<polygon class=\"band\"") == 1);
+  CHECK(svg.find("<polygon") < svg.find("<polyline"));
+  CHECK(count(svg, ">40<") == 1);
+  CHECK(count(without, ">40<") == 0);
+  p.series[0].high.pop_back();
+  CHECK_THROWS_AS(plot_svg({p}), std::invalid_argument);
+}
+
 TEST_CASE("series that do not fit their axis are refused") {
   PlotPanel p = panel();
   p.series[0].y.pop_back();

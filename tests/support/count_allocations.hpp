@@ -1,14 +1,16 @@
 // Counts heap allocations by standing in for malloc, which `operator new` and Eigen both end in.
 // Include it in one source file of a program. It counts with glibc only, and not under
-// AddressSanitizer, which stands in for malloc itself: see kCountsAllocations.
+// sanitizers, which stand in for malloc themselves: see kCountsAllocations.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
 
+#include "core/sanitized.hpp"
+
 namespace stillbase {
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !STILLBASE_SANITIZED
 inline constexpr bool kCountsAllocations = true;
 #else
 inline constexpr bool kCountsAllocations = false;
@@ -19,7 +21,7 @@ inline thread_local long allocation_count = 0;
 
 }  // namespace stillbase
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !STILLBASE_SANITIZED
 extern "C" void* __libc_malloc(std::size_t size);
 extern "C" void* malloc(std::size_t size) {
   ++stillbase::allocation_count;

@@ -19,6 +19,12 @@ namespace stillbase {
 inline constexpr std::size_t kShownTargets[] = {12, 25, 50};
 inline constexpr std::size_t kTightestTarget = 50;
 
+/// A share over an axis, with the 95 % percentile interval at each point: problems drawn with
+/// replacement.
+struct ShareCurve {
+  std::vector<double> value, low, high;
+};
+
 struct OptimizerFigures {
   std::string optimizer;
   long runs = 0, unfinished = 0;            ///< unfinished: crashed, out of memory or out of time
@@ -28,7 +34,7 @@ struct OptimizerFigures {
   std::map<std::string, double> by_family;  ///< part of the runs solved at the tightest target
   /// Expected running time per group, one list per shown target; infinity: never.
   std::vector<std::vector<double>> running_time;
-  std::vector<double> runtime_ecdf, data_profile, performance_profile;  ///< over the curves' axes
+  ShareCurve runtime_ecdf, data_profile, performance_profile;  ///< over the curves' axes
   double distinct_per_1000 = 0;    ///< distinct solutions per 1000 evaluations
   double distinct_per_second = 0;  ///< measured: differs from machine to machine
   double seconds = 0;              ///< measured: all runs together

@@ -32,7 +32,7 @@ struct ChildOutcome {
 struct ChildOptions {
   int jobs = 1;                       ///< processes at a time
   double seconds = 60;                ///< wall clock of each
-  std::uint64_t memory = 2ull << 30;  ///< bytes of address space of each
+  std::uint64_t memory = 2ull << 30;  ///< bytes of address space of each; none under sanitizers
   StopCondition stop;                 ///< when reached, running children are killed and none begins
 };
 

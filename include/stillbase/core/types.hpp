@@ -7,6 +7,13 @@
 
 #include <stillbase/core/in_place.hpp>
 
+// The alignment and allocation of Eigen's matrices are part of the binary interface. -march=native
+// and sanitizers change them, and objects would be freed in another way than they were allocated.
+static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16 && EIGEN_MALLOC_ALREADY_ALIGNED == 1,
+              "stillbase, OMPL and FCL align Eigen's matrices by 16 bytes and use plain malloc: "
+              "compile everything with -D EIGEN_MAX_ALIGN_BYTES=16 "
+              "-D EIGEN_MALLOC_ALREADY_ALIGNED=1, which the target stillbase::stillbase brings");
+
 namespace stillbase {
 
 /// Largest number of movable joints; a robot with more joints is refused.

@@ -7,8 +7,9 @@
 namespace stillbase {
 
 struct PlotSeries {
-  std::string name;       ///< in the legend
-  std::vector<double> y;  ///< one value per x of the panel; finite
+  std::string name;                         ///< in the legend
+  std::vector<double> y;                    ///< one value per x of the panel; finite
+  std::vector<double> low = {}, high = {};  ///< the ends of a band around y; empty: none
 };
 
 /// A vertical line with a name, e.g. where a curve crosses zero.
@@ -27,8 +28,8 @@ struct PlotPanel {
 
 /// The panels below each other, with axes, round tick values, a zero line where zero is in range
 /// and a legend. Same input, same bytes.
-/// @throws std::invalid_argument for series of another length than x, fewer than two points, more
-/// than 18 series, or numbers that are not finite
+/// @throws std::invalid_argument for series or bands of another length than x, fewer than two
+/// points, more than 18 series, or numbers that are not finite
 std::string plot_svg(const std::vector<PlotPanel>& panels);
 
 }  // namespace stillbase

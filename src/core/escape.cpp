@@ -1,4 +1,4 @@
-#include "report/escape.hpp"
+#include "core/escape.hpp"
 
 namespace stillbase {
 

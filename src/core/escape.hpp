@@ -1,4 +1,4 @@
-// Text inside SVG and HTML.
+// Text inside XML: SVG, HTML, URDF.
 #pragma once
 
 #include <string>
