@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "audit/checks.hpp"
-#include "verification/margins.hpp"
+#include "audit/manifold.hpp"
 
 namespace stillbase::audit {
 namespace {
@@ -55,62 +55,15 @@ class Place {
   double time_;
 };
 
-/// Distances to the limits of variables and inequalities, each in its unit; the same list
-/// everywhere.
-std::vector<double> distances_to_limits(const Situation& situation) {
-  const CaptureProblem& problem = situation.problem;
-  const Configuration& at = situation.at;
-  const VariableSpec& free = problem.variables;
-  const ConstraintSpec& wanted = problem.constraints;
-  std::vector<double> out;
-  const auto between = [&out](double x, double lower, double upper) {
-    out.push_back(std::min(std::abs(x - lower), std::abs(x - upper)));
-  };
-  for (int k = 0; k < problem.robot.n(); ++k) {
-    const Joint& joint = problem.robot.joints[k];
-    if (!free.joints[k] || joint.type == JointType::Continuous) continue;
-    between(at.phi[k], joint.lower + wanted.joint_limit_margin,
-            joint.upper - wanted.joint_limit_margin);
-  }
-  const Eigen::Quaterniond rotation = at.base.orientation * problem.base.orientation.conjugate();
-  if (free.base_attitude == AttitudeFreedom::Cone) {
-    const Vector3d& axis = free.base_attitude_axis;
-    between(axis.dot(rotation * axis), std::cos(free.base_attitude_max), kInfinity);
-  } else if (free.base_attitude != AttitudeFreedom::Fixed && free.base_attitude_max < 3.14159) {
-    // Half a rotation is no limit: the same attitude is reached from the other side.
-    between(rotation_log(rotation).norm(), -kInfinity, free.base_attitude_max);
-  }
-  if (free.contact_time_upper > free.contact_time_lower) {
-    between(at.contact_time, free.contact_time_lower, free.contact_time_upper);
-  }
-  if (free.base_position == PositionFreedom::Box) {
-    for (int i = 0; i < 3; ++i) {
-      between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i]);
-    }
-  }
-  const ContactEvent& event = situation.event;
-  between(closing_speed(problem, event, event.n), wanted.closing_speed_min, kInfinity);
-  if (problem.hand.constraint == HandConstraint::Axis) {
-    between(event.n.dot(situation.response.dynamics.hand_rotation * problem.hand.approach_axis),
-            -kInfinity, 0);
-  }
-  const MarginNumbers margins = margin_numbers(situation);
-  between(margins.rate_excess, -kInfinity, 0);
-  if (margins.coupling) between(*margins.coupling, wanted.coupling_singular_value_min, kInfinity);
-  if (margins.jacobian) between(*margins.jacobian, wanted.jacobian_singular_value_min, kInfinity);
-  if (margins.distance) between(*margins.distance, *wanted.clearance, kInfinity);
-  return out;
-}
-
 /// Distance of a configuration on a curve from the nearest limit at which the curve may end. A
 /// limit that holds in the middle of the curve as well holds all along it (a box of no height, a
 /// stated closing speed), and does not count.
 /// @param along distances in the middle of the curve
 double distance_to_end(const Situation& at, const std::vector<double>& along) {
-  const std::vector<double> here = distances_to_limits(at);
+  const std::vector<double> here = distances_from_limits(at);
   double nearest = kInfinity;
   for (std::size_t i = 0; i < here.size(); ++i) {
-    if (along[i] > kAtLimit) nearest = std::min(nearest, here[i]);
+    if (std::abs(along[i]) > kAtLimit) nearest = std::min(nearest, std::abs(here[i]));
   }
   return nearest;
 }
@@ -257,7 +210,7 @@ class Curves {
     ends_.demand(!family.is_closed || family.is_complete, name + "closed, but not complete");
     if (family.is_closed || family.points.empty()) return;
     const Configuration& middle = family.points[family.points.size() / 2];
-    std::vector<double> along = distances_to_limits({context_.problem, middle});
+    std::vector<double> along = distances_from_limits({context_.problem, middle});
     // Of a short curve the ends alone are stated: no middle says which limits hold all along.
     if (family.points.size() < 3) std::fill(along.begin(), along.end(), kInfinity);
     bool all_at_limits = true;

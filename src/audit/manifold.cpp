@@ -107,7 +107,9 @@ std::vector<double> distances_from_limits(const Situation& situation) {
     between(rotation_log(rotation).dot(axis), -free.base_attitude_max, free.base_attitude_max);
   } else if (free.base_attitude == AttitudeFreedom::Free &&
              free.base_attitude_max < kHalfRotation) {
-    out.push_back(std::pow(free.base_attitude_max, 2) - rotation_log(rotation).squaredNorm());
+    // Smooth also where the angle is zero, and in rad beside the limit.
+    const double most = free.base_attitude_max;
+    out.push_back((most * most - rotation_log(rotation).squaredNorm()) / (2 * most));
   }
   if (free.contact_time_upper > free.contact_time_lower) {
     between(at.contact_time, free.contact_time_lower, free.contact_time_upper);

@@ -31,7 +31,7 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
   const double wait = problem.approach.wait;
   const double speed =
       std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
-  const int steps = std::clamp(static_cast<int>(std::ceil(wait * speed / 0.01)), 1, 2000);
+  const int steps = static_cast<int>(std::clamp(std::ceil(wait * speed / 0.01), 1.0, 2000.0));
   for (int i = 0; i <= steps; ++i) {
     const double time = configuration.contact_time - wait * i / steps;
     const Pose pose = motion->state(time).pose;

@@ -13,15 +13,15 @@ namespace stillbase {
 namespace {
 
 /// The problem with limits after the impact as constraints: joints keep `margin` from their stops,
-/// and the robot's rate limits hold at the nominal impact, unless rates are constrained or a joint
-/// has no limit.
-CaptureProblem with_limits_as_constraints(CaptureProblem problem, double margin) {
+/// and rates right after the nominal impact are at most `scale` times the robot's rate limits,
+/// unless rates are constrained or a joint has no limit.
+CaptureProblem with_limits_as_constraints(CaptureProblem problem, double margin, double scale) {
   const bool is_limited =
       std::all_of(problem.robot.joints.begin(), problem.robot.joints.end(),
                   [](const Joint& joint) { return std::isfinite(joint.max_velocity); });
   ConstraintSpec& constraints = problem.constraints;
   if (is_limited && constraints.joint_rate_max.size() == 0 && !constraints.joint_rate_scale) {
-    constraints.joint_rate_scale = 1;
+    constraints.joint_rate_scale = scale;
   }
   constraints.joint_limit_margin = std::max(constraints.joint_limit_margin, margin);
   return problem;
@@ -88,8 +88,10 @@ void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScen
   int added = 0;
   for (int round = 0; round < options.further_searches && added == 0; ++round) {
     if (options.stop.reached()) return;
+    const double scale = 1 - options.further_rate_reserve * (round / 2);
     const CaptureProblem asked =
-        round % 2 == 0 ? with_limits_as_constraints(problem, options.further_margin) : problem;
+        round % 2 == 0 ? with_limits_as_constraints(problem, options.further_margin, scale)
+                       : problem;
     Formulation formulation(asked);
     formulation.give_up_simulations_at(options.stop);
     SearchOptions further = search_options;

@@ -70,8 +70,8 @@ class MinimaFinder {
         out_(out) {}
 
   /// A point nearer to a minimum; nothing when it leaves the constraints.
-  std::optional<Point> rough(const Eigen::VectorXd& start) {
-    return taken(measure_.minimize_roughly(optimizer_, solve_, start));
+  std::optional<Point> rough(const Eigen::VectorXd& start, const RoughLimits& limits) {
+    return taken(measure_.minimize_roughly(optimizer_, solve_, start, limits));
   }
   std::optional<Point> fine(const Eigen::VectorXd& start) {
     return taken(measure_.finish(optimizer_, solve_, start));
@@ -140,10 +140,14 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
 
   std::vector<Point> approached;
   std::vector<double> ends;  // values at which starts ended by themselves
+  RoughLimits limits;
+  if (more) limits.evaluations = options.rough_evaluations;
+  const auto best = [&] { return std::min_element(approached.begin(), approached.end(), lower); };
   const auto approach = [&](const std::vector<Eigen::VectorXd>& from, bool by_themselves) {
     for (const Eigen::VectorXd& start : from) {
       if (finder.stopped()) return;
-      auto point = finder.rough(start);
+      if (more && !approached.empty()) limits.hopeless = options.same_value * best()->value;
+      auto point = finder.rough(start, limits);
       if (!point) continue;
       if (by_themselves) ends.push_back(point->value);
       approached.push_back(std::move(*point));
@@ -151,12 +155,21 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
   };
   approach(starts, true);
   Random random(seed, 1);
+  std::vector<Eigen::VectorXd> hopped_from;
   for (int round = 0; more && round < options.most_rounds && !finder.stopped(); ++round) {
-    const auto best = std::min_element(approached.begin(), approached.end(), lower);
-    if (best != approached.end()) {
-      const int reached = count_best(ends, best->value, options.same_value);
+    if (!approached.empty()) {
+      const int reached = count_best(ends, best()->value, options.same_value);
       if (round >= options.least_rounds && reached >= options.enough) break;
-      approach(hops_from(formulation, Eigen::VectorXd(best->x), random, options), false);
+    }
+    // Nearly all hops from the best minimum come back to it: every place is left once.
+    const Point* from = nullptr;
+    for (const Point& point : approached) {
+      if (from != nullptr && !lower(point, *from)) continue;
+      if (!is_near(formulation, hopped_from, point.x, options.same_basin)) from = &point;
+    }
+    if (from != nullptr) {
+      hopped_from.push_back(from->x);
+      approach(hops_from(formulation, hopped_from.back(), random, options), false);
     }
     approach(more(round), true);
   }

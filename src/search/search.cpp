@@ -365,7 +365,7 @@ class Search {
     std::vector<Eigen::VectorXd> zeros;
     for (const Eigen::VectorXd& posture : postures) {
       if (options_.stop.reached()) break;
-      const ProjectionResult zero = project_onto_constraints(formulation_, posture, true, 15);
+      const ProjectionResult zero = project_onto_constraints(formulation_, posture, true, 10);
       if (zero.violation <= options_.on_constraints) zeros.push_back(zero.x);
     }
     return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);

@@ -26,7 +26,7 @@ void check_claims(const Plan& plan) {
 
 }  // namespace
 
-TEST_CASE("the kinetic energy of the base is planned, bounded, verified and audited") {
+TEST_CASE("the kinetic energy of the base is planned, bounded, verified and audited", "[proofs]") {
   CaptureProblem problem = without_path("planar_three_link_null");
   problem.objective = {{ObjectiveQuantity::BaseEnergy}};
   problem.measure.kind =

@@ -47,7 +47,8 @@ std::string failure_after(const Plan& plan) {
 }  // namespace
 
 TEST_CASE("a search whose candidates all break a limit after the impact goes on") {
-  for (const std::uint64_t number : {0, 1, 2, 6}) {
+  // Of problem 3 rates at their limits right after the impact exceed them as the arm moves on.
+  for (const std::uint64_t number : {0, 1, 2, 3, 6}) {
     const CaptureProblem problem = with_tight_rates(number);
     INFO("problem " << number);
     PlannerOptions once;
@@ -60,6 +61,19 @@ TEST_CASE("a search whose candidates all break a limit after the impact goes on"
       INFO(claim.name << ": " << claim.detail);
       CHECK_FALSE(claim.fails());
     }
+  }
+}
+
+TEST_CASE("a limit that no configuration keeps at the impact is no fault of the search") {
+  for (const std::uint64_t number : {4, 5, 7}) {
+    INFO("problem " << number);
+    CaptureProblem problem = with_tight_rates(number);
+    CHECK_FALSE(failure_after(make_plan(problem)).empty());
+    problem.constraints.joint_rate_scale = 1;
+    SearchOptions many;
+    many.starts = 128;
+    many.seed = 99;
+    CHECK(search(problem, Formulation(problem), many).status == PlanStatus::Infeasible);
   }
 }
 

@@ -68,7 +68,10 @@ struct PlannerOptions {
   int further_candidates = 4;   ///< of such a search: the list of each is that much longer
   double further_margin = 0.1;  ///< rad or m from the joints' stops: what a joint that is slowed
                                 ///< down moves on
-  int bound_rounds = 8;         ///< of bound and repeated search, at most
+  /// Of the rate limits, in the second search that has them as constraints: right after the impact
+  /// every candidate of the first one may be at a limit, which rates then exceed as the arm moves.
+  double further_rate_reserve = 0.05;
+  int bound_rounds = 8;  ///< of bound and repeated search, at most
   ApproachOptions approach;
   SelfMotionOptions self_motion;
   ContactRefinementOptions contact_refinement;

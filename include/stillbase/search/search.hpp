@@ -57,14 +57,18 @@ struct MeasureSearchOptions {
   double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
 
   // Rounds of further starts.
-  int first = 32;             ///< starts before the rounds, of either kind
+  int first = 24;             ///< starts before the rounds, of either kind
   int least_rounds = 4;       ///< what the first starts end at may be a wide valley
-  int most_rounds = 12;       ///< a search takes about three times the time of one without rounds
+  int most_rounds = 10;       ///< a search takes at most three times the time of one without rounds
   int enough = 8;             ///< starts that end at the best minimum end the rounds: five are
                               ///< sometimes those of a wide valley beside a deeper one
-  int fresh = 12;             ///< starts of a round on the constraints, and as many among the zeros
+  int fresh = 6;              ///< starts of a round on the constraints, and as many among the zeros
   int self_motion_steps = 4;  ///< random ones of a zero, before it is a start
-  int hops = 12;              ///< starts of a round about the best minimum
+  int hops = 12;              ///< starts of a round about the best minimum that had none: from
+                              ///< there one of ten ends at a better one, of the fresh ones one of
+                              ///< fifty
+  int rough_evaluations = 120;  ///< of a rough solve: with half of it two hard problems of forty
+                                ///< are missed more often, at the same time of the whole search
   double same_value = 1.02;   ///< of |y|^2: ends that are one value; rough solves leave a percent
   double shortest_hop = 0.3, longest_hop = 4;  ///< rad: to the next valley, to anywhere
   int draws_per_hop = 3;                       ///< until one can be projected onto the constraints

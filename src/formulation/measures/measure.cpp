@@ -106,8 +106,10 @@ double Measure::reported(const Eigen::VectorXd& x) {
 
 MeasureSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
                                           const nlp::OptimizeOptions& options,
-                                          const Eigen::VectorXd& x0) {
-  if (problem_.measure.kind == RiskMeasure::WorstCase) return exchange(optimizer, options, x0);
+                                          const Eigen::VectorXd& x0, const RoughLimits& limits) {
+  if (problem_.measure.kind == RiskMeasure::WorstCase) {
+    return exchange(optimizer, options, x0, limits);
+  }
   return {x0, 0};
 }
 
@@ -145,9 +147,10 @@ std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& 
 }
 
 MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
-                                  const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
+                                  const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
+                                  const RoughLimits& limits) {
   nlp::OptimizeOptions rough = options;
-  rough.max_evaluations = std::min(options.max_evaluations, options_.exchange_evaluations);
+  rough.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
   MeasureSolution out{x0, 0};
   std::vector<ConeMaximum> worst = maxima_at(x0);
   std::vector<Scenario> active = first_directions(worst);
@@ -168,6 +171,7 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
     }
     const double reached = program.lifted(x)[x0.size()] * scale;
     if (half_square(worst.front().value) <= reached * (1 + options_.near)) break;
+    if (reached > limits.hopeless) break;
     for (const ConeMaximum& maximum : worst) {
       if (half_square(maximum.value) > reached) active.push_back(maximum.scenario);
     }

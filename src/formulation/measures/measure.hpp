@@ -15,6 +15,14 @@ struct MeasureSolution {
   int solver_calls = 0;
 };
 
+/// What ends a rough solve over fixed directions of the cone early.
+struct RoughLimits {
+  int evaluations = 60;  ///< of a solve with fixed directions: most of its descent
+  /// Measure beyond which a start is given up: its minimum over the directions so far exceeds it,
+  /// and over the cone it is no less.
+  double hopeless = kInfinity;
+};
+
 /// How the worst case over the cone is minimised.
 struct MeasureOptions {
   int rounds = 6;  ///< of a local solve and a new set of directions
@@ -22,7 +30,6 @@ struct MeasureOptions {
   /// leave for places where others are worse: from 0.1 rad off a minimum over a cone of 20 deg one
   /// of 30 solves comes back to it, with eight directions 26.
   int rim_directions = 8;
-  int exchange_evaluations = 60;  ///< of a solve with fixed directions: most of its descent
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
@@ -52,7 +59,8 @@ class Measure {
   /// the worst directions of the cone at the solution, until none is much worse than the active
   /// ones. Samples: nothing, one solve is all that they need.
   MeasureSolution minimize_roughly(const nlp::Optimizer& optimizer,
-                                   const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0);
+                                   const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
+                                   const RoughLimits& limits = {});
 
   /// Local minimisation from x0 until KKT holds. Worst case: with directions that follow the maxima
   /// of the cone, so x0 should be near.
@@ -65,7 +73,7 @@ class Measure {
 
  private:
   MeasureSolution exchange(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
-                           const Eigen::VectorXd& x0);
+                           const Eigen::VectorXd& x0, const RoughLimits& limits = {});
   MeasureSolution follow(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0);
   /// Directions from which exchange() begins.
