@@ -19,6 +19,12 @@ template ContactRates<double> contact_rates(const EncounterModel&, const TargetK
                                             const ContactKinematics<double>&);
 template Encounter<double> encounter_along(const EncounterModel&, const ContactKinematics<double>&,
                                            const Scenario&);
+template TargetAtHand<double> target_at_hand(const EncounterModel&,
+                                             const ContactKinematics<double>&, const Scenario&);
+template TargetAtHandRates<double> target_at_hand_rates(const EncounterModel&,
+                                                        const ContactKinematics<double>&,
+                                                        const ContactRates<double>&,
+                                                        const Scenario&);
 template double closing_speed_rate(const EncounterModel&, const ContactKinematics<double>&,
                                    const ContactRates<double>&, const Scenario&);
 template Matrix3d wanted_hand_axes(const EncounterModel&, const Matrix3d&, const Matrix3d&);
@@ -59,6 +65,7 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
   std::tie(out.u, out.v) = tangent_basis(out.n);
 
   out.source = impulse.source;
+  out.law = impulse.contact;
   out.magnitude = impulse.magnitude;
   out.restitution = impulse.restitution;
   out.closing_speed = impulse.closing_speed;
@@ -140,6 +147,13 @@ ImpactSummary impact_at(const CaptureProblem& problem, const Configuration& conf
 
 ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& model,
                         const Encounter<double>& encounter, const JointVectord& phi) {
+  if (model.is_rigid_contact()) {
+    RigidContact<double> contact;
+    contact.law = model.law;
+    contact.target = target_at_hand<double>(model, encounter.contact, nominal_scenario(model));
+    return summarize_contact(problem.robot, phi, problem.resistance, contact,
+                             encounter.closing_speed);
+  }
   const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
   const auto posture = evaluate_posture<double>(problem.robot, resistance, phi);
   const auto response = respond<double>(posture, encounter.F);

@@ -118,6 +118,55 @@ Encounter<S> encounter_along(const EncounterModel& model, const ContactKinematic
 }
 
 template <class S>
+TargetAtHand<S> target_at_hand(const EncounterModel& model, const ContactKinematics<S>& contact,
+                               const Scenario& scenario) {
+  const Matrix3<S> R_BE = contact.R_EB.transpose();
+  const Vector3d r = model.r + scenario.contact_offset;
+  const auto turned = [&R_BE](const Matrix3d& I) -> Matrix3<S> {
+    return R_BE * I.cast<S>() * R_BE.transpose();
+  };
+  TargetAtHand<S> out;
+  out.inverse_mass = S(1 / (model.target_mass * scenario.target_mass_factor));
+  Vector3<S> velocity = contact.velocity;
+  if (model.is_rigid()) {
+    out.inertia = turned(model.target_inertia * scenario.target_inertia_factor);
+    out.inverse_inertia = turned(model.target_inverse_inertia / scenario.target_inertia_factor);
+    out.r = R_BE * Vector3<S>(r.cast<S>());
+    out.omega = R_BE * contact.omega;
+  } else {
+    out.inertia.setZero();
+    out.inverse_inertia.setZero();
+    out.r.setZero();
+    out.omega.setZero();
+    velocity = model.follows_target()
+                   ? contact.velocity_at(Vector3<S>(r.cast<S>()))
+                   : Vector3<S>(Vector3d(model.closing_speed * model.n).cast<S>());
+  }
+  velocity += Vector3d(scenario.closing_speed_offset * model.n).cast<S>();
+  out.velocity = R_BE * velocity;
+  return out;
+}
+
+template <class S>
+TargetAtHandRates<S> target_at_hand_rates(const EncounterModel& model,
+                                          const ContactKinematics<S>& contact,
+                                          const ContactRates<S>& rates, const Scenario& scenario) {
+  TargetAtHandRates<S> out;
+  if (!model.follows_target()) return out;
+  const Matrix3<S> R_BE = contact.R_EB.transpose();
+  // The velocity of the centroid is constant in N.
+  Vector3<S> velocity = contact.velocity.cross(contact.omega);
+  if (model.is_rigid()) {
+    out.omega = R_BE * rates.omega;
+  } else {
+    const Vector3<S> r = Vector3d(model.r + scenario.contact_offset).cast<S>();
+    velocity += rates.omega.cross(r);
+  }
+  out.velocity = R_BE * velocity;
+  return out;
+}
+
+template <class S>
 S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& contact,
                      const ContactRates<S>& rates, const Scenario& scenario) {
   if (!model.follows_target()) return S(0);

@@ -45,9 +45,11 @@ template <class S>
 struct ScenarioImpact {
   Encounter<S> encounter;
   ContactRates<S> rates;
-  S closing_speed_rate = S(0);  ///< per s of contact time, m/s^2
-  ImpactResponse<S> response;   ///< to a unit impulse
-  S p = S(0);                   ///< impulse, N s
+  S closing_speed_rate = S(0);        ///< per s of contact time, m/s^2
+  RigidContact<S> rigid;              ///< of a sticking contact or a latch
+  TargetAtHandRates<S> target_rates;  ///< of its target
+  ImpactResponse<S> response;  ///< to a unit impulse; of a rigid contact to the whole impulse
+  S p = S(0);                  ///< impulse, N s; of a rigid contact 1
 };
 
 struct CaptureModel {
@@ -77,7 +79,7 @@ struct CaptureModel {
   ScenarioImpact<S> impact(const Placement<S>& at, const PostureImpact<S>& posture,
                            const Scenario& scenario) const;
 
-  /// Gradient of a function of the response to a unit impulse.
+  /// Gradient of a function of the response: to a unit impulse, of a rigid contact to the impulse.
   template <class S>
   ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture,
                                     const ScenarioImpact<S>& impact,
@@ -96,6 +98,11 @@ struct CaptureModel {
   template <class S>
   void add_wrench_turn(const ScenarioImpact<S>& impact, const Vector6<S>& by_F,
                        ScalarGradient<S>& gradient) const;
+  /// d value / d(the target right before a rigid contact), as ContactGradient.
+  template <class S>
+  void add_target_change(const ScenarioImpact<S>& impact, const Vector3<S>& turn,
+                         const Vector3<S>& velocity, const Vector3<S>& omega,
+                         ScalarGradient<S>& gradient) const;
   /// along_p = p d value / dp acts through the closing speed's change in time.
   template <class S>
   void add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,

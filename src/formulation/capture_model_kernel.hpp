@@ -64,6 +64,12 @@ ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>& at,
   }
   out.closing_speed_rate =
       closing_speed_rate<S>(encounter, out.encounter.contact, out.rates, scenario);
+  if (encounter.is_rigid_contact()) {
+    const ContactKinematics<S>& contact = out.encounter.contact;
+    out.rigid.law = encounter.law;
+    out.rigid.target = target_at_hand<S>(encounter, contact, scenario);
+    out.target_rates = target_at_hand_rates<S>(encounter, contact, out.rates, scenario);
+  }
   return out;
 }
 
@@ -71,6 +77,11 @@ template <class S>
 ScenarioImpact<S> CaptureModel::impact(const Placement<S>& at, const PostureImpact<S>& posture,
                                        const Scenario& scenario) const {
   ScenarioImpact<S> out = encounter_of<S>(at, scenario);
+  if (encounter.is_rigid_contact()) {
+    out.response = respond_to_contact<S>(posture, out.rigid);
+    out.p = S(1);
+    return out;
+  }
   out.response = respond<S>(posture, out.encounter.F);
   if (encounter.magnitude_is_given()) {
     out.p = S(encounter.magnitude);
@@ -99,6 +110,14 @@ void CaptureModel::add_wrench_turn(const ScenarioImpact<S>& impact, const Vector
 }
 
 template <class S>
+void CaptureModel::add_target_change(const ScenarioImpact<S>& impact, const Vector3<S>& turn,
+                                     const Vector3<S>& velocity, const Vector3<S>& omega,
+                                     ScalarGradient<S>& gradient) const {
+  add_contact_turn<S>(impact.rates, turn, gradient);
+  gradient.t += velocity.dot(impact.target_rates.velocity) + omega.dot(impact.target_rates.omega);
+}
+
+template <class S>
 void CaptureModel::add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,
                                   ScalarGradient<S>& gradient) const {
   const S& speed = impact.encounter.closing_speed;
@@ -110,8 +129,15 @@ template <class S>
 ScalarGradient<S> CaptureModel::impact_gradient(const PostureImpact<S>& posture,
                                                 const ScenarioImpact<S>& impact,
                                                 const ResponseWeights<S>& weights) const {
-  const auto raw = response_gradient<S>(problem.robot, posture, impact.response, weights);
   ScalarGradient<S> out(n());
+  if (encounter.is_rigid_contact()) {
+    const auto all =
+        contact_gradient<S>(problem.robot, posture, impact.rigid, impact.response, weights);
+    out.phi = all.phi;
+    add_target_change<S>(impact, all.turn, all.velocity, all.omega, out);
+    return out;
+  }
+  const auto raw = response_gradient<S>(problem.robot, posture, impact.response, weights);
   out.phi = raw.phi;
   add_wrench_turn<S>(impact, raw.F, out);
   return out;
@@ -122,6 +148,7 @@ ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
                                                 const ScenarioImpact<S>& impact,
                                                 ResponseWeights<S> weights,
                                                 const S& along_p) const {
+  if (encounter.is_rigid_contact()) return impact_gradient<S>(posture, impact, weights);
   // p = (1+e) v_n / (F' W_h F + n' W_t n), along_p = p d psi / d p.
   if (!encounter.magnitude_is_given() && impact.p > S(0)) {
     weights.hand_inverse_mass =
@@ -149,6 +176,9 @@ ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
                                                ScalarGradient<S>&) const;                       \
   template void CaptureModel::add_wrench_turn(const ScenarioImpact<S>&, const Vector6<S>&,      \
                                               ScalarGradient<S>&) const;                        \
+  template void CaptureModel::add_target_change(const ScenarioImpact<S>&, const Vector3<S>&,    \
+                                                const Vector3<S>&, const Vector3<S>&,           \
+                                                ScalarGradient<S>&) const;                      \
   template void CaptureModel::add_speed_rate(const ScenarioImpact<S>&, const S&,                \
                                              ScalarGradient<S>&) const
 

@@ -2,6 +2,7 @@
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "formulation/capture_model_kernel.hpp"
+#include "impact/contact_response_kernel.hpp"
 #include "impact/gradient_kernel.hpp"
 #include "impact/jump_kernel.hpp"
 
@@ -14,6 +15,12 @@ template ResponseGradient<Tangent> response_gradient(const RobotModel&,
                                                      const PostureImpact<Tangent>&,
                                                      const ImpactResponse<Tangent>&,
                                                      const ResponseWeights<Tangent>&);
+template ImpactResponse<Tangent> respond_to_contact(const PostureImpact<Tangent>&,
+                                                    RigidContact<Tangent>&);
+template ContactGradient<Tangent> contact_gradient(const RobotModel&, const PostureImpact<Tangent>&,
+                                                   const RigidContact<Tangent>&,
+                                                   const ImpactResponse<Tangent>&,
+                                                   const ResponseWeights<Tangent>&);
 template JointVector<Tangent> coupling_column_gradient(const RobotModel&,
                                                        const PostureImpact<Tangent>&, int,
                                                        const Vector3<Tangent>&);

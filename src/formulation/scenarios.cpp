@@ -57,7 +57,11 @@ bool Formulation::Parts::in_packs(const std::vector<Scenario>& scenarios) const 
 void Formulation::Parts::resize_batch(Eigen::Index count, ImpactBatch& batch) const {
   batch.phi.resize(count, model.n());
   batch.F.resize(count, 6);
-  const Eigen::Index by_law = model.encounter.magnitude_is_given() ? 0 : count;
+  const EncounterModel& encounter = model.encounter;
+  batch.law = encounter.law;
+  batch.target.resize(encounter.is_rigid_contact() ? count : 0, kTargetNumbers);
+  const bool is_whole = encounter.magnitude_is_given() || encounter.is_rigid_contact();
+  const Eigen::Index by_law = is_whole ? 0 : count;
   batch.approach.resize(by_law);
   batch.target_inverse_mass.resize(by_law);
 }
@@ -70,6 +74,7 @@ void Formulation::Parts::put_in_batch(const Placement<double>& at,
   batch.phi.row(row) = at.phi.transpose();
   if (scenario.joint_offset.size() > 0) batch.phi.row(row) += scenario.joint_offset.transpose();
   batch.F.row(row) = encounter.F.transpose();
+  if (model.encounter.is_rigid_contact()) return put_target(impact.rigid.target, row, batch);
   if (model.encounter.magnitude_is_given()) return;
   batch.approach[row] = (1 + scenario.restitution) * std::max(encounter.closing_speed, 0.0);
   batch.target_inverse_mass[row] = encounter.target_inverse_mass;
@@ -105,6 +110,14 @@ void Formulation::Parts::evaluate_in_packs(const Placement<double>& at,
     gradient.phi = out.batch_values.gradient.row(k);
     gradient.theta.setZero();
     gradient.t = 0;
+    if (model.encounter.is_rigid_contact()) {
+      const auto& of_target = out.batch_values.gradient_target;
+      model.add_target_change<double>(impact, of_target.row(k).segment<3>(0),
+                                      of_target.row(k).segment<3>(3),
+                                      of_target.row(k).segment<3>(6), gradient);
+      model.compress_into(at, gradient, out.gradients.row(k));
+      continue;
+    }
     model.add_wrench_turn<double>(impact, out.batch_values.gradient_F.row(k), gradient);
     model.add_speed_rate<double>(impact, 2 * out.values[k], gradient);
     model.compress_into(at, gradient, out.gradients.row(k));

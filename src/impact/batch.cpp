@@ -60,6 +60,11 @@ BatchColumns columns_of(const ImpactBatch& batch) {
     columns.approach = batch.approach.data();
     columns.target_inverse_mass = batch.target_inverse_mass.data();
   }
+  if (batch.target.size() > 0) {
+    assert(batch.target.rows() == columns.count && batch.target.cols() == kTargetNumbers);
+    columns.target = batch.target.data();
+    columns.law = batch.law;
+  }
   return columns;
 }
 
@@ -76,6 +81,11 @@ void run(const RobotModel& robot, const ImpactResistance& resistance, const Batc
 }
 
 }  // namespace
+
+void put_target(const TargetAtHand<double>& target, Eigen::Index row, ImpactBatch& batch) {
+  Eigen::Index column = 0;
+  for_each_number(target, [&](double number) { batch.target(row, column++) = number; });
+}
 
 int batch_lanes(int n) { return kernel_for(n).lanes; }
 
@@ -107,6 +117,10 @@ void evaluate_objective(const RobotModel& robot, const ImpactResistance& resista
     out.gradient_F.resize(columns.count, 6);
     columns.gradient = out.gradient.data();
     columns.gradient_F = out.gradient_F.data();
+    if (columns.target != nullptr) {
+      out.gradient_target.resize(columns.count, 9);
+      columns.gradient_target = out.gradient_target.data();
+    }
   }
   run(robot, resistance, columns);
 }

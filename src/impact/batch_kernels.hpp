@@ -23,6 +23,8 @@ struct BatchColumns {
   const double* F = nullptr;
   const double* approach = nullptr;
   const double* target_inverse_mass = nullptr;
+  const double* target = nullptr;
+  ContactLaw law = ContactLaw::Frictionless;
   double* Delta_Omega = nullptr;
   double* base = nullptr;
   double* total = nullptr;
@@ -33,6 +35,7 @@ struct BatchColumns {
   double* psi = nullptr;
   double* gradient = nullptr;
   double* gradient_F = nullptr;
+  double* gradient_target = nullptr;
 };
 
 struct BatchKernel {

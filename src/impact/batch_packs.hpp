@@ -5,14 +5,11 @@
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/batch_run.hpp"
+#include "impact/contact_response_kernel.hpp"
 #include "impact/gradient_kernel.hpp"
 #include "impact/jump_kernel.hpp"
 
 namespace stillbase {
-
-// Matrices of doubles are handed over from files compiled for narrower registers: see
-// CMakeLists.txt.
-static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16);
 
 /// @tparam P pack type, which carries the instruction set in its name
 template <class P>

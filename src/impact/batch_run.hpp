@@ -56,7 +56,18 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     for (int k = 0; k < 6; ++k) load(columns.F + i + k * count, lanes, F[k]);
 
     const PostureImpact<S> posture = evaluate_posture<S>(robot, resistance, phi);
-    const ImpactResponse<S> response = respond<S>(posture, F);
+    RigidContact<S> contact;
+    if (columns.target != nullptr) {
+      contact.law = columns.law;
+      const double* column = columns.target + i;
+      for_each_number(contact.target, [&](S& number) {
+        load(column, lanes, number);
+        column += count;
+      });
+    }
+    const ImpactResponse<S> response = columns.target != nullptr
+                                           ? respond_to_contact<S>(posture, contact)
+                                           : respond<S>(posture, F);
     S p(1), yield(1);  // yield: 1 / (hand's + target's inverse mass)
     if (columns.approach != nullptr) {
       S approach, target;
@@ -88,6 +99,15 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     }
     put_number(twice_psi * S(0.5), columns.psi);
     if (columns.gradient == nullptr) continue;
+    if (columns.target != nullptr) {
+      const ContactGradient<S> all =
+          contact_gradient<S>(robot, posture, contact, response, weights);
+      put(all.phi, columns.gradient);
+      put(all.turn, columns.gradient_target);
+      put(all.velocity, columns.gradient_target + 3 * count);
+      put(all.omega, columns.gradient_target + 6 * count);
+      continue;
+    }
     if (columns.approach != nullptr) weights.hand_inverse_mass = -(twice_psi * yield);
     const ResponseGradient<S> gradient = response_gradient<S>(robot, posture, response, weights);
     put(gradient.phi, columns.gradient);

@@ -180,13 +180,64 @@ ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) 
   for (int k = 0; k < n; ++k) tau[k] = posture.jacobian.J_phi.col(k).dot(F);
 
   const GeneralizedMotion<S> d = solve_inertia(posture.factor, F_b, tau);
-  ImpactResponse<S> out{
-      .F = F, .d = {d.Omega, d.phidot}, .total = {}, .base = {}, .hand_inverse_mass = {}};
+  ImpactResponse<S> out{.F = F,
+                        .d = {d.Omega, d.phidot},
+                        .total = {},
+                        .base = {},
+                        .hand_inverse_mass = {},
+                        .held_momentum = Vector6<S>::Zero()};
   out.total = F_b.template tail<3>() - posture.inertia.r_bg.cross(f);
   out.base = posture.tilde.Htilde_omega * out.omega();
   out.hand_inverse_mass = F_b.dot(d.Omega);  // (J' F)' d
   for (int k = 0; k < n; ++k) out.hand_inverse_mass += tau[k] * d.phidot[k];
   return out;
+}
+
+/// Adjoint of the parts that are linear in d:
+/// H lambda = [u_velocity; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0]
+///            + [of_target; 0].
+/// @param of_target what a held target adds, or null
+template <class S>
+static GeneralizedMotion<S> solve_adjoint(const PostureImpact<S>& posture,
+                                          const ResponseWeights<S>& weights,
+                                          const Vector6<S>* of_target) {
+  const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
+  Vector6<S> rhs;
+  rhs.template head<3>() = weights.velocity;
+  rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
+  if (weights.momentum != Vector6<S>::Zero()) rhs += posture.inertia.H_b * weights.momentum;
+  if (of_target != nullptr) rhs += *of_target;
+  JointVector<S> torque = JointVector<S>::Zero(n);
+  if (weights.phidot.size() == n) torque = weights.phidot;
+  return solve_inertia(posture.factor, rhs, torque);
+}
+
+/// gradient += what psi changes by with the posture where d and F stay.
+/// @param by_r_gh d psi / d r_gh
+template <class S>
+static void add_explicit_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                  const JointAxes<S>& axes, const ImpactResponse<S>& response,
+                                  const ResponseWeights<S>& weights, const Vector3<S>& by_r_gh,
+                                  JointVector<S>& gradient) {
+  const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
+  // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
+  if (weights.base != Vector3<S>::Zero()) {
+    add_locked_rotation_gradient<S>(robot, posture, axes, weights.base, response.omega(), gradient);
+  }
+
+  // So does H_b Delta Omega with H_b.
+  if (weights.momentum != Vector6<S>::Zero()) {
+    const GeneralizedMotion<S> u{weights.momentum, JointVector<S>::Zero(n)};
+    const GeneralizedMotion<S> base{response.d.Delta_Omega, JointVector<S>::Zero(n)};
+    add_inertia_gradient(robot, posture, axes, u, base, S(1), gradient);
+  }
+
+  // r_gh = r_bh - r_bg.
+  for (int k = 0; k < n; ++k) {
+    const Vector3<S> dr = posture.jacobian.J_phi.template block<3, 1>(0, k) -
+                          posture.inertia.H_bphi.template block<3, 1>(0, k) / posture.inertia.mass;
+    gradient[k] += dr.dot(by_r_gh);
+  }
 }
 
 template <class S>
@@ -198,17 +249,7 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
   ResponseGradient<S> out;
   out.phi.setZero(n);
-
-  // Adjoint of the parts that are linear in d:
-  // H lambda = [u_velocity; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0].
-  Vector6<S> rhs;
-  rhs.template head<3>() = weights.velocity;
-  rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
-  const bool has_momentum = weights.momentum != Vector6<S>::Zero();
-  if (has_momentum) rhs += posture.inertia.H_b * weights.momentum;
-  JointVector<S> torque = JointVector<S>::Zero(n);
-  if (weights.phidot.size() == n) torque = weights.phidot;
-  const GeneralizedMotion<S> adjoint = solve_inertia(posture.factor, rhs, torque);
+  const GeneralizedMotion<S> adjoint = solve_adjoint<S>(posture, weights, nullptr);
 
   // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
   const S s = weights.hand_inverse_mass;
@@ -219,27 +260,11 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   add_inertia_gradient(robot, posture, axes, lambda, d, S(-1), out.phi);
   out.F = hand_twist(posture.jacobian, lambda_hand);
 
-  // base = Htilde_omega Delta omega also moves with Htilde_omega itself.
-  if (weights.base != Vector3<S>::Zero()) {
-    add_locked_rotation_gradient<S>(robot, posture, axes, weights.base, response.omega(), out.phi);
-  }
-
-  // So does H_b Delta Omega with H_b.
-  if (has_momentum) {
-    const GeneralizedMotion<S> u{weights.momentum, JointVector<S>::Zero(n)};
-    const GeneralizedMotion<S> base{d.Omega, JointVector<S>::Zero(n)};
-    add_inertia_gradient(robot, posture, axes, u, base, S(1), out.phi);
-  }
-
-  // total = r_gh x f + t, r_gh = r_bh - r_bg.
-  const Vector3<S> lever = f.cross(weights.total);
-  for (int k = 0; k < n; ++k) {
-    const Vector3<S> dr = posture.jacobian.J_phi.template block<3, 1>(0, k) -
-                          posture.inertia.H_bphi.template block<3, 1>(0, k) / posture.inertia.mass;
-    out.phi[k] += dr.dot(lever);
-  }
+  // total = r_gh x f + t.
+  const Vector3<S> by_r_gh = f.cross(weights.total);
+  add_explicit_gradient<S>(robot, posture, axes, response, weights, by_r_gh, out.phi);
   const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
-  out.F.template head<3>() += weights.total.cross(r_gh);
+  out.F.template head<3>() += weights.total.cross(r_gh) + weights.force;
   out.F.template tail<3>() += weights.total;
   return out;
 }

@@ -22,18 +22,18 @@ void with_part(ResponsePart part, const PostureImpact<S>& posture,
     case ResponsePart::TotalAngularMomentum:
       return use(response.total, weights.total);
     case ResponsePart::ReceivedLinearMomentum:
-      return use(Vector3<S>(posture.inertia.H_b.template topRows<3>() * Omega),
+      return use(Vector3<S>(posture.inertia.H_b.template topRows<3>() * Omega +
+                            response.held_momentum.template head<3>()),
                  weights.momentum.template head<3>());
     case ResponsePart::ReceivedAngularMomentum:
-      return use(Vector3<S>(posture.inertia.H_b.template bottomRows<3>() * Omega),
+      return use(Vector3<S>(posture.inertia.H_b.template bottomRows<3>() * Omega +
+                            response.held_momentum.template tail<3>()),
                  weights.momentum.template tail<3>());
     case ResponsePart::JointRates:
       if (weights.phidot.size() == 0) weights.phidot.setZero(response.d.Delta_phidot.size());
       return use(response.d.Delta_phidot, weights.phidot);
-    case ResponsePart::Impulse: {
-      Eigen::Matrix<S, 1, 1> unused(S(0));
-      return use(Eigen::Matrix<S, 1, 1>(S(1)), unused);
-    }
+    case ResponsePart::Impulse:
+      return use(Vector3<S>(response.F.template head<3>()), weights.force);
   }
 }
 

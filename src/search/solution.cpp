@@ -20,9 +20,12 @@ double case_residual(const CaptureProblem& problem, const Formulation& formulati
   if (wanted == CaseConstraint::None) return 0;
   const Configuration at = formulation.configuration(x);
   const Encounter<double> encounter = formulation.encounter(at);
-  const CaseJudgement found = summarize_impact(problem.robot, at.phi, problem.resistance,
-                                               encounter.F, encounter.closing_speed)
-                                  .judgement;
+  const EncounterModel& model = formulation.encounter_model();
+  const CaseJudgement found = model.is_rigid_contact()
+                                  ? impact_at(problem, model, encounter, at.phi).judgement
+                                  : summarize_impact(problem.robot, at.phi, problem.resistance,
+                                                     encounter.F, encounter.closing_speed)
+                                        .judgement;
   if (wanted == CaseConstraint::G2) return found.base;
   if (wanted == CaseConstraint::G3) return found.coupling;
   return wanted == CaseConstraint::C2 ? std::max({found.total, found.base, found.coupling})

@@ -5,6 +5,7 @@
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/dynamics/momentum.hpp>
 #include <stillbase/impact/batch.hpp>
+#include <stillbase/impact/contact_response.hpp>
 
 #include "support/count_allocations.hpp"
 #include "support/random_robot.hpp"
@@ -60,6 +61,35 @@ TEST_CASE("a jump and its gradient do not allocate") {
       CHECK(count == 0);
       CHECK(std::isfinite(sum));
     }
+  }
+}
+
+TEST_CASE("a sticking contact or a latch and its gradient do not allocate") {
+  Random random(6);
+  const RobotModel robot = random_robot(random, 7, true);
+  const JointVectord phi = JointVectord::Constant(7, 0.3);
+  const ImpactResistance resistance{JointVectord::Zero(7), {}};
+  ResponseWeights<double> weights;
+  weights.base = weights.total = Vector3d::Ones();
+  weights.momentum.setOnes();
+  for (const ContactLaw law : {ContactLaw::Sticking, ContactLaw::Latch}) {
+    RigidContact<double> contact;
+    contact.law = law;
+    contact.target = {0.02,
+                      Matrix3d::Identity(),
+                      Matrix3d::Identity(),
+                      Vector3d::UnitX(),
+                      Vector3d::UnitY(),
+                      Vector3d::UnitZ()};
+    double sum = 0;
+    const long count = allocations_in([&] {
+      const auto posture = evaluate_posture<double>(robot, resistance, phi);
+      const auto response = respond_to_contact<double>(posture, contact);
+      const auto gradient = contact_gradient<double>(robot, posture, contact, response, weights);
+      sum = gradient.phi.sum();
+    });
+    CHECK(count == 0);
+    CHECK(std::isfinite(sum));
   }
 }
 

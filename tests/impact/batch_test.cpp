@@ -215,6 +215,8 @@ TEST_CASE("every width of register gives the values and gradients of one posture
                                 received.head<3>(),
             weight_of(ResponsePart::ReceivedAngularMomentum) * p * p * received.tail<3>();
         weights.phidot = weight_of(ResponsePart::JointRates) * p * p * response.d.Delta_phidot;
+        const Vector3d force = response.F.head<3>();
+        weights.force = weight_of(ResponsePart::Impulse) * p * p * force;
         const double psi =
             p * p *
             (weight_of(ResponsePart::BaseVelocity) * velocity.squaredNorm() +
@@ -224,7 +226,7 @@ TEST_CASE("every width of register gives the values and gradients of one posture
              weight_of(ResponsePart::ReceivedLinearMomentum) * received.head<3>().squaredNorm() +
              weight_of(ResponsePart::ReceivedAngularMomentum) * received.tail<3>().squaredNorm() +
              weight_of(ResponsePart::JointRates) * response.d.Delta_phidot.squaredNorm() +
-             weight_of(ResponsePart::Impulse)) /
+             weight_of(ResponsePart::Impulse) * force.squaredNorm()) /
             2;
         if (trial % 3 > 0) {
           weights.hand_inverse_mass =
@@ -256,7 +258,7 @@ TEST_CASE("every width of register gives the values and gradients of one posture
              (weight_of(ResponsePart::ReceivedLinearMomentum) +
               weight_of(ResponsePart::ReceivedAngularMomentum)) *
                  received_size * received_size +
-             weight_of(ResponsePart::Impulse));
+             weight_of(ResponsePart::Impulse) * force.squaredNorm());
         value.add(number(got.objective.psi[i] - psi), size, limit);
         gradient.add(JointVectord(got.objective.gradient.row(i)) - slope.phi,
                      std::max(size, slope.phi.cwiseAbs().maxCoeff()), limit);

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include <stillbase/impact/contact_impulse.hpp>
+#include <stillbase/impact/contact_response.hpp>
 #include <stillbase/impact/summary.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/plan/scenario.hpp>
@@ -41,6 +42,7 @@ struct EncounterModel {
 
   // Contact law, see ImpulseSpec.
   ImpulseSource source = ImpulseSource::PointMass;
+  ContactLaw law = ContactLaw::Frictionless;
   double magnitude = 1;      ///< N s (Given only)
   double restitution = 0;    ///< e
   double closing_speed = 0;  ///< m/s, with a stated direction
@@ -62,6 +64,9 @@ struct EncounterModel {
   Vector3d approach_axis = Vector3d::UnitZ();  ///< in the hand frame, unit
 
   bool magnitude_is_given() const { return source == ImpulseSource::Given; }
+  /// Whether the whole impulse follows from the relative velocity (a sticking contact, a latch),
+  /// and not its magnitude along a direction alone.
+  bool is_rigid_contact() const { return law != ContactLaw::Frictionless; }
   /// Whether the target answers the impulse as a rigid body instead of a point mass.
   bool is_rigid() const { return source == ImpulseSource::RigidBody; }
   /// Whether direction and closing speed follow from the motion of the target.
@@ -145,6 +150,24 @@ ContactRates<S> contact_rates(const EncounterModel& model, const TargetKinematic
 template <class S>
 Encounter<S> encounter_along(const EncounterModel& model, const ContactKinematics<S>& contact,
                              const Scenario& scenario);
+/// The target right before a sticking contact or a latch, in B. A point mass has no extent: its
+/// velocity is that of the contact feature. An offset of the contact point moves the place on the
+/// target that the hand's origin takes hold of.
+/// @param contact at the scenario's time
+template <class S>
+TargetAtHand<S> target_at_hand(const EncounterModel& model, const ContactKinematics<S>& contact,
+                               const Scenario& scenario);
+/// d/d(contact time) of its velocities, the base attitude relative to E fixed.
+template <class S>
+struct TargetAtHandRates {
+  Vector3<S> velocity = Vector3<S>::Zero();  ///< m/s^2, in B
+  Vector3<S> omega = Vector3<S>::Zero();     ///< rad/s^2, in B
+};
+template <class S>
+TargetAtHandRates<S> target_at_hand_rates(const EncounterModel& model,
+                                          const ContactKinematics<S>& contact,
+                                          const ContactRates<S>& rates, const Scenario& scenario);
+
 /// d closing_speed / d contact time, m/s^2.
 template <class S>
 S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& contact,

@@ -6,6 +6,7 @@
 // Robots with more than 16 joints go through the plain code.
 #pragma once
 
+#include <stillbase/impact/contact_response.hpp>
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/impact/response_parts.hpp>
 
@@ -22,7 +23,25 @@ struct ImpactBatch {
   /// F is the whole impulse, p = 1.
   Eigen::VectorXd approach;             ///< (1+e) v_n, m/s
   Eigen::VectorXd target_inverse_mass;  ///< n' W_t n, 1/kg
+  /// A sticking contact or a latch: count x kTargetNumbers, see put_target(); F is not read then.
+  /// Empty: there is none. For evaluate_objective() alone.
+  Eigen::MatrixXd target;
+  ContactLaw law = ContactLaw::Frictionless;  ///< of `target`
 };
+
+inline constexpr int kTargetNumbers = 28;
+/// Calls visit(number) for all of a target, in the order of the columns of ImpactBatch::target.
+template <class Target, class Visit>
+void for_each_number(Target& target, const Visit& visit) {
+  visit(target.inverse_mass);
+  for (int i = 0; i < 9; ++i) visit(target.inertia(i % 3, i / 3));
+  for (int i = 0; i < 9; ++i) visit(target.inverse_inertia(i % 3, i / 3));
+  for (int i = 0; i < 3; ++i) visit(target.r[i]);
+  for (int i = 0; i < 3; ++i) visit(target.velocity[i]);
+  for (int i = 0; i < 3; ++i) visit(target.omega[i]);
+}
+/// Sets a row of ImpactBatch::target. @param batch its matrix has its size
+void put_target(const TargetAtHand<double>& target, Eigen::Index row, ImpactBatch& batch);
 
 /// Responses to F, per unit of p.
 struct ImpactBatchValues {
@@ -46,6 +65,8 @@ struct BatchObjectiveValues {
   Eigen::MatrixXd gradient;
   /// d psi / d F with approach and target_inverse_mass fixed, count x 6.
   Eigen::MatrixXd gradient_F;
+  /// With a target in place of it: [turn; velocity; omega] of ContactGradient, count x 9.
+  Eigen::MatrixXd gradient_target;
 };
 
 /// @param derivatives false: psi alone, the gradients stay as they are

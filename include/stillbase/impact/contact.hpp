@@ -8,6 +8,13 @@
 
 namespace stillbase {
 
+/// What the impulse of a contact makes of the relative velocity of hand and target.
+enum class ContactLaw {
+  Frictionless,  ///< along n only, Newton's restitution
+  Sticking,      ///< no slip, e = 0, no moment: both contact points move on together
+  Latch          ///< all six relative velocities become zero: a grasp that closes at once
+};
+
 /// Contact of hand and target in a simulation.
 enum class ContactModel {
   Jump,       ///< the instantaneous impact of the contact law

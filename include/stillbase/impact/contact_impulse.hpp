@@ -8,15 +8,10 @@
 
 #include <string>
 
+#include <stillbase/impact/contact.hpp>
 #include <stillbase/impact/jump.hpp>
 
 namespace stillbase {
-
-enum class ContactLaw {
-  Frictionless,  ///< along n only, Newton's restitution
-  Sticking,      ///< no slip, e = 0, no moment: both contact points move on together
-  Latch          ///< all six relative velocities become zero: a grasp that closes at once
-};
 
 /// Newton's restitution without slip would create energy in some contacts (Kane's paradox), so
 /// restitution belongs to the frictionless law alone.

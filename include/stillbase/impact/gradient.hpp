@@ -39,6 +39,8 @@ struct ImpactResponse {
   Vector3<S> total;     ///< Delta L_g (16)
   Vector3<S> base;      ///< Htilde_omega Delta omega
   S hand_inverse_mass;  ///< F' W_h F: for a unit force the inverse effective mass, 1/kg
+  /// What a target that a latch holds adds to H_b Delta Omega, N s, N m s; zero else.
+  Vector6<S> held_momentum = Vector6<S>::Zero();
   Vector3<S> omega() const { return d.Delta_Omega.template tail<3>(); }
   Vector3<S> coupling() const { return total - base; }
 };
@@ -47,7 +49,8 @@ template <class S>
 ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F);
 
 /// Weights of psi = u_velocity . Delta v + u_omega . Delta omega + u_base . base + u_total . total
-///                + s F' W_h F + u_momentum . H_b Delta Omega + u_phidot . Delta phidot.
+///                + s F' W_h F + u_momentum . H_b Delta Omega + u_phidot . Delta phidot
+///                + u_force . f.
 template <class S>
 struct ResponseWeights {
   Vector3<S> velocity = Vector3<S>::Zero();
@@ -57,6 +60,7 @@ struct ResponseWeights {
   S hand_inverse_mass = S(0);
   Vector6<S> momentum = Vector6<S>::Zero();
   JointVector<S> phidot;  ///< n, or empty
+  Vector3<S> force = Vector3<S>::Zero();
 };
 
 /// d psi / d phi with F fixed in B (n), and d psi / d F (6).

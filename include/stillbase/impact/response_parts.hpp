@@ -17,12 +17,12 @@ enum class ResponsePart {
   ReceivedLinearMomentum,   ///< P of [P; L] = H_b Delta Omega (1), N s (3)
   ReceivedAngularMomentum,  ///< L of the same, N m s (3)
   JointRates,               ///< Delta phidot, rad/s (n)
-  Impulse                   ///< the impulse itself: 1 (1)
+  Impulse                   ///< force of the impulse, of a unit impulse along n: n (3)
 };
 inline constexpr std::size_t kResponseParts = 8;
 
-/// A symmetric matrix G for each part: 1/2 sum over the parts of part' G part. Of JointRates and
-/// Impulse only G(0, 0) counts, for all components.
+/// A symmetric matrix G for each part: 1/2 sum over the parts of part' G part. Of JointRates
+/// only G(0, 0) counts, for all components.
 struct PartMetrics {
   std::array<Matrix3d, kResponseParts> metrics;
 

@@ -8,6 +8,9 @@
 
 namespace stillbase {
 
+template <class S>
+struct RigidContact;  // contact_response.hpp
+
 struct ImpactSummary {
   Vector6d Fbar = Vector6d::Zero();         ///< impulse [f; t] at the hand, N s, N m s
   Vector6d Delta_Omega = Vector6d::Zero();  ///< m/s, rad/s
@@ -28,5 +31,15 @@ struct ImpactSummary {
 ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
                                const JointResistance& resistance, const Vector6d& Fbar,
                                double closing_speed, double case_tolerance = kCaseTolerance);
+
+/// Everything about a sticking contact or a latch of a robot at rest. After a latch the momenta,
+/// the rank and the split of the joint velocities are those of robot + target, and the case is
+/// judged relative to |I_t omega_t| + m_r |s| |v_t| (see contact_response.hpp).
+/// @param contact its law and target
+/// @throws std::invalid_argument for a latch where the hand is fixed to the base
+ImpactSummary summarize_contact(const RobotModel& robot, const JointVectord& phi,
+                                const JointResistance& resistance,
+                                const RigidContact<double>& contact, double closing_speed,
+                                double case_tolerance = kCaseTolerance);
 
 }  // namespace stillbase

@@ -31,6 +31,9 @@ enum class ImpulseSource {
 
 struct ImpulseSpec {
   ImpulseSource source = ImpulseSource::PointMass;
+  /// What the contact makes of the relative velocity: of search, prediction, simulation and
+  /// verification. Frictionless: p along the normal; else the impulse follows from all of it.
+  ContactLaw contact = ContactLaw::Frictionless;
   /// Direction of the impulse on the hand (unit). Empty: the target's outward normal at the contact
   /// feature, from the nominal motion.
   std::optional<Vector3d> direction;
@@ -38,7 +41,7 @@ struct ImpulseSpec {
   double magnitude = 1;                ///< Given: N s
   Vector3d moment = Vector3d::Zero();  ///< Given: moment impulse in direction_frame, N m s
   double closing_speed = 0;            ///< PointMass with a stated direction: m/s
-  double restitution = 0;              ///< e in [0, 1]
+  double restitution = 0;              ///< e in [0, 1]; Frictionless
 };
 
 enum class AttitudeFreedom {

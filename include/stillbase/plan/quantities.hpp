@@ -46,8 +46,8 @@ struct ObjectiveTerm {
   double after = 0;   ///< AttitudeTurned: s after the impact, under the first controller
 };
 
-/// Components map * part / divisor of y, below those of other blocks. Of JointRates and Impulse
-/// only map(0, 0) counts.
+/// Components map * part / divisor of y, below those of other blocks. Of JointRates only
+/// map(0, 0) counts.
 struct QuantityBlock {
   ResponsePart part;
   Matrix3d map = Matrix3d::Identity();

@@ -47,7 +47,10 @@ void add_case_coupling(const CaptureModel& model, ConstraintSet& out) {
   // The coupling part lies in the range of the coupling matrix. Of rank 2, three components depend
   // on each other: rows along two columns replace them. Where these columns are nearly parallel
   // they determine little, so the components are reported.
-  const std::vector<int> columns = spanning_columns(model);
+  // After a latch it lies in the range of the matrix of robot + target, which moves with the
+  // target.
+  const bool is_latch = model.encounter.law == ContactLaw::Latch;
+  const std::vector<int> columns = is_latch ? std::vector<int>{} : spanning_columns(model);
   const bool has_rows_along_columns = columns.size() == 2;
   for (int i = 0; i < 3; ++i) {
     // Component i in B of the coupling part per unit of impulse.

@@ -26,11 +26,13 @@ void add_case_total(const CaptureModel& model, ConstraintSet& out) {
     };
     add_constraint(out.rows, {name, "m", 0, 0, true, true}, component);
   };
-  // r_gh x n is normal to n: two independent rows.
+  // r_gh x n is normal to n: two independent rows. Of a sticking contact, whose force is not normal
+  // to n, the total vanishes with these two as well. A latch gives a moment.
   const EncounterModel& encounter = model.encounter;
   add("case_total_1", encounter.u);
   add("case_total_2", encounter.v);
-  if (!encounter.moment.isZero(0)) add("case_total_3", encounter.n);
+  const bool has_moment = !encounter.moment.isZero(0) || encounter.law == ContactLaw::Latch;
+  if (has_moment) add("case_total_3", encounter.n);
 }
 
 }  // namespace stillbase

@@ -29,6 +29,16 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
       configuration(at) {
   const ImpactResistance& resistance = formulation.parts().model.resistance;
   const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
+  if (model.is_rigid_contact()) {
+    RigidContact<double> contact;
+    contact.law = model.law;
+    contact.target = target_at_hand<double>(model, encounter.contact, nominal_scenario(model));
+    const auto response = respond_to_contact<double>(posture, contact);
+    whole_square = 0;
+    for (const JumpObjective::Term& term : jump.terms()) {
+      *whole_square += JumpObjective::value(term, posture, response).squaredNorm();
+    }
+  }
   Vector6d moment = Vector6d::Zero();
   moment.tail<3>() = encounter.F.tail<3>();
   const ImpactResponse<double> unit[4] = {
@@ -83,6 +93,7 @@ Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
 
 template <class S>
 S DirectionModel::square(const Vector3<S>& d) const {
+  if (whole_square) return S(*whole_square);
   S p(problem.impulse.magnitude);
   if (!model.magnitude_is_given()) {
     const Vector3d& v_t = velocity;
@@ -104,6 +115,10 @@ S DirectionModel::square(const Vector3<S>& d) const {
 }
 
 double DirectionModel::other_square(const Vector3d& d, const StopCondition& until) const {
+  if (whole_square) {
+    const ImpactSummary impact = impact_at(problem, model, encounter, configuration.phi);
+    return differenced.square(configuration, impact, until);
+  }
   const double speed = !model.follows_target() ? encounter.closing_speed : d.dot(velocity);
   const double p = model.magnitude_is_given()
                        ? problem.impulse.magnitude
@@ -143,7 +158,7 @@ void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
 
 bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,
                                      Matrix3d& hessian) const {
-  if (!is_linear()) return false;
+  if (!is_linear() || whole_square) return false;
   gradient.setZero();
   hessian.setZero();
   // + weight ln x, x with gradient g and Hessian H.

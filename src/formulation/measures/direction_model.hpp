@@ -2,6 +2,7 @@
 // it, so a direction costs a few small products.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <stillbase/formulation/formulation.hpp>
@@ -17,7 +18,9 @@ struct DirectionModel {
   Vector3d velocity;  ///< of the target's contact point in B, where it decides the closing speed
   /// y = p Y [d; 1]: all linear terms below each other, and what a stated moment adds.
   Eigen::Matrix<double, Eigen::Dynamic, 4> Y;
-  Matrix3d W;        ///< d' W d: inverse mass of hand and target together
+  Matrix3d W;  ///< d' W d: inverse mass of hand and target together
+  /// A sticking contact or a latch knows no direction: |y|^2 of its terms is the same for all.
+  std::optional<double> whole_square;
   Vector3d n, u, v;  ///< nominal direction and tangents
   double half_angle = 0;
   bool planar = false;

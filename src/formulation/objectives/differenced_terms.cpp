@@ -109,8 +109,13 @@ ImpactSummary summarize_scenario(const CaptureModel& model, const Placement<doub
                                  const ScenarioImpact<double>& impact, const Scenario& scenario) {
   JointVectord phi = at.phi;
   if (scenario.joint_offset.size() > 0) phi += scenario.joint_offset;
+  const double speed = impact.encounter.closing_speed;
+  if (model.encounter.is_rigid_contact()) {
+    return summarize_contact(model.problem.robot, phi, model.problem.resistance, impact.rigid,
+                             speed);
+  }
   return summarize_impact(model.problem.robot, phi, model.problem.resistance,
-                          impact.p * impact.encounter.F, impact.encounter.closing_speed);
+                          impact.p * impact.encounter.F, speed);
 }
 
 }  // namespace stillbase

@@ -1,0 +1,12 @@
+#include "impact/contact_response_kernel.hpp"
+
+namespace stillbase {
+
+template ImpactResponse<double> respond_to_contact(const PostureImpact<double>&,
+                                                   RigidContact<double>&);
+template ContactGradient<double> contact_gradient(const RobotModel&, const PostureImpact<double>&,
+                                                  const RigidContact<double>&,
+                                                  const ImpactResponse<double>&,
+                                                  const ResponseWeights<double>&);
+
+}  // namespace stillbase

@@ -1,0 +1,263 @@
+// The lines of <stillbase/impact/contact_response.hpp>, for any number type.
+#pragma once
+
+#include <stillbase/impact/contact_response.hpp>
+
+#include "dynamics/cholesky.hpp"
+#include "impact/gradient_kernel.hpp"
+
+namespace stillbase {
+
+/// The first Rows rows and columns of W_h = J H^-1 J'. With the base translation eliminated,
+/// H^-1 is that of A = L D L' and of the mass; so W_h = [E/M, 0; 0, 0] + Z' D^-1 Z.
+/// @param Z the first Rows columns of RigidContact::Z are filled
+template <int Rows, class S>
+static Eigen::Matrix<S, Rows, Rows> hand_inverse_inertia(const PostureImpact<S>& posture,
+                                                         decltype(RigidContact<S>::Z)& Z) {
+  using Row = Eigen::Matrix<S, 1, Rows>;
+  const InertiaFactor<S>& factor = posture.factor;
+  const Eigen::Index n = factor.H_vphi.cols();
+  const S inverse_mass = S(1) / factor.mass;
+  Z.resize(3 + n, 6);
+  Z.template topLeftCorner<3, 3>() = skew<S>(posture.kinematics.r_bh - factor.r_bg);
+  if constexpr (Rows == 6) Z.template block<3, 3>(0, 3).setIdentity();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const bool moves = !factor.locked[static_cast<std::size_t>(k)];
+    for (Eigen::Index i = 0; i < Rows; ++i) {
+      Z(3 + k, i) = moves ? posture.jacobian.J_phi(i, k) : S(0);
+    }
+    for (Eigen::Index i = 0; i < 3 && moves; ++i) {
+      Z(3 + k, i) -= factor.H_vphi(i, k) * inverse_mass;
+    }
+  }
+  Eigen::Matrix<S, Rows, Rows> W = Eigen::Matrix<S, Rows, Rows>::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) W(i, i) = inverse_mass;
+  for (Eigen::Index k = 0; k < 3 + n; ++k) {
+    const Row z = Z.row(k).template head<Rows>();
+    for (Eigen::Index i = k + 1; i < 3 + n; ++i) {
+      Z.row(i).template head<Rows>() -= z * factor.L(i, k);
+    }
+    const Row scaled = z * factor.L(k, k);
+    for (Eigen::Index j = 0; j < Rows; ++j) W.col(j) += z.transpose() * scaled[j];
+  }
+  return W;
+}
+
+/// H^-1 J' F from Z: half a solve.
+/// @param F sticking: without moment
+template <class S>
+static GeneralizedMotion<S> pushed_motion(const PostureImpact<S>& posture,
+                                          const RigidContact<S>& contact, const Vector6<S>& F) {
+  const InertiaFactor<S>& factor = posture.factor;
+  const Eigen::Index n = factor.H_vphi.cols(), size = 3 + n;
+  const Eigen::Index columns = contact.law == ContactLaw::Latch ? 6 : 3;
+  Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJointsOf<S> + 3, 1> x(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    S sum = contact.Z(k, 0) * F[0];
+    for (Eigen::Index i = 1; i < columns; ++i) sum += contact.Z(k, i) * F[i];
+    x[k] = sum * factor.L(k, k);
+  }
+  for (Eigen::Index i = size - 1; i >= 0; --i) {
+    S sum = x[i];
+    for (Eigen::Index k = size - 1; k > i; --k) sum -= factor.L(k, i) * x[k];
+    x[i] = sum;
+  }
+  GeneralizedMotion<S> out;
+  const S inverse_mass = S(1) / factor.mass;
+  const Vector3<S> omega = x.template head<3>();
+  out.phidot = x.tail(n);
+  Vector3<S> p = F.template head<3>();
+  for (Eigen::Index k = 0; k < n; ++k) p -= factor.H_vphi.col(k) * x[3 + k];
+  out.Omega.template head<3>() = p * inverse_mass - omega.cross(factor.r_bg);
+  out.Omega.template tail<3>() = omega;
+  return out;
+}
+
+/// A += the target's velocity per impulse at the hand, [E/m - skew(r) Q, Q'; Q, I^-1],
+/// Q = I^-1 skew(r); the lower triangle. @tparam Rows 3: the linear part
+template <int Rows, class S>
+static void add_target(const TargetAtHand<S>& target, Eigen::Matrix<S, Rows, Rows>& A) {
+  const Matrix3<S> Q = target.inverse_inertia * skew<S>(target.r);
+  for (int i = 0; i < 3; ++i) {
+    const Vector3<S> q = Q.col(i);
+    A.template block<3, 1>(0, i) -= target.r.cross(q);
+    A(i, i) += target.inverse_mass;
+  }
+  if constexpr (Rows == 6) {
+    A.template block<3, 3>(3, 0) += Q;
+    A.template block<3, 3>(3, 3) += target.inverse_inertia;
+  }
+}
+
+/// W_t F: change of the target's velocity at the hand by the impulse F there.
+template <class S>
+static Vector6<S> target_velocity(const TargetAtHand<S>& target, const Vector6<S>& F) {
+  const Vector3<S> f = F.template head<3>();
+  const Vector3<S> omega = target.inverse_inertia * (target.r.cross(f) + F.template tail<3>());
+  Vector6<S> out;
+  out.template head<3>() = f * target.inverse_mass + omega.cross(target.r);
+  out.template tail<3>() = omega;
+  return out;
+}
+
+/// Of robot and held target about their common centroid.
+template <class S>
+struct HeldTarget {
+  S mass, reduced_mass;
+  Vector3<S> c;  ///< its centroid, in B, m
+  Vector3<S> s;  ///< the same from the robot's centroid
+
+  HeldTarget(const PostureImpact<S>& posture, const TargetAtHand<S>& target)
+      : mass(S(1) / target.inverse_mass),
+        reduced_mass(posture.inertia.mass / (S(1) + posture.inertia.mass * target.inverse_mass)),
+        c(posture.kinematics.r_bh - target.r),
+        s(c - posture.inertia.r_bg) {}
+
+  /// (I_t + m_r skew(s)' skew(s)) w
+  Vector3<S> rotation(const TargetAtHand<S>& target, const Vector3<S>& w) const {
+    return target.inertia * w + s.cross(Vector3<S>(w.cross(s))) * reduced_mass;
+  }
+  /// Velocity of its centroid where it moves with the base by the twist x.
+  Vector3<S> velocity(const Vector6<S>& x) const {
+    return x.template head<3>() + x.template tail<3>().cross(c);
+  }
+  /// Momentum [P; L] about the base centroid where it moves with the base by the twist x.
+  Vector6<S> momentum(const TargetAtHand<S>& target, const Vector6<S>& x) const {
+    Vector6<S> out;
+    const Vector3<S> p = velocity(x) * mass;
+    out.template head<3>() = p;
+    out.template tail<3>() = c.cross(p) + target.inertia * x.template tail<3>();
+    return out;
+  }
+};
+
+template <class S>
+ImpactResponse<S> respond_to_contact(const PostureImpact<S>& posture, RigidContact<S>& contact) {
+  const TargetAtHand<S>& target = contact.target;
+  Vector6<S> F = target.velocity_at_hand();
+  Matrix6<S>& A = contact.A_factor;
+  if (contact.law == ContactLaw::Latch) {
+    A = hand_inverse_inertia<6>(posture, contact.Z);
+    add_target<6>(target, A);
+  } else {
+    Matrix3<S> linear = hand_inverse_inertia<3>(posture, contact.Z);
+    add_target<3>(target, linear);
+    A.setIdentity();
+    A.template topLeftCorner<3, 3>() = linear;
+    F.template tail<3>().setZero();
+  }
+  factorize_cholesky(A);
+  solve_cholesky(A, F);
+  const GeneralizedMotion<S> d = pushed_motion<S>(posture, contact, F);
+  ImpactResponse<S> out{.F = F,
+                        .d = {d.Omega, d.phidot},
+                        .total = {},
+                        .base = {},
+                        .hand_inverse_mass = {},
+                        .held_momentum = Vector6<S>::Zero()};
+  out.base = posture.tilde.Htilde_omega * out.omega();
+  // F . W_h F, W_h F the velocity of the target after the contact.
+  out.hand_inverse_mass = F.dot(target.velocity_at_hand() - target_velocity<S>(target, F));
+  if (contact.law == ContactLaw::Latch) {
+    const HeldTarget<S> held(posture, target);
+    out.base += held.rotation(target, out.omega());
+    out.total = target.inertia * target.omega + held.s.cross(target.velocity) * held.reduced_mass;
+    out.held_momentum = held.momentum(target, out.d.Delta_Omega);
+  } else {
+    const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
+    out.total = r_gh.cross(Vector3<S>(F.template head<3>()));
+  }
+  return out;
+}
+
+/// u x I w + w x I u: derivative of u' I w over a small rotation of B, I fixed in N.
+template <class S>
+static Vector3<S> turn_of_form(const Matrix3<S>& I, const Vector3<S>& u, const Vector3<S>& w) {
+  return u.cross(Vector3<S>(I * w)) + w.cross(Vector3<S>(I * u));
+}
+
+template <class S>
+ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                    const RigidContact<S>& contact,
+                                    const ImpactResponse<S>& response,
+                                    const ResponseWeights<S>& weights) {
+  const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
+  const bool is_latch = contact.law == ContactLaw::Latch;
+  const TargetAtHand<S>& target = contact.target;
+  const Vector6<S>& F = response.F;
+  const Vector3<S> f = F.template head<3>(), t = F.template tail<3>();
+  ContactGradient<S> out;
+  out.phi.setZero(n);
+  out.turn.setZero();
+  out.velocity.setZero();
+  out.omega.setZero();
+
+  // What psi changes by where Delta Omega, Delta phidot and F stay.
+  Vector6<S> of_target = Vector6<S>::Zero();  // in the adjoint's right-hand side
+  Vector6<S> by_F = Vector6<S>::Zero();
+  Vector3<S> by_r_gh = Vector3<S>::Zero();
+  Vector3<S> by_r_bh = Vector3<S>::Zero();
+  by_F.template head<3>() = weights.force;
+  if (is_latch) {
+    const HeldTarget<S> held(posture, target);
+    const Vector3<S> w = response.omega();
+    const Vector3<S>&u = weights.base, &u_t = weights.total;
+    of_target.template tail<3>() = held.rotation(target, u);
+    const Vector3<S> ws = w.cross(held.s), us = u.cross(held.s);
+    by_r_gh = (ws.cross(u) + us.cross(w) + target.velocity.cross(u_t)) * held.reduced_mass;
+    out.velocity = u_t.cross(held.s) * held.reduced_mass;
+    out.omega = target.inertia * u_t;
+    out.turn = turn_of_form<S>(target.inertia, u, w) +
+               u_t.cross(Vector3<S>(target.inertia * target.omega)) +
+               out.velocity.cross(target.velocity);
+    const Vector6<S>& U = weights.momentum;
+    if (U != Vector6<S>::Zero()) {
+      of_target += held.momentum(target, U);
+      const Vector6<S>& x = response.d.Delta_Omega;
+      const Vector3<S> u_w = U.template tail<3>();
+      by_r_bh = (held.velocity(x).cross(u_w) + held.velocity(U).cross(w)) * held.mass;
+      for (int k = 0; k < n; ++k) {
+        out.phi[k] += posture.jacobian.J_phi.template block<3, 1>(0, k).dot(by_r_bh);
+      }
+      out.turn += turn_of_form<S>(target.inertia, u_w, w);
+    }
+    // The centroid is at r_bh - r.
+    out.turn -= (by_r_gh + by_r_bh).cross(target.r);
+  } else {
+    const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
+    by_r_gh = f.cross(weights.total);
+    by_F.template head<3>() += weights.total.cross(r_gh);
+    by_F.template tail<3>() += weights.total;
+  }
+
+  // Through Delta Omega and Delta phidot, then through F.
+  const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
+  GeneralizedMotion<S> lambda = solve_adjoint<S>(posture, weights, is_latch ? &of_target : nullptr);
+  by_F += hand_twist(posture.jacobian, lambda);
+  Vector6<S> mu = by_F;
+  if (!is_latch) mu.template tail<3>().setZero();
+  solve_cholesky(contact.A_factor, mu);
+  const GeneralizedMotion<S> eta = pushed_motion<S>(posture, contact, mu);
+  lambda.Omega -= eta.Omega;
+  lambda.phidot -= eta.phidot;
+  const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
+  add_hand_gradient<S>(robot, posture, axes, lambda, F, out.phi);
+  add_hand_gradient<S>(robot, posture, axes, d, -mu, out.phi);
+  add_inertia_gradient<S>(robot, posture, axes, lambda, d, S(-1), out.phi);
+  add_explicit_gradient<S>(robot, posture, axes, response, weights, by_r_gh, out.phi);
+
+  // In the axes of the target only W_h turns, and F on its way back to B. There W_h F is the
+  // velocity of the target after the contact, and by_F - W_h mu = W_t mu.
+  const Vector6<S> after = target.velocity_at_hand() - target_velocity<S>(target, F);
+  const Vector6<S> of_mu = target_velocity<S>(target, mu);
+  const Vector3<S> mu_v = mu.template head<3>(), mu_w = mu.template tail<3>();
+  out.turn += mu_v.cross(Vector3<S>(after.template head<3>())) +
+              mu_w.cross(Vector3<S>(after.template tail<3>())) +
+              Vector3<S>(of_mu.template head<3>()).cross(f) +
+              Vector3<S>(of_mu.template tail<3>()).cross(t);
+  out.velocity += mu_v;
+  out.omega += mu_w + target.r.cross(mu_v);
+  return out;
+}
+
+}  // namespace stillbase
