@@ -55,6 +55,20 @@ std::string joint_line(const Joint& joint) {
   return text + '\n';
 }
 
+/// Bodies whose joints follow those of others.
+std::string coupling_lines(const RobotModel& robot) {
+  std::string text;
+  for (std::size_t k = 0; k < robot.couplings.size(); ++k) {
+    const Coupling& coupling = robot.couplings[k];
+    const Joint& master = robot.joints[static_cast<std::size_t>(coupling.joint)];
+    if (robot.tree()[k].name == master.name) continue;
+    text += fmt::format("  {} moves {} and follows {}: position = {:.6g} {} + {:.6g}\n",
+                        robot.tree()[k].name, robot.bodies[k].name, master.name, coupling.ratio,
+                        master.name, coupling.offset);
+  }
+  return text;
+}
+
 /// Angular coupling of arm and base at random postures within the joint limits.
 struct Coupling {
   std::string words;
@@ -131,7 +145,7 @@ std::string robot_report(const RobotModel& robot) {
   const auto inertia = compute_inertia<double>(robot, compute_kinematics<double>(robot, zero));
   std::string text =
       fmt::format("robot {}: {}, {}, {:.6g} kg\n", robot.name,
-                  count_words(robot.n() + 1, "body", "bodies after merging fixed links"),
+                  count_words(robot.num_bodies() + 1, "body", "bodies after merging fixed links"),
                   count_words(robot.n(), "joint", "joints"), robot.total_mass());
   text += fmt::format("system centroid with all joints at zero: {} m from the base centroid\n",
                       vector_words(inertia.r_bg));
@@ -139,6 +153,7 @@ std::string robot_report(const RobotModel& robot) {
   for (const Body& body : robot.bodies) text += body_line(robot, body);
   text += "joints:\n";
   for (const Joint& joint : robot.joints) text += joint_line(joint);
+  text += coupling_lines(robot);
   text += fmt::format("hand: {}; collision shapes: {}\n", robot.hand, robot.shapes.size());
   if (!robot.remarks.empty()) text += "remarks on the robot file:\n";
   for (const Finding& remark : robot.remarks) text += "  " + to_string(remark) + '\n';

@@ -20,6 +20,8 @@ namespace stillbase::app {
 
 namespace {
 
+constexpr const char* kRepeated = "search_repeated";
+
 /// SHA-256 that the file states against that of what was read.
 Claim fingerprint_check(const std::string& name, const std::string& stated,
                         const std::string& computed) {
@@ -171,7 +173,25 @@ void print_all_checks(const Verification& verification) {
   }
 }
 
-/// Failed and open checks in full, then one line per group.
+/// What stands in the plan by the word of the search alone. A search that was to be repeated and
+/// was not is another matter: the reason for it is printed.
+bool is_own_record(const Claim& claim) {
+  return claim.group == ClaimGroup::SearchRecord && !claim.is_checked && claim.name != kRepeated;
+}
+
+/// The open checks of the search record as one line; empty without one.
+std::string own_record_line(const std::vector<Claim>& checks) {
+  std::vector<std::string> names;
+  for (const Claim& claim : checks) {
+    if (is_own_record(claim)) names.push_back(claim.name);
+  }
+  if (names.empty()) return "";
+  return fmt::format("  {:>9} open  search record: {} (the search's own word; --rerun repeats it)",
+                     names.size(), fmt::join(names, ", "));
+}
+
+/// Failed and open checks in full, then one line per group, and one for what the search alone
+/// knows.
 void print_grouped_checks(const Verification& verification) {
   const auto print_where = [&](bool (*is_wanted)(const Claim&)) {
     for (const Claim& claim : verification.claims) {
@@ -179,10 +199,14 @@ void print_grouped_checks(const Verification& verification) {
     }
   };
   print_where([](const Claim& claim) { return claim.fails(); });
-  print_where([](const Claim& claim) { return !claim.is_checked; });
+  print_where([](const Claim& claim) { return !claim.is_checked && !is_own_record(claim); });
   for (const auto& [group, heading] : kHeadings) {
     const std::vector<Claim> checks = checks_of(verification, group);
     if (checks.empty()) continue;
+    if (const std::string line = own_record_line(checks); !line.empty()) {
+      say(line);
+      continue;
+    }
     const auto held =
         std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return c.pass; });
     const bool all = held == static_cast<long>(checks.size());
@@ -201,7 +225,12 @@ void print_verdict(const Verification& verification, const std::string& what) {
       std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return c.fails(); });
   const auto open =
       std::count_if(checks.begin(), checks.end(), [](const Claim& c) { return !c.is_checked; });
-  const std::string not_checked = open == 0 ? "" : fmt::format(", {} could not be checked", open);
+  const auto of_search = std::count_if(checks.begin(), checks.end(), is_own_record);
+  std::string not_checked;
+  if (open > of_search) not_checked += fmt::format(", {} could not be checked", open - of_search);
+  if (of_search > 0) {
+    not_checked += fmt::format(", {} not verified (the search's own record)", of_search);
+  }
   const std::string against =
       verification.is_against_file ? "" : ", against the plan's own copy of the problem";
   say(verification.pass
@@ -226,7 +255,7 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
 }
 
 void add_repeated_search(const PlanFile& file, Verification& verification) {
-  Claim claim{"search_repeated", std::nullopt, 0, "1", false, {}, ClaimGroup::SearchRecord, false};
+  Claim claim{kRepeated, std::nullopt, 0, "1", false, {}, ClaimGroup::SearchRecord, false};
   if (file.plan.status == PlanStatus::Limit) {
     claim.detail = "not verified: a limit ended the search";
     verification.claims.push_back(claim);

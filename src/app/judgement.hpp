@@ -29,7 +29,8 @@ struct Publication {
 };
 
 /// Writes the verification file and prints the problem, the verdict, the checks that fail or could
-/// not be made in full, those that hold by group, and what the controllers do.
+/// not be made in full, those that hold by group, those of the search record that are open as one
+/// line, and what the controllers do.
 void publish_verification(const Plan& plan, const Verification& verification,
                           const std::string& text, const Publication& publication);
 

@@ -54,7 +54,9 @@ Json bench_document(const std::string& folder) {
     for (const PageFigure& figure : section.figures) {
       Json series = Json::array();
       for (const PlotSeries& line : figure.panel.series) {
-        series.push_back({{"name", line.name}, {"y", line.y}});
+        Json entry{{"name", line.name}, {"y", line.y}};
+        if (!line.low.empty()) entry["band"] = {{"low", line.low}, {"high", line.high}};
+        series.push_back(std::move(entry));
       }
       figures.push_back({{"title", figure.panel.title},
                          {"x_label", figure.panel.x_label},

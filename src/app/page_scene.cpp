@@ -151,16 +151,28 @@ Json spreads_json(const Plan& plan) {
 }  // namespace
 
 Json robot_scene(const RobotModel& robot) {
-  Json joints = Json::array(), bodies = Json::array(), shapes = Json::array();
+  Json joints = Json::array(), tree = Json::array();
+  Json bodies = Json::array(), shapes = Json::array();
   for (const Joint& joint : robot.joints) {
     joints.push_back({{"name", joint.name},
                       {"slides", joint.is_prismatic()},
-                      {"parent", joint.parent},
-                      {"pose", pose_json({joint.p, Eigen::Quaterniond(joint.R)})},
                       {"lower", rounded(joint.lower)},
                       {"upper", rounded(joint.upper)},
                       {"max_velocity", rounded(joint.max_velocity)},
                       {"max_effort", rounded(joint.max_effort)}});
+  }
+  for (int k = 0; k < robot.num_bodies(); ++k) {
+    const Joint& joint = robot.tree()[static_cast<std::size_t>(k)];
+    Json moved{{"parent", joint.parent},
+               {"pose", pose_json({joint.p, Eigen::Quaterniond(joint.R)})},
+               {"slides", joint.is_prismatic()},
+               {"joint", robot.coordinate(k)}};
+    if (robot.is_coupled()) {
+      const Coupling& coupling = robot.couplings[static_cast<std::size_t>(k)];
+      moved["ratio"] = rounded(coupling.ratio);
+      moved["offset"] = rounded(coupling.offset);
+    }
+    tree.push_back(moved);
   }
   for (const Body& body : robot.bodies) bodies.push_back(body_json(body));
   for (const CollisionShape& shape : robot.shapes) {
@@ -172,6 +184,7 @@ Json robot_scene(const RobotModel& robot) {
   return {{"name", robot.name},
           {"base", body_json(robot.base)},
           {"joints", joints},
+          {"tree", tree},
           {"bodies", bodies},
           {"shapes", shapes},
           {"meshes", Json::array()},

@@ -11,6 +11,11 @@ namespace stillbase::app {
 /// Chain, shapes and hand of a robot. Lengths in m, joints in rad (m); a pose is
 /// [x, y, z, qw, qx, qy, qz]. The page moves the chain by itself (web/src/kinematics.js).
 ///
+/// `joints` are those that move by themselves, in the order of all postures. `tree` says what moves
+/// each of `bodies`: its parent (-1: the base), the joint's pose there at zero, the number of the
+/// joint, and where the body follows another one `ratio` and `offset` (1 and 0 without them):
+/// position = ratio * joint + offset.
+///
 /// `meshes` is the place for what is drawn instead of the collision shapes: a list of
 /// {body, pose, color, vertices [[x, y, z]], triangles [[i, j, k]]}; bodies that it names are not
 /// drawn by their shapes.

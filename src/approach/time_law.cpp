@@ -221,10 +221,10 @@ PathPoint point_on(const Section& section, double sigma) {
 JointPath time_section(const Section& section, const SpeedProfile& profile, double window,
                        const MotionLimits& limits, const TimeLawOptions& options) {
   const double duration = profile.duration() + window;
-  const int samples = std::clamp(
-      static_cast<int>(std::ceil(std::max(profile.length() / options.sample_travel,
-                                          options.samples_per_window * duration / window))),
-      options.min_samples, options.max_samples);
+  const double wanted = std::ceil(std::max(profile.length() / options.sample_travel,
+                                           options.samples_per_window * duration / window));
+  const int samples = static_cast<int>(std::clamp(wanted, static_cast<double>(options.min_samples),
+                                                  static_cast<double>(options.max_samples)));
   JointPath path;
   for (int i = 0; i <= samples; ++i) {
     const double t = duration * i / samples;

@@ -24,7 +24,7 @@ JointVectord posture_within_limits(const RobotModel& robot, Random& random) {
 struct PairOfLinks {
   std::pair<std::string, std::string> names;
   CollisionScene scene;
-  bool touched = false, was_free = false;
+  int touched = 0, was_free = 0;  ///< number of postures
 };
 
 std::vector<PairOfLinks> pairs_of_links(const RobotModel& robot) {
@@ -57,16 +57,18 @@ ContactSurvey survey_contacts(const RobotModel& robot, const ContactSurveyOption
     const auto kinematics = compute_kinematics<double>(robot, posture_within_limits(robot, random));
     for (PairOfLinks& pair : pairs) {
       // What can be neither any more need not be looked at.
-      if (pair.touched && (pair.was_free || i >= options.postures)) continue;
-      const bool touches = pair.scene.first_hit(kinematics, Pose{}, nullptr).has_value();
-      pair.touched = pair.touched || touches;
-      pair.was_free = pair.was_free || !touches;
+      const bool is_often = pair.was_free <= options.postures * (1 - options.share);
+      if (pair.touched > 0 && (!is_often || i >= options.postures)) continue;
+      const bool touches =
+          pair.scene.first_hit(kinematics, Pose{}, nullptr, options.margin).has_value();
+      ++(touches ? pair.touched : pair.was_free);
     }
   }
   ContactSurvey survey;
   for (const PairOfLinks& pair : pairs) {
-    if (!pair.was_free) survey.always.push_back(pair.names);
-    if (!pair.touched) survey.never.push_back(pair.names);
+    const double free_share = static_cast<double>(pair.was_free) / (pair.touched + pair.was_free);
+    if (free_share <= 1 - options.share) survey.always.push_back(pair.names);
+    if (pair.touched == 0) survey.never.push_back(pair.names);
   }
   return survey;
 }

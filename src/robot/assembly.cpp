@@ -119,11 +119,15 @@ void RobotAssembly::add_arm(std::string_view text, const urdf::MeshFolders& fold
     rename(joint.child_name);
     if (joint.mimic) rename(joint.mimic->master);
   }
+  const auto free_name = [&](const std::set<std::string>& names, std::string name) {
+    while (names.count(arm.prefix + name) > 0) name += "_";
+    return name;
+  };
   const auto fix = [&](const std::string& name, const std::string& parent, const std::string& child,
                        const Pose& origin) {
     urdf::TreeJoint joint;
     joint.is_fixed = true;
-    joint.joint.name = name;
+    joint.joint.name = free_name(joints, name);
     joint.parent_name = parent;
     joint.child_name = child;
     joint.origin = origin;
@@ -133,7 +137,7 @@ void RobotAssembly::add_arm(std::string_view text, const urdf::MeshFolders& fold
   fix("mount", kBaseLink, part.links[static_cast<std::size_t>(part.root)].name, arm.mount);
   if (!arm.hand.empty() && arm.hand_frame) {
     urdf::TreeLink frame;
-    frame.name = "hand_frame";
+    frame.name = free_name(links, "hand_frame");
     part.links.push_back(std::move(frame));
     take(links, "link", part.links.back().name);
     fix("hand_frame", arm.prefix + arm.hand, part.links.back().name, *arm.hand_frame);

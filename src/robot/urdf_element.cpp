@@ -13,8 +13,6 @@ namespace stillbase::urdf {
 
 namespace {
 
-// Sums, products and squares of such numbers along a chain of fixed links stay finite.
-constexpr double kLargestNumber = 1e60;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::string_view kBlanks = " \t\r\n";

@@ -12,6 +12,10 @@
 
 namespace stillbase::urdf {
 
+/// Numbers of a file are at most this in size: what is larger is a mistake or an attack, and sums,
+/// products and squares of smaller ones along a chain of fixed links stay finite.
+inline constexpr double kLargestNumber = 1e60;
+
 /// position = ratio * position of the master + offset.
 struct Mimic {
   std::string master;
@@ -70,7 +74,8 @@ Tree read_tree(std::string_view text, Findings& findings);
 /// Joint j keeps this position: it becomes a fixed joint, and with it every joint that follows it.
 void lock(Tree& tree, std::size_t j, double position);
 
-/// The tree as a URDF text, by the names of links and joints.
+/// The tree as a URDF text, by the names of links and joints (indices and lines are not needed).
+/// A bound of a joint that is infinite is written as kLargestNumber.
 std::string urdf_text(const Tree& tree);
 
 }  // namespace stillbase::urdf

@@ -1,34 +1,16 @@
 // A tree of links and joints as URDF text.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/escape.hpp"
 #include "robot/urdf_tree.hpp"
 
 namespace stillbase::urdf {
 
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string triple(const Vector3d& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
 
@@ -56,12 +38,8 @@ struct GeometryText {
   std::string operator()(const Sphere& s) const {
     return fmt::format("<sphere radius=\"{}\"/>", s.radius);
   }
-  std::string operator()(const Capsule& c) const {
-    return fmt::format("<capsule radius=\"{}\" length=\"{}\"/>", c.radius, c.length);
-  }
-  std::string operator()(const Cylinder& c) const {
-    return fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", c.radius, c.length);
-  }
+  std::string operator()(const Capsule& c) const { return cylinder(c.radius, c.length); }
+  std::string operator()(const Cylinder& c) const { return cylinder(c.radius, c.length); }
   std::string operator()(const Box& b) const {
     return fmt::format("<box size=\"{}\"/>", triple(b.size));
   }
@@ -80,11 +58,16 @@ struct GeometryText {
     }
     return text + "\"/>";
   }
+  static std::string cylinder(double radius, double length) {
+    return fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", radius, length);
+  }
 };
 
-std::string collision(const Pose& pose, const std::string& geometry) {
-  return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n", origin(pose),
-                     geometry);
+/// @param name empty: none
+std::string collision(const std::string& name, const Pose& pose, const std::string& geometry) {
+  const std::string named = name.empty() ? "" : fmt::format(" name=\"{}\"", escape_markup(name));
+  return fmt::format("    <collision{}>{}<geometry>{}</geometry></collision>\n", named,
+                     origin(pose), geometry);
 }
 
 std::string link_text(const TreeLink& link) {
@@ -98,16 +81,19 @@ std::string link_text(const TreeLink& link) {
         I(0, 2), I(1, 2));
   }
   for (const auto& [pose, geometry] : link.shapes) {
-    inside += collision(pose, std::visit(GeometryText{}, geometry));
+    // URDF has no capsule: the reader knows one by the name of its <collision>.
+    const bool is_capsule = std::holds_alternative<Capsule>(geometry);
+    inside += collision(is_capsule ? link.name + "_capsule" : "", pose,
+                        std::visit(GeometryText{}, geometry));
   }
   for (const MeshUse& mesh : link.meshes) {
     const std::string scale =
         mesh.scale == Vector3d::Ones() ? "" : fmt::format(" scale=\"{}\"", triple(mesh.scale));
-    inside +=
-        collision(mesh.pose, fmt::format("<mesh filename=\"{}\"{}/>{}", escaped(mesh.file), scale,
-                                         mesh.hull ? GeometryText{}(*mesh.hull) : std::string()));
+    inside += collision("", mesh.pose,
+                        fmt::format("<mesh filename=\"{}\"{}/>{}", escape_markup(mesh.file), scale,
+                                    mesh.hull ? GeometryText{}(*mesh.hull) : std::string()));
   }
-  const std::string name = escaped(link.name);
+  const std::string name = escape_markup(link.name);
   if (inside.empty()) return fmt::format("  <link name=\"{}\"/>\n", name);
   return fmt::format("  <link name=\"{}\">\n{}  </link>\n", name, inside);
 }
@@ -118,18 +104,22 @@ std::string joint_text(const TreeJoint& source) {
                            : joint.is_prismatic()                ? "prismatic"
                            : joint.type == JointType::Continuous ? "continuous"
                                                                  : "revolute";
-  std::string inside =
-      fmt::format("    <parent link=\"{}\"/><child link=\"{}\"/>{}\n", escaped(source.parent_name),
-                  escaped(source.child_name), origin(source.origin));
+  std::string inside = fmt::format("    <parent link=\"{}\"/><child link=\"{}\"/>{}\n",
+                                   escape_markup(source.parent_name),
+                                   escape_markup(source.child_name), origin(source.origin));
   if (!source.is_fixed) {
     inside += fmt::format("    <axis xyz=\"{}\"/>\n", triple(source.axis));
     std::string limit;
-    if (joint.type != JointType::Continuous) {
-      limit += fmt::format(" lower=\"{}\" upper=\"{}\"", joint.lower, joint.upper);
+    const bool is_continuous = joint.type == JointType::Continuous;
+    // URDF has no word for a limit that does not exist.
+    const auto bound = [](double x) { return std::clamp(x, -kLargestNumber, kLargestNumber); };
+    if (!is_continuous) {
+      limit += fmt::format(" lower=\"{}\" upper=\"{}\"", bound(joint.lower), bound(joint.upper));
     }
     // Of a continuous joint a bound that is not stated is none only where both are missing.
-    if (std::isfinite(joint.max_velocity)) {
-      limit += fmt::format(" velocity=\"{}\" effort=\"{}\"", joint.max_velocity, joint.max_effort);
+    if (!is_continuous || std::isfinite(joint.max_velocity) || std::isfinite(joint.max_effort)) {
+      limit += fmt::format(" velocity=\"{}\" effort=\"{}\"", bound(joint.max_velocity),
+                           bound(joint.max_effort));
     }
     if (!limit.empty()) inside += fmt::format("    <limit{}/>\n", limit);
     if (joint.viscous_friction != 0 || joint.coulomb_friction != 0) {
@@ -137,20 +127,24 @@ std::string joint_text(const TreeJoint& source) {
                             joint.viscous_friction, joint.coulomb_friction);
     }
     if (source.mimic) {
-      inside +=
-          fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
-                      escaped(source.mimic->master), source.mimic->ratio, source.mimic->offset);
+      inside += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                            escape_markup(source.mimic->master), source.mimic->ratio,
+                            source.mimic->offset);
     }
   }
-  return fmt::format("  <joint name=\"{}\" type=\"{}\">\n{}  </joint>\n", escaped(joint.name), type,
-                     inside);
+  return fmt::format("  <joint name=\"{}\" type=\"{}\">\n{}  </joint>\n", escape_markup(joint.name),
+                     type, inside);
 }
 
 }  // namespace
 
 std::string urdf_text(const Tree& tree) {
   std::string text = fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"{}\">\n", escaped(tree.name));
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<!-- Units: m, rad, kg, kg m^2, N m (N), rad/s (m/s). Origins: from the frame of the\n"
+      "     parent link (of the link itself inside a link), rpy about fixed axes. -->\n"
+      "<robot name=\"{}\">\n",
+      escape_markup(tree.name));
   for (const TreeLink& link : tree.links) text += link_text(link);
   for (const TreeJoint& joint : tree.joints) text += joint_text(joint);
   return text + "</robot>\n";

@@ -75,7 +75,7 @@ Pose drifted_base(const RobotModel& robot, const HermiteSegment& segment, double
   const double rate = segment.extremes().rate.maxCoeff();
   // At low rates the travel asks for few steps although the rate changes: at least four.
   const double most = std::max((s1 - s0) * rate / max_travel, 4 * (s1 - s0) / segment.duration());
-  const int steps = std::max(1, static_cast<int>(std::ceil(most)));
+  const int steps = static_cast<int>(std::clamp(std::ceil(most), 1.0, 1e6));
   const double h = (s1 - s0) / steps;
   auto Omega = [&](double s) {
     return drifting_base_velocity(robot, segment.position(s), segment.velocity(s));

@@ -1,6 +1,12 @@
 // What check understands of a file, and what it finds suspicious.
 #include <catch2/catch.hpp>
 
+#include <nlohmann/json.hpp>
+
+#include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/robot/urdf_reader.hpp>
+
+#include "cli/arm_text.hpp"
 #include "cli/tool.hpp"
 
 using namespace stillbase::cli_test;
@@ -153,4 +159,49 @@ TEST_CASE("check draws what it understood, and nothing where a file is refused")
   CHECK_FALSE(shop.has("bad.html"));
   shop.write("state.json", "{}");
   CHECK(shop.run("check state.json -o state.html").code == 2);
+}
+
+TEST_CASE("the page of a robot with coupled joints moves each body by the joint that it follows") {
+  const Workshop shop;
+  shop.write("arm.urdf", robot_text(arm_chain("zyy", "") + gripper("")));
+  const Outcome outcome = shop.run("check arm.urdf --hand left -o page.html");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const std::string page = shop.text("page.html");
+  const std::size_t begin = page.find("{\"stillbase\":");
+  REQUIRE(begin != std::string::npos);
+  const auto data = nlohmann::json::parse(page.substr(begin, page.find("</script", begin) - begin));
+  const auto robot = data["documents"][0]["scene"]["robot"];
+  CHECK(prints(outcome, "6 bodies after merging fixed links, 4 joints"));
+  CHECK(prints(outcome, "finger_2 moves right and follows finger: position = 1 finger + 0"));
+  REQUIRE(robot["joints"].size() == 4);
+  REQUIRE(robot["bodies"].size() == 5);
+  REQUIRE(robot["tree"].size() == 5);
+  const stillbase::RobotModel model =
+      stillbase::read_urdf(shop.text("arm.urdf"), "", "left", {.may_lack_base = true});
+  stillbase::JointVectord phi(4);
+  phi << 0.3, -0.4, 0.5, 0.03;
+  const auto kinematics = stillbase::compute_kinematics<double>(model, phi);
+  std::vector<stillbase::Pose> poses;
+  for (const auto& moved : robot["tree"]) {
+    const auto list = moved["pose"].get<std::vector<double>>();
+    const stillbase::Pose at_zero{Eigen::Vector3d(list[0], list[1], list[2]),
+                                  Eigen::Quaterniond(list[3], list[4], list[5], list[6])};
+    const double position =
+        moved.value("ratio", 1.0) * phi[moved["joint"].get<int>()] + moved.value("offset", 0.0);
+    stillbase::Pose motion;
+    if (moved["slides"].get<bool>()) {
+      motion.position.z() = position;
+    } else {
+      motion.orientation = Eigen::AngleAxisd(position, Eigen::Vector3d::UnitZ());
+    }
+    const int parent = moved["parent"].get<int>();
+    const stillbase::Pose above =
+        parent < 0 ? stillbase::Pose{} : poses[static_cast<std::size_t>(parent)];
+    poses.push_back(above * at_zero * motion);
+  }
+  for (int k = 0; k < 5; ++k) {
+    INFO("body " << k);
+    CHECK((poses[static_cast<std::size_t>(k)].position - kinematics.o[k]).norm() < 1e-6);
+  }
 }

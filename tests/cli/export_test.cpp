@@ -17,13 +17,14 @@ const std::string kPlanned = "'" + source_path("problems/planar_three_link_clien
 TEST_CASE("export writes by the ending, or by --format to any file or to stdout") {
   const Workshop shop;
   REQUIRE(shop.run("plan " + kPlanned + " -o plan.json").code == 0);
-  const std::pair<const char*, const char*> begins[] = {{"a.csv", "time_s,joint_1_position_rad"},
-                                                        {"a.yaml", "# trajectory_msgs"},
-                                                        {"a.yml", "# trajectory_msgs"},
-                                                        {"a.aem", "CCSDS_AEM_VERS       = 2.0\n"},
-                                                        {"a.oem", "CCSDS_OEM_VERS       = 2.0\n"},
-                                                        {"a.mat", "MATLAB 5.0 MAT-file"},
-                                                        {"a.urdf", "<?xml version=\"1.0\"?>\n"}};
+  const std::pair<const char*, const char*> begins[] = {
+      {"a.csv", "time_s,joint_1_position_rad"},
+      {"a.yaml", "# trajectory_msgs"},
+      {"a.yml", "# trajectory_msgs"},
+      {"a.aem", "CCSDS_AEM_VERS       = 2.0\n"},
+      {"a.oem", "CCSDS_OEM_VERS       = 2.0\n"},
+      {"a.mat", "MATLAB 5.0 MAT-file"},
+      {"a.urdf", "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"}};
   for (const auto& [name, begin] : begins) {
     INFO(name);
     const Outcome outcome = shop.run(std::string("export plan.json -o ") + name);

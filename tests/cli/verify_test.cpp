@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <set>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -121,6 +122,48 @@ TEST_CASE("a repeated search confirms the record of a plan, and refutes an alter
   const ordered_json claim = claim_of(ordered_json::parse(bad.out), "search_repeated");
   CHECK(claim.at("pass") == false);
   CHECK(claim.at("detail").get<std::string>().find("certificate") != std::string::npos);
+}
+
+TEST_CASE("a healthy plan's summary names what only the search knows in one line") {
+  const Workshop shop;
+  const std::string problem = source_path("problems/planar_two_link_c2_a.yaml");
+  REQUIRE(shop.run("plan '" + problem + "' -o plan.json").code == 0);
+  const auto lines_with = [](const Outcome& outcome, const std::string& word) {
+    int count = 0;
+    std::istringstream lines(outcome.err);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(word) != std::string::npos) ++count;
+    }
+    return count;
+  };
+  const Outcome brief = shop.run("verify plan.json");
+  INFO(brief.err);
+  CHECK(lines_with(brief, " open ") == 1);
+  CHECK(brief.says(" open  search record: search_counts, "));
+  CHECK(brief.says("not verified (the search's own record)"));
+  CHECK_FALSE(brief.says("could not be checked"));
+  CHECK_FALSE(brief.says("certificate.distinct_solutions"));
+
+  const Outcome full = shop.run("verify plan.json --all");
+  INFO(full.err);
+  CHECK(full.says("certificate.distinct_solutions"));
+  CHECK(lines_with(full, " open ") >= 2);
+
+  // Repeated, everything is checked.
+  const Outcome repeated = shop.run("audit plan.json --rerun");
+  INFO(repeated.err);
+  CHECK(lines_with(repeated, " open ") == 0);
+  CHECK_FALSE(repeated.says("not verified"));
+
+  // What could not be compared for another reason is still said in full.
+  shop.write("own.yaml", file_text(problem));
+  REQUIRE(shop.run("plan own.yaml -o own.json").code == 0);
+  std::filesystem::remove(shop.path("own.yaml"));
+  const Outcome alone = shop.run("verify own.json");
+  INFO(alone.err);
+  CHECK(alone.says("inputs_unchanged"));
+  CHECK(alone.says(", 1 could not be checked, "));
+  CHECK(lines_with(alone, " open ") == 2);
 }
 
 TEST_CASE("without the problem file the verdict says what the plan was compared with") {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <thread>
 
+#include <stillbase/collision/contact_survey.hpp>
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/random.hpp>
 
@@ -264,4 +265,19 @@ TEST_CASE("a problem whose target lacks the feature asked for has no scene") {
   CHECK_NOTHROW(CollisionScene(problem));
   problem.variables.feature = "other";
   CHECK_THROWS_AS(CollisionScene(problem), std::invalid_argument);
+}
+
+TEST_CASE("links that are always closer than a margin are listed as if they touched") {
+  RobotModel robot = test::planar_robot();
+  // Caps end 5 mm before the joint: 10 mm apart when straight, in contact when bent.
+  for (CollisionShape& shape : robot.shapes) {
+    if (shape.body != kBase) shape.geometry = Capsule{0.08, 1.83};
+  }
+  CHECK(survey_contacts(robot).always.empty());
+  const auto close = survey_contacts(robot, {.margin = 0.02}).always;
+  REQUIRE(close.size() == 1);
+  CHECK(close[0] == std::pair<std::string, std::string>("link1", "link2"));
+  // They touch where the joint bends by more than 40 degrees: in 78 % of its range.
+  CHECK(survey_contacts(robot, {.postures = 1000, .share = 0.7}).always.size() == 1);
+  CHECK(survey_contacts(robot, {.postures = 1000, .share = 0.85}).always.empty());
 }

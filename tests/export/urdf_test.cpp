@@ -151,6 +151,30 @@ TEST_CASE("a joint that follows another one is written as such") {
   check_same_matrices(robot, back, JointVectord::Constant(2, 0.7));
 }
 
+TEST_CASE("a joint without limits is written with numbers that a reader takes") {
+  const std::string path = STILLBASE_SOURCE_DIR "/problems/robots/planar_three_link.urdf";
+  RobotModel robot = read_urdf(read_text_file(path), path, "");
+  Joint& free = robot.joints[1];
+  free.type = JointType::Revolute;
+  free.lower = -kInfinity;
+  free.upper = kInfinity;
+  free.max_velocity = kInfinity;
+  free.max_effort = kInfinity;
+  robot.joints[2].type = JointType::Continuous;
+  robot.joints[2].max_velocity = kInfinity;
+  robot.joints[2].max_effort = 5;
+  const RobotModel back = read_urdf(robot_urdf(robot), "written", robot.hand);
+  REQUIRE(back.n() == 3);
+  CHECK(back.joints[1].lower <= -1e50);
+  CHECK(back.joints[1].upper >= 1e50);
+  CHECK(back.joints[1].max_velocity >= 1e50);
+  CHECK(back.joints[1].max_effort >= 1e50);
+  CHECK(back.joints[2].max_velocity >= 1e50);
+  CHECK(back.joints[2].max_effort == 5);
+  CHECK(back.remarks.empty());
+  check_same_matrices(robot, back, JointVectord::Constant(3, 0.7));
+}
+
 TEST_CASE("a mesh has no place in one URDF file") {
   RobotModel robot = read_urdf(
       read_text_file(STILLBASE_SOURCE_DIR "/problems/robots/planar_two_link_a.urdf"), "a", "");

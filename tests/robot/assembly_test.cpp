@@ -78,6 +78,26 @@ std::string rule_of(Call call) {
 
 }  // namespace
 
+TEST_CASE("a capsule is written as the cylinder that every reader of URDF knows") {
+  BaseBody base = box_base();
+  Pose beside;
+  beside.position = {0, 0.1, 0};
+  base.shapes = {{beside, Capsule{0.2, 0.5}}, {Pose{}, Cylinder{0.1, 0.3}}};
+  RobotAssembly assembly;
+  assembly.add_base("spacecraft", base);
+  assembly.add_arm(arm_text(), {}, mounted("a_"));
+  CHECK(assembly.text().find("<capsule") == std::string::npos);
+  CHECK(assembly.text().find("Units: m, rad, kg") != std::string::npos);
+  const RobotModel robot = model_of(assembly);
+  REQUIRE(robot.shapes.size() == 2);
+  const auto* const capsule = std::get_if<Capsule>(&robot.shapes[0].geometry);
+  REQUIRE(capsule != nullptr);
+  CHECK(capsule->radius == 0.2);
+  CHECK(capsule->length == 0.5);
+  CHECK(robot.shapes[0].pose.position == Vector3d(0, 0.1, 0));
+  CHECK(std::holds_alternative<Cylinder>(robot.shapes[1].geometry));
+}
+
 TEST_CASE("an arm is mounted on a base, with its hand frame and prefix") {
   RobotAssembly assembly;
   assembly.add_base("craft", box_base());
@@ -126,6 +146,21 @@ TEST_CASE("a locked joint and what follows it stand where the free ones would") 
   const auto b = reference::compute(locked, {one, {}, {}});
   CHECK(a.hand_position.isApprox(b.hand_position, 1e-13));
   CHECK(a.H.topLeftCorner(7, 7).isApprox(b.H, 1e-13));
+}
+
+TEST_CASE("a file may have a joint or link that is called as those of its mount") {
+  std::string text = arm_text();
+  for (const auto& [from, to] : {std::pair("name=\"elbow\"", "name=\"mount\""),
+                                 std::pair("name=\"foot\"", "name=\"hand_frame\""),
+                                 std::pair("parent link=\"foot\"", "parent link=\"hand_frame\"")}) {
+    text.replace(text.find(from), std::string(from).size(), to);
+  }
+  RobotAssembly assembly;
+  assembly.add_base("satellite", box_base());
+  REQUIRE_NOTHROW(assembly.add_arm(text, {}, mounted("")));
+  const RobotModel robot = model_of(assembly);
+  CHECK(robot.hand != "hand_frame");
+  CHECK(robot.joints[1].name == "mount");
 }
 
 TEST_CASE("two arms of one file share a base") {

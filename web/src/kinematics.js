@@ -37,19 +37,21 @@ export function between(first, second, part) {
   };
 }
 
-/// Poses T_Bk of all bodies in the base frame: T_Bparent * joint frame * joint(phi).
+/// Poses T_Bk of all bodies in the base frame: T_Bparent * joint frame * joint(position), where
+/// the position is ratio * phi[joint] + offset.
 export function bodyPoses(robot, joints) {
   const poses = [];
-  robot.joints.forEach((joint, k) => {
-    const parent = joint.parent < 0 ? identityPose() : poses[joint.parent];
+  for (const {parent, pose, slides, joint, ratio = 1, offset = 0} of robot.tree) {
+    const position = ratio * joints[joint] + offset;
     const moved = identityPose();
-    if (joint.slides) {
-      moved.position.set(0, 0, joints[k]);
+    if (slides) {
+      moved.position.set(0, 0, position);
     } else {
-      moved.quaternion.setFromAxisAngle(kZ, joints[k]);
+      moved.quaternion.setFromAxisAngle(kZ, position);
     }
-    poses.push(compose(compose(parent, poseFrom(joint.pose)), moved));
-  });
+    const above = parent < 0 ? identityPose() : poses[parent];
+    poses.push(compose(compose(above, poseFrom(pose)), moved));
+  }
   return poses;
 }
 

@@ -18,7 +18,7 @@ export function repaint() {
 ///
 /// @param options.title, x_label, y_label with units
 /// @param options.x ascending
-/// @param options.series [{name, y, color?, dash?, width?, points?}]
+/// @param options.series [{name, y, color?, dash?, width?, points?, band?: {low, high}}]
 /// @param options.limits [{y, color}] dashed; they do not widen the axis
 /// @param options.marks [{x, label}]
 /// @param options.onSeek called with the x that was clicked
@@ -114,7 +114,7 @@ export class Plot {
               bands:
                   options.bands?.map(
                       ([upper, lower]) => ({series: [upper, lower], fill: `${css('--accent')}22`})),
-              hooks: {draw: [u => this.drawLines(u)], ready: [() => this.begin()]},
+              hooks: {drawAxes: [u => this.drawBands(u)], draw: [u => this.drawLines(u)], ready: [() => this.begin()]},
             },
             [options.x, ...options.series.map(series => series.y)], this.holder);
   }
@@ -138,6 +138,26 @@ export class Plot {
     const least = this.options.from_zero ? Math.min(0, low) : low;
     const margin = (high - least) * 0.06 || Math.abs(high) * 0.1 || 1;
     return [this.options.from_zero && least === 0 ? 0 : least - margin, high + margin];
+  }
+
+  /// Bands of series, below their lines.
+  drawBands(u) {
+    const {ctx, bbox} = u;
+    const {series, x} = this.options;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.globalAlpha = 0.13;
+    series.forEach(({band, color}, i) => {
+      if (!band || !u.series[i + 1].show) return;
+      const to = values => values.map((y, k) => [u.valToPos(x[k], 'x', true), u.valToPos(y, 'y', true)]);
+      ctx.fillStyle = color ? css(color) : seriesColor(i);
+      ctx.beginPath();
+      for (const [px, py] of [...to(band.low), ...to(band.high).reverse()]) ctx.lineTo(px, py);
+      ctx.fill();
+    });
+    ctx.restore();
   }
 
   drawLines(u) {

@@ -7,7 +7,7 @@ import {geometryFrom, meshGeometry, place, rod, triad} from './shapes.js';
 /// Length of the stretched arm, m.
 export function reachOf(robot) {
   const length =
-      robot.joints.reduce((sum, joint) => sum + Math.hypot(...joint.pose.slice(0, 3)), 0);
+      robot.tree.reduce((sum, joint) => sum + Math.hypot(...joint.pose.slice(0, 3)), 0);
   return Math.max(0.1, length + Math.hypot(...robot.hand.pose.slice(0, 3)));
 }
 
@@ -72,7 +72,7 @@ export class RobotView {
 
   /// A drum about each joint's axis.
   addJoints(materials, drawn) {
-    this.robot.joints.forEach((joint, k) => {
+    this.robot.tree.forEach((joint, k) => {
       if (drawn.has(k)) return;
       const r = this.radiusOf(k);
       const drum = joint.slides ?
@@ -91,7 +91,7 @@ export class RobotView {
       const end = new Vector3(...to);
       if (end.length() > 1e-6) this.body(index).add(rod(new Vector3(), end, thin, material));
     };
-    robot.joints.forEach(joint => {
+    robot.tree.forEach(joint => {
       if (joint.parent >= 0 && !hasShape.has(joint.parent) && !drawn.has(joint.parent)) {
         rodIn(joint.parent, joint.pose, materials.link);
       }
@@ -113,7 +113,7 @@ export class RobotView {
     };
     frame(-1, identityPose(), 2 * size);
     frame(this.robot.hand.body, poseFrom(this.robot.hand.pose), size);
-    this.robot.joints.forEach((joint, k) => frame(k, identityPose(), 0.6 * size));
+    this.robot.tree.forEach((joint, k) => frame(k, identityPose(), 0.6 * size));
   }
 
   addCentroids(materials, size) {

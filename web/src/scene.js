@@ -1,6 +1,6 @@
 // The scene: robot, target, feature, impulse, and what is drawn of their motion. World is the
 // inertial frame, z up.
-import {AmbientLight, CatmullRomCurve3, Color, ConeGeometry, DirectionalLight, DoubleSide, EdgesGeometry, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, RingGeometry, Scene as ThreeScene, SphereGeometry, TubeGeometry, Vector3, WebGLRenderer} from 'three';
+import {AmbientLight, BufferGeometry, CatmullRomCurve3, Color, ConeGeometry, DirectionalLight, DoubleSide, EdgesGeometry, Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, RingGeometry, Scene as ThreeScene, SphereGeometry, TubeGeometry, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
 import {fit, inView, viewDirection, viewFrames} from './cameras.js';
@@ -107,6 +107,9 @@ export class Scene {
       ghost: new MeshLambertMaterial({transparent: true, opacity: 0.22, depthWrite: false}),
       ghostTarget: new MeshLambertMaterial({transparent: true, opacity: 0.18, depthWrite: false}),
       cone: see(),
+      ellipsoid: new MeshBasicMaterial(
+          {transparent: true, opacity: 0.32, depthWrite: false, depthTest: false}),
+      ellipsoidLine: new LineBasicMaterial({depthTest: false}),
       trace: new MeshBasicMaterial(),
       targetTrace: new MeshBasicMaterial(),
       normal: new MeshBasicMaterial(),
@@ -121,6 +124,8 @@ export class Scene {
     for (const [name, material] of Object.entries(this.materials)) {
       const color = {
         cone: colors.impulse,
+        ellipsoid: colors.ghost,
+        ellipsoidLine: colors.ghost,
         ghostTarget: colors.target,
         centroid: colors.tool
       }[name] ??
@@ -206,14 +211,39 @@ export class Scene {
     this.impulse.add(pointer);
   }
 
-  /// Three standard deviations of the feature's predicted position.
+  /// Three standard deviations of the feature's predicted position, drawn over the bodies. One that
+  /// is too small to see is drawn larger, `ellipsoid.factor` times.
   addEllipsoid() {
     const {contact_ellipsoid: ellipsoid} = this.data;
-    if (!ellipsoid) return;
-    const mesh = new Mesh(new SphereGeometry(1, 24, 16), this.materials.cone);
-    place(mesh, poseFrom(ellipsoid.pose));
-    mesh.scale.set(...ellipsoid.deviations.map(each => Math.max(3 * each, 1e-4 * this.reach)));
-    this.impulse.add(mesh);
+    const largest = ellipsoid ? 3 * Math.max(...ellipsoid.deviations) : 0;
+    if (!(largest > 0)) return;
+    const factor = 10 ** Math.max(0, Math.ceil(Math.log10(0.02 * this.reach / largest)));
+    const body = new Group();
+    const mesh = new Mesh(new SphereGeometry(1, 32, 20), this.materials.ellipsoid);
+    mesh.renderOrder = 1;
+    body.add(mesh);
+    for (const plane of [[0, 1], [1, 2], [2, 0]]) {
+      const points = Array.from({length: 65}, (_, i) => {
+        const point = [0, 0, 0];
+        point[plane[0]] = Math.cos(i * Math.PI / 32);
+        point[plane[1]] = Math.sin(i * Math.PI / 32);
+        return new Vector3(...point);
+      });
+      const line =
+          new Line(new BufferGeometry().setFromPoints(points), this.materials.ellipsoidLine);
+      line.renderOrder = 2;
+      body.add(line);
+    }
+    place(body, poseFrom(ellipsoid.pose));
+    body.scale.set(
+        ...ellipsoid.deviations.map(each => Math.max(3 * factor * each, 1e-3 * this.reach)));
+    this.impulse.add(body);
+    this.ellipsoid = {factor, largest};
+  }
+
+  /// From the wait until 3 s after the contact.
+  showsImpulse(time) {
+    return Boolean(this.data.contact) && time >= (this.motion.waitBegin ?? 0) && time <= 3;
   }
 
   /// Paths of hand and feature in N under one controller.
@@ -252,8 +282,7 @@ export class Scene {
       this.ghostTarget.visible = Boolean(ghost?.target && ghost.showTarget);
       if (ghost?.target) place(this.ghostTarget, ghost.target);
     }
-    this.impulse.visible =
-        Boolean(this.data.contact) && time >= (this.motion.waitBegin ?? 0) && time <= 3;
+    this.impulse.visible = this.showsImpulse(time);
     if (this.viewFrame)
       place(this.world, inverse(this.viewFrame({...state, hand: this.robot.hand})));
   }

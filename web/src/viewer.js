@@ -338,6 +338,13 @@ export class Viewer {
           'closest pair ',
           `${record.pairs[i].replace(' with ', ' – ')}, ${fixed(record.clearances[i], 3)} m`);
     }
+    if (this.view?.ellipsoid && this.view.showsImpulse(this.time)) {
+      const {factor, largest} = this.view.ellipsoid;
+      line(
+          'ellipsoid ',
+          `where the feature may be (3 sigma, at most ${digits(largest, 2)} m)` +
+              (factor > 1 ? `, drawn ${factor} times larger` : ''));
+    }
     const name = this.motion.phase(this.time);
     const who = this.time > 0 && record ? `, ${controllerName(record.controller)}` : '';
     this.hud.replaceChildren(h('strong', {}, name + who), ...lines);

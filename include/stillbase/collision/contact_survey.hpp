@@ -16,6 +16,12 @@ struct ContactSurveyOptions {
   int postures = 200;
   /// Postures after which a pair that never touched counts as one that cannot.
   int postures_for_never = 2000;
+  /// Closer than this counts as touching, m: a clearance that is asked for elsewhere. Links whose
+  /// distance never exceeds it would be refused in every posture.
+  double margin = 0;
+  /// Part of the postures in which a pair must touch to be listed with those that always do. Below
+  /// 1 for hulls that are larger than their links: MoveIt's setup assistant takes 0.95.
+  double share = 1;
   std::uint64_t seed = 1;
 };
 

@@ -89,8 +89,8 @@ struct Coupling {
   double offset = 0;  ///< rad or m
 };
 
-/// Joints that follow others (URDF's <mimic>) are no coordinates: phi, limits and matrices have one
-/// entry per joint that moves by itself (n). With phi_b the positions of all bodies' joints,
+/// Joints that follow others (URDF's `<mimic>`) are no coordinates: phi, limits and matrices have
+/// one entry per joint that moves by itself (n). With phi_b the positions of all bodies' joints,
 /// phi_b = G phi + g with constant G, so the dynamics are those of the tree after the congruence
 /// H_phi = G' H_b G, c_phi = G' c_b.
 struct RobotModel {

@@ -32,27 +32,28 @@ struct UrdfOptions {
 /// Accepted: trees of revolute, continuous, prismatic and fixed joints. Fixed links are merged into
 /// their parents (masses added, centroids averaged, parallel-axis theorem); then every body must
 /// have mass > 0 and an inertia tensor that is positive definite and satisfies the triangle
-/// inequality of principal moments. Links without <inertial> are frames without mass. A root link
+/// inequality of principal moments. Links without `<inertial>` are frames without mass. A root link
 /// without mass and shapes above a single floating or planar joint is left out.
 ///
-/// Revolute and prismatic joints need <limit>; its lower and upper are 0 when they are not stated,
-/// as URDF says, and velocity and effort 0, which is remarked upon: no motion can be planned with
-/// it. A continuous joint has no lower and upper (they are ignored there), and no bounds on
-/// velocity and effort unless it has a <limit>. Axes are normalised.
+/// Revolute and prismatic joints need `<limit>`; its lower and upper are 0 when they are not
+/// stated, as URDF says, and velocity and effort 0, which is remarked upon: no motion can be
+/// planned with it. A continuous joint has no lower and upper (they are ignored there), and no
+/// bounds on velocity and effort unless it has a `<limit>`. Axes are normalised.
 ///
-/// Collision shapes: sphere, box, cylinder, capsule (length without caps). A <collision> whose name
-/// ends in "_capsule" and holds a <cylinder> is a capsule, the cylinder of that radius and length
-/// with a half sphere on both ends (a reader that does not know this reads the cylinder).
+/// Collision shapes: sphere, box, cylinder, capsule (length without caps). A `<collision>` whose
+/// name ends in "_capsule" and holds a `<cylinder>` is a capsule, the cylinder of that radius and
+/// length with a half sphere on both ends (a reader that does not know this reads the cylinder).
 ///
-/// Meshes in <collision> become convex hulls: read_robot() reads their files, read_urdf() takes the
-/// <hull> beside a <mesh> that a merged file has. Without either the link has no shape there, which
-/// is remarked upon.
+/// Meshes in `<collision>` become convex hulls: read_robot() reads their files, read_urdf() takes
+/// the
+/// `<hull>` beside a `<mesh>` that a merged file has. Without either the link has no shape there,
+/// which is remarked upon.
 ///
-/// Joints that follow others (<mimic>) are no joints of the model: see Coupling.
+/// Joints that follow others (`<mimic>`) are no joints of the model: see Coupling.
 ///
 /// Remarked upon once per kind, with the number of times and the first line: elements, attributes
-/// and text that are not read (<gazebo>, <transmission>, <ros2_control>, safety controllers, axes
-/// of fixed joints, ...), shapes without size or of no known kind, limits of zero.
+/// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
+/// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero.
 ///
 /// Numbers are plain decimals with a point, finite and at most 1e60 in size.
 ///

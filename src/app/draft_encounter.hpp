@@ -1,0 +1,38 @@
+// Where the hand of a robot touches a target in a first problem, and the posture to start from.
+#pragma once
+
+#include <optional>
+
+#include <stillbase/collision/scene.hpp>
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase::app {
+
+/// Clearance of a first problem, m: that of its constraints and its approach.
+inline constexpr double kDraftClearance = 0.01;
+
+/// Where the robot starts, and how the target lies at the contact.
+struct DraftEncounter {
+  JointVectord start;
+  Vector3d axis = Vector3d::UnitZ();       ///< of the hand's frame, out of the hand
+  Pose target;                             ///< at the contact, in B
+  Vector3d direction = Vector3d::UnitX();  ///< in which the hand points then, in B
+  double standoff = 0;                     ///< the hand's frame was moved so far along `axis`, m
+  bool is_further = false;                 ///< than where the shapes of the hand's body end
+  decltype(SceneParts::allowed_contacts) allowed_contacts;
+  double contact_share = 1;  ///< these touch in this part of all postures, at the least
+};
+
+/// Samples postures for one that is free of collision, points away from the base and lets the arm
+/// move; from the start the hand moves forwards to it along a line that is free.
+///
+/// Links that are always closer than the clearance are allowed to touch. Where no posture is free,
+/// the hand's frame moves out to where the shapes of its body end and further, then links that
+/// touch in nearly all postures are allowed to, then the hand may point anywhere.
+/// @param robot its hand's frame is moved by `standoff`
+/// @param may_move_hand the problem can state where the hand's frame is
+/// @return nothing: no posture is free
+std::optional<DraftEncounter> find_encounter(RobotModel& robot, const TargetBody& target,
+                                             bool may_move_hand);
+
+}  // namespace stillbase::app

@@ -1,0 +1,112 @@
+// stillbase new: from a robot file to a verified plan in three commands.
+#include <map>
+
+#include <catch2/catch.hpp>
+
+#include "cli/arm_text.hpp"
+#include "cli/tool.hpp"
+
+using namespace stillbase::cli_test;
+
+namespace {
+
+/// new, check, plan and verify with the defaults alone.
+void plans_as_it_is(const Workshop& shop, const std::string& robot, const std::string& options) {
+  const Outcome made = shop.run("new problem.yaml --force --robot '" + robot + "' " + options);
+  INFO(robot << "\n" << made.err);
+  REQUIRE(made.code == 0);
+  const Outcome check = shop.run("check problem.yaml");
+  INFO(check.err << shop.text("problem.yaml"));
+  REQUIRE(check.code == 0);
+  const Outcome plan = shop.run("plan problem.yaml --force -o plan.json");
+  INFO(plan.err);
+  REQUIRE(plan.code == 0);
+  const Outcome verify = shop.run("verify plan.json");
+  INFO(verify.err << verify.out);
+  CHECK(verify.code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("every shipped arm goes from its file to a verified plan in three commands") {
+  const Workshop shop;
+  int arms = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("problems/arms"))) {
+    if (entry.path().extension() != ".urdf") continue;
+    ++arms;
+    plans_as_it_is(shop, entry.path().string(), "");
+  }
+  CHECK(arms >= 2);
+}
+
+TEST_CASE("arms as people have them go from their file to a verified plan") {
+  // Adjacent capsules stand a centimetre and a half apart, and fingers reach beyond the hand link.
+  const std::string capsule = "<capsule radius=\"0.05\" length=\"0.18\"/>";
+  const std::map<std::string, std::string> arms = {
+      {"gripper.urdf",
+       robot_text(arm_chain("zyyzyz", capsule) + gripper("<box size=\"0.02 0.02 0.1\"/>"))},
+      {"no_meshes.urdf",
+       robot_text(
+           arm_chain("zyzyzyz", "<mesh filename=\"package://arm_description/meshes/link.stl\"/>"))},
+      {"flange.urdf",
+       robot_text(arm_chain("zyyzyz", "<cylinder radius=\"0.06\" length=\"0.3\"/>", "0"))},
+  };
+  const Workshop shop;
+  for (const auto& [name, text] : arms) {
+    shop.write(name, text);
+    plans_as_it_is(shop, name, "");
+  }
+}
+
+TEST_CASE("new says which hand it took and refuses what it cannot use") {
+  const Workshop shop;
+  const std::string arm = "'" + source_path("problems/arms/seven_joint_arm.urdf") + "'";
+  const Outcome made = shop.run("new problem.yaml --robot " + arm);
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  CHECK(made.says("hand link: hand"));
+  CHECK(shop.run("new problem.yaml --robot " + arm).code == 7);
+  CHECK(shop.run("new other.yaml --robot " + arm + " --hand claw").code == 2);
+  CHECK(shop.run("new other.yaml").code == 2);
+  CHECK(shop.run("new other.json --robot " + arm).code == 2);
+}
+
+TEST_CASE("the hand's frame of a first problem stands where the shapes of its body end") {
+  const Workshop shop;
+  shop.write("arm.urdf", robot_text(arm_chain("zyyzyz",
+                                              "<capsule radius=\"0.05\" "
+                                              "length=\"0.18\"/>") +
+                                    gripper("<box size=\"0.02 0.02 0.1\"/>")));
+  const Outcome made = shop.run("new problem.yaml --robot arm.urdf");
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  // A finger's joint is 0.3 m before the tool, its box ends 0.2 m before the joint.
+  CHECK(made.says("the hand's frame is 0.5 m beyond tool"));
+  CHECK(shop.text("problem.yaml").find("hand_frame: {position: [0, 0, 0.5]}") != std::string::npos);
+}
+
+TEST_CASE("a first problem keeps the names, folders and meshes that its robot needs") {
+  const Workshop shop;
+  std::filesystem::create_directories(shop.path("packages/arm_description"));
+  std::filesystem::copy(source_path("problems/arms/meshes/six_joint_upper.obj"),
+                        shop.path("packages/arm_description/link.obj"));
+  std::string text =
+      robot_text(arm_chain("zyyzyz", "<mesh filename=\"package://arm_description/link.obj\"/>"));
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+      text.replace(at, from.size(), to);
+    }
+  };
+  replace("\"joint_1\"", "\"mount\"");         // the joint that fixes an arm is called so, too
+  replace("\"joint_2\"", "\"arm/joint: 2\"");  // would be a map in YAML
+  replace("\"link_6\"", "\"satellite\"");      // the link of the base
+  shop.write("my arm, new.urdf", text);
+  const Outcome made =
+      shop.run("new problem.yaml --robot 'my arm, new.urdf' --package-path packages");
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  const Outcome check = shop.run("check problem.yaml");
+  INFO(check.err << shop.text("problem.yaml"));
+  REQUIRE(check.code == 0);
+  CHECK(check.out.find("collision shapes: 7") != std::string::npos);
+}
