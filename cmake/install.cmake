@@ -1,6 +1,7 @@
 # What `cmake --install` gives: headers, library with its CMake and pkg-config files, the tool, the
-# problem files, the suite of the benchmark and the schemas of all files. Each belongs to a component, of which packages are made
-# (cmake/packages.cmake): runtime (the shared C library), development, tool, python, doc.
+# problem files, the suite of the benchmark and the schemas of all files. Each belongs to a
+# component, of which packages are made (cmake/packages.cmake): runtime (the shared C library),
+# development, tool, python, doc.
 include(CMakePackageConfigHelpers)
 
 set(STILLBASE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/stillbase)

@@ -14,7 +14,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR})
 set(CPACK_COMPONENTS_ALL development doc)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libstillbase-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libnlopt-dev, coinor-libipopt-dev, libompl-dev, libfcl-dev, libtinyxml2-dev, libyaml-cpp-dev, nlohmann-json3-dev, libfmt-dev, libssl-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libnlopt-dev, coinor-libipopt-dev, libompl-dev, libfcl-dev, libtinyxml2-dev, libyaml-cpp-dev, libassimp-dev, libqhull-dev, nlohmann-json3-dev, libfmt-dev, libssl-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
   "Headers, static libraries, CMake and pkg-config files of stillbase")
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME stillbase-doc)
