@@ -7,6 +7,7 @@ import {join} from 'node:path';
 const kOptions = [
   '--headless=new',
   '--no-sandbox',
+  '--disable-dev-shm-usage',
   '--disable-quic',
   '--no-first-run',
   '--disable-background-networking',
@@ -15,7 +16,18 @@ const kOptions = [
   '--hide-scrollbars',
   '--remote-debugging-pipe',
 ];
+const kPatience = 60_000;  // ms for one answer
 const kSoftwareWebgl = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+/// The promise, or an error that names what did not come in time.
+function inTime(promise, what) {
+  let timer;
+  const late = new Promise((resolve, reject) => {
+    timer = setTimeout(
+        () => reject(new Error(`no answer from Chromium in ${kPatience / 1000} s: ${what}`)), kPatience);
+  });
+  return Promise.race([promise, late]).finally(() => clearTimeout(timer));
+}
 
 export class Chromium {
   /// @param options.webgl false: a browser without WebGL
@@ -30,6 +42,9 @@ export class Chromium {
     self.pending = new Map();
     self.listeners = [];
     self.count = 0;
+    self.process.once('error', error => self.end(error.message));
+    self.process.once('exit', (code, signal) => self.end(`Chromium ended (${code ?? signal})`));
+    self.process.stdio[3].on('error', error => self.end(error.message));
     let rest = '';
     self.process.stdio[4].setEncoding('utf8').on('data', text => {
       const parts = (rest + text).split('\0');
@@ -41,18 +56,28 @@ export class Chromium {
 
   receive(message) {
     if (message.id) {
-      const {resolve, reject} = this.pending.get(message.id);
+      const {resolve, reject} = this.pending.get(message.id) ?? {};
       this.pending.delete(message.id);
-      message.error ? reject(new Error(message.error.message)) : resolve(message.result);
+      message.error ? reject?.(new Error(message.error.message)) : resolve?.(message.result);
     } else {
       for (const listener of this.listeners) listener(message);
     }
   }
 
+  /// Nothing more will be answered.
+  end(reason) {
+    this.ended = reason;
+    for (const {reject} of this.pending.values()) reject(new Error(reason));
+    this.pending.clear();
+  }
+
   send(method, params = {}, sessionId = undefined) {
+    if (this.ended) return Promise.reject(new Error(this.ended));
     const id = ++this.count;
+    const answer =
+        new Promise((resolve, reject) => this.pending.set(id, {resolve, reject}));
     this.process.stdio[3].write(JSON.stringify({id, method, params, sessionId}) + '\0');
-    return new Promise((resolve, reject) => this.pending.set(id, {resolve, reject}));
+    return inTime(answer, method);
   }
 
   /// Opens a file. The page gathers what the console and the network say.
@@ -67,9 +92,11 @@ export class Chromium {
   }
 
   async close() {
+    const exit = new Promise(resolve => this.ended ? resolve() : this.process.once('exit', resolve));
     await this.send('Browser.close').catch(() => {});
-    await new Promise(
-        resolve => this.process.exitCode === null ? this.process.once('exit', resolve) : resolve());
+    const kill = setTimeout(() => this.process.kill('SIGKILL'), 5000);
+    await exit;
+    clearTimeout(kill);
     rmSync(this.folder, {recursive: true, force: true, maxRetries: 5});
   }
 }
@@ -118,7 +145,7 @@ class Page {
       this.loaded = resolve;
     });
     await this.send('Page.navigate', {url});
-    await loaded;
+    await inTime(loaded, url);
   }
 
   /// The value of an expression in the page; promises are waited for.

@@ -8,7 +8,7 @@ import {execFileSync} from 'node:child_process';
 import {cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
-import {after, before, test} from 'node:test';
+import {after, before, test as unlimited} from 'node:test';
 
 import {Chromium} from './chromium.mjs';
 
@@ -16,9 +16,12 @@ const tool = resolve(process.env.STILLBASE_TOOL);
 const source = resolve(process.env.STILLBASE_SOURCE_DIR);
 const folder = mkdtempSync(join(tmpdir(), 'stillbase-report-'));
 const path = name => join(folder, name);
-const run = (...words) =>
-    execFileSync(tool, words, {cwd: folder, stdio: ['ignore', 'pipe', 'pipe']});
+const run = (...words) => execFileSync(
+    tool, words, {cwd: folder, stdio: ['ignore', 'pipe', 'pipe'], timeout: 120_000});
 const json = name => JSON.parse(readFileSync(path(name), 'utf8'));
+
+const limit = {timeout: 120_000};
+const test = (name, use) => unlimited(name, limit, use);
 
 let browser;
 
@@ -27,12 +30,12 @@ before(async () => {
   run('verify', 'plan.json', '-o', 'verdict.json');
   run('report', 'plan.json', 'verdict.json', '-o', 'plan.html');
   browser = await Chromium.start();
-});
+}, limit);
 
 after(async () => {
   await browser?.close();
   rmSync(folder, {recursive: true, force: true});
-});
+}, limit);
 
 /// Opens a page, does something with it, and holds it to silence and its width.
 async function opened(name, options, use, chromium = browser) {
@@ -316,10 +319,16 @@ test('the committed page is what its sources give', async t => {
   cpSync(
       join(source, 'web'), copy, {recursive: true, filter: file => !file.includes('node_modules')});
   try {
+    // A registry that does not answer is no fault of the page.
     execFileSync(
-        'npm', ['ci', '--ignore-scripts', '--no-audit', '--no-fund'], {cwd: copy, stdio: 'pipe'});
+        'npm',
+        [
+          'ci', '--ignore-scripts', '--no-audit', '--no-fund', '--fetch-retries=0',
+          '--fetch-timeout=20000'
+        ],
+        {cwd: copy, stdio: 'pipe', timeout: 60_000});
   } catch (error) {
-    return t.skip(`npm ci: ${error.stderr}`);
+    return t.skip(`npm ci: ${error.code ?? ''} ${error.stderr}`);
   }
-  execFileSync('node', ['build.mjs', '--check'], {cwd: copy, stdio: 'pipe'});
+  execFileSync('node', ['build.mjs', '--check'], {cwd: copy, stdio: 'pipe', timeout: 60_000});
 });

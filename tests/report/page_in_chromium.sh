@@ -6,6 +6,7 @@ for program in node npm "${CHROMIUM:-chromium}"; do
   command -v "$program" >/dev/null 2>&1 || { echo "skipped: no $program"; exit 77; }
 done
 out=$(STILLBASE_TOOL=$1 STILLBASE_SOURCE_DIR=$2 \
+  timeout --kill-after=10 500 \
   node --test --test-reporter=spec "$(dirname "$0")/page_in_chromium.mjs" 2>&1)
 code=$?
 echo "$out"
