@@ -343,8 +343,7 @@ export class Scene {
   /// Takes one of kCameras.
   look(name) {
     const states = [this.motion.at(0, 0), this.motion.at(this.motion.begin, 0)];
-    const {joints} = this.data.robot;
-    const planar = joints.every(joint => Math.hypot(joint.pose[4], joint.pose[5]) < 1e-9);
+    const planar = this.data.robot.tree.every(joint => Math.hypot(joint.pose[4], joint.pose[5]) < 1e-9);
     const contact = {...states[0], hand: this.handAt(states[0])};
     const bodies =
         bodyPoses(this.data.robot, contact.joints).map(pose => compose(contact.base, pose));
