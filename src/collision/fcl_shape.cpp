@@ -50,6 +50,19 @@ fcl::Transform3d transform(const Matrix3d& R, const Vector3d& p) {
   return T;
 }
 
+// Unsigned on purpose: the signed distance of this release stops the process for some poses.
+// 1e-9: with the default of 1e-6 box against box is off by millimetres.
+fcl::DistanceResultd query(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a,
+                           const FclShape& b, const Matrix3d& R_b, const Vector3d& p_b,
+                           bool with_points) {
+  assert(R_a.allFinite() && p_a.allFinite() && R_b.allFinite() && p_b.allFinite());
+  const fcl::DistanceRequestd request(with_points, false, 0.0, 0.0, 1e-9, fcl::GST_LIBCCD);
+  fcl::DistanceResultd result;
+  fcl::distance(a.geometry.get(), transform(R_a, p_a), b.geometry.get(), transform(R_b, p_b),
+                request, result);
+  return result;
+}
+
 }  // namespace
 
 std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
@@ -60,14 +73,15 @@ std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
 
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b) {
-  assert(R_a.allFinite() && p_a.allFinite() && R_b.allFinite() && p_b.allFinite());
-  // Unsigned on purpose: the signed distance of this release stops the process for some poses.
-  // 1e-9: with the default of 1e-6 box against box is off by millimetres.
-  const fcl::DistanceRequestd request(false, false, 0.0, 0.0, 1e-9, fcl::GST_LIBCCD);
-  fcl::DistanceResultd result;
-  fcl::distance(a.geometry.get(), transform(R_a, p_a), b.geometry.get(), transform(R_b, p_b),
-                request, result);
-  return std::max(result.min_distance, 0.0);
+  return std::max(query(a, R_a, p_a, b, R_b, p_b, false).min_distance, 0.0);
+}
+
+std::optional<PointPair> fcl_nearest_points(const FclShape& a, const Matrix3d& R_a,
+                                            const Vector3d& p_a, const FclShape& b,
+                                            const Matrix3d& R_b, const Vector3d& p_b) {
+  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b, true);
+  if (!(result.min_distance > 0)) return std::nullopt;
+  return PointPair{result.nearest_points[0], result.nearest_points[1]};
 }
 
 }  // namespace stillbase

@@ -2,7 +2,9 @@
 // its assertions on and a NaN pose would end the process.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 
 #include <stillbase/robot/robot_model.hpp>
 
@@ -18,5 +20,15 @@ std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry);
 /// @param R, p axes and origin of the shape frames in one common frame; finite
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b);
+
+/// Two points, one on each of two shapes, in the common frame.
+using PointPair = std::array<Vector3d, 2>;
+
+/// The closest points of two convex shapes; nothing when they overlap or touch. Each lies on its
+/// shape, and between them is the distance of fcl_distance().
+/// @param R, p as of fcl_distance()
+std::optional<PointPair> fcl_nearest_points(const FclShape& a, const Matrix3d& R_a,
+                                            const Vector3d& p_a, const FclShape& b,
+                                            const Matrix3d& R_b, const Vector3d& p_b);
 
 }  // namespace stillbase

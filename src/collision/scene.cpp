@@ -281,6 +281,13 @@ class Instant {
     return round_distance(pa.round, pb.round);
   }
 
+  /// The closest points of a pair, in B.
+  std::optional<PointPair> points(const Pair& pair) const {
+    const Placed &a = placed_[pair.a], &b = placed_[pair.b];
+    return fcl_nearest_points(*data_.items[pair.a].fcl, a.R, a.p, *data_.items[pair.b].fcl, b.R,
+                              b.p);
+  }
+
   double hand_to_contact = 0;
 
  private:
@@ -300,6 +307,25 @@ class Instant {
 
 Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double distance) {
   return {data.items[pair.a].name, data.items[pair.b].name, distance};
+}
+
+/// The closest pair that may not touch and its distance; null: there is none.
+std::pair<const Pair*, double> closest_pair(const CollisionScene::Data& data,
+                                            const Instant& instant, bool with_hand_and_target) {
+  const Pair* closest = nullptr;
+  double least = kInfinity;
+  for (const Pair& pair : data.pairs) {
+    if (!instant.is_present(pair) || instant.may_touch(pair) ||
+        (pair.is_hand_and_target && !with_hand_and_target)) {
+      continue;
+    }
+    const double distance = instant.distance(pair, least);
+    if (closest == nullptr || distance < least) {
+      least = distance;
+      closest = &pair;
+    }
+  }
+  return {closest, least};
 }
 
 /// Motion in N of a point that the base carries.
@@ -347,21 +373,19 @@ std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinem
                                                  const Pose& base, const Pose* target,
                                                  bool with_hand_and_target) const {
   const Instant instant(*data_, kinematics, base, target);
-  const Pair* closest = nullptr;
-  double least = kInfinity;
-  for (const Pair& pair : data_->pairs) {
-    if (!instant.is_present(pair) || instant.may_touch(pair) ||
-        (pair.is_hand_and_target && !with_hand_and_target)) {
-      continue;
-    }
-    const double distance = instant.distance(pair, least);
-    if (closest == nullptr || distance < least) {
-      least = distance;
-      closest = &pair;
-    }
-  }
-  if (closest == nullptr) return std::nullopt;
-  return proximity(*data_, *closest, least);
+  const auto [pair, distance] = closest_pair(*data_, instant, with_hand_and_target);
+  if (pair == nullptr) return std::nullopt;
+  return proximity(*data_, *pair, distance);
+}
+
+std::optional<NearestPoints> CollisionScene::nearest_points(const Kinematics<double>& kinematics,
+                                                            const Pose& base, const Pose* target,
+                                                            bool with_hand_and_target) const {
+  const Instant instant(*data_, kinematics, base, target);
+  const auto [pair, distance] = closest_pair(*data_, instant, with_hand_and_target);
+  const auto points = pair == nullptr ? std::nullopt : instant.points(*pair);
+  if (!points) return std::nullopt;
+  return NearestPoints{proximity(*data_, *pair, distance), points->front(), points->back()};
 }
 
 SweepResult CollisionScene::sweep(const Kinematics<double>& kinematics, const Pose& base,

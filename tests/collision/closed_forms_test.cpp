@@ -145,3 +145,43 @@ TEST_CASE("shapes without a positive finite size are not valid") {
   CHECK_FALSE(is_valid(Box{Vector3d(1, 1, kInfinity)}));
   CHECK_FALSE(is_valid(ConvexMesh{}));
 }
+
+TEST_CASE("nearest points lie on their shapes, as far apart as the shapes are") {
+  const double a = 0.4;
+  const ConvexMesh octahedron{
+      {{a, 0, 0}, {-a, 0, 0}, {0, a, 0}, {0, -a, 0}, {0, 0, a}, {0, 0, -a}},
+      {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
+  const Geometry shapes[] = {Sphere{0.3}, Capsule{0.1, 0.8}, Cylinder{0.2, 0.7},
+                             Box{Vector3d(0.3, 0.5, 0.9)}, octahedron};
+  Random random(29);
+  int apart = 0;
+  for (const Geometry& first : shapes) {
+    for (const Geometry& second : shapes) {
+      for (int i = 0; i < 40; ++i) {
+        const Pose at = random_pose(random, 1), other = random_pose(random, 1);
+        const auto points = fcl_nearest_points(
+            *make_fcl_shape(first), at.orientation.toRotationMatrix(), at.position,
+            *make_fcl_shape(second), other.orientation.toRotationMatrix(), other.position);
+        const double between = distance(first, at, second, other);
+        REQUIRE(points.has_value() == (between > 0));
+        if (!points) continue;
+        ++apart;
+        CHECK((points->front() - points->back()).norm() == Approx(between).margin(1e-12));
+        CHECK(point_distance(first, at.inverse() * points->front()) < 1e-12);
+        CHECK(point_distance(second, other.inverse() * points->back()) < 1e-12);
+      }
+    }
+  }
+  CHECK(apart > 700);
+}
+
+TEST_CASE("nearest points of spheres are on the line of their centres") {
+  const Pose at{Vector3d(1, 2, 3), Eigen::Quaterniond::Identity()};
+  const Pose other{Vector3d(1, 6, 6), rotation_exp(Vector3d(0.3, 1, 0))};
+  const auto points = fcl_nearest_points(*make_fcl_shape(Sphere{1}), Matrix3d::Identity(),
+                                         at.position, *make_fcl_shape(Sphere{2}),
+                                         other.orientation.toRotationMatrix(), other.position);
+  REQUIRE(points);
+  CHECK((points->front() - Vector3d(1, 2.8, 3.6)).norm() < 1e-12);
+  CHECK((points->back() - Vector3d(1, 4.4, 4.8)).norm() < 1e-12);
+}

@@ -281,3 +281,28 @@ TEST_CASE("links that are always closer than a margin are listed as if they touc
   CHECK(survey_contacts(robot, {.postures = 1000, .share = 0.7}).always.size() == 1);
   CHECK(survey_contacts(robot, {.postures = 1000, .share = 0.85}).always.empty());
 }
+
+TEST_CASE("the points of the nearest pair are in the base frame, wherever the base is") {
+  const RobotModel robot = planar_robot(2, 1.4);
+  SceneParts parts;
+  // A ball that stands still in N, 0.1 m beside the tip of the straight arm.
+  parts.obstacles = {{"ball", Frame::Inertial, Pose{Vector3d(3, 9, 0.2)}, Sphere{0.25}}};
+  const CollisionScene scene(robot, parts);
+  const Pose base{Vector3d(3 - 5.4 - 0.08 - 0.25 - 0.1, 9, 0.2), Eigen::Quaterniond::Identity()};
+  for (const Pose& turn : {Pose{}, Pose{Vector3d(0, 0, 7), rotation_exp(Vector3d(0.4, 1, 2))}}) {
+    SceneParts moved = parts;
+    moved.obstacles.front().pose = turn * parts.obstacles.front().pose;
+    const auto kinematics = compute_kinematics<double>(robot, posture({0, 0}));
+    const auto nearest =
+        CollisionScene(robot, moved).nearest_points(kinematics, turn * base, nullptr);
+    REQUIRE(nearest);
+    CHECK(to_string(nearest->pair) == "link2 with ball");
+    CHECK(nearest->pair.distance == Approx(0.1));
+    CHECK((nearest->on_first - Vector3d(5.48, 0, 0)).norm() < 1e-9);
+    CHECK((nearest->on_second - Vector3d(5.58, 0, 0)).norm() < 1e-9);
+  }
+  // The ball inside the link: there are no such points.
+  const auto kinematics = compute_kinematics<double>(robot, posture({0, 0}));
+  const Pose inside{base.position + Vector3d(1, 0, 0), base.orientation};
+  CHECK_FALSE(scene.nearest_points(kinematics, inside, nullptr));
+}

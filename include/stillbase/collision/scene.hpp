@@ -37,6 +37,11 @@ struct Proximity {
   std::string first, second;  ///< link, obstacle or "target"; the one further out comes first
   double distance = 0;
 };
+/// Where two bodies are closest to each other: a point on each, in B, m.
+struct NearestPoints {
+  Proximity pair;
+  Vector3d on_first, on_second;
+};
 /// "link2 with base".
 std::string to_string(const Proximity& proximity);
 
@@ -113,6 +118,11 @@ class CollisionScene {
   ///   the contact (their distance just outside contact_allowance says nothing about the path)
   std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
                                    const Pose* target, bool with_hand_and_target = true) const;
+
+  /// The points of nearest(). Empty also when its bodies overlap.
+  std::optional<NearestPoints> nearest_points(const Kinematics<double>& kinematics,
+                                              const Pose& base, const Pose* target,
+                                              bool with_hand_and_target = true) const;
 
   /// Distances at one instant and bounds on the motion of each pair give a verdict for an interval.
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
