@@ -18,6 +18,21 @@
 
 namespace stillbase::app {
 
+std::optional<std::string> problem_file_of(const PlanFile& file, const std::string& plan_path,
+                                           const std::string& problem_path) {
+  if (!problem_path.empty()) return problem_path;
+  for (const InputFile& input : file.inputs) {
+    if (input.role != "problem") continue;
+    const std::filesystem::path stated(input.path);
+    const auto beside = std::filesystem::path(plan_path).parent_path() / stated;
+    for (const std::filesystem::path& path : {stated, beside}) {
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+    }
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 constexpr const char* kRepeated = "search_repeated";
@@ -33,22 +48,6 @@ Claim fingerprint_check(const std::string& name, const std::string& stated,
           is_same,
           is_same ? "SHA-256 of what was read, as stated: " + stated
                   : "stated " + stated + ", of what was read " + computed};
-}
-
-/// Path of the problem file: as the user states it, as the plan states it, or beside the plan.
-std::optional<std::string> problem_file_of(const PlanFile& file, const std::string& plan_path,
-                                           const std::string& problem_path) {
-  if (!problem_path.empty()) return problem_path;
-  for (const InputFile& input : file.inputs) {
-    if (input.role != "problem") continue;
-    const std::filesystem::path stated(input.path);
-    const auto beside = std::filesystem::path(plan_path).parent_path() / stated;
-    for (const std::filesystem::path& path : {stated, beside}) {
-      std::error_code ignored;
-      if (std::filesystem::is_regular_file(path, ignored)) return path.string();
-    }
-  }
-  return std::nullopt;
 }
 
 /// Differences of a plan's problem from its file. The command line may choose optimizer, seed and

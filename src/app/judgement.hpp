@@ -1,6 +1,7 @@
 // What `verify` and `audit` share: checks of a plan's inputs, and printing.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <stillbase/io/plan_file.hpp>
@@ -9,6 +10,12 @@
 #include "app/tool.hpp"
 
 namespace stillbase::app {
+
+/// Path of the problem file of a plan: as the user states it, as the plan states it, or beside the
+/// plan. Empty: it is not there.
+/// @param problem_path what the user states; empty: nothing
+std::optional<std::string> problem_file_of(const PlanFile& file, const std::string& plan_path,
+                                           const std::string& problem_path);
 
 /// Puts the checks of fingerprints and input files first.
 /// @param problem_path problem file of the plan; empty: the one that the plan names

@@ -12,6 +12,7 @@
 
 #include "app/bench_page.hpp"
 #include "app/page_scene.hpp"
+#include "app/page_visuals.hpp"
 #include "app/plan_summary.hpp"
 #include "app/tool.hpp"
 
@@ -33,10 +34,12 @@ Json summary_json(const Plan& plan) {
 Json plan_document(const std::string& text, const std::string& path) {
   const PlanFile file = read_plan(text, path);
   Json content = Json::parse(text);
+  Json scene = plan_scene(file.plan, stop_condition());
+  scene["robot"]["visuals"] = visuals_json(file.plan.problem.robot, robot_files(file, path));
   Json out{{"kind", "plan"},
            {"as_written", file.is_as_written()},
            {"summary", summary_json(file.plan)},
-           {"scene", plan_scene(file.plan, stop_condition())}};
+           {"scene", scene}};
   const Json* verification = content.find("verification");
   if (verification != nullptr && verification->is_object()) {
     out["verification"] = *verification;
@@ -141,12 +144,15 @@ std::string check_page(const std::vector<CheckedFile>& files) {
   Json documents = Json::array();
   for (const CheckedFile& file : files) {
     const bool is_robot = !file.problem;
-    documents.push_back(
-        {{"kind", is_robot ? "robot" : "problem"},
-         {"path", file.path},
-         {"title", is_robot ? file.robot.name : file.problem->name},
-         {"words", file.words},
-         {"scene", is_robot ? lone_robot_scene(file.robot) : problem_scene(*file.problem)}});
+    Json scene = is_robot ? lone_robot_scene(file.robot) : problem_scene(*file.problem);
+    scene["robot"]["visuals"] =
+        visuals_json(file.robot, is_robot ? std::vector<RobotFile>{{file.path}}
+                                          : robot_files(*file.problem, file.path));
+    documents.push_back({{"kind", is_robot ? "robot" : "problem"},
+                         {"path", file.path},
+                         {"title", is_robot ? file.robot.name : file.problem->name},
+                         {"words", file.words},
+                         {"scene", scene}});
   }
   return page_of(documents);
 }

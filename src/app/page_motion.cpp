@@ -1,5 +1,6 @@
 #include "app/page_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -126,6 +127,31 @@ std::vector<Instant> instants_of(const Approach& path) {
   return out;
 }
 
+/// Frame in B of what carries a body of a pair: link, obstacle or target.
+Pose carrier_of(const CaptureProblem& problem, const Kinematics<double>& kinematics,
+                const Pose& base, const Pose* target, const std::string& name) {
+  if (target != nullptr && name == kTargetName) return base.inverse() * *target;
+  if (const LinkFrame* const link = find_link(problem.robot, name)) {
+    if (link->body == kBase) return {};
+    const auto k = static_cast<std::size_t>(link->body);
+    return {kinematics.o[k], Eigen::Quaterniond(kinematics.R[k])};
+  }
+  const bool is_inertial =
+      std::any_of(problem.obstacles.begin(), problem.obstacles.end(),
+                  [&](const Obstacle& o) { return o.name == name && o.frame == Frame::Inertial; });
+  return is_inertial ? base.inverse() : Pose{};
+}
+
+Json nearest_json(const CaptureProblem& problem, const Kinematics<double>& kinematics,
+                  const Pose& base, const Pose* target, const NearestPoints& points) {
+  const auto carried = [&](const std::string& name, const Vector3d& point) {
+    const Pose frame = carrier_of(problem, kinematics, base, target, name);
+    return rounded_list(Vector3d(frame.inverse() * point));
+  };
+  return Json::array(
+      {carried(points.pair.first, points.on_first), carried(points.pair.second, points.on_second)});
+}
+
 }  // namespace
 
 Json approach_json(const Plan& plan) {
@@ -137,7 +163,7 @@ Json approach_json(const Plan& plan) {
   const CollisionScene scene(problem);
   const JointVectord rotors = added_plant_inertia(problem.resistance, robot.n());
   MotionColumns columns;
-  Json clearances = Json::array(), pairs = Json::array();
+  Json clearances = Json::array(), pairs = Json::array(), nearest = Json::array();
   for (const auto& [time, i] : instants_of(path)) {
     PlantState state = state_at_rest(path.base_poses[i], path.joint_positions[i]);
     state.phidot = path.joint_velocities[i];
@@ -155,14 +181,19 @@ Json approach_json(const Plan& plan) {
       if (feature != nullptr) sight = sight_of(robot, terms.kinematics, state, *target, *feature);
       columns.see(target->pose, sight);
     }
-    const auto closest =
-        scene.nearest(terms.kinematics, state.base, target ? &target->pose : nullptr, false);
+    const Pose* const target_pose = target ? &target->pose : nullptr;
+    const auto closest = scene.nearest(terms.kinematics, state.base, target_pose, false);
     clearances.push_back(closest ? rounded(closest->distance) : Json());
     pairs.push_back(closest ? Json(to_string(*closest)) : Json());
+    const auto points = scene.nearest_points(terms.kinematics, state.base, target_pose, false);
+    nearest.push_back(
+        points ? nearest_json(problem, terms.kinematics, state.base, target_pose, *points)
+               : Json());
   }
   Json out = columns.json();
   out["clearances"] = clearances;
   out["pairs"] = pairs;
+  out["nearest"] = nearest;
   return out;
 }
 

@@ -21,7 +21,9 @@ io::Json rounded_list(const Eigen::Ref<const Eigen::VectorXd>& v);
 io::Json pose_json(const Pose& pose);
 
 /// The stored samples of the approach, those of the wait every 0.1 s, and beside the columns
-/// `clearances` and `pairs`: the closest pair that may not touch.
+/// `clearances` and `pairs`: the closest pair that may not touch, "a with b", and `nearest`: its
+/// closest points [on a, on b], each in the frame of what carries it (body of the link, base, T or
+/// N), null where they overlap.
 /// @pre the plan's problem has the chosen contact feature
 io::Json approach_json(const Plan& plan);
 

@@ -187,7 +187,6 @@ Json robot_scene(const RobotModel& robot) {
           {"tree", tree},
           {"bodies", bodies},
           {"shapes", shapes},
-          {"meshes", Json::array()},
           {"hand",
            {{"link", robot.hand},
             {"body", robot.hand_body},

@@ -16,9 +16,7 @@ namespace stillbase::app {
 /// joint, and where the body follows another one `ratio` and `offset` (1 and 0 without them):
 /// position = ratio * joint + offset.
 ///
-/// `meshes` is the place for what is drawn instead of the collision shapes: a list of
-/// {body, pose, color, vertices [[x, y, z]], triangles [[i, j, k]]}; bodies that it names are not
-/// drawn by their shapes.
+/// Beside it the page draws `visuals` (page_visuals.hpp) instead of the shapes of the same links.
 io::Json robot_scene(const RobotModel& robot);
 
 /// A robot alone: all joints at zero, or at the limit that is nearest to it.

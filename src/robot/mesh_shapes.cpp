@@ -2,10 +2,8 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <optional>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -19,11 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFoldersUp = 8;  ///< from a robot file to the folder of its packages
-
-/// A mesh that lies where the file may not point to. what() says why.
-struct PathError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// `name` below `folder`; it must not climb out of `root`.
 fs::path below(const fs::path& folder, const std::string& name, const fs::path& root) {
@@ -86,7 +79,15 @@ fs::path root_of(const std::string& robot_file) {
   return folders.size() > 1 ? folders[1] : folders[0];
 }
 
-/// @return empty: it is not there
+std::vector<Vector3d> scaled(const std::vector<Vector3d>& points, const Vector3d& scale) {
+  std::vector<Vector3d> result;
+  result.reserve(points.size());
+  for (const Vector3d& point : points) result.push_back(point.cwiseProduct(scale));
+  return result;
+}
+
+}  // namespace
+
 fs::path find_mesh(const std::string& name, const MeshFolders& folders) {
   for (const char* scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
@@ -116,15 +117,6 @@ fs::path find_mesh(const std::string& name, const MeshFolders& folders) {
   }
   return {};
 }
-
-std::vector<Vector3d> scaled(const std::vector<Vector3d>& points, const Vector3d& scale) {
-  std::vector<Vector3d> result;
-  result.reserve(points.size());
-  for (const Vector3d& point : points) result.push_back(point.cwiseProduct(scale));
-  return result;
-}
-
-}  // namespace
 
 std::vector<std::string> ros_package_path() {
   std::vector<std::string> folders;

@@ -1,6 +1,8 @@
 // The collision meshes of a tree as convex hulls.
 #pragma once
 
+#include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,16 @@ struct MeshFolders {
   std::string robot_file;             ///< path of the robot file
   std::vector<std::string> packages;  ///< folders that hold packages, in this order
 };
+
+/// A mesh that lies where the file may not point to. what() says why.
+struct PathError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The file of a mesh, by the name in a robot file: package://, file:// or a path.
+/// @return empty: it is not there
+/// @throws PathError
+std::filesystem::path find_mesh(const std::string& name, const MeshFolders& folders);
 
 /// Folders of ROS_PACKAGE_PATH.
 std::vector<std::string> ros_package_path();

@@ -2,9 +2,11 @@
 // not asked for is remarked upon in the end.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <tinyxml2.h>
@@ -82,11 +84,26 @@ class Element {
 
 inline constexpr int kAny = 1 << 20;  ///< number of elements
 
+using MaterialColors = std::map<std::string, Vector3d>;
+
+/// A shape or a mesh of a <visual>.
+struct VisualPart {
+  std::optional<std::pair<Pose, Geometry>> shape;  ///< in the link
+  std::optional<MeshUse> mesh;
+  std::optional<Vector3d> color;
+};
+
 /// Parses a text whose outermost element is <robot>.
 /// @throws InputError too large, not UTF-8, not well-formed, too deep, document types
 void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings);
 
 TreeLink read_link(Element& element);
+/// What is drawn of a <link>, which read_link() leaves out: the shapes and meshes of its <visual>,
+/// in file order. A material that is named alone takes the colour of the one of that name.
+/// @param colors by the names of materials; those of the link join them
+std::vector<VisualPart> read_visuals(Element& link, MaterialColors& colors);
+/// The colour of a <material>, if it states one: red, green, blue from 0 to 1.
+std::optional<Vector3d> read_color(Element& material);
 TreeJoint read_joint(Element& element);
 /// The pose of the <origin> of a parent: fixed axes roll, pitch, yaw.
 Pose read_origin(Element& parent);

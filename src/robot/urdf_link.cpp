@@ -162,4 +162,37 @@ TreeLink read_link(Element& element) {
   return link;
 }
 
+std::optional<Vector3d> read_color(Element& material) {
+  std::optional<Vector3d> color;
+  material.each("color", 0, 1, [&](Element& element) {
+    const std::vector<double> rgba = element.numbers("rgba");
+    if (rgba.size() < 3) return;
+    color = Vector3d(rgba[0], rgba[1], rgba[2]).cwiseMax(0).cwiseMin(1);
+  });
+  return color;
+}
+
+std::vector<VisualPart> read_visuals(Element& link, MaterialColors& colors) {
+  std::vector<VisualPart> parts;
+  link.each("visual", 0, kAny, [&](Element& visual) {
+    TreeLink drawn;
+    const Pose origin = read_origin(visual);
+    visual.each("geometry", 0, 1,
+                [&](Element& geometry) { read_geometry(geometry, origin, false, drawn); });
+    std::optional<Vector3d> color;
+    visual.each("material", 0, 1, [&](Element& material) {
+      const std::string name = material.text("name", false);
+      color = read_color(material);
+      if (color) {
+        colors.try_emplace(name, *color);
+      } else if (const auto known = colors.find(name); known != colors.end()) {
+        color = known->second;
+      }
+    });
+    for (auto& shape : drawn.shapes) parts.push_back({std::move(shape), std::nullopt, color});
+    for (MeshUse& mesh : drawn.meshes) parts.push_back({std::nullopt, std::move(mesh), color});
+  });
+  return parts;
+}
+
 }  // namespace stillbase::urdf

@@ -5,7 +5,7 @@
 //   set
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
+import {cpSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, statSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {after, before, test as unlimited} from 'node:test';
@@ -132,6 +132,116 @@ test('at every sample the page has the hand where the planner has it', async () 
     })()`);
     assert.ok(samples > 100);
     assert.ok(worst < 2e-5, `${worst} m`);
+  });
+});
+
+test('the gap between the closest pair is as long as the clearance at every sample', async () => {
+  await opened('plan.html', {}, async page => {
+    await scene(page);
+    const [gaps, worst, label] = await page.evaluate(`(() => {
+      const {viewer} = document.querySelector('article');
+      const {gap} = viewer.view;
+      const {times, clearances, nearest} = viewer.motion.approach;
+      let worst = 0;
+      times.forEach((time, i) => {
+        if (!nearest[i]) return;
+        viewer.seek(time);
+        worst = Math.max(worst, Math.abs(gap.line.scale.y - clearances[i]),
+            Math.abs(gap.ends[0].position.distanceTo(gap.ends[1].position) - clearances[i]));
+      });
+      viewer.seek(times[10]);
+      viewer.view.draw();
+      gap.follow(viewer.view.camera, 800, 500);
+      return [nearest.filter(Boolean).length, worst,
+        [gap.label.hidden, gap.label.textContent, clearances[10].toFixed(3) + ' m']];
+    })()`);
+    assert.ok(gaps > 100);
+    assert.ok(worst < 2e-5, `${worst} m`);
+    assert.equal(label[0], false);
+    assert.equal(label[1], label[2]);
+    const shown = time => page.evaluate(`(() => {
+      const {viewer} = document.querySelector('article');
+      viewer.seek(${time});
+      return viewer.view.gap.group.visible;
+    })()`);
+    assert.equal(await shown(-5), true);
+    assert.equal(await shown(2), false);
+  });
+});
+
+/// A sphere of radius 1 with 4 n^2 - 4 n triangles, as OBJ.
+function ball(n) {
+  const lines = [];
+  for (let i = 0; i <= n; ++i) {
+    for (let k = 0; k < 2 * n; ++k) {
+      const polar = Math.PI * i / n;
+      const azimuth = Math.PI * k / n;
+      lines.push(`v ${Math.sin(polar) * Math.cos(azimuth)} ${
+          Math.sin(polar) * Math.sin(azimuth)} ${Math.cos(polar)}`);
+    }
+  }
+  for (let i = 0; i < n; ++i) {
+    for (let k = 0; k < 2 * n; ++k) {
+      const [a, b] = [i * 2 * n + k + 1, i * 2 * n + (k + 1) % (2 * n) + 1];
+      if (i > 0) lines.push(`f ${a} ${a + 2 * n} ${b}`);
+      if (i + 1 < n) lines.push(`f ${b} ${a + 2 * n} ${b + 2 * n}`);
+    }
+  }
+  return lines.join('\n') + '\n';
+}
+
+test('what a robot has for drawings is drawn where its files are, and thinned', async () => {
+  cpSync(join(source, 'problems/planar_two_link_c2_a.yaml'), path('drawn/problem.yaml'));
+  cpSync(join(source, 'problems/targets'), path('drawn/targets'), {recursive: true});
+  const robot = readFileSync(join(source, 'problems/robots/planar_two_link_a.urdf'), 'utf8');
+  const visual = (geometry, color) =>
+      `<visual><geometry>${geometry}</geometry><material name="m"><color rgba="${
+          color} 1"/></material></visual>`;
+  const ballInside = visual('<mesh filename="../meshes/ball.obj" scale="0.5 0.5 -0.2"/>', '1 0 0');
+  const boxInside = visual('<box size="1 0.1 0.2"/>', '0 0 1') +
+      visual('<mesh filename="../meshes/none.stl"/>', '0 1 0');
+  const drawn = robot.replace('<link name="link_1">', '$&' + ballInside)
+                    .replace('<link name="link_2">', '$&' + boxInside);
+  assert.ok(drawn.split('<visual>').length === 4);
+  mkdirSync(path('drawn/robots'));
+  mkdirSync(path('drawn/meshes'));
+  writeFileSync(path('drawn/robots/planar_two_link_a.urdf'), drawn);
+  writeFileSync(path('drawn/meshes/ball.obj'), ball(120));
+  run('plan', 'drawn/problem.yaml', '-o', 'drawn.json');
+  run('report', 'drawn.json', '-o', 'drawn.html');
+  run('check', 'drawn/problem.yaml', 'drawn/robots/planar_two_link_a.urdf', '-o', 'seen.html');
+  // Elsewhere there is the plan alone.
+  mkdirSync(path('elsewhere'));
+  renameSync(path('drawn'), path('elsewhere/hidden'));
+  run('report', 'drawn.json', '-o', 'plain.html');
+  const look = page => page.evaluate(`(() => {
+    const {view} = document.querySelector('article').viewer;
+    const {joint, tool, centroid} = view.materials;
+    return [0, 1].map(body => view.robot.body(body).children
+      .filter(each => each.isMesh && ![joint, tool, centroid].includes(each.material))
+      .map(mesh => ({
+        type: mesh.geometry.type, color: mesh.material.color.getHexString(),
+        corners: mesh.geometry.attributes.position.count, scale: mesh.scale.toArray(),
+        radius: (mesh.geometry.computeBoundingSphere(), mesh.geometry.boundingSphere.radius)})));
+  })()`);
+  for (const name of ['drawn.html', 'seen.html']) {
+    assert.ok(statSync(path(name)).size < 2e6);
+    await opened(name, {}, async page => {
+      await scene(page);
+      const [[ball, ...others], [box]] = await look(page);
+      assert.deepEqual(others, []);
+      assert.ok(ball.corners / 3 <= 20000 && ball.corners / 3 > 5000, `${ball.corners}`);
+      assert.ok(Math.abs(ball.radius - 1) < 0.05, `${ball.radius}`);
+      assert.deepEqual(ball.scale, [0.5, 0.5, -0.2]);
+      assert.equal(ball.color, 'ff0000');
+      assert.equal(box.type, 'BoxGeometry');
+      assert.equal(box.color, '0000ff');
+    });
+  }
+  await opened('plain.html', {}, async page => {
+    await scene(page);
+    const [[capsule]] = await look(page);
+    assert.equal(capsule.type, 'CapsuleGeometry');
   });
 });
 

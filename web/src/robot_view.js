@@ -1,13 +1,12 @@
 // A robot as groups of meshes that follow its posture.
-import {BoxGeometry, CylinderGeometry, EdgesGeometry, Group, LineSegments, Mesh, MeshLambertMaterial, SphereGeometry, Vector3} from 'three';
+import {BoxGeometry, Color, CylinderGeometry, EdgesGeometry, Group, LineSegments, Mesh, MeshLambertMaterial, SphereGeometry, Vector3} from 'three';
 
 import {bodyPoses, compose, handPose, identityPose, poseFrom} from './kinematics.js';
-import {geometryFrom, meshGeometry, place, rod, triad} from './shapes.js';
+import {geometryFrom, place, rod, triad, visualGeometry} from './shapes.js';
 
 /// Length of the stretched arm, m.
 export function reachOf(robot) {
-  const length =
-      robot.tree.reduce((sum, joint) => sum + Math.hypot(...joint.pose.slice(0, 3)), 0);
+  const length = robot.tree.reduce((sum, joint) => sum + Math.hypot(...joint.pose.slice(0, 3)), 0);
   return Math.max(0.1, length + Math.hypot(...robot.hand.pose.slice(0, 3)));
 }
 
@@ -24,10 +23,12 @@ export class RobotView {
     });
     this.frames = [];
     this.centroids = [];
-    const drawn = new Set(robot.meshes.map(mesh => mesh.body));
-    for (const mesh of robot.meshes) this.addMesh(mesh, materials, options);
+    const visuals = robot.visuals?.shapes ?? [];
+    const links = new Set(visuals.map(visual => visual.link));
+    const drawn = new Set(visuals.map(visual => visual.body));
+    for (const visual of visuals) this.addVisual(visual, materials, options);
     for (const shape of robot.shapes) {
-      if (!drawn.has(shape.body)) this.addShape(shape, materials, options);
+      if (!links.has(shape.link)) this.addShape(shape, materials, options);
     }
     if (!options.ghost) this.addJoints(materials, drawn);
     this.addBare(materials, drawn);
@@ -42,20 +43,27 @@ export class RobotView {
     this.body(index).add(object);
   }
 
-  addMesh(mesh, materials, options) {
-    const material = options.ghost ?
-        materials.ghost :
-        new MeshLambertMaterial({color: mesh.color ?? materials.link.color});
-    this.add(
-        mesh.body, new Mesh(meshGeometry(mesh.vertices, mesh.triangles), material),
-        poseFrom(mesh.pose));
+  /// A shape of a <visual>, in its own colour where it has one.
+  addVisual(visual, materials, options) {
+    const plain = visual.body < 0 ? materials.base : materials.link;
+    const material = options.ghost ? materials.ghost :
+        visual.color               ? new MeshLambertMaterial({color: new Color(...visual.color)}) :
+                                     plain;
+    if (visual.geometry) return this.addGeometry(visual, material, materials, options);
+    const mesh = new Mesh(visualGeometry(this.robot.visuals.meshes[visual.mesh]), material);
+    mesh.scale.set(...visual.scale);
+    this.add(visual.body, mesh, poseFrom(visual.pose));
   }
 
   addShape(shape, materials, options) {
-    const geometry = geometryFrom(shape.geometry);
     const material = options.ghost ? materials.ghost :
         shape.body < 0             ? materials.base :
                                      materials.link;
+    this.addGeometry(shape, material, materials, options);
+  }
+
+  addGeometry(shape, material, materials, options) {
+    const geometry = geometryFrom(shape.geometry);
     this.add(shape.body, new Mesh(geometry, material), poseFrom(shape.pose));
     if (options.ghost || !('box' in shape.geometry || 'convex_mesh' in shape.geometry)) return;
     this.add(

@@ -4,48 +4,11 @@ import {AmbientLight, BufferGeometry, CatmullRomCurve3, Color, ConeGeometry, Dir
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
 import {fit, inView, viewDirection, viewFrames} from './cameras.js';
+import {Gap} from './gap.js';
 import {apply, bodyPoses, compose, handPose, inverse, poseFrom} from './kinematics.js';
+import {kPalettes} from './palettes.js';
 import {reachOf, RobotView} from './robot_view.js';
-import {arrow, geometryFrom, kY, kZ, place, sizeOf, triad} from './shapes.js';
-
-const kPalettes = {
-  light: {
-    base: '#f4f3ef',
-    link: '#c9d1d8',
-    joint: '#56646f',
-    tool: '#2f3a44',
-    target: '#d6b567',
-    feature: '#b4451f',
-    normal: '#b4451f',
-    impulse: '#c8321e',
-    trace: '#2563a8',
-    targetTrace: '#a37c1c',
-    obstacle: '#8d8f94',
-    ghost: '#2563a8',
-    edge: '#39434c',
-    close: '#c8321e',
-    sky: '#ffffff',
-    ground: '#9aa4ad',
-  },
-  dark: {
-    base: '#d9d8d3',
-    link: '#98a5b1',
-    joint: '#4c5964',
-    tool: '#1d242b',
-    target: '#c09c4b',
-    feature: '#f0734a',
-    normal: '#f0734a',
-    impulse: '#ff6a4d',
-    trace: '#6aa7e8',
-    targetTrace: '#d8b65c',
-    obstacle: '#74777d',
-    ghost: '#6aa7e8',
-    edge: '#0b0e11',
-    close: '#ff6a4d',
-    sky: '#dfe9f2',
-    ground: '#2b333b',
-  },
-};
+import {arrow, geometryFrom, kY, kZ, place, sizeOf, triad, visualSphere} from './shapes.js';
 
 export class Scene {
   /// @param webgl {context: of the canvas, software}
@@ -83,6 +46,8 @@ export class Scene {
     this.addObstacles();
     this.addContact();
     this.addEllipsoid();
+    this.gap = new Gap(this.reach);
+    this.world.add(this.gap.group);
     this.traces = new Group();
     this.world.add(this.traces);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -136,6 +101,7 @@ export class Scene {
     this.hemisphere.color.set(colors.sky);
     this.hemisphere.groundColor.set(colors.ground);
     this.closeColor = new Color(colors.close);
+    this.gap.material.color.copy(this.closeColor);
   }
 
   targetGroup(target, ghost) {
@@ -287,17 +253,22 @@ export class Scene {
       place(this.world, inverse(this.viewFrame({...state, hand: this.robot.hand})));
   }
 
-  /// Colours the bodies named "a with b".
-  markPair(pair) {
+  /// The group that carries a link, an obstacle or the target; null: it stands still in N.
+  carrier(name) {
+    if (name === 'target') return this.target;
+    const shape = this.data.robot.shapes.find(each => each.link === name);
+    if (shape) return this.robot.body(shape.body);
+    const obstacle = this.data.obstacles?.find(each => each.name === name);
+    return obstacle?.on_base ? this.robot.body(-1) : null;
+  }
+
+  /// Colours two bodies, and draws the gap between them.
+  /// @param near {names, points: on each in the frame of its carrier, or null, distance}, or null
+  markPair(near) {
     for (const mesh of this.marked) mesh.material = mesh.userData.material;
     this.marked = [];
-    if (!pair) return;
-    const names = pair.split(' with ');
-    const links = new Map(this.data.robot.shapes.map(shape => [shape.link, shape.body]));
-    for (const name of names) {
-      const group = name === 'target' ? this.target :
-          links.has(name)             ? this.robot.body(links.get(name)) :
-                                        null;
+    const carriers = near?.names.map(name => this.carrier(name)) ?? [];
+    for (const group of carriers) {
       group?.children.filter(child => child.isMesh && child.material.isMeshLambertMaterial)
           .forEach(mesh => {
             mesh.userData.material = mesh.material;
@@ -307,6 +278,9 @@ export class Scene {
             this.marked.push(mesh);
           });
     }
+    const points = near?.points?.map(
+        (point, i) => carriers[i] ? apply(carriers[i], point) : new Vector3(...point));
+    this.gap.show(points ?? null, near?.distance);
   }
 
   /// Spheres that hold what a view has to show, in the world's frame: bodies at the begin and at
@@ -320,6 +294,10 @@ export class Scene {
       for (const shape of robot.shapes) {
         const pose = compose(poses[shape.body + 1], poseFrom(shape.pose));
         spheres.push([pose.position, sizeOf(shape.geometry)]);
+      }
+      for (const visual of robot.visuals?.shapes ?? []) {
+        const [center, radius] = visualSphere(visual, robot.visuals.meshes);
+        spheres.push([apply(poses[visual.body + 1], center), radius]);
       }
       for (const pose of poses) spheres.push([pose.position, 0.05 * this.reach]);
     }
@@ -343,7 +321,8 @@ export class Scene {
   /// Takes one of kCameras.
   look(name) {
     const states = [this.motion.at(0, 0), this.motion.at(this.motion.begin, 0)];
-    const planar = this.data.robot.tree.every(joint => Math.hypot(joint.pose[4], joint.pose[5]) < 1e-9);
+    const planar =
+        this.data.robot.tree.every(joint => Math.hypot(joint.pose[4], joint.pose[5]) < 1e-9);
     const contact = {...states[0], hand: this.handAt(states[0])};
     const bodies =
         bodyPoses(this.data.robot, contact.joints).map(pose => compose(contact.base, pose));

@@ -1,5 +1,8 @@
 // Geometries of files, and the few that scenes add: rods, arrows, axes.
 import {ArrowHelper, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, ConeGeometry, CylinderGeometry, Group, Mesh, SphereGeometry, Vector3} from 'three';
+import {toCreasedNormals} from 'three/addons/utils/BufferGeometryUtils.js';
+
+import {poseFrom} from './kinematics.js';
 
 export const kY = new Vector3(0, 1, 0);
 export const kZ = new Vector3(0, 0, 1);
@@ -36,6 +39,42 @@ export function meshGeometry(vertices, triangles) {
   geometry.setAttribute('position', new BufferAttribute(corners, 3));
   geometry.computeVertexNormals();
   return geometry;
+}
+
+/// 16-bit numbers, lowest byte first, in base64.
+function numbersFrom(text) {
+  const bytes = Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  return Uint16Array.from({length: bytes.length / 2}, (_, i) => view.getUint16(2 * i, true));
+}
+
+const decoded = new WeakMap();
+
+/// A mesh of `visuals`, which robot and ghost share: edges of more than 40 degrees stay sharp.
+export function visualGeometry(mesh) {
+  if (!decoded.has(mesh)) {
+    const {low, step} = mesh;
+    const places = Float32Array.from(numbersFrom(mesh.vertices), (x, i) => low[i % 3] + step * x);
+    const flat = new BufferGeometry();
+    flat.setAttribute('position', new BufferAttribute(places, 3));
+    flat.setIndex(new BufferAttribute(numbersFrom(mesh.triangles), 1));
+    decoded.set(mesh, toCreasedNormals(flat, 40 * Math.PI / 180));
+  }
+  return decoded.get(mesh);
+}
+
+/// A sphere that holds a shape of `visuals`, in the frame of its body: [center, radius].
+export function visualSphere(visual, meshes) {
+  const pose = poseFrom(visual.pose);
+  if (visual.geometry) return [pose.position, sizeOf(visual.geometry)];
+  const geometry = visualGeometry(meshes[visual.mesh]);
+  geometry.computeBoundingSphere();
+  const {center, radius} = geometry.boundingSphere;
+  const scale = new Vector3(...visual.scale);
+  return [
+    center.clone().multiply(scale).applyQuaternion(pose.quaternion).add(pose.position),
+    radius * Math.max(...visual.scale.map(Math.abs))
+  ];
 }
 
 export const place = (object, pose) => {

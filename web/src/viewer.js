@@ -110,6 +110,7 @@ export class Viewer {
     }
     this.view = new Scene(this.canvas, webgl, this.data, this.motion);
     this.view.requestDraw = () => this.requestDraw();
+    this.frame.append(this.view.gap.label);
     this.view.paint(this.theme);
     this.resize();
     const camera = hashOptions.get('camera');
@@ -200,7 +201,7 @@ export class Viewer {
       row.append(toggle('Clearance', true, on => {
         this.clearance = on;
         this.refresh();
-      }, 'marks the closest pair that may not touch'));
+      }, 'the closest pair that may not touch, and the gap between them'));
     }
     if (motion.after.length) {
       const names = motion.after.map((record, i) => [i, controllerName(record.controller)]);
@@ -304,12 +305,20 @@ export class Viewer {
     for (const dot of this.view.robot.centroids) dot.visible = this.centroids;
     if (this.view.targetFrame) this.view.targetFrame.visible = this.frames;
     this.view.show(state, ghost, candidate ? -1e9 : this.time);
-    this.view.markPair(this.clearance && !candidate ? this.pairNow(state) : null);
+    this.view.markPair(this.clearance && !candidate ? this.nearestNow(state) : null);
     this.requestDraw();
   }
 
-  pairNow(state) {
-    return this.time <= 0 ? this.motion.approach?.pairs?.[state.sample] : null;
+  /// The closest pair of the approach at a state, or null.
+  nearestNow(state) {
+    const {pairs, nearest, clearances} = (this.time <= 0 && this.motion.approach) || {};
+    const pair = pairs?.[state.sample];
+    if (!pair) return null;
+    return {
+      names: pair.split(' with '),
+      points: nearest[state.sample],
+      distance: clearances[state.sample],
+    };
   }
 
   say(state, candidate) {
@@ -356,6 +365,7 @@ export class Viewer {
     requestAnimationFrame(() => {
       this.drawing = false;
       this.view.draw();
+      this.view.gap.follow(this.view.camera, this.frame.clientWidth, this.frame.clientHeight);
       clearTimeout(this.sharpening);
       this.sharpening = setTimeout(() => this.view.sharpen(), 150);
     });
