@@ -30,7 +30,8 @@ Json summary_json(const Plan& plan) {
   return out;
 }
 
-/// A plan with what the page draws of it. `verification` stands beside it.
+/// A plan with what the page draws of it. `verification` stands beside it; the samples of the
+/// approach are those of the scene alone.
 Json plan_document(const std::string& text, const std::string& path) {
   const PlanFile file = read_plan(text, path);
   Json content = Json::parse(text);
@@ -44,6 +45,10 @@ Json plan_document(const std::string& text, const std::string& path) {
   if (verification != nullptr && verification->is_object()) {
     out["verification"] = *verification;
     content.erase("verification");
+  }
+  for (const char* column : {"times", "joint_positions", "joint_velocities", "joint_accelerations",
+                             "joint_torques", "base_poses", "base_velocities"}) {
+    content["approach"].erase(column);
   }
   out["content"] = content;
   return out;

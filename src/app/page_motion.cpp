@@ -20,11 +20,16 @@ namespace stillbase::app {
 
 using io::Json;
 
-/// Six significant digits: finer than a screen, a third of the bytes. Null: not finite.
-Json rounded(double x) {
+namespace {
+
+Json with_digits(double x, int digits) {
   if (!std::isfinite(x)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", x).c_str(), nullptr);
+  return std::strtod(fmt::format("{:.{}g}", x, digits).c_str(), nullptr);
 }
+
+}  // namespace
+
+Json rounded(double x) { return with_digits(x, 6); }
 
 Json rounded_list(const Eigen::Ref<const Eigen::VectorXd>& v) {
   Json out = Json::array();
@@ -35,8 +40,7 @@ Json rounded_list(const Eigen::Ref<const Eigen::VectorXd>& v) {
 Json pose_json(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.orientation;
   Json out = rounded_list(pose.position);
-  // Every digit: the page multiplies poses along the chain.
-  for (const double x : {q.w(), q.x(), q.y(), q.z()}) out.push_back(x);
+  for (const double x : {q.w(), q.x(), q.y(), q.z()}) out.push_back(with_digits(x, 9));
   return out;
 }
 

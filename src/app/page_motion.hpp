@@ -17,7 +17,7 @@ namespace stillbase::app {
 /// Six significant digits: finer than a screen, a third of the bytes. Null: not finite.
 io::Json rounded(double x);
 io::Json rounded_list(const Eigen::Ref<const Eigen::VectorXd>& v);
-/// [x, y, z, qw, qx, qy, qz], the quaternion with every digit: the page multiplies poses.
+/// [x, y, z, qw, qx, qy, qz], the quaternion with nine digits: the page multiplies poses.
 io::Json pose_json(const Pose& pose);
 
 /// The stored samples of the approach, those of the wait every 0.1 s, and beside the columns

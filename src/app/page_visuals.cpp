@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using io::Json;
 
-constexpr std::size_t kDrawnTriangles = 20'000;
+constexpr std::size_t kDrawnTriangles = 10'000;
 
 std::string base64(const std::vector<std::uint16_t>& numbers) {
   constexpr const char* kLetters =
@@ -64,7 +64,8 @@ Json mesh_json(const Mesh& mesh) {
   for (const std::array<int, 3>& triangle : mesh.triangles) {
     for (const int corner : triangle) corners.push_back(static_cast<std::uint16_t>(corner));
   }
-  return {{"low", rounded_list(low)},
+  return {{"closed", enclosed_volume(mesh) > 0},
+          {"low", rounded_list(low)},
           {"step", step},
           {"vertices", base64(vertices)},
           {"triangles", base64(corners)}};

@@ -24,12 +24,13 @@ std::vector<RobotFile> robot_files(const CaptureProblem& problem, const std::str
 std::vector<RobotFile> robot_files(const PlanFile& file, const std::string& plan_path);
 
 /// `visuals` of robot_scene(): the <visual> of the files' links. Null: there are none. What is left
-/// out of them is said on stderr. Together the meshes have at most 20000 triangles, which are two
-/// in a pixel of a small scene and a quarter of a megabyte.
+/// out of them is said on stderr. Together the meshes have at most 10000 triangles: an eighth of a
+/// megabyte, and 10 ms of a frame that a processor draws.
 ///
-/// {meshes: [{low, step, vertices, triangles}], shapes: [{body, link, pose, color, and geometry, or
-/// mesh and scale}]}. Vertices are low + step * [i, j, k]; i, j, k and the corners of the triangles
-/// are 16-bit numbers, lowest byte first, in base64.
+/// {meshes: [{closed, low, step, vertices, triangles}], shapes: [{body, link, pose, color, and
+/// geometry, or mesh and scale}]}. Vertices are low + step * [i, j, k]; i, j, k and the corners of
+/// the triangles are 16-bit numbers, lowest byte first, in base64. Both sides of a mesh that is not
+/// `closed` are seen.
 io::Json visuals_json(const RobotModel& robot, const std::vector<RobotFile>& files);
 
 }  // namespace stillbase::app

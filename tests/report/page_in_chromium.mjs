@@ -230,7 +230,7 @@ test('what a robot has for drawings is drawn where its files are, and thinned', 
       await scene(page);
       const [[ball, ...others], [box]] = await look(page);
       assert.deepEqual(others, []);
-      assert.ok(ball.corners / 3 <= 20000 && ball.corners / 3 > 5000, `${ball.corners}`);
+      assert.ok(ball.corners / 3 <= 10000 && ball.corners / 3 > 2500, `${ball.corners}`);
       assert.ok(Math.abs(ball.radius - 1) < 0.05, `${ball.radius}`);
       assert.deepEqual(ball.scale, [0.5, 0.5, -0.2]);
       assert.equal(ball.color, 'ff0000');

@@ -1,5 +1,5 @@
 // A robot as groups of meshes that follow its posture.
-import {BoxGeometry, Color, CylinderGeometry, EdgesGeometry, Group, LineSegments, Mesh, MeshLambertMaterial, SphereGeometry, Vector3} from 'three';
+import {BoxGeometry, Color, CylinderGeometry, DoubleSide, EdgesGeometry, FrontSide, Group, LineSegments, Mesh, MeshLambertMaterial, SphereGeometry, SRGBColorSpace, Vector3} from 'three';
 
 import {bodyPoses, compose, handPose, identityPose, poseFrom} from './kinematics.js';
 import {geometryFrom, place, rod, triad, visualGeometry} from './shapes.js';
@@ -45,14 +45,20 @@ export class RobotView {
 
   /// A shape of a <visual>, in its own colour where it has one.
   addVisual(visual, materials, options) {
+    const mesh = this.robot.visuals.meshes[visual.mesh];
+    const side = !mesh || mesh.closed ? FrontSide : DoubleSide;
     const plain = visual.body < 0 ? materials.base : materials.link;
-    const material = options.ghost ? materials.ghost :
-        visual.color               ? new MeshLambertMaterial({color: new Color(...visual.color)}) :
-                                     plain;
+    let material = options.ghost ? materials.ghost : plain;
+    if (visual.color && !options.ghost) {
+      const color = new Color().setRGB(...visual.color, SRGBColorSpace);
+      material = new MeshLambertMaterial({color, side});
+    } else if (side === DoubleSide && !options.ghost) {
+      material = visual.body < 0 ? materials.openBase : materials.openLink;
+    }
     if (visual.geometry) return this.addGeometry(visual, material, materials, options);
-    const mesh = new Mesh(visualGeometry(this.robot.visuals.meshes[visual.mesh]), material);
-    mesh.scale.set(...visual.scale);
-    this.add(visual.body, mesh, poseFrom(visual.pose));
+    const object = new Mesh(visualGeometry(mesh), material);
+    object.scale.set(...visual.scale);
+    this.add(visual.body, object, poseFrom(visual.pose));
   }
 
   addShape(shape, materials, options) {

@@ -63,6 +63,8 @@ export class Scene {
     return {
       base: solid(),
       link: solid(),
+      openBase: new MeshLambertMaterial({side: DoubleSide}),
+      openLink: new MeshLambertMaterial({side: DoubleSide}),
       joint: solid(),
       tool: solid(),
       target: solid(),
@@ -91,6 +93,8 @@ export class Scene {
         cone: colors.impulse,
         ellipsoid: colors.ghost,
         ellipsoidLine: colors.ghost,
+        openBase: colors.base,
+        openLink: colors.link,
         ghostTarget: colors.target,
         centroid: colors.tool
       }[name] ??
