@@ -58,6 +58,7 @@ struct Report {
   std::vector<Finding> remarks = {};     ///< on what looks like a mistake
   std::optional<RobotModel> robot = {};  ///< that is in it
   std::optional<CaptureProblem> problem = {};
+  std::vector<RobotFile> robot_files = {};  ///< that it is drawn from
 };
 
 /// @param robot the last robot before this file: a state is a state of it
@@ -66,7 +67,7 @@ Report report_on(const std::string& path, const std::string& hand,
   const std::string extension = extension_of(path);
   if (extension == ".urdf" || extension == ".xml") {
     robot = load_robot(path, hand, {.may_lack_base = true, .may_lack_hand = true});
-    return {"robot", robot_report(*robot), robot->remarks, robot};
+    return {"robot", robot_report(*robot), robot->remarks, robot, {}, {{path}}};
   }
   if (extension != ".yaml" && extension != ".yml" && extension != ".json") {
     throw CommandLineError(
@@ -76,7 +77,8 @@ Report report_on(const std::string& path, const std::string& hand,
   const std::string format = stated_format(text, path);
   if (format == "stillbase.plan") {
     const PlanFile file = load_plan(path);
-    return {"plan", plan_report(file), file.plan.problem.robot.remarks, file.plan.problem.robot};
+    const RobotModel& planned = file.plan.problem.robot;
+    return {"plan", plan_report(file), planned.remarks, planned, {}, robot_files(file, path)};
   }
   if (format == "stillbase.target") return {"target", target_report(read_target_text(text, path))};
   if (format.empty() && extension == ".json") {
@@ -100,7 +102,8 @@ Report report_on(const std::string& path, const std::string& hand,
   check_start(problem, path);
   const std::string report = problem_report(problem, remarks);
   remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
-  return {"problem", report, std::move(remarks), problem.robot, problem};
+  return {"problem",     report,  std::move(remarks),
+          problem.robot, problem, robot_files(problem, path)};
 }
 
 /// The command that takes a good file further.
@@ -123,7 +126,9 @@ int check_files(const CheckRequest& request) {
       if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
       if (request.files.size() == 1) print_next(file, report.kind);
-      if (report.robot) drawn.push_back({file, report.text, *report.robot, report.problem});
+      if (report.robot) {
+        drawn.push_back({file, report.text, *report.robot, report.problem, report.robot_files});
+      }
       if (request.suggests_contacts && report.robot) {
         write_stdout(contact_suggestions(*report.robot));
       }

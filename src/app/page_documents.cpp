@@ -12,7 +12,6 @@
 
 #include "app/bench_page.hpp"
 #include "app/page_scene.hpp"
-#include "app/page_visuals.hpp"
 #include "app/plan_summary.hpp"
 #include "app/tool.hpp"
 
@@ -150,9 +149,7 @@ std::string check_page(const std::vector<CheckedFile>& files) {
   for (const CheckedFile& file : files) {
     const bool is_robot = !file.problem;
     Json scene = is_robot ? lone_robot_scene(file.robot) : problem_scene(*file.problem);
-    scene["robot"]["visuals"] =
-        visuals_json(file.robot, is_robot ? std::vector<RobotFile>{{file.path}}
-                                          : robot_files(*file.problem, file.path));
+    scene["robot"]["visuals"] = visuals_json(file.robot, file.robot_files);
     documents.push_back({{"kind", is_robot ? "robot" : "problem"},
                          {"path", file.path},
                          {"title", is_robot ? file.robot.name : file.problem->name},

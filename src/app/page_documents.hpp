@@ -7,6 +7,8 @@
 
 #include <stillbase/plan/problem.hpp>
 
+#include "app/page_visuals.hpp"
+
 namespace stillbase::app {
 
 /// The page of plans, verifications, results and benchmark folders. A verification goes with the
@@ -21,6 +23,7 @@ struct CheckedFile {
   std::string words;                      ///< what was understood
   RobotModel robot;                       ///< of the file
   std::optional<CaptureProblem> problem;  ///< empty: a robot alone
+  std::vector<RobotFile> robot_files;     ///< that the robot is drawn from
 };
 
 /// The page of robots and problems before anything is planned.

@@ -205,3 +205,52 @@ TEST_CASE("the page of a robot with coupled joints moves each body by the joint 
     CHECK((poses[static_cast<std::size_t>(k)].position - kinematics.o[k]).norm() < 1e-6);
   }
 }
+
+TEST_CASE("pages draw arms by their own drawings, also those of a plan") {
+  const Workshop shop;
+  const auto drawn = [](const std::string& name, const std::string& geometry) {
+    return "<link name=\"" + name + "\"><visual><geometry>" + geometry + "</geometry></visual>";
+  };
+  std::string arm = six_joint_arm();
+  const auto put = [&](const std::string& name, const std::string& text) {
+    const std::string link = "<link name=\"" + name + "\">";
+    const std::size_t at = arm.find(link);
+    REQUIRE(at != std::string::npos);
+    arm.replace(at, link.size(), text);
+  };
+  put("link_2", drawn("link_2", "<box size=\"0.125 0.375 0.625\"/>"));
+  put("link_3", drawn("link_3", "<mesh filename=\"package://none/hull.stl\"/>"));
+  shop.write("arm.urdf", arm);
+  shop.write("problem.yaml", R"(format: stillbase.problem
+version: 1
+purpose: Parts.
+robot:
+  base: {mass: 200 kg, shape: {box: {size: [1, 1, 1]}}}
+  arms:
+    - {file: arm.urdf, mount: {position: [0, 0, 0.5]}, hand: tool, prefix: r_}
+  locked: {finger: 0.02 m}
+  start: [0, 0.5, 1, 0, 0.5, 0]
+impact: {source: given, direction: [0, 0, -1]}
+objective: base_angular_velocity
+approach: {enabled: false}
+)");
+  const Outcome plan = shop.run("plan problem.yaml -o plan.json --starts 4");
+  INFO(plan.err);
+  REQUIRE((plan.code == 0 || plan.code == 9));
+  for (const std::string command : {"check problem.yaml -o a.html", "check plan.json -o b.html",
+                                    "report plan.json -o c.html"}) {
+    const Outcome outcome = shop.run(command);
+    INFO(command << outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK(outcome.says("meshes of <visual> that are not there: link_3"));
+    const std::string page = shop.text(command.substr(command.size() - 6));
+    CHECK(page.find(R"("link":"r_link_2","pose")") != std::string::npos);
+    CHECK(page.find(R"("size":[0.125,0.375,0.625])") != std::string::npos);
+  }
+  // A file that is another one now is not what the plan is about.
+  shop.write("arm.urdf", arm + "<!-- changed -->\n");
+  const Outcome changed = shop.run("report plan.json -o d.html");
+  CHECK(changed.code == 0);
+  CHECK_FALSE(changed.says("visual"));
+  CHECK(shop.text("d.html").find("0.375,0.625") == std::string::npos);
+}
