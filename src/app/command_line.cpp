@@ -5,7 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <type_traits>
 
@@ -13,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include "io/scalars.hpp"
+#include "robot/mesh_shapes.hpp"
 
 namespace stillbase::app {
 
@@ -52,7 +55,8 @@ struct OptionAdder {
   }
   CLI::Option* operator()(std::vector<std::string>* target) const {
     CLI::Option* const added = app.add_option(option.name, *target, option.about);
-    return added->get_positional() ? added : added->delimiter(',');
+    // One value a time, or the list would take the arguments behind it.
+    return added->get_positional() ? added : added->delimiter(',')->allow_extra_args(false);
   }
   CLI::Option* operator()(std::vector<double>* target) const {
     return app.add_option(option.name, *target, option.about)->expected(option.count);
@@ -175,6 +179,30 @@ std::vector<Option> output_options(OutputFile& output, const std::string& name,
 std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
+}
+
+Command with_package_path(Command command) {
+  for (Command& subcommand : command.subcommands) {
+    subcommand = with_package_path(std::move(subcommand));
+  }
+  if (!command.run) return command;
+  auto folders = std::make_shared<std::vector<std::string>>();
+  command.options.push_back(
+      {"--package-path", "DIR",
+       "folder in which packages of meshes are looked for, before those of ROS_PACKAGE_PATH; may "
+       "be repeated",
+       folders.get()});
+  command.run = [folders, run = std::move(command.run)] {
+    for (const std::string& folder : *folders) {
+      if (!std::filesystem::is_directory(folder) || folder.find(':') != std::string::npos) {
+        throw CommandLineError("--package-path " + folder +
+                               ": is no folder, or has a colon in its name");
+      }
+    }
+    urdf::put_before_ros_package_path(*folders);
+    return run();
+  };
+  return command;
 }
 
 int run_command_line(const ProgramText& program, const std::vector<Command>& commands, int argc,

@@ -53,6 +53,10 @@ std::vector<Option> output_options(OutputFile& output, const std::string& name,
 /// Both lists in one.
 std::vector<Option> operator+(std::vector<Option> a, const std::vector<Option>& b);
 
+/// The command, and each of its subcommands, with an option --package-path, for those that read
+/// robots: its folders come before those of ROS_PACKAGE_PATH, in worker processes too.
+Command with_package_path(Command command);
+
 // The subcommands, one file each.
 
 Command new_command();

@@ -39,10 +39,19 @@ std::string footer() {
 
 int run_tool(int argc, const char* const* argv) {
   const ProgramText program{"stillbase", STILLBASE_VERSION, kAbout, footer()};
-  std::vector<Command> commands{
-      new_command(),      check_command(),  inspect_command(), analyze_command(),  plan_command(),
-      simulate_command(), verify_command(), audit_command(),   campaign_command(), bench_command(),
-      export_command(),   report_command(), schema_command()};
+  std::vector<Command> commands{new_command(),
+                                with_package_path(check_command()),
+                                with_package_path(inspect_command()),
+                                with_package_path(analyze_command()),
+                                with_package_path(plan_command()),
+                                with_package_path(simulate_command()),
+                                with_package_path(verify_command()),
+                                with_package_path(audit_command()),
+                                with_package_path(campaign_command()),
+                                with_package_path(bench_command()),
+                                export_command(),
+                                report_command(),
+                                schema_command()};
   commands.push_back(help_command(program, commands));
   try {
     return run_command_line(program, commands, argc, argv);

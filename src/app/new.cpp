@@ -73,23 +73,24 @@ int make_problem(NewRequest request) {
 Command new_command() {
   auto request = std::make_shared<NewRequest>();
   DraftRequest& draft = request->draft;
-  return {"new",
-          "write a first problem for a robot file, annotated, that plans as it is",
-          {{"problem", "PROBLEM.yaml", "problem file to write", &draft.problem, true},
-           {"--robot", "ARM.urdf", "robot file; on a terminal it is asked for", &draft.robot},
-           {"--hand", "LINK", "hand link; without it the end behind the most joints", &draft.hand},
-           {"--base-mass", "KG", "of the satellite, kg; without it ten times the arm's",
-            &draft.base_mass},
-           {"--base-size", "X,Y,Z", "edges of the satellite, m; without it those of 200 kg/m^3",
-            &request->base_size},
-           {"--target-mass", "KG", "of the target, kg; without it a tenth of the spacecraft's",
-            &draft.target_mass},
-           {"--spin", "DEG_PER_S", "rotation of the target, deg/s", &draft.spin},
-           {"--distance", "M", "of the target at the start, m", &draft.distance},
-           {"--package-path", "DIR", "folders in which packages of meshes are looked for",
-            &draft.package_path},
-           {"--force", "", "replace a problem file that exists", &request->output.force}},
-          [request] { return make_problem(*request); }};
+  return {
+      "new",
+      "write a first problem for a robot file, annotated, that plans as it is",
+      {{"problem", "PROBLEM.yaml", "problem file to write", &draft.problem, true},
+       {"--robot", "ARM.urdf", "robot file; on a terminal it is asked for", &draft.robot},
+       {"--hand", "LINK", "hand link; without it the end behind the most joints", &draft.hand},
+       {"--base-mass", "KG", "of the satellite, kg; without it ten times the arm's",
+        &draft.base_mass},
+       {"--base-size", "X,Y,Z", "edges of the satellite, m; without it those of 200 kg/m^3",
+        &request->base_size},
+       {"--target-mass", "KG", "of the target, kg; without it a tenth of the spacecraft's",
+        &draft.target_mass},
+       {"--spin", "DEG_PER_S", "rotation of the target, deg/s", &draft.spin},
+       {"--distance", "M", "of the target at the start, m", &draft.distance},
+       {"--package-path", "DIR",
+        "folder in which packages of meshes are looked for; may be repeated", &draft.package_path},
+       {"--force", "", "replace a problem file that exists", &request->output.force}},
+      [request] { return make_problem(*request); }};
 }
 
 }  // namespace stillbase::app

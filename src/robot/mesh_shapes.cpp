@@ -130,6 +130,15 @@ std::vector<std::string> ros_package_path() {
   return folders;
 }
 
+void put_before_ros_package_path(const std::vector<std::string>& folders) {
+  if (folders.empty()) return;
+  std::string list;
+  for (const std::string& folder : folders) list += fs::absolute(folder).string() + ':';
+  for (const std::string& folder : ros_package_path()) list += folder + ':';
+  list.pop_back();
+  setenv("ROS_PACKAGE_PATH", list.c_str(), 1);
+}
+
 bool enclose_meshes(Tree& tree, const MeshFolders& folders, Findings& findings) {
   constexpr double kWorthSaying = 1.3;  // times the volume: a hole or a notch of a quarter
   std::map<std::string, Mesh> meshes;

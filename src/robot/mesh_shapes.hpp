@@ -29,6 +29,11 @@ std::filesystem::path find_mesh(const std::string& name, const MeshFolders& fold
 /// Folders of ROS_PACKAGE_PATH.
 std::vector<std::string> ros_package_path();
 
+/// Puts folders before those of ROS_PACKAGE_PATH in the environment of this process and of those
+/// that it starts; not while other threads read the environment.
+/// @param folders without colons, relative to the current folder
+void put_before_ros_package_path(const std::vector<std::string>& folders);
+
 /// Reads the meshes of all <collision> that have no hull yet and puts hulls around them.
 ///
 /// A mesh that is not there is a remark, one that cannot be read or lies outside of the robot's

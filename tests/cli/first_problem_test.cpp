@@ -71,6 +71,35 @@ TEST_CASE("new says which hand it took and refuses what it cannot use") {
   CHECK(shop.run("new other.json --robot " + arm).code == 2);
 }
 
+TEST_CASE("packages of meshes are looked for where the command line says") {
+  const Workshop shop;
+  for (const std::string name : {"arm_meshes", "hand_meshes"}) {
+    std::filesystem::create_directories(shop.path(name + "/" + name));
+    std::filesystem::copy(source_path("problems/arms/meshes/six_joint_upper.obj"),
+                          shop.path(name + "/" + name + "/link.obj"));
+  }
+  shop.write("arm.urdf",
+             robot_text(arm_chain("zyyzyz", "<mesh filename=\"package://arm_meshes/link.obj\"/>") +
+                        gripper("<mesh filename=\"package://hand_meshes/link.obj\"/>")));
+  REQUIRE(shop.run("new problem.yaml --robot arm.urdf").code == 0);
+  std::string text = shop.text("problem.yaml");  // its start knows nothing of the meshes
+  text.insert(text.find("approach:\n") + 10, "  enabled: false\n");
+  shop.write("problem.yaml", text);
+  const std::string missing = "meshes that are not there";
+  const std::string arm = " --package-path arm_meshes", hand = " --package-path hand_meshes";
+  const auto is_missing = [&](const Outcome& run) {
+    INFO(run.err);
+    CHECK(run.code == 0);
+    return run.out.find(missing) != std::string::npos;
+  };
+  CHECK(is_missing(shop.run("check" + arm + " problem.yaml")));
+  CHECK_FALSE(is_missing(shop.run("check" + arm + hand + " problem.yaml")));
+  CHECK_FALSE(is_missing(shop.run("check" + arm + hand + " arm.urdf --hand tool")));
+  const Outcome refused = shop.run("check problem.yaml --package-path nowhere");
+  CHECK(refused.code == 2);
+  CHECK(refused.says("--package-path nowhere"));
+}
+
 TEST_CASE("the hand's frame of a first problem stands where the shapes of its body end") {
   const Workshop shop;
   shop.write("arm.urdf", robot_text(arm_chain("zyyzyz",
