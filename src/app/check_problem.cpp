@@ -170,6 +170,9 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
         problem.measure.samples);
   }
   text += uncertainty_words(problem);
+  if (!problem.post_impact.controllers.empty()) {
+    text += fmt::format("after the impact: {}\n", limit_words(problem.post_impact));
+  }
   const std::vector<std::string> free = free_variables(problem);
   if (free.empty()) {
     text += "free: nothing, so there is nothing to plan\n";

@@ -307,6 +307,8 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     const bool is_proven = proof.status != ProofStatus::NotApplicable || proof.lower_bound;
     if (is_proven || is_verbose) lines.push_back({"proof", proof_words(proof)});
   }
+  const PostImpactSpec& after = plan.problem.post_impact;
+  if (has_default_limits(after)) lines.push_back({"limits", limit_words(after)});
   lines.push_back({"solvers", solver_words(plan)});
   return lines;
 }

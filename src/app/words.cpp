@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "io/defaults.hpp"
+
 namespace stillbase::app {
 
 namespace {
@@ -41,6 +43,19 @@ std::string pose_words(const Pose& pose) {
                         vector_words(rotation.normalized()));
   }
   return text;
+}
+
+bool has_default_limits(const PostImpactSpec& spec) {
+  return !spec.controllers.empty() && spec.residual_base_rate_max == io::kDefaultBaseRate &&
+         spec.attitude_change_max == io::kDefaultAttitudeChange;
+}
+
+std::string limit_words(const PostImpactSpec& spec) {
+  return fmt::format(
+      "base rate at most {:.4g} deg/s after {:.4g} s, attitude change at most {:.4g} "
+      "deg{}",
+      spec.residual_base_rate_max * kDegrees, spec.horizon, spec.attitude_change_max * kDegrees,
+      has_default_limits(spec) ? " (defaults)" : "");
 }
 
 std::string size_words(double x) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include <stillbase/plan/post_impact.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase::app {
@@ -15,6 +16,10 @@ std::string vector_words(const Vector3d& v);
 std::string posture_words(const RobotModel& robot, const JointVectord& phi);
 /// "position (0, 0, 0) m, rotated by 55 deg about (0, 1, 0)"
 std::string pose_words(const Pose& pose);
+/// "base rate at most 1 deg/s after 10 s, attitude change at most 20 deg (defaults)"
+std::string limit_words(const PostImpactSpec& spec);
+/// Whether a problem that states no limits after the impact has these.
+bool has_default_limits(const PostImpactSpec& spec);
 /// Three significant digits; "0 (below 1e-9)" for what is zero but for rounding in any unit used.
 std::string size_words(double x);
 inline constexpr double kZeroSize = 1e-9;

@@ -100,6 +100,29 @@ TEST_CASE("packages of meshes are looked for where the command line says") {
   CHECK(refused.says("--package-path nowhere"));
 }
 
+TEST_CASE("what a problem leaves out is printed where it is checked and planned") {
+  const Workshop shop;
+  const std::string arm = source_path("problems/arms/six_joint_arm.urdf");
+  REQUIRE(shop.run("new problem.yaml --robot '" + arm + "'").code == 0);
+  std::string text = shop.text("problem.yaml");
+  for (const std::string key :
+       {"purpose:", "  residual_base_rate_max:", "  attitude_change_max:"}) {
+    const std::size_t at = text.find(key);
+    text.erase(at, text.find('\n', at) + 1 - at);
+  }
+  shop.write("problem.yaml", text);
+  const std::string limits =
+      "base rate at most 1 deg/s after 10 s, attitude change at most 20 deg (defaults)";
+  const Outcome check = shop.run("check problem.yaml");
+  INFO(check.err);
+  REQUIRE(check.code == 0);
+  CHECK(check.out.find("problem: Capture of client.") != std::string::npos);
+  CHECK(check.out.find(limits) != std::string::npos);
+  const Outcome plan = shop.run("plan problem.yaml -o plan.json");
+  CHECK(plan.code == 0);
+  CHECK(plan.says(limits));
+}
+
 TEST_CASE("the hand's frame of a first problem stands where the shapes of its body end") {
   const Workshop shop;
   shop.write("arm.urdf", robot_text(arm_chain("zyyzyz",

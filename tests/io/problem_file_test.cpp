@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -79,6 +80,27 @@ TEST_CASE("every shipped problem is accepted and says what it is for") {
     CHECK(problem.purpose.size() > 20);
     CHECK(problem.name == std::filesystem::path(path).stem().string());
   }
+}
+
+TEST_CASE("purpose and limits after the impact have defaults, and controllers alone need limits") {
+  const std::string quiet =
+      replaced(kProblem, "purpose: A text that the tests spoil one line at a time.\n", "");
+  CHECK(read(quiet).purpose == "Capture of client.");
+  CHECK(read(quiet).post_impact.residual_base_rate_max == 0);
+  const std::string controlled = kProblem + "post_impact: {controllers: [none]}\n";
+  CHECK(read(controlled).post_impact.residual_base_rate_max == Approx(kPi / 180));
+  CHECK(read(controlled).post_impact.attitude_change_max == Approx(kPi / 9));
+  const auto limit = [](const std::string& words) {
+    return kProblem + "post_impact: {controllers: [none], " + words + "}\n";
+  };
+  CHECK(read(limit("attitude_change_max: 3 deg")).post_impact.attitude_change_max ==
+        Approx(kPi / 60));
+  CHECK(read(limit("attitude_change_max: 3 deg")).post_impact.residual_base_rate_max ==
+        Approx(kPi / 180));
+  const int line = static_cast<int>(std::count(kProblem.begin(), kProblem.end(), '\n')) + 1;
+  refuses(limit("residual_base_rate_max: .nan"), line, "not-finite", {"residual_base_rate_max"});
+  refuses(limit("residual_base_rate_max: -1 deg/s"), line, "out-of-range",
+          {"residual_base_rate_max"});
 }
 
 TEST_CASE("unknown, duplicate and missing keys are refused with the nearest known key") {

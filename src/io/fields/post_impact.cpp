@@ -5,6 +5,7 @@
 
 #include <stillbase/simulation/controllers.hpp>
 
+#include "io/defaults.hpp"
 #include "io/fields/sections.hpp"
 
 namespace stillbase::io {
@@ -130,13 +131,18 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
   t("thrusters", Map([&](Table& m) { thruster_fields(m, spec.thrusters); }),
     "attitude thrusters of the base: the moment -gain H~omega omega, each axis of B cut at "
     "`torque`");
-  const About limit{.need = spec.controllers.empty() ? Need::Optional : Need::Required,
-                    .without = "required with controllers"};
+  if (t.reader() != nullptr && !spec.controllers.empty()) {
+    spec.residual_base_rate_max = kDefaultBaseRate;
+    spec.attitude_change_max = kDefaultAttitudeChange;
+  }
+  const auto otherwise = [](double value, const char* unit) {
+    return About{.without = fmt::format("{:.6g} {} with controllers", value * 180 / kPi, unit)};
+  };
   t("residual_base_rate_max",
     Number(spec.residual_base_rate_max, Dimension::AngularVelocity, kLarge),
-    "base rate at the horizon", limit);
+    "base rate at the horizon", otherwise(kDefaultBaseRate, "deg/s"));
   t("attitude_change_max", Number(spec.attitude_change_max, Dimension::Angle, kLarge),
-    "attitude change over the horizon", limit);
+    "attitude change over the horizon", otherwise(kDefaultAttitudeChange, "deg"));
 }
 
 }  // namespace stillbase::io

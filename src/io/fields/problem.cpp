@@ -79,7 +79,7 @@ void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sou
   };
   format_fields(t, "stillbase.problem");
   t("name", Text(problem.name), "short name", {.without = "stem of the file's name"});
-  t("purpose", Text(problem.purpose), "one sentence", kNeeded);
+  t("purpose", Text(problem.purpose), "one sentence", {.without = "`Capture of`, with the target"});
   t("robot", Map([&](Table& m) { robot_fields(m, problem, sources); }), "", kNeeded);
   t("target",
     Map([&](Table& m) { target_fields(m, problem, sources); },
@@ -102,6 +102,10 @@ void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sou
     maps_of(problem.obstacles, {.unique_key = "name"},
             Obstacle{{}, Frame::Inertial, {}, Sphere{0}}),
     "list of fixed bodies");
+  if (t.reader() != nullptr && problem.purpose.empty()) {
+    problem.purpose = problem.target ? "Capture of " + problem.target->name + "."
+                                     : "An impulse without a target.";
+  }
 }
 
 }  // namespace stillbase::io
