@@ -34,6 +34,7 @@ struct CheckRequest {
 /// where the base does not start as stated.
 /// @throws InputError
 void check_start(const CaptureProblem& problem, const std::string& path) {
+  check_mounts(problem, path);
   const ApproachSpec& approach = problem.approach;
   if (!approach.enabled) return;
   CaptureProblem alone = problem;

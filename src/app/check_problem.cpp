@@ -10,9 +10,11 @@
 #include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/formulation/formulation.hpp>
+#include <stillbase/io/problem_file.hpp>
 
 #include "app/check_report.hpp"
 #include "app/words.hpp"
+#include "collision/mounted_arms.hpp"
 
 namespace stillbase::app {
 
@@ -190,6 +192,16 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
   std::vector<std::string> lines;
   for (const Finding& remark : remarks) lines.push_back(to_string(remark));
   return text + remark_lines(lines);
+}
+
+void check_mounts(const CaptureProblem& problem, const std::string& path) {
+  const auto hit = overlap_of_arms(problem);
+  if (!hit) return;
+  throw InputError({{path, line_of_key(path, "robot.arms"), "mounts-overlap",
+                     fmt::format("robot.arms: {} overlap at the start; move a `mount`, lock joints "
+                                 "or start in another position, or state the pair in "
+                                 "robot.allowed_contacts",
+                                 to_string(*hit))}});
 }
 
 std::string plan_report(const PlanFile& file) {

@@ -15,6 +15,7 @@
 #include <stillbase/search/search.hpp>
 #include <stillbase/search/trade_off.hpp>
 
+#include "app/check_report.hpp"
 #include "app/command_line.hpp"
 #include "app/plan_summary.hpp"
 #include "app/words.hpp"
@@ -182,6 +183,7 @@ int plan_capture(const PlanRequest& request) {
     check_known("--optimizer " + request.optimizer, request.optimizer, nlp::optimizer_names());
   }
   CaptureProblem problem = read_problem(request.problem);
+  check_mounts(problem, request.problem);
   const std::vector<InputFile> inputs = input_files(request.problem);
   if (!request.optimizer.empty()) problem.search.optimizer = request.optimizer;
   if (request.seed) problem.search.seed = *request.seed;

@@ -84,6 +84,31 @@ TEST_CASE("parts that do not fit are refused at their key") {
   CHECK(twice.says("robot.base: mass: the root link 'base' of the file has a mass of its own"));
 }
 
+TEST_CASE("arms that are mounted into one another are refused") {
+  const Workshop shop;
+  shop.write("arm.urdf", six_joint_arm());
+  const auto second_at = [&](const std::string& place) {
+    std::string text = problem_with(
+        "  locked: {finger: 0.02 m}",
+        "    - {file: arm.urdf, mount: {position: " + place +
+            "}, prefix: l_}\n  locked: {r_finger: 0, l_finger: 0, l_joint_1: 0, l_joint_2: 0, "
+            "l_joint_3: 0, l_joint_4: 0, l_joint_5: 0, l_joint_6: 0}");
+    shop.write("problem.yaml", text);
+  };
+  second_at("[0, 0.4, 0.5]");
+  const Outcome beside = shop.run("check problem.yaml");
+  INFO(beside.err);
+  CHECK(beside.code == 0);
+  second_at("[0, 0.05, 0.5]");
+  for (const std::string command : {"check problem.yaml", "plan problem.yaml -o plan.json"}) {
+    const Outcome inside = shop.run(command);
+    INFO(command << inside.err);
+    CHECK(inside.code == 3);
+    CHECK(inside.says("problem.yaml:6: mounts-overlap: robot.arms: "));
+    CHECK(inside.says("move a `mount`"));
+  }
+}
+
 TEST_CASE("check names links that always touch") {
   const Workshop shop;
   shop.write("arm.urdf", six_joint_arm());
