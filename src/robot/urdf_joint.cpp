@@ -18,7 +18,8 @@ void read_type(Element& element, TreeJoint& out) {
     out.joint.type = JointType::Continuous;
   } else if (type != "revolute" && !out.is_fixed && !out.is_free && !type.empty()) {
     element.find("joint-type", fmt::format("joint {} is {}: no such type; allowed: revolute "
-                                           "continuous prismatic fixed",
+                                           "continuous prismatic fixed; a ball joint is three "
+                                           "revolute ones on one point",
                                            in_quotes(out.joint.name), in_quotes(type)));
   }
 }
@@ -44,7 +45,8 @@ void read_limit(Element& limit, Joint& joint) {
                  joint.name);
   }
   if (lower > upper) {
-    limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}",
+    limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}; a "
+                                           "turning joint without ends is 'continuous'",
                                            in_quotes(joint.name), lower, upper));
   }
 }

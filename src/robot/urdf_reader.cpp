@@ -178,7 +178,9 @@ class Builder {
   std::vector<std::vector<Part>> parts_;   // [0]: base, [k + 1]: body k
 };
 
-void check_body(const Body& body, int line, bool may_lack_mass, Findings& findings) {
+/// @param joint that moves the body; empty: the base
+void check_body(const Body& body, int line, const std::string& joint, bool may_lack_mass,
+                Findings& findings) {
   std::string name = "body " + in_quotes(body.name);
   if (!body.merged_links.empty()) {
     name += fmt::format(" (with {} merged links)", body.merged_links.size());
@@ -186,7 +188,9 @@ void check_body(const Body& body, int line, bool may_lack_mass, Findings& findin
   if (may_lack_mass && body.mass == 0) {
     findings.remark(line, "mass", name + ": no mass: an arm that has yet to be mounted on a base");
   } else if (const std::string fault = mass_fault(body.mass); !fault.empty()) {
-    findings.add(line, "mass", name + ": " + fault);
+    const std::string what_to_do =
+        joint.empty() ? "" : "; give it one, or lock its joint " + in_quotes(joint);
+    findings.add(line, "mass", name + ": " + fault + what_to_do);
   } else if (const std::string wrong = inertia_fault(body.inertia); !wrong.empty()) {
     findings.add(line, "inertia", name + ": " + wrong);
   }
@@ -194,14 +198,16 @@ void check_body(const Body& body, int line, bool may_lack_mass, Findings& findin
 
 void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base,
                    Findings& findings) {
-  const auto check = [&](const Body& body, bool may_lack_mass) {
+  const auto check = [&](const Body& body, const std::string& joint, bool may_lack_mass) {
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(),
                      [&](const TreeLink& candidate) { return candidate.name == body.name; });
-    check_body(body, link->line, may_lack_mass, findings);
+    check_body(body, link->line, joint, may_lack_mass, findings);
   };
-  check(robot.base, may_lack_base);
-  for (const Body& body : robot.bodies) check(body, false);
+  check(robot.base, "", may_lack_base);
+  for (std::size_t k = 0; k < robot.bodies.size(); ++k) {
+    check(robot.bodies[k], robot.tree()[k].name, false);
+  }
 }
 
 /// Of several leaves the one behind the most movable joints, the first of those.

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 using namespace stillbase;
@@ -194,6 +195,110 @@ const std::vector<Kind>& kinds() {
        "<link xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"x\"/><joint name=\"f\" "
        "type=\"fixed\"><parent link=\"arm\"/><child link=\"x\"/></joint>",
        "", 1},
+      {"drones: names with slashes", "",
+       "<link name=\"x__/imu\"/><joint name=\"x__/f\" type=\"fixed\"><parent link=\"arm\"/><child "
+       "link=\"x__/imu\"/></joint>",
+       "", 1},
+      {"drones: huge limits of fixed rotors, blanks in pairs", "",
+       "<link name=\"x\"/><joint name=\"f\" type=\"fixed\"><parent link=\"arm\"/><child "
+       "link=\"x\"/><origin rpy=\"0  0  0\" xyz=\"0.13  -0.22   0.023\"/><axis xyz=\"0  0  "
+       "1\"/><limit effort=\"0.0\" lower=\"-1e+16\" upper=\"1e+16\" velocity=\"0.0\"/></joint>",
+       "not-used", 1},
+      {"simulators: thrust as elements of their own, with frames and nested parents", "",
+       "<frame link=\"base\" name=\"body\" rpy=\"0 0 0\" xyz=\"0 0 0\"/><force_element "
+       "name=\"p\"><propellor lower_limit=\"0\" upper_limit=\"10\"><parent link=\"base\"/><origin "
+       "xyz=\".175 0 0\"/><axis xyz=\"0 0 1\"/></propellor></force_element>",
+       "unknown-element", 1},
+      {"dumps of simulators: blanks around =, a joint named as its link", "",
+       "<link name=\"x\" ><inertial><origin rpy = \"0 0 0\" xyz = \"0 0.28 0\" /><mass value = "
+       "\"6.000000\" /><inertia ixx = \"0.1\" ixy = \"0\" ixz = \"0\" iyy = \"0.1\" iyz = \"0\" "
+       "izz = \"0.1\" /></inertial></link><joint name=\"x\" type=\"fixed\" ><parent link = \"arm\" "
+       "/><child link=\"x\" /></joint>",
+       "", 1},
+      {"fingers: a rod whose moment was rounded to zero, with a tip", "",
+       "<link name=\"x\"><inertial><origin xyz=\"0 -0.009 -0.089\"/><mass "
+       "value=\"0.03070\"/><inertia ixx=\"0.00012\" ixy=\"0.00000\" ixz=\"0.00000\" "
+       "iyy=\"0.00012\" iyz=\"0.00000\" izz=\"0.00000\"/></inertial></link><joint name=\"k\" "
+       "type=\"revolute\"><parent link=\"arm\"/><child link=\"x\"/><limit effort=\"1000\" "
+       "lower=\"-1.57079632679\" upper=\"1.57079632679\" velocity=\"1000\"/></joint><link "
+       "name=\"y\"><inertial><mass value=\"0.01\"/><inertia ixx=\"1.66666666667e-07\" ixy=\"0\" "
+       "ixz=\"0\" iyy=\"1.66666666667e-07\" iyz=\"0\" "
+       "izz=\"1.66666666667e-07\"/></inertial></link><joint name=\"f\" type=\"fixed\"><parent "
+       "link=\"x\"/><child link=\"y\"/><origin xyz=\"0 -0.008 -0.16\"/></joint>",
+       "", 2},
+      {"quadrupeds: inertias in turned frames, fixed joints with half a limit", "",
+       "<link name=\"x\"><inertial><origin rpy=\"-1.57079 0 -1.57079\" xyz=\"0 0 0\"/><mass "
+       "value=\"0.13\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+       "izz=\"1\"/></inertial></link><joint name=\"f\" type=\"fixed\"><axis xyz=\"0 0 1\"/><parent "
+       "link=\"arm\"/><child link=\"x\"/><limit effort=\"100\" velocity=\"100\"/><joint_properties "
+       "damping=\"0.0\" friction=\"0.0\"/></joint>",
+       "unknown-element", 1},
+      {"walkers: friction of contacts in a collision", "",
+       "<link name=\"x\"><collision><geometry><box size=\"0.05 0.1 "
+       ".45\"/></geometry><contact_coefficients mu=\"0.08\" /></collision></link><joint name=\"f\" "
+       "type=\"fixed\"><parent link=\"arm\"/><child link=\"x\"/></joint>",
+       "unknown-element", 1},
+      {"arms of service robots: materials of a renderer", "",
+       "<material name=\"MTL\"><color rgba=\"0.8 0.8 0.8 1.0\"/><specular rgb=\"0.8 0.8 "
+       "0.8\"/><ambient rgb=\"1.0 1.0 1.0\"/></material>",
+       "", 1},
+      {"fingers: drawings and collisions by turns", "",
+       "<link name=\"x\"><visual><geometry><sphere "
+       "radius=\"1\"/></geometry></visual><collision><geometry><sphere "
+       "radius=\"1\"/></geometry></collision><visual><geometry><sphere "
+       "radius=\"1\"/></geometry></visual><collision><geometry><sphere "
+       "radius=\"1\"/></geometry></collision></link><joint name=\"f\" type=\"fixed\"><parent "
+       "link=\"arm\"/><child link=\"x\"/></joint>",
+       "", 1},
+      {"vessels with an arm: an endless joint without limits behind a frame without mass", "",
+       "<link name=\"x\"/><joint name=\"f\" type=\"fixed\"><origin rpy=\"0 0 1.57\" xyz=\" 0 0 "
+       "-0.03\"/><parent link=\"arm\"/><child link=\"x\"/></joint><link "
+       "name=\"y\">BODY</link><joint name=\"k\" type=\"continuous\"><parent link=\"x\"/><child "
+       "link=\"y\"/><origin rpy=\"0 3.14159 0\" xyz=\"-0.0408 0 -0.14863\"/><axis xyz=\"0 0 "
+       "-1\"/></joint>",
+       "", 2},
+      {"flying arms: minus zero, a rate that is no limit", "",
+       "<link name=\"x\"><inertial><mass value=\"2.647\"/><inertia ixx=\"0.027\" ixy=\"-0.0\" "
+       "ixz=\"0.0\" iyy=\"0.0268\" iyz=\"0.0\" izz=\"0.0398\"/></inertial></link><joint name=\"k\" "
+       "type=\"revolute\"><parent link=\"arm\"/><child link=\"x\"/><origin xyz=\"0 0 0\" "
+       "rpy=\"1.5708 0 -3.1416\"/><limit effort=\"2.5\" lower=\"-1.67\" upper=\"1.67\" "
+       "velocity=\"10000\"/></joint>",
+       "", 2},
+      {"exporters of CAD: a link and a joint of one name, dashes, one attribute a line", "",
+       "<link\n name=\"END-EFFECTOR\">BODY</link><joint\n name=\"END-EFFECTOR\"\n "
+       "type=\"revolute\"><parent\n link=\"arm\" /><child\n link=\"END-EFFECTOR\" /><limit\n "
+       "lower=\"-3.010\"\n upper=\"3.010\"\n effort=\"0\"\n velocity=\"0\" /><dynamics\n "
+       "damping=\"0.05\" /></joint>",
+       "no-effort-limit", 2},
+      {"experiments: elements that mean something to one program alone", "",
+       "<velocity name=\"vel\"><speed spd=\"50\"/></velocity><link "
+       "name=\"x\"><contact><inertia_scaling value=\"3.0\"/></contact></link><joint name=\"f\" "
+       "type=\"fixed\"><parent link=\"arm\"/><child link=\"x\"/></joint>",
+       "unknown-element", 1},
+      {"drivers: parameters of hardware beside joints of the same names", "",
+       "<ros2_control name=\"a/b\" type=\"system\"><hardware><plugin>a/b</plugin><param "
+       "name=\"dof\">7</param></hardware><joint name=\"j\"><command_interface "
+       "name=\"position\"><param name=\"min\">-6.28</param></command_interface><state_interface "
+       "name=\"velocity\"/></joint></ros2_control><transmission name=\"t\" "
+       "type=\"pr2_mechanism_model/SimpleTransmission\"><actuator name=\"m\"/><joint "
+       "name=\"j\"/><mechanicalReduction>1.0</mechanicalReduction></transmission>",
+       "not-used", 1},
+      {"service arms: a tree whose world comes last", "",
+       "<link name=\"world\"/><joint name=\"w\" type=\"fixed\"><parent link=\"world\"/><child "
+       "link=\"base\"/><origin rpy=\"0.0 0.0 0.0\" xyz=\"0.0 0.0 0.0\"/></joint>",
+       "", 1},
+      {"old arms: a world of mass zero with a tensor", "",
+       "<link name=\"world\"><inertial><mass value=\"0\"/><origin rpy=\"0 0 0\" xyz=\"0 0 "
+       "0.055\"/><inertia ixx=\"0.0038\" ixy=\"0\" ixz=\"0\" iyy=\"0.0036\" iyz=\"0\" "
+       "izz=\"0.0038\"/></inertial></link><joint name=\"w\" type=\"fixed\"><parent "
+       "link=\"world\"/><child link=\"base\"/></joint>",
+       "massless", 1},
+      {"drones: a namespace of their own, a schema's place", "",
+       "<link xmlns=\"http://drake.mit.edu\" "
+       "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+       "xsi:schemaLocation=\"http://drake.mit.edu ../drakeURDF.xsd\" name=\"x\"/><joint name=\"f\" "
+       "type=\"fixed\"><parent link=\"arm\"/><child link=\"x\"/></joint>",
+       "unknown-attribute", 1},
   };
   return all;
 }
@@ -201,7 +306,7 @@ const std::vector<Kind>& kinds() {
 }  // namespace
 
 TEST_CASE("files of every kind that was found are read, with the remark that they deserve") {
-  CHECK(kinds().size() >= 30);
+  CHECK(kinds().size() >= 45);
   for (const Kind& kind : kinds()) {
     INFO(kind.seen);
     RobotModel robot;
@@ -218,6 +323,32 @@ TEST_CASE("files of every kind that was found are read, with the remark that the
                         [&](const Finding& remark) { return remark.rule == rule; }));
     }
   }
+}
+
+TEST_CASE("kinds without physical meaning are refused with what to do") {
+  const auto says = [](const std::string& text, const std::string& rule, const std::string& what) {
+    try {
+      (void)read_urdf(robot_of({"", "", text.c_str(), "", 0}), "found.urdf", "arm");
+      FAIL("was read: " << text);
+    } catch (const InputError& error) {
+      INFO(error.what());
+      CHECK(error.findings().front().rule == rule);
+      CHECK(std::string(error.what()).find(what) != std::string::npos);
+    }
+  };
+  // Grippers: a frame that turns, and nothing on it. Characters: ball joints. Simulators: reversed
+  // limits that mean none.
+  const auto joint = [](const std::string& type, const std::string& limits) {
+    return "<joint name=\"k\" type=\"" + type +
+           "\"><parent link=\"arm\"/><child link=\"x\"/><limit effort=\"1\" velocity=\"1\" " +
+           limits + "/></joint>";
+  };
+  const std::string range = "lower=\"0\" upper=\"1\"";
+  says("<link name=\"x\"/>" + joint("revolute", range), "mass", "lock its joint 'k'");
+  says("<link name=\"x\">BODY</link>" + joint("spherical", range), "joint-type",
+       "three revolute ones");
+  says("<link name=\"x\">BODY</link>" + joint("revolute", "lower=\"1\" upper=\"-1\""),
+       "joint-limits", "'continuous'");
 }
 
 TEST_CASE("a coupled joint moves with its master") {
