@@ -57,15 +57,16 @@ struct Extent {
   }
 };
 
-/// How far the shapes of the hand's body reach beyond its frame, m; 0: they do not.
-double reach_of_hand(const RobotModel& robot, const Vector3d& axis) {
-  const Vector3d along = robot.R_hand * axis;
+/// How far a body's shapes, without those of `link`, reach from a point along a unit vector, both
+/// in the body's frame, m; 0: they do not.
+double reach_of_body(const RobotModel& robot, int body, const std::string& link,
+                     const Vector3d& from, const Vector3d& along) {
   double most = 0;
   for (const CollisionShape& shape : robot.shapes) {
-    if (shape.body != robot.hand_body) continue;
+    if (shape.body != body || shape.link == link) continue;
     const Extent extent{shape.pose.orientation.inverse() * along};
-    most = std::max(
-        most, along.dot(shape.pose.position - robot.p_hand) + std::visit(extent, shape.geometry));
+    most =
+        std::max(most, along.dot(shape.pose.position - from) + std::visit(extent, shape.geometry));
   }
   return most;
 }
@@ -89,7 +90,7 @@ struct Attempt {
 };
 
 std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const SceneParts& with_target,
-                                            const Attempt& attempt) {
+                                            const Attempt& attempt, DraftObstruction& obstruction) {
   SceneParts own_parts = with_target;
   own_parts.target.reset();
   own_parts.feature.reset();
@@ -103,12 +104,14 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
     const JointVectord phi = middle_posture(robot, random, 0.8);
     const auto kinematics = compute_kinematics<double>(robot, phi);
     if (own.first_hit(kinematics, Pose{}, nullptr, kSearchClearance)) continue;
+    obstruction.links_are_free = true;
     free.emplace_back(phi, kinematics.r_bh);
     const Vector3d axis = approach_axis(robot, kinematics);
     const Vector3d direction = kinematics.R_hand * axis;
     // The target comes from outside, and not across the base.
     const double outwards = direction.dot(kinematics.r_bh.normalized());
     if (outwards < attempt.outwards) continue;
+    obstruction.points_outwards = obstruction.points_outwards || outwards >= kOutwards;
     const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
     // Small beside a joint that moves the hand, so that a planar arm has a measure of its own.
     const Matrix3d JJ =
@@ -144,38 +147,44 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
 
 }  // namespace
 
+double reach_of_base(const RobotModel& robot, const std::string& link, const Vector3d& from,
+                     const Vector3d& along) {
+  return reach_of_body(robot, kBase, link, from, along);
+}
+
 std::optional<DraftEncounter> find_encounter(RobotModel& robot, const TargetBody& target,
-                                             bool may_move_hand) {
+                                             bool may_move_hand, double outwards,
+                                             DraftObstruction& obstruction) {
   const JointVectord zero = JointVectord::Zero(robot.n());
   const Vector3d axis = approach_axis(robot, compute_kinematics<double>(robot, zero));
   const Vector3d p_hand = robot.p_hand;
   std::vector<double> standoffs{0};
   if (may_move_hand) {
-    const double reach = reach_of_hand(robot, axis);
+    const double reach =
+        reach_of_body(robot, robot.hand_body, "", robot.p_hand, robot.R_hand * axis);
     standoffs = {reach, reach + 0.05, reach + 0.1, reach + 0.2};
   }
   SceneParts parts;
   parts.target = target;
   parts.feature = target.features.front();
   parts.contact_allowance = ApproachSpec{}.contact_allowance;
-  for (const double outwards : {0.3, -1.0}) {
-    for (const double share : {1.0, 0.95, 0.8}) {
-      parts.allowed_contacts =
-          survey_contacts(robot,
-                          {.postures_for_never = 200, .margin = kSearchClearance, .share = share})
-              .always;
-      for (const double standoff : standoffs) {
-        robot.p_hand = p_hand + standoff * (robot.R_hand * axis);
-        auto found = try_encounter(robot, parts, {standoff, share, outwards});
-        if (!found) continue;
-        found->standoff = standoff;
-        found->is_further = standoff > standoffs.front();
-        found->allowed_contacts = parts.allowed_contacts;
-        found->contact_share = share;
-        return found;
-      }
+  for (const double share : {1.0, 0.95, 0.8}) {
+    parts.allowed_contacts =
+        survey_contacts(robot,
+                        {.postures_for_never = 200, .margin = kSearchClearance, .share = share})
+            .always;
+    for (const double standoff : standoffs) {
+      robot.p_hand = p_hand + standoff * (robot.R_hand * axis);
+      auto found = try_encounter(robot, parts, {standoff, share, outwards}, obstruction);
+      if (!found) continue;
+      found->standoff = standoff;
+      found->is_further = standoff > standoffs.front();
+      found->allowed_contacts = parts.allowed_contacts;
+      found->contact_share = share;
+      return found;
     }
   }
+  robot.p_hand = p_hand;
   return std::nullopt;
 }
 

@@ -15,10 +15,12 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr int kSamples = 8;       ///< configurations at which a constraint may show that it matters
-constexpr double kIdle = 1e-9;    ///< largest change, or violation, of one that does not matter
-constexpr double kRank = 1e-8;    ///< of a group's values over the samples, relative
-constexpr double kRankOf = 1e-9;  ///< of the coupling matrix, relative
+constexpr int kSamples = 8;     ///< configurations at which a constraint may show that it matters
+constexpr double kIdle = 1e-9;  ///< largest change, or violation, of one that does not matter
+constexpr double kIdleBound = 1e-6;  ///< the same of a bound that is never near
+constexpr double kNever = 1e-3;      ///< this far from it, relative; 1000 times what it changes by
+constexpr double kRank = 1e-8;       ///< of a group's values over the samples, relative
+constexpr double kRankOf = 1e-9;     ///< of the coupling matrix, relative
 
 /// Constraints at evenly spread configurations of the problem.
 class Samples {
@@ -33,14 +35,18 @@ class Samples {
     }
   }
 
-  /// Whether a constraint holds everywhere and never changes.
+  /// Whether a constraint holds everywhere and never changes. Angles of a robot file have few
+  /// digits: the distance of a link that moves above a flat face changes by their error, far from
+  /// its bound.
   bool is_idle(const std::string& name) const {
     const auto first = known_.front()->find(name);
     if (!first || !first->value) return false;
     return std::all_of(known_.begin(), known_.end(), [&](const auto& known) {
-      const double value = *known->find(name)->value;
-      return std::abs(value - *first->value) <= kIdle * (1 + std::abs(value)) &&
-             value >= first->lower - kIdle && value <= first->upper + kIdle;
+      const double value = *known->find(name)->value, size = 1 + std::abs(value);
+      const double change = std::abs(value - *first->value);
+      const double room = std::min(value - first->lower, first->upper - value);
+      return (change <= kIdle * size && room >= -kIdle) ||
+             (change <= kIdleBound * size && room >= kNever * size);
     });
   }
 

@@ -58,6 +58,72 @@ TEST_CASE("arms as people have them go from their file to a verified plan") {
   }
 }
 
+TEST_CASE("arms that move their hand in a plane go from their file to a verified plan") {
+  const std::map<std::string, std::string> arms = {
+      {"planar_2.urdf", planar_arm(2, "0 0 1")},     {"planar_3.urdf", planar_arm(3, "0 1 0")},
+      {"planar_5.urdf", planar_arm(5, "0 0 1")},     {"scara.urdf", scara_arm("0.4", "0.3")},
+      {"low_scara.urdf", scara_arm("0.35", "0.25")},
+  };
+  const Workshop shop;
+  for (const auto& [name, text] : arms) {
+    shop.write(name, robot_text(text));
+    plans_as_it_is(shop, name, "");
+  }
+}
+
+TEST_CASE("arms of two joints go from their file to a verified plan") {
+  const std::string upper = column() + lying_part("upper", "foot", "revolute", "0 0 0.4", "0 0 1");
+  const std::string tool = tool_on("fore", "0.35 0 0");
+  const std::map<std::string, std::string> arms = {
+      {"pan_tilt.urdf",
+       upper + lying_part("fore", "upper", "revolute", "0.35 0 0", "0 1 0") + tool},
+      {"pan_slide.urdf",
+       upper + lying_part("fore", "upper", "prismatic", "0.35 0 0", "1 0 0") + tool},
+      {"slides.urdf", column() + lying_part("upper", "foot", "prismatic", "0 0 0.4", "0 0 1") +
+                          lying_part("fore", "upper", "prismatic", "0.35 0 0", "1 0 0") + tool},
+  };
+  const Workshop shop;
+  for (const auto& [name, text] : arms) {
+    shop.write(name, robot_text(text));
+    plans_as_it_is(shop, name, "");
+  }
+}
+
+TEST_CASE("an arm whose hand points at its foot lies on the base of a first problem") {
+  const Workshop shop;
+  shop.write("scara.urdf", robot_text(scara_arm("0.4", "0.3")));
+  shop.write("planar.urdf", robot_text(planar_arm(3, "0 0 1")));
+  const Outcome lying = shop.run("new lying.yaml --robot scara.urdf");
+  INFO(lying.err);
+  REQUIRE(lying.code == 0);
+  CHECK(lying.says("mount: the arm lies 0.1 m above the base's +z face"));
+  CHECK(shop.text("lying.yaml").find("controllers: [joint_damping,") != std::string::npos);
+  const Outcome standing = shop.run("new standing.yaml --robot planar.urdf");
+  REQUIRE(standing.code == 0);
+  CHECK_FALSE(standing.says("the arm lies"));
+  const Outcome seven = shop.run("new seven.yaml --robot '" +
+                                 source_path("problems/arms/seven_joint_arm.urdf") + "'");
+  REQUIRE(seven.code == 0);
+  CHECK(shop.text("seven.yaml").find("controllers: [rns_damped,") != std::string::npos);
+}
+
+TEST_CASE("new says what is missing where no posture is free") {
+  const Workshop shop;
+  // A satellite as large as the arm's reach: the target is inside it wherever the hand is.
+  std::string text = arm_chain("zyyzyz", "");
+  const std::string foot = "<link name=\"foot\"/>";
+  text.replace(
+      text.find(foot), foot.size(),
+      "<link name=\"foot\"><inertial><mass value=\"500\"/><inertia ixx=\"900\" iyy=\"900\" "
+      "izz=\"900\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><collision><geometry><box "
+      "size=\"6 6 6\"/></geometry></collision></link>");
+  shop.write("inside.urdf", robot_text(text));
+  const Outcome made = shop.run("new inside.yaml --robot inside.urdf");
+  INFO(made.err);
+  CHECK(made.code == 2);
+  CHECK(made.says("in each the target touches the arm or the base"));
+}
+
 TEST_CASE("new says which hand it took and refuses what it cannot use") {
   const Workshop shop;
   const std::string arm = "'" + source_path("problems/arms/seven_joint_arm.urdf") + "'";
