@@ -221,6 +221,12 @@ CollisionScene CollisionScene::target_pairs_only() const {
 
 int CollisionScene::pair_count() const { return static_cast<int>(data_->pairs.size()); }
 
+std::vector<CollisionScene::ShapePair> CollisionScene::shape_pairs() const {
+  std::vector<ShapePair> pairs;
+  for (const Pair& pair : data_->pairs) pairs.push_back({pair.a, pair.b});
+  return pairs;
+}
+
 namespace {
 
 /// A shape placed in B.

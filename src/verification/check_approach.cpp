@@ -15,8 +15,9 @@ constexpr double kSame = 1e-9;        ///< rad, m, s: copied numbers differ by r
 constexpr double kLimitSlack = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
 /// Joint travel of one integration step, rad: the error of a step is its fifth power.
 constexpr double kTravelPerStep = 0.005;
-/// Error of the distance between two flat shapes, m.
-constexpr double kDistanceError = 1e-3;
+/// Error of the planner's distances between two flat shapes, m, by which a path may be too close
+/// and by which two codes may differ.
+constexpr double kDistanceError = 5e-4;
 /// m: the same distance by the same function. Base poses between samples agree to about 1e-6 m and
 /// rad, with a lever of the arm's length.
 constexpr double kStatedDistance = 1e-5;
@@ -197,18 +198,33 @@ void check_torques(const Context& context, ClaimList& claims) {
               fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
 }
 
+/// Motion of the base between the samples, from each stored pose on.
+std::vector<BaseTrack> base_tracks(const Context& context) {
+  const Approach& approach = context.plan.approach;
+  std::vector<BaseTrack> tracks;
+  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+    const HermiteSegment segment(approach, i);
+    const Pose& from = approach.base_poses[i];
+    if (context.problem.approach.base == BaseMode::Held) {
+      tracks.emplace_back(segment, from);
+    } else {
+      tracks.emplace_back(context.problem.robot, segment, from, kTravelPerStep);
+    }
+  }
+  return tracks;
+}
+
 /// Integrated poses at all samples, from the first stored one on.
-std::vector<Pose> integrated_poses(const Context& context, double* worst_step) {
+std::vector<Pose> integrated_poses(const Context& context, const std::vector<BaseTrack>& tracks,
+                                   double* worst_step) {
   const Approach& approach = context.plan.approach;
   std::vector<Pose> poses{approach.base_poses.front()};
   *worst_step = 0;
-  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (context.problem.approach.base == BaseMode::Held) {
       poses.push_back(poses.back());
     } else {
-      const HermiteSegment segment(approach, i);
-      const Pose stored = drifted_base(context.problem.robot, segment, 0, segment.duration(),
-                                       approach.base_poses[i], kTravelPerStep);
+      const Pose stored = tracks[i].pose(approach.times[i + 1] - approach.times[i]);
       // The motion of the base does not depend on where it starts: one integration serves both.
       poses.push_back(poses.back() * (approach.base_poses[i].inverse() * stored));
       *worst_step = std::max(*worst_step, pose_error(stored, approach.base_poses[i + 1]).largest());
@@ -295,31 +311,39 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
       "hand at the end of the integrated motion from its position at the contact");
 }
 
-void check_clearance(const Context& context, const std::vector<Pose>& poses, ClaimList& claims) {
+void check_clearance(const Context& context, const std::vector<BaseTrack>& tracks,
+                     ClaimList& claims) {
   const ApproachSpec& spec = context.problem.approach;
-  const PathClearance found = path_clearance(context, poses);
+  const PathClearance found = path_clearance(context, tracks);
   if (!found.complete) {
     claims.not_evaluated("approach_clearance", spec.clearance, "m", found.detail);
     return;
   }
-  if (!found.distance) {
+  claims.at_most("approach_distance_codes", found.difference_of_codes, kDistanceError, "m",
+                 "smallest distances at the samples by two codes, largest difference" +
+                     (found.differs_most.empty() ? "" : ": " + found.differs_most));
+  if (found.least.found == kInfinity) {
     claims.at_most("approach_clearance", 0, 0, "m", "no pair of bodies could collide");
     return;
   }
-  claims.at_least("approach_clearance", *found.distance, spec.clearance, kDistanceError, "m",
-                  fmt::format("{} at {:.3f} s is the smallest of {} instants, hand and target "
-                              "included until the feature is within reach",
-                              found.detail, found.time, found.instants));
-  // A plan states the smallest of the distances half a resolution apart. At finer steps it may be
+  // Without a clearance the bodies must still be apart.
+  const double slack = std::min(spec.clearance, kDistanceError);
+  claims.at_least(
+      "approach_clearance", found.least.proven, spec.clearance, slack, "m",
+      fmt::format("no distance is smaller between the samples, proven with {} "
+                  "instants; smallest found {:.6g} m, {} at {:.3f} s; hand and target "
+                  "included until the feature is within reach",
+                  found.instants, found.least.found, found.least.pair, found.least.time));
+  // A plan states the smallest of the distances half a resolution apart. Between them it may be
   // smaller, so a stated one is between the two.
   const double stated = context.plan.approach.min_clearance;
-  const bool agree_on_none = !found.distance_of_path && std::isinf(stated);
-  const double fine = found.distance_of_path.value_or(0),
+  const bool agree_on_none = found.of_path.found == kInfinity && std::isinf(stated);
+  const double fine = found.of_path.found == kInfinity ? 0 : found.of_path.proven,
                coarse = found.distance_as_stated.value_or(0);
   const double difference = agree_on_none ? 0 : std::max(fine - stated, stated - coarse);
   claims.at_most("approach_stated_clearance", difference, kStatedDistance, "m",
                  fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
-                             "from [{:.9g}, {:.9g}], the same at finer steps and at the planner's",
+                             "from [{:.9g}, {:.9g}], proven and at the planner's steps",
                              stated, fine, std::max(fine, coarse)));
 }
 
@@ -341,9 +365,10 @@ void check_approach(const Context& context, ClaimList& claims) {
   check_accelerations(context, claims);
   check_torques(context, claims);
   double worst_step = 0;
-  const std::vector<Pose> poses = integrated_poses(context, &worst_step);
+  const std::vector<BaseTrack> tracks = base_tracks(context);
+  const std::vector<Pose> poses = integrated_poses(context, tracks, &worst_step);
   check_base(context, poses, worst_step, claims);
-  check_clearance(context, poses, claims);
+  check_clearance(context, tracks, claims);
 }
 
 }  // namespace stillbase::verification

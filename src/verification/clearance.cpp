@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <stillbase/core/linear_algebra.hpp>
 
-#include "verification/path_motion.hpp"
+#include "verification/moving_shapes.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -31,129 +32,199 @@ Kinematics<double> kinematics_at(const RobotModel& robot, const Eigen::VectorXd&
   return kinematics;
 }
 
-struct Extent {
-  double operator()(const Sphere& s) const { return s.radius; }
-  double operator()(const Capsule& c) const { return c.radius + c.length / 2; }
-  double operator()(const Cylinder& c) const { return std::hypot(c.radius, c.length / 2); }
-  double operator()(const Box& b) const { return b.size.norm() / 2; }
-  double operator()(const ConvexMesh& m) const {
-    double extent = 0;
-    for (const Vector3d& v : m.vertices) extent = std::max(extent, v.norm());
-    return extent;
-  }
-};
-
-/// Largest speed of any point of the target, m/s.
-double target_speed(const TargetBody& body, const TargetState& state) {
-  double reach = 0;
-  for (const TargetShape& shape : body.shapes) {
-    reach = std::max(reach, shape.pose.position.norm() + std::visit(Extent{}, shape.geometry));
-  }
-  return state.linear_velocity.norm() + reach * state.angular_velocity.norm();
-}
-
-/// Bound of the target's speed and angular rate at any time, m/s + rad/s: the rate is at most the
-/// angular momentum over the smallest principal moment.
-double target_travel_rate(const TargetMotion& motion, double time) {
+/// Bound of the target's angular rate at any time, rad/s: the angular momentum over the smallest
+/// principal moment.
+double target_rate(const TargetMotion& motion, double time) {
   const TargetState state = motion.state(time);
-  double rate = state.angular_velocity.norm();
-  if (!motion.body().is_point_mass && rate > 0) {
-    const Matrix3d& inertia = motion.body().inertia;
-    const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
-    rate = (inertia * omega_T).norm() / principal_moments(inertia)[0];
-  }
-  return state.linear_velocity.norm() + rate;
+  const double rate = state.angular_velocity.norm();
+  if (motion.body().is_point_mass || rate == 0) return rate;
+  const Matrix3d& inertia = motion.body().inertia;
+  const Vector3d omega_T = state.pose.orientation.conjugate() * state.angular_velocity;
+  return (inertia * omega_T).norm() / principal_moments(inertia)[0];
 }
+
+/// The search of path_clearance().
+class PathSearch {
+ public:
+  PathSearch(const Context& context, const std::vector<BaseTrack>& tracks)
+      : context_(context),
+        approach_(context.plan.approach),
+        tracks_(tracks),
+        target_(context.situation.target()),
+        scene_(context.problem),
+        shapes_(context.problem, scene_) {
+    if (target_ == nullptr) return;
+    const double contact = approach_.times.back();
+    target_speed_ = target_->state(contact).linear_velocity.norm();
+    target_rate_ = target_rate(*target_, contact);
+  }
+
+  PathClearance run() {
+    for (std::size_t i = 0; i < approach_.times.size(); ++i) look_at_sample(i);
+    std::vector<int> pairs(static_cast<std::size_t>(shapes_.pair_count()));
+    std::iota(pairs.begin(), pairs.end(), 0);
+    for (std::size_t i = 0; i < tracks_.size() && !is_over_; ++i) {
+      const HermiteSegment segment(approach_, i);
+      prove(segment, tracks_[i], 0, segment.duration(), pairs);
+    }
+    for (std::size_t i = 0; i < tracks_.size() && !is_stopped_; ++i) look_as_stated(i);
+    if (is_stopped_) {
+      result_.detail = "stopped";
+      return result_;
+    }
+    nearest_as_stated(approach_.joint_positions.back(), approach_.base_poses.back(),
+                      approach_.times.back());
+    // Where shapes overlap, the rest of the path was not looked at.
+    for (LeastDistance* least : {&of_path_, &of_hand_}) {
+      least->proven = std::min(least->proven, least->found);
+      if (is_over_) least->proven = std::min({least->proven, of_path_.found, of_hand_.found});
+    }
+    result_.of_path = of_path_;
+    result_.least = of_hand_.found < of_path_.found ? of_hand_ : of_path_;
+    result_.least.proven = std::min(of_hand_.proven, of_path_.proven);
+    result_.complete = true;
+    return result_;
+  }
+
+ private:
+  static constexpr double kFinest = 1e-5;  ///< m of motion: a part of the path is not split further
+
+  std::optional<Pose> target_at(double time) const {
+    if (target_ == nullptr) return std::nullopt;
+    return target_->state(time).pose;
+  }
+
+  void place(const Eigen::VectorXd& phi, const Pose& base, double time) {
+    ++result_.instants;
+    const std::optional<Pose> target = target_at(time);
+    shapes_.place(phi, base, target ? &*target : nullptr);
+  }
+
+  bool may_touch(int pair) const {
+    return shapes_.is_hand_and_target(pair) && shapes_.hand_room() >= 0;
+  }
+
+  /// What distances of this pair are held against.
+  double smallest_found(int pair) const {
+    if (!shapes_.is_hand_and_target(pair)) return of_path_.found;
+    return std::min(of_path_.found, of_hand_.found);
+  }
+  LeastDistance& least_of(int pair) {
+    return shapes_.is_hand_and_target(pair) ? of_hand_ : of_path_;
+  }
+
+  void take(int pair, double distance, double time) {
+    LeastDistance& least = least_of(pair);
+    if (!(distance < least.found)) return;
+    least.found = distance;
+    least.time = time;
+    least.pair = shapes_.name(pair);
+    is_over_ = is_over_ || distance <= 0;
+  }
+
+  /// The smallest distances at a sample, by both codes.
+  void look_at_sample(std::size_t i) {
+    const double time = approach_.times[i];
+    const Eigen::VectorXd phi = approach_.joint_positions[i];
+    const Pose& base = approach_.base_poses[i];
+    place(phi, base, time);
+    double smallest = kInfinity;
+    for (int pair = 0; pair < shapes_.pair_count(); ++pair) {
+      if (!shapes_.is_present(pair) || may_touch(pair)) continue;
+      const double distance = shapes_.distance(pair, smallest).upper;
+      smallest = std::min(smallest, distance);
+      take(pair, distance, time);
+    }
+    const std::optional<Pose> target = target_at(time);
+    const auto other = scene_.nearest(kinematics_at(context_.problem.robot, phi), base,
+                                      target ? &*target : nullptr);
+    const double difference =
+        other ? std::abs(std::max(other->distance, 0.0) - std::max(smallest, 0.0))
+              : (smallest < kInfinity ? kInfinity : 0);
+    if (difference <= result_.difference_of_codes) return;
+    result_.difference_of_codes = difference;
+    result_.differs_most =
+        fmt::format("{} at {:.3f} s", other ? to_string(*other) : "no pair", time);
+  }
+
+  /// No distance of these pairs within [s0, s1] is below `proven`.
+  void prove(const HermiteSegment& segment, const BaseTrack& track, double s0, double s1,
+             const std::vector<int>& pairs) {
+    is_stopped_ = is_stopped_ || context_.options.stop.reached();
+    if (is_over_ || is_stopped_) return;
+    const double middle = (s0 + s1) / 2, half = (s1 - s0) / 2;
+    PathTravel travel;
+    travel.joints = segment.peak_rates(s0, s1) * half;
+    travel.base = track.bound(s0, s1, travel.joints);
+    travel.target_translation = target_speed_ * half;
+    travel.target_rotation = target_rate_ * half;
+    place(segment.position(middle), track.pose(middle), segment.begin() + middle);
+    std::vector<int> open;
+    for (const int pair : pairs) {
+      if (!shapes_.is_present(pair)) continue;
+      const bool may = may_touch(pair);
+      if (may && shapes_.hand_room() >= shapes_.hand_motion(travel)) continue;
+      const double motion = shapes_.motion(pair, travel);
+      const DistanceBounds distance = shapes_.distance(pair, smallest_found(pair) + motion);
+      if (!may) take(pair, distance.upper, segment.begin() + middle);
+      const double proven = distance.lower - motion, found = smallest_found(pair);
+      const double gap = std::min(context_.options.clearance_gap, found / 2);
+      if (proven < found - gap && motion > kFinest) {
+        open.push_back(pair);
+      } else {
+        least_of(pair).proven = std::min(least_of(pair).proven, proven);
+      }
+    }
+    if (open.empty()) return;
+    prove(segment, track, s0, middle, open);
+    prove(segment, track, middle, s1, open);
+  }
+
+  void nearest_as_stated(const Eigen::VectorXd& phi, const Pose& base, double time) {
+    const std::optional<Pose> target = target_at(time);
+    const auto nearest = scene_.nearest(kinematics_at(context_.problem.robot, phi), base,
+                                        target ? &*target : nullptr, false);
+    std::optional<double>& least = result_.distance_as_stated;
+    if (nearest && (!least || nearest->distance < *least)) least = nearest->distance;
+  }
+
+  void look_as_stated(std::size_t i) {
+    is_stopped_ = is_stopped_ || context_.options.stop.reached();
+    const HermiteSegment segment(approach_, i);
+    const double h = segment.duration();
+    double length = (segment.peak_rates(0, h) * h).norm();
+    if (length == 0 && i + 1 == tracks_.size()) length = (target_speed_ + target_rate_) * h;
+    const double steps = std::ceil(length / (context_.problem.approach.resolution / 2));
+    const int count = static_cast<int>(std::clamp(steps, 1.0, 10000.0));
+    for (int j = 0; j < count; ++j) {
+      const double s = h * j / count;
+      nearest_as_stated(segment.position(s), tracks_[i].pose(s), segment.begin() + s);
+    }
+  }
+
+  const Context& context_;
+  const Approach& approach_;
+  const std::vector<BaseTrack>& tracks_;
+  const TargetMotion* target_;
+  CollisionScene scene_;
+  MovingShapes shapes_;
+  double target_speed_ = 0, target_rate_ = 0;  ///< m/s, rad/s
+  LeastDistance of_path_, of_hand_;            ///< without hand against target; these alone
+  bool is_over_ = false;                       ///< shapes overlap
+  bool is_stopped_ = false;
+  PathClearance result_;
+};
 
 }  // namespace
 
-PathClearance path_clearance(const Context& context, const std::vector<Pose>& poses) {
-  const CaptureProblem& problem = context.problem;
-  const VerifyOptions& options = context.options;
-  const Approach& approach = context.plan.approach;
-  const TargetMotion* motion = context.situation.target();
-  const std::size_t segments = approach.times.size() - 1;
-  PathClearance result;
-  std::optional<CollisionScene> scene;
+PathClearance path_clearance(const Context& context, const std::vector<BaseTrack>& tracks) {
   try {
-    scene.emplace(problem);
-  } catch (const std::exception& error) {
-    result.detail = error.what();
-    return result;
+    return PathSearch(context, tracks).run();
+  } catch (const std::invalid_argument& error) {
+    PathClearance refused;
+    refused.detail = error.what();
+    return refused;
   }
-
-  const auto keep_smaller = [](std::optional<double>& least,
-                               const std::optional<Proximity>& nearest) {
-    if (nearest && (!least || nearest->distance < *least)) least = nearest->distance;
-  };
-  const auto target_at = [&](double time) {
-    return motion == nullptr ? std::nullopt : std::optional(motion->state(time).pose);
-  };
-  auto look_as_stated = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
-    const std::optional<Pose> target = target_at(time);
-    keep_smaller(result.distance_as_stated, scene->nearest(kinematics_at(problem.robot, phi), base,
-                                                           target ? &*target : nullptr, false));
-  };
-  auto look = [&](const Eigen::VectorXd& phi, const Pose& base, double time) {
-    ++result.instants;
-    const std::optional<Pose> target = target_at(time);
-    const Pose* at = target ? &*target : nullptr;
-    const Kinematics<double> kinematics = kinematics_at(problem.robot, phi);
-    keep_smaller(result.distance_of_path, scene->nearest(kinematics, base, at, false));
-    const auto nearest = scene->nearest(kinematics, base, at);
-    if (!nearest || (result.distance && nearest->distance >= *result.distance)) return;
-    result.distance = nearest->distance;
-    result.time = time;
-    result.detail = to_string(*nearest);
-  };
-
-  const double travel = problem.approach.resolution * options.path_refinement;
-  const bool floats = problem.approach.base != BaseMode::Held;
-  for (std::size_t i = 0; i < segments; ++i) {
-    if (options.stop.reached()) {
-      result.detail = fmt::format("stopped at {:.3f} s", approach.times[i]);
-      return result;
-    }
-    const HermiteSegment segment(approach, i);
-    const double h = segment.duration();
-    double steps = std::ceil(h * segment.extremes().rate.maxCoeff() / travel);
-    if (motion != nullptr) {
-      const double speed = target_speed(motion->body(), motion->state(segment.begin()));
-      steps = std::max(steps, std::ceil(h * speed / options.max_target_step));
-    }
-    const int count = std::max(1, static_cast<int>(std::min(steps, 1e6)));
-    Pose base = poses[i];
-    for (int j = 0; j < count; ++j) {
-      const double s = h * j / count;
-      look(segment.position(s), base, segment.begin() + s);
-      if (floats && j + 1 < count) {
-        base = drifted_base(problem.robot, segment, s, h * (j + 1) / count, base, travel);
-      }
-    }
-  }
-  look(approach.joint_positions.back(), poses.back(), approach.times.back());
-
-  const double stated_step = problem.approach.resolution / 2;
-  for (std::size_t i = 0; i < segments; ++i) {
-    const HermiteSegment segment(approach, i);
-    const double h = segment.duration();
-    const double length = (segment.extremes().rate * h).norm();
-    const bool waits = length == 0 && i + 1 == segments;
-    double ratio = length / stated_step;
-    if (waits && motion != nullptr) {
-      ratio = target_travel_rate(*motion, approach.times.back()) * h / stated_step;
-    }
-    const int count = static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 10000.0));
-    for (int j = 0; j < count; ++j) {
-      const double s = h * j / count;
-      const Pose base =
-          floats && j > 0 ? drifted_base(problem.robot, segment, 0, s, poses[i], travel) : poses[i];
-      look_as_stated(segment.position(s), base, segment.begin() + s);
-    }
-  }
-  look_as_stated(approach.joint_positions.back(), poses.back(), approach.times.back());
-  result.complete = true;
-  return result;
 }
 
 std::optional<Proximity> contact_collision(const CaptureProblem& problem,

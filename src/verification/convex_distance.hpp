@@ -23,7 +23,8 @@ struct Ball {
 };
 Ball ball_around(const Geometry& geometry);
 
-/// What is known of a distance, m. Where the shapes overlap, both are negative and say nothing more.
+/// What is known of a distance, m. Where the shapes overlap, both are negative and say nothing
+/// more.
 struct DistanceBounds {
   double lower = 0, upper = 0;
 };

@@ -48,7 +48,7 @@ Pose end_of_base(const RobotModel& robot, const Approach& a) {
   Pose pose = a.base_poses.front();
   for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
     const verification::HermiteSegment segment(a, i);
-    pose = verification::drifted_base(robot, segment, 0, segment.duration(), pose, 0.005);
+    pose = verification::drifted_base(robot, segment, pose, 0.005);
   }
   return pose;
 }

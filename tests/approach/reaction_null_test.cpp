@@ -19,7 +19,7 @@ double rotation_angle(const RobotModel& robot, const Approach& a) {
   double largest = 0;
   for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
     const verification::HermiteSegment segment(a, i);
-    pose = verification::drifted_base(robot, segment, 0, segment.duration(), pose, 0.005);
+    pose = verification::drifted_base(robot, segment, pose, 0.005);
     largest = std::max(largest, rotation_log(pose.orientation).norm());
   }
   return largest;

@@ -15,8 +15,6 @@ VerifyOptions quick() {
   VerifyOptions options;
   options.post_impact = false;
   options.cone_samples = 200;
-  options.path_refinement = 4;
-  options.max_target_step = 1;
   return options;
 }
 

@@ -167,8 +167,6 @@ TEST_CASE("a relative error of 1e-6 in any physical number of a plan is found") 
   VerifyOptions options;
   options.post_impact = false;
   options.cone_samples = 200;
-  options.path_refinement = 4;  // clearances have nothing to do with it
-  options.max_target_step = 1;
   Plan plan = arm_plan();
   plan.problem.approach.clearance = 0;
   const Verification before = judge_plan(plan, options);

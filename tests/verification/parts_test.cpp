@@ -101,7 +101,7 @@ TEST_CASE("the base drifts so that system centroid and momentum stay") {
   }
   const HermiteSegment segment(approach, 0);
   const Pose start{{1, 2, 3}, rotation_exp({0.3, 0.2, -0.5})};
-  const Pose end = drifted_base(robot, segment, 0, 2, start, 0.01);
+  const Pose end = drifted_base(robot, segment, start, 0.01);
   auto centroid_N = [&](const Pose& base, double s) {
     return base * Vector3d(reference::compute(robot, {segment.position(s), {}, {}}).centroid);
   };
@@ -113,13 +113,39 @@ TEST_CASE("the base drifts so that system centroid and momentum stay") {
   CHECK(d.L_g.norm() <= 1e-12);
 
   // Fourth order: a step ten times shorter changes the end by the error of the longer one.
-  const Pose finer = drifted_base(robot, segment, 0, 2, start, 0.001);
+  const Pose finer = drifted_base(robot, segment, start, 0.001);
   CHECK(pose_error(end, finer).largest() <= 1e-8);
-  const Pose coarse = drifted_base(robot, segment, 0, 2, start, 0.2);
-  const Pose half = drifted_base(robot, segment, 0, 2, start, 0.1);
+  const Pose coarse = drifted_base(robot, segment, start, 0.2);
+  const Pose half = drifted_base(robot, segment, start, 0.1);
   const double order =
       std::log2(pose_error(coarse, finer).largest() / pose_error(half, finer).largest());
   CHECK(order == Approx(4).margin(0.7));
+}
+
+TEST_CASE("the base between two steps is where finer steps bring it, within the bound") {
+  Random random(53);
+  const RobotModel robot = reference_test::random_robot(random, 5, true);
+  Approach approach;
+  approach.times = {0, 0.5};
+  for (int i = 0; i < 2; ++i) {
+    const auto state = reference_test::random_state(random, 5);
+    approach.joint_positions.push_back(state.phi * 0.2);
+    approach.joint_velocities.push_back(state.phidot);
+  }
+  const HermiteSegment segment(approach, 0);
+  const BaseTrack track(robot, segment, Pose{}, 0.005), finer(robot, segment, Pose{}, 0.0007);
+  double tightest = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const double a = random.uniform(0, 0.5), b = random.uniform(0, 0.5), t = random.uniform(a, b);
+    CHECK(pose_error(track.pose(t), finer.pose(t)).largest() <= 1e-9);
+    const double s0 = std::min(a, b), s1 = std::max(a, b);
+    const auto bound = track.bound(s0, s1, segment.peak_rates(s0, s1) * (s1 - s0));
+    const PoseError moved = pose_error(finer.pose(a), finer.pose(t));
+    CHECK(moved.position <= bound.translation);
+    CHECK(moved.angle <= bound.rotation);
+    if (bound.rotation > 0) tightest = std::max(tightest, moved.angle / bound.rotation);
+  }
+  CHECK(tightest > 0.1);
 }
 
 TEST_CASE("the worst direction is found inside the cone, on its rim and in a wedge") {

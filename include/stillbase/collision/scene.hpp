@@ -134,6 +134,13 @@ class CollisionScene {
   /// Number of pairs that are checked.
   int pair_count() const;
 
+  /// The pairs that are checked. Shapes are counted from 0: those of the robot, then the obstacles,
+  /// then those of the target, each in the order in which they were given.
+  struct ShapePair {
+    std::size_t first, second;
+  };
+  std::vector<ShapePair> shape_pairs() const;
+
   struct Data;  ///< private to src/collision
 
  private:

@@ -1,9 +1,10 @@
 // Does a plan work? Verification recomputes it by other code than the planner's.
 //
 // Everything is recomputed from the plan alone: kinematics, inertia, impact and floating base by
-// `reference`, the target by `target`, distances of bodies by `collision`, the motion after the
-// impact by `simulation`. No function of the planner, and none that the planner computes with,
-// judges a plan. So a plan of a planner with a wrong sign fails.
+// `reference`, the target by `target`, the motion after the impact by `simulation`. Which bodies
+// may touch is asked of `collision`; distances along the path come from support functions of our
+// own, and both codes must agree on them. No function of the planner, and none that the planner
+// computes with, judges a plan alone. So a plan of a planner with a wrong sign fails.
 //
 // Recomputed numbers are compared component by component, relative to the component plus a
 // hundredth of the quantity's own size. With the default tolerance of 1e-10 a relative change of
@@ -93,10 +94,10 @@ struct VerifyOptions {
   int cone_samples = 4000;  ///< directions before the local refinement
   /// Directions before the local refinement where each of them is simulated.
   int simulated_cone_samples = 60;
-  /// Part of the problem's resolution between two postures that are checked for collisions.
-  double path_refinement = 0.25;
-  double max_target_step = 0.005;  ///< m, how far the target may move between two checks
-  bool post_impact = true;         ///< false: no simulation, and none of its checks
+  /// m: the smallest distance along the approach is found and proven between the samples up to so
+  /// much, or to half of it where it is smaller.
+  double clearance_gap = 1e-4;
+  bool post_impact = true;  ///< false: no simulation, and none of its checks
   /// Repeats what the plan says to be proven; null: that stays unverified.
   const Prover* prover = default_prover();
   StopCondition stop;  ///< when reached, the remaining checks count as not evaluated
