@@ -6,6 +6,7 @@
 
 #include "verification/checks.hpp"
 #include "verification/contact_case.hpp"
+#include "verification/own_motion.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -193,6 +194,7 @@ void check_post_impact(const Context& context, ClaimList& claims,
     if (reports.size() > 1) continue;
     if (report.finished) {
       judge_motion(context, report, run->simulation.summary, claims);
+      check_own_motion(context, controller, *run, claims);
       check_target_fate(context, &*run, claims);
     } else {
       claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",

@@ -87,6 +87,10 @@ struct VerifyOptions {
   double base_path_tolerance = 1e-6;      ///< m and rad, stored base poses against integrated ones
   double base_step_tolerance = 1e-9;      ///< m and rad, the same from one stored pose to the next
   double momentum_tolerance = 1e-9;       ///< relative, approach and post-impact
+  /// m, rad and relative rates: the motion after the contact against its second integration, whose
+  /// steps may each be wrong by the other number.
+  double second_integration_tolerance = 1e-6;
+  double second_integration_step_error = 1e-10;
   double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
   double cone_tolerance = 1e-6;           ///< relative, excess of a sampled worst case
   /// Relative, worst cases stated without a direction against maxima that were searched for.

@@ -1,0 +1,18 @@
+// The motion after the contact a second time, by `reference`.
+#pragma once
+
+#include "verification/checks.hpp"
+
+namespace stillbase::verification {
+
+/// Integrates the motion of a run by dense dynamics, control laws and an integrator of its own, and
+/// compares base, joints, velocities and the largest demanded torques with the run's.
+///
+/// Not verified, with the reason, where the run has what the second code lacks: a handed back
+/// momentum, a compliant contact, friction, sensor errors, thrusters, a joint at its rate limit or
+/// at a stop, or a held target that the controller knows otherwise than it is.
+/// @param run of the controller, with a trace from the contact to the horizon
+void check_own_motion(const Context& context, const std::string& controller,
+                      const AfterContact& run, ClaimList& claims);
+
+}  // namespace stillbase::verification
