@@ -254,6 +254,20 @@ TEST_CASE("MkDocs builds static pages of everything, with every link good") {
   INFO(run("'" + script + "' site", folder, code));
   CHECK(code == 0);
   CHECK(fs::exists(folder / "site/docs/start.html"));
+  // Scripts and styles are there: the pages ask nothing of the network.
+  const std::regex used("(?:src|href)=\"([^\"]+[.](?:js|css))\"");
+  int uses = 0;
+  for (const fs::directory_entry& page : fs::recursive_directory_iterator(folder / "site")) {
+    const bool is_reference = page.path().string().find("/site/api/") != std::string::npos;
+    if (page.path().extension() != ".html" || is_reference) continue;
+    const std::string html = read_text_file(page.path().string());
+    for (std::sregex_iterator it(html.begin(), html.end(), used), end; it != end; ++it, ++uses) {
+      INFO(page.path() << ": " << (*it)[1]);
+      CHECK(((*it)[1].str().front() == '/' ||
+             fs::exists(page.path().parent_path() / (*it)[1].str())));
+    }
+  }
+  CHECK(uses > 50);
   fs::remove_all(folder);
 }
 
