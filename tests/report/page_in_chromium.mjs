@@ -245,6 +245,31 @@ test('what a robot has for drawings is drawn where its files are, and thinned', 
   });
 });
 
+test('plots of joints say which one comes closest to its limit', async () => {
+  await opened('plan.html', {}, async page => {
+    const [robot, parts] = await page.evaluate(`(() => {
+      const {motion, data} = document.querySelector('article').viewer;
+      return [data.robot, [motion.approach, motion.after[0]]];
+    })()`);
+    const words = await text(page);
+    for (const [column, limit, unit, factor] of [
+             ['rates', 'max_velocity', 'deg/s', 180 / Math.PI], ['torques', 'max_effort', 'N m', 1]]) {
+      let most = {part: 0};
+      robot.joints.forEach((joint, k) => {
+        const least = Math.max(...parts.flatMap(each => each[column]).map(row => Math.abs(row[k])));
+        const part = least / joint[limit];
+        if (part > most.part) most = {part, joint};
+      });
+      const shown = words.match(
+          new RegExp(`closest to its limit: (\\S+), (\\S+) of (\\S+) ${unit}\n`));
+      assert.equal(shown[1], most.joint.name);
+      const [value, bound] = shown.slice(2).map(each => Number(each.replace('−', '-')));
+      assert.ok(Math.abs(Math.abs(bound) / (factor * most.joint[limit]) - 1) < 0.01, shown[0]);
+      assert.ok(Math.abs(value / bound / most.part - 1) < 0.02, shown[0]);
+    }
+  });
+});
+
 test('slider, keys and plots share the time', async () => {
   await opened('plan.html', {fragment: 't=-8'}, async page => {
     await scene(page);

@@ -23,12 +23,14 @@ export function repaint() {
 /// @param options.marks [{x, label}]
 /// @param options.onSeek called with the x that was clicked
 /// @param options.band [name of lower, name of upper]
+/// @param options.note a line below the plot
 export class Plot {
   constructor(options) {
     this.options = options;
     this.element = h('figure', {class: 'plot'}, h('figcaption', {}, options.title));
     this.holder = h('div', {class: 'plot-area'});
     this.element.append(this.holder);
+    if (options.note) this.element.append(h('p', {class: 'plot-note'}, options.note));
     this.visible = false;
     new IntersectionObserver(entries => {
       this.visible = entries.at(-1).isIntersecting;

@@ -1,8 +1,29 @@
 // The plots over time, linked to the scene.
-import {degrees, h} from './dom.js';
+import {degrees, digits, h} from './dom.js';
 import {poseFrom} from './kinematics.js';
 import {Plot} from './plots.js';
 import {buttons} from './viewer.js';
+
+/// Which of several lines comes closest to its limits, in parts of their range. @param limits
+/// [lower, upper] of each line, null: none
+function closestLimit(lines, limits, unit) {
+  let closest = null;
+  lines.forEach(({name, y}, i) => {
+    const [lower, upper] = limits[i];
+    const width = lower === null || upper === null ? 1 : upper - lower;
+    const range = y.reduce(
+        ([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
+    const take = (value, limit, room) => {
+      if (limit === null || (closest && closest.part <= room / width)) return;
+      closest = {name, value, limit, part: room / width};
+    };
+    take(range[0], lower, range[0] - lower);
+    take(range[1], upper, upper - range[1]);
+  });
+  if (!closest) return 'no limits';
+  const {name, value, limit} = closest;
+  return `closest to its limit: ${name}, ${digits(value, 3)} of ${digits(limit, 3)} ${unit}`;
+}
 
 /// The plots over time, from the approach on through the motion under one controller.
 export class TimePlots {
@@ -98,22 +119,24 @@ export class TimePlots {
       const unit = slides ? 'm' : 'deg';
       const series = (name, factor) => of.map(
           ([joint, k]) => ({name: joint.name, y: columns(name).map(row => factor * row[k])}));
-      const limits = (low, high, factor) =>
-          of.flatMap(([joint]) => [joint[low], joint[high]])
-              .filter(limit => limit !== null && limit !== undefined)
-              .flatMap(limit => low === high ? [factor * limit, -factor * limit] : [factor * limit])
-              .map(y => ({y}));
-      plots.push(
-          plot(
-              slides ? 'Sliding joints: positions' : 'Joint positions', unit,
-              series('joints', scale), {limits: limits('lower', 'upper', scale)}),
-          plot(
-              slides ? 'Sliding joints: rates' : 'Joint rates', `${unit}/s`, series('rates', scale),
-              {limits: limits('max_velocity', 'max_velocity', scale)}),
-          plot(
-              slides ? 'Sliding joints: forces' : 'Joint torques', slides ? 'N' : 'N m',
-              series('torques', 1).map(each => ({...each, steps: true})),
-              {limits: limits('max_effort', 'max_effort', 1)}));
+      const withLimits = (title, unit, column, factor, range, more = {}) => {
+        const lines = series(column, factor).map(each => ({...each, ...more}));
+        const limits = of.map(([joint]) => range(joint).map(limit => limit && factor * limit));
+        plots.push(plot(title, unit, lines, {
+          limits: limits.flat().filter(limit => limit !== null).map(y => ({y})),
+          note: closestLimit(lines, limits, unit),
+        }));
+      };
+      const both = limit => [limit === null ? null : -limit, limit];
+      withLimits(
+          slides ? 'Sliding joints: positions' : 'Joint positions', unit, 'joints', scale,
+          joint => [joint.lower, joint.upper]);
+      withLimits(
+          slides ? 'Sliding joints: rates' : 'Joint rates', `${unit}/s`, 'rates', scale,
+          joint => both(joint.max_velocity));
+      withLimits(
+          slides ? 'Sliding joints: forces' : 'Joint torques', slides ? 'N' : 'N m', 'torques', 1,
+          joint => both(joint.max_effort), {steps: true});
     }
     const rns = columns('rns');
     const all = columns('rates');
