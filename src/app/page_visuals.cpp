@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/sha256.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
@@ -113,12 +114,16 @@ std::vector<RobotFile> robot_files(const PlanFile& file, const std::string& plan
   if (!problem_path) return {};
   std::vector<RobotFile> files = robot_files(file.plan.problem, *problem_path);
   std::erase_if(files, [&](const RobotFile& robot) {
-    std::error_code fault;
-    if (!fs::is_regular_file(robot.path, fault)) return true;
-    const std::string sha256 = sha256_hex(read_text_file(robot.path, kMaxUrdfBytes));
-    return std::none_of(file.inputs.begin(), file.inputs.end(), [&](const InputFile& input) {
-      return input.role == "robot" && input.sha256 == sha256;
-    });
+    try {
+      const std::string sha256 = sha256_hex(read_text_file(robot.path, kMaxUrdfBytes));
+      return std::none_of(file.inputs.begin(), file.inputs.end(), [&](const InputFile& input) {
+        return input.role == "robot" && input.sha256 == sha256;
+      });
+    } catch (const FileError&) {
+      return true;
+    } catch (const InputError&) {  // too large
+      return true;
+    }
   });
   return files;
 }

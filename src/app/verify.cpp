@@ -47,7 +47,12 @@ std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request,
 }
 
 std::vector<std::string> next_of(const VerifyRequest& request, bool pass) {
-  if (pass) return {"report", request.plan, "-o", with_extension(request.plan, ".html")};
+  if (pass) {
+    std::vector<std::string> words{"report", request.plan};
+    if (request.output.is_given()) words.push_back(request.output.path);
+    words.insert(words.end(), {"-o", with_extension(request.plan, ".html")});
+    return words;
+  }
   if (!request.shows_all) return {"verify", request.plan, "--all"};
   return {"check", request.plan};
 }

@@ -253,4 +253,7 @@ approach: {enabled: false}
   CHECK(changed.code == 0);
   CHECK_FALSE(changed.says("visual"));
   CHECK(shop.text("d.html").find("0.375,0.625") == std::string::npos);
+  // Nor is one that no robot file can be.
+  shop.write("arm.urdf", std::string(3u << 20, 'x'));
+  CHECK(shop.run("report plan.json -o e.html").code == 0);
 }

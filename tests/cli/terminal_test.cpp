@@ -41,7 +41,8 @@ TEST_CASE("verify prints the verdict first and one line per group, all checks wi
   CHECK(lines_of(good.err) <= 40);
   CHECK_FALSE(good.says("impulse_force"));
   CHECK(good.says(" hold  physics: "));
-  CHECK(good.says("\nnext: stillbase report plan.json -o plan.html\n"));
+  CHECK(good.says("\nnext: stillbase report plan.json verification.json -o plan.html\n"));
+  CHECK(shop.run("verify plan.json").says("\nnext: stillbase report plan.json -o plan.html\n"));
   const Outcome all = shop.run("verify plan.json --all -o all.json");
   CHECK(all.says("impulse_force"));
   CHECK(lines_of(all.err) > 90);
