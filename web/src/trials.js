@@ -49,7 +49,7 @@ export function trialParts(trials) {
       [h('p', {}, h('b', {}, percent(trials.success_probability)),
          ` of ${trials.count} trials succeed, between ${percent(interval.lower)} and ${
              percent(interval.upper)} with ${percent(interval.confidence)} confidence (${
-             interval.method}). ` +
+             interval.method.replace(/^./, first => first.toUpperCase())}). ` +
              `The hand touched the target in ${trials.hits}, the simulation finished in ${
                  trials.finished}.` +
              (trials.interrupted ? ` Interrupted: ${trials.wanted} were wanted.` : ''))];
@@ -60,8 +60,8 @@ export function trialParts(trials) {
       ],
       trials.distributions.map(
           row =>
-              [spaced(row.name), row.unit, strip(row), row.p50, row.mean, row.p95, row.p99,
-               row.worst, drives(row.name)]),
+              [spaced(row.name), h('span', {class: 'unit'}, row.unit), strip(row), row.p50,
+               row.mean, row.p95, row.p99, row.worst, drives(row.name)]),
       {label: 'Distributions'}));
   parts.push(h(
       'p', {class: 'quiet'},
