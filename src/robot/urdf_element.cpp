@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase::urdf {
 
 namespace {
@@ -117,7 +119,7 @@ std::string Element::text(const char* attribute, bool required) {
 // One finite decimal number and nothing else but blanks around it. from_chars ignores the locale
 // and takes no hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
 double Element::parse(const char* attribute, std::string_view text, std::string_view part,
-                      Sign sign) {
+                      Sign sign, bool is_limit) {
   std::string_view digits = trimmed(part);
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double number = 0;
@@ -137,7 +139,9 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
     return refuse("not-a-number", in_quotes(part) + " is not a number" + hint);
   }
   if (!std::isfinite(number)) return refuse("not-finite", in_quotes(part) + " is not finite");
-  if (std::abs(number) > kLargestNumber) {
+  if (is_limit && std::abs(number) >= kLargestNumber) {
+    number = std::copysign(kInfinity, number);
+  } else if (std::abs(number) > kLargestNumber) {
     return refuse("out-of-range",
                   fmt::format("{} is larger than {:g}", in_quotes(part), kLargestNumber));
   }
@@ -150,6 +154,11 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
 double Element::number(const char* attribute, Sign sign, std::optional<double> otherwise) {
   const char* text = value(attribute, !otherwise);
   return text != nullptr ? parse(attribute, text, text, sign) : otherwise.value_or(kNaN);
+}
+
+double Element::limit(const char* attribute, Sign sign) {
+  const char* text = value(attribute, false);
+  return text != nullptr ? parse(attribute, text, text, sign, true) : 0;
 }
 
 Vector3d Element::vector(const char* attribute, Sign sign,

@@ -40,6 +40,8 @@ class Element {
   /// One finite number. NaN after a finding.
   /// @param otherwise without the attribute; nothing: it is required
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
+  /// A limit: sizes of kLargestNumber and more, as other formats write for none, are infinite.
+  double limit(const char* attribute, Sign sign);
   /// Three finite numbers, alike.
   Vector3d vector(const char* attribute, Sign sign, const std::optional<Vector3d>& otherwise = {});
 
@@ -74,7 +76,8 @@ class Element {
  private:
   /// The text of an attribute; null, and a finding where it is required, without it.
   const char* value(const char* attribute, bool required);
-  double parse(const char* attribute, std::string_view text, std::string_view part, Sign sign);
+  double parse(const char* attribute, std::string_view text, std::string_view part, Sign sign,
+               bool is_limit = false);
   void find_in(const char* attribute, std::string rule, const std::string& message);
 
   const tinyxml2::XMLElement& xml_;

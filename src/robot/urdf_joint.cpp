@@ -1,5 +1,9 @@
 // <joint> of a URDF file.
+#include <algorithm>
+
 #include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
 
 #include "robot/urdf_element.hpp"
 
@@ -24,13 +28,17 @@ void read_type(Element& element, TreeJoint& out) {
   }
 }
 
-/// Ranges that are not stated are zero, as URDF says. A rate or effort of zero limits nothing that
-/// could be planned with: most files mean that nobody knew it.
+/// A turning joint of an infinite range is endless. Ranges that are not stated are zero, as URDF
+/// says. A rate or effort of zero limits nothing that could be planned with: most files mean that
+/// nobody knew it.
 void read_limit(Element& limit, Joint& joint) {
-  const double lower = limit.number("lower", Sign::Any, 0);
-  const double upper = limit.number("upper", Sign::Any, 0);
-  joint.max_velocity = limit.number("velocity", Sign::NonNegative, 0);
-  joint.max_effort = limit.number("effort", Sign::NonNegative, 0);
+  const double lower = limit.limit("lower", Sign::Any);
+  const double upper = limit.limit("upper", Sign::Any);
+  joint.max_velocity = limit.limit("velocity", Sign::NonNegative);
+  joint.max_effort = limit.limit("effort", Sign::NonNegative);
+  if (!joint.is_prismatic() && lower == -kInfinity && upper == kInfinity) {
+    joint.type = JointType::Continuous;
+  }
   if (joint.max_velocity == 0) {
     limit.remark("no-rate-limit", "velocity of <limit> is zero or not stated", joint.name);
   }
@@ -38,8 +46,8 @@ void read_limit(Element& limit, Joint& joint) {
     limit.remark("no-effort-limit", "effort of <limit> is zero or not stated", joint.name);
   }
   if (joint.type == JointType::Continuous) return;
-  joint.lower = lower;
-  joint.upper = upper;
+  joint.lower = std::max(lower, -kLargestNumber);
+  joint.upper = std::min(upper, kLargestNumber);
   if (!limit.has("lower") || !limit.has("upper")) {
     limit.remark("joint-limits", "<limit> without lower or upper: it is 0, as URDF says",
                  joint.name);

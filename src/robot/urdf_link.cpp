@@ -115,12 +115,28 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
   }
 }
 
+/// quat_xyzw, an orientation that newer files state in place of rpy.
+Eigen::Quaterniond read_quaternion(Element& origin) {
+  const std::vector<double> q = origin.numbers("quat_xyzw");
+  if (origin.has("rpy")) origin.find("orientation", "<origin> states both rpy and quat_xyzw");
+  const double norm = q.size() == 4 ? Eigen::Map<const Eigen::Vector4d>(q.data()).norm() : 0;
+  if (!(std::abs(norm - 1) <= 1e-3)) {
+    origin.find("orientation", "<origin> quat_xyzw must be four numbers x y z w of norm 1");
+    return Eigen::Quaterniond::Identity();
+  }
+  return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
+}
+
 }  // namespace
 
 Pose read_origin(Element& parent) {
   Pose pose;
   parent.each("origin", 0, 1, [&](Element& origin) {
     pose.position = origin.vector("xyz", Sign::Any, Vector3d::Zero());
+    if (origin.has("quat_xyzw")) {
+      pose.orientation = read_quaternion(origin);
+      return;
+    }
     const Vector3d rpy = origin.vector("rpy", Sign::Any, Vector3d::Zero());
     Vector3d c, s;
     for (int i = 0; i < 3; ++i) {

@@ -1,6 +1,7 @@
 // What public robot files have beyond the format's page: one small text per kind, written for this
 // test, with where it was seen. All are read; each says what has to be remarked upon.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -322,6 +323,44 @@ TEST_CASE("files of every kind that was found are read, with the remark that the
       CHECK(std::any_of(robot.remarks.begin(), robot.remarks.end(),
                         [&](const Finding& remark) { return remark.rule == rule; }));
     }
+  }
+}
+
+TEST_CASE("limits of the largest number there is are none") {
+  const auto joint = [](const std::string& type, const std::string& limit) {
+    const std::string text = "<link name=\"x\">BODY</link><joint name=\"k\" type=\"" + type +
+                             "\"><parent link=\"arm\"/><child link=\"x\"/><limit " + limit +
+                             "/></joint>";
+    return read_urdf(robot_of({"", "", text.c_str(), "", 0}), "found.urdf", "x").joints[1];
+  };
+  // What simulators write for a joint without them.
+  const std::string none = "effort=\"1.79769e+308\" velocity=\"1.7976931348623157e+308\" ";
+  const Joint turning = joint("revolute", none + "lower=\"-1.79769e+308\" upper=\"1.79769e+308\"");
+  CHECK(turning.type == JointType::Continuous);
+  CHECK(std::isinf(turning.max_velocity));
+  CHECK(std::isinf(turning.max_effort));
+  const Joint between = joint("revolute", none + "lower=\"-1\" upper=\"1\"");
+  CHECK(between.type == JointType::Revolute);
+  CHECK(between.upper == 1);
+  CHECK(std::isfinite(joint("prismatic", none + "lower=\"-1e308\" upper=\"1e308\"").upper));
+}
+
+TEST_CASE("an origin may state its orientation as a quaternion") {
+  const auto hand = [](const std::string& origin) {
+    const std::string text =
+        "<link name=\"x\"/><joint name=\"f\" type=\"fixed\"><parent link=\"arm\"/><child "
+        "link=\"x\"/><origin xyz=\"1 2 3\" " +
+        origin + "/></joint>";
+    return read_urdf(robot_of({"", "", text.c_str(), "", 0}), "found.urdf", "x").links.back().pose;
+  };
+  const Pose stated = hand("quat_xyzw=\"0 0 0.70710678 0.70710678\"");
+  const Pose turned = hand("rpy=\"0 0 1.5707963267948966\"");
+  CHECK(stated.orientation.angularDistance(turned.orientation) < 1e-8);
+  CHECK(stated.position == turned.position);
+  for (const char* wrong :
+       {"quat_xyzw=\"0 0 0 0\"", "quat_xyzw=\"0 0 1\"", "quat_xyzw=\"0 0 0 1\" rpy=\"0 0 0\""}) {
+    INFO(wrong);
+    CHECK_THROWS_WITH(hand(wrong), Catch::Contains("quat_xyzw"));
   }
 }
 
