@@ -108,7 +108,7 @@ class Reading(unittest.TestCase):
         stated = changed("impact", "magnitud", 1)
         stated["impact"]["direction"] = [1, 0]
         stated["search"] = {"starts": 0}
-        del stated["purpose"]
+        del stated["objective"]
         by_dict = self.refusal(stated)
         stated.update(format="stillbase.problem", version=1)
         with tempfile.TemporaryDirectory() as folder:

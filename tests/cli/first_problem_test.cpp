@@ -39,6 +39,20 @@ TEST_CASE("every shipped arm goes from its file to a verified plan in three comm
   CHECK(arms >= 2);
 }
 
+TEST_CASE("the shipped problems with mounted arms plan and verify", "[.slow]") {
+  const Workshop shop;
+  for (const std::string name : {"mounted_six_joint", "mounted_seven_joint", "mounted_two_arms"}) {
+    const std::string problem = "'" + source_path("problems/" + name + ".yaml") + "'";
+    const Outcome plan = shop.run("plan " + problem + " -o " + name + ".json");
+    INFO(name << plan.err);
+    REQUIRE(plan.code == 0);
+    // The plan carries hulls and parts: its files are not needed.
+    const Outcome verify = shop.run("verify " + name + ".json");
+    INFO(verify.err << verify.out);
+    CHECK(verify.code == 0);
+  }
+}
+
 TEST_CASE("arms as people have them go from their file to a verified plan") {
   // Adjacent capsules stand a centimetre and a half apart, and fingers reach beyond the hand link.
   const std::string capsule = "<capsule radius=\"0.05\" length=\"0.18\"/>";

@@ -115,8 +115,9 @@ class Walk {
 
 TEST_CASE("every number of a written plan has a unit, every array a shape, every vector a frame") {
   std::set<std::string> seen;
-  for (const char* name : {"planar_two_link_c2_a", "planar_three_link_client", "spart_given_push",
-                           "servicer_compromise", "iiwa_client_50"}) {
+  for (const char* name :
+       {"planar_two_link_c2_a", "planar_three_link_client", "spart_given_push",
+        "servicer_compromise", "iiwa_client_50", "mounted_six_joint", "mounted_two_arms"}) {
     INFO(name);
     CaptureProblem problem =
         read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
