@@ -108,12 +108,17 @@ std::string contact_text() {
                          {{"given", "magnitude, direction and moment are stated"},
                           {"point_mass", "p = (1+e) v_n / (n' W_h n + 1/m_t)"},
                           {"rigid_body", "p = (1+e) v_n / (n' W_h n + n' W_t n)"}}) +
+         "\nimpact.contact, what the contact makes of the relative velocity:\n" +
+         described_words(
+             io::words_of(io::kContactLawNames),
+             {{"normal", "an impulse along the normal, with restitution"},
+              {"sticking", "the points move on together; f = (W_h + W_t)^-1 v_rel, no moment"},
+              {"latch", "all six relative velocities vanish; the target stays attached"}}) +
          "\npost_impact.contact.model, how simulations resolve the contact:\n" +
          described_words(
              io::words_of(io::kContactModelNames),
-             {{"jump", "instantaneous impact"},
-              {"compliant", "spring, damper and Coulomb friction over a finite time"},
-              {"latch", "all relative velocities vanish and the target stays attached"}}) +
+             {{"instantaneous", "the impact as planned"},
+              {"compliant", "normal contact: spring, damper and Coulomb friction over a time"}}) +
          "\nimpact.joint_resistance, how the joints resist during the impact:\n" +
          described_words(io::words_of(io::resistance_names()),
                          {{"free", "not at all"},

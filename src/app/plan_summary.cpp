@@ -88,10 +88,12 @@ std::string search_words(const Plan& plan) {
 std::string nearest_words(const Plan& plan) {
   const char* names[] = {"", "C", "C1", "C2", "G2", "G3"};
   const CaseJudgement& judgement = plan.impact.judgement;
-  return fmt::format(
-      "no {} here; residuals: total {}, base part {}, coupling part {} of |f| |r_gh| + |t|",
-      names[static_cast<int>(plan.problem.constraints.impact_case)], size_words(judgement.total),
-      size_words(judgement.base), size_words(judgement.coupling));
+  const bool is_latch = plan.problem.impulse.contact == ContactLaw::Latch;
+  return fmt::format("no {} here; residuals: total {}, base part {}, coupling part {} of {}",
+                     names[static_cast<int>(plan.problem.constraints.impact_case)],
+                     size_words(judgement.total), size_words(judgement.base),
+                     size_words(judgement.coupling),
+                     is_latch ? "the target's momentum" : "|f| |r_gh| + |t|");
 }
 
 /// Changes of the problem that most likely help a search that found nothing.

@@ -176,10 +176,15 @@ std::vector<double> stiffnesses() {
   return list;
 }
 
-/// The case with a restitution that a spring-damper can leave.
+/// The normal contact of the case with a restitution that a spring-damper can leave.
 ContactCase checked_case(ContactCase subject) {
   if (!subject.target || !(subject.impulse > 0) || !(subject.closing_speed > 0)) {
     throw CommandLineError("--contact-table: needs a target that closes in on the hand by a law");
+  }
+  if (subject.law != ContactLaw::Frictionless) {
+    throw CommandLineError(
+        "--contact-table: a spring-damper rebounds and slips, so it approaches impact.contact "
+        "'normal' alone");
   }
   if (subject.resistance.model == ResistanceModel::Locked) {
     throw CommandLineError("--contact-table: a contact that takes time knows no locked joints");

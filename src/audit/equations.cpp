@@ -278,11 +278,12 @@ ContactEvent Equations::event_at(const Configuration& at) const {
 Eigen::VectorXd Equations::residual(const Eigen::VectorXd& x) const {
   const Configuration at = variables_.at(x);
   const ContactEvent event = event_at(at);
-  const PostureResponse response = posture_dynamics(problem_, at.phi);
+  PostureResponse response = posture_dynamics(problem_, at.phi);
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(kRows);
   rows.head<kHandRows>() = hand_rows(problem_, event, at, response.dynamics);
   if (std::find(vanishes_.begin(), vanishes_.end(), true) == vanishes_.end()) return rows;
-  const Vector6d unit = unit_wrench(problem_, event);
+  hold_latched(problem_, event, response);
+  const Vector6d unit = case_wrench(problem_, event, response);
   const reference::Impact impact = response.impact(unit);
   const double scale = response.momentum_scale(unit);
   for (std::size_t i = 0; i < vanishes_.size(); ++i) {

@@ -121,6 +121,9 @@ std::vector<double> distances_from_limits(const Situation& situation) {
   }
   const ContactEvent& event = situation.event;
   out.push_back(closing_speed(problem, event, event.n) - wanted.closing_speed_min);
+  if (problem.impulse.contact == ContactLaw::Sticking) {
+    out.push_back(event.n.dot(situation.impulse().head<3>()));
+  }
   if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
     const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
     for (int k = 0; k < problem.robot.n(); ++k) {
@@ -198,7 +201,10 @@ double typical_objective(const CaptureProblem& problem) {
     const Situation at(problem, variables.at(x));
     ContactEvent event = at.event;
     // A target that moves away counts as if it came.
-    if (event.velocity && event.n.dot(*event.velocity) < 0) event.velocity = -*event.velocity;
+    if (event.velocity && event.n.dot(*event.velocity) < 0) {
+      event.velocity = -*event.velocity;
+      event.omega = -event.omega;
+    }
     const auto impulse = impulse_along(problem, event, at.response, event.n);
     sizes.push_back(std::sqrt(square_of(problem, at.response, impulse)));
     larger.push_back(at.response.impact(impulse).total.norm());

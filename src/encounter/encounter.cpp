@@ -151,8 +151,21 @@ ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& mod
     RigidContact<double> contact;
     contact.law = model.law;
     contact.target = target_at_hand<double>(model, encounter.contact, nominal_scenario(model));
-    return summarize_contact(problem.robot, phi, problem.resistance, contact,
-                             encounter.closing_speed);
+    const auto summary = [&] {
+      return summarize_contact(problem.robot, phi, problem.resistance, contact,
+                               encounter.closing_speed);
+    };
+    const auto exchange_nothing = [&contact] {
+      contact.target.velocity.setZero();
+      contact.target.omega.setZero();
+    };
+    if (!(encounter.closing_speed > 0)) exchange_nothing();
+    const ImpactSummary impact = summary();
+    const bool pulls =
+        model.law == ContactLaw::Sticking && impact.Fbar.head<3>().dot(encounter.F.head<3>()) < 0;
+    if (!pulls) return impact;
+    exchange_nothing();
+    return summary();
   }
   const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
   const auto posture = evaluate_posture<double>(problem.robot, resistance, phi);

@@ -90,10 +90,11 @@ inline constexpr auto kBaseModeNames = names<BaseMode>({{"held", BaseMode::Held}
                                                         {"reaction-null", BaseMode::ReactionNull}});
 inline constexpr auto kPathPolishNames = names<PathPolish>(
     {{"none", PathPolish::None}, {"attitude", PathPolish::Attitude}, {"time", PathPolish::Time}});
-inline constexpr auto kContactModelNames =
-    names<ContactModel>({{"jump", ContactModel::Jump},
-                         {"compliant", ContactModel::Compliant},
-                         {"latch", ContactModel::Latch}});
+inline constexpr auto kContactModelNames = names<ContactModel>(
+    {{"instantaneous", ContactModel::Instantaneous}, {"compliant", ContactModel::Compliant}});
+inline constexpr auto kContactLawNames = names<ContactLaw>({{"normal", ContactLaw::Frictionless},
+                                                            {"sticking", ContactLaw::Sticking},
+                                                            {"latch", ContactLaw::Latch}});
 
 inline auto resistance_names() { return names_up_to(ResistanceModel::Locked); }
 inline auto impact_case_names() { return names_up_to(ImpactCase::C2); }

@@ -37,9 +37,9 @@ void check_attitude_change(MapReader& map, const CaptureProblem& problem) {
                        "after the impact is judged",
                        term->after, spec.horizon));
   }
-  if (spec.contact.model != ContactModel::Jump) {
+  if (spec.contact.model != ContactModel::Instantaneous) {
     refuse("not-supported",
-           "is that after the instantaneous impact: post_impact.contact must be 'jump'");
+           "is that after the instantaneous impact: post_impact.contact must be 'instantaneous'");
   }
 }
 
@@ -206,18 +206,18 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("target", "not-used", "state.covariance.moments: a point mass has none");
   }
 
+  if (impulse.contact != ContactLaw::Latch &&
+      problem.post_impact.model.target_mass_scale != ControllerModelSpec{}.target_mass_scale) {
+    refuse("post_impact", "not-used",
+           "model.target_mass_scale: the controllers know of a target only where impact.contact "
+           "latch holds it");
+  }
   const ContactModel contact = problem.post_impact.contact.model;
-  if (contact != ContactModel::Jump &&
+  if (contact == ContactModel::Compliant &&
       (!problem.target || impulse.source == ImpulseSource::Given)) {
     refuse("post_impact", "missing-key",
            "contact: this model needs a target and a contact law, impact.source point_mass or "
            "rigid_body");
-  }
-  if (contact == ContactModel::Latch &&
-      (impulse.source != ImpulseSource::RigidBody || impulse.restitution != 0)) {
-    refuse("post_impact", "contradiction",
-           "contact: a latch closes as it touches; it needs impact.source rigid_body with "
-           "restitution 0, whose impulse is then the latch's along the normal");
   }
   if (contact == ContactModel::Compliant && impulse.source == ImpulseSource::PointMass) {
     refuse("post_impact", "not-supported",
@@ -229,8 +229,8 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
            "contact: a compliant contact takes time, in which locked joints mean nothing; use "
            "joint_resistance servo");
   }
-  if (contact == ContactModel::Compliant && !problem.post_impact.contact.damping &&
-      !(impulse.restitution >= kLeastRestitution)) {
+  if (contact == ContactModel::Compliant && impulse.contact == ContactLaw::Frictionless &&
+      !problem.post_impact.contact.damping && !(impulse.restitution >= kLeastRestitution)) {
     refuse("post_impact", "out-of-range",
            fmt::format("contact: a spring-damper always leaves some restitution: "
                        "impact.restitution must be at least {}, or damping stated",
@@ -387,6 +387,7 @@ void resolve_cone(MapReader& map, CaptureProblem& problem) {
 void check_sections(MapReader& map, CaptureProblem& problem) {
   const std::vector<Finding>& findings = map.context().findings;
   check_problem(map, problem);
+  check_rigid_contact(map, problem);
   check_margin(map, problem);
   check_rotation(map, problem);
   if (findings.empty()) check_wedge(map, problem);

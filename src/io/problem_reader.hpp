@@ -22,5 +22,7 @@ Json problem_json(const CaptureProblem& problem);
 /// Findings that take several sections at once, which are good by themselves. Puts the half-angle
 /// in place that follows from the covariance of the estimate.
 void check_sections(MapReader& map, CaptureProblem& problem);
+/// Those that a sticking contact or a latch makes.
+void check_rigid_contact(MapReader& map, const CaptureProblem& problem);
 
 }  // namespace stillbase::io

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/encounter/target_motion.hpp>
+#include <stillbase/plan/feature.hpp>
 
 #include "planner/contact_case.hpp"
 
@@ -44,8 +46,14 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
   const Vector3d f = impact.Fbar.head<3>();
   subject.impulse = f.norm();
   subject.closing_speed = impact.closing_speed;
+  subject.law = problem.impulse.contact;
   subject.restitution = problem.impulse.restitution;
-  if (subject.impulse > 0) subject.normal_N = R_NB * (f / subject.impulse);
+  if (subject.law != ContactLaw::Frictionless) {
+    const EncounterModel model = encounter_model(at_feature(problem, configuration.feature));
+    subject.normal_N = R_NB * Vector3d(encounter_at(model, configuration).F.head<3>());
+  } else if (subject.impulse > 0) {
+    subject.normal_N = R_NB * (f / subject.impulse);
+  }
 
   const auto state = target_at_contact(problem, configuration);
   if (!state || problem.impulse.source == ImpulseSource::Given) return subject;

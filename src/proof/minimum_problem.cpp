@@ -222,6 +222,9 @@ namespace stillbase {
 
 std::string minimum_objection(const CaptureProblem& problem) {
   const VariableSpec& variables = problem.variables;
+  if (problem.impulse.contact != ContactLaw::Frictionless) {
+    return "only an impulse along the normal is enclosed, not that of this contact";
+  }
   if (simulates_turn(problem)) return "the turn after the impact is simulated";
   const bool is_mean =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;

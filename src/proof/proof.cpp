@@ -204,8 +204,12 @@ Proof enclose_solutions(const ZeroProblem& problem, const ProofOptions& options)
   }
 }
 
+constexpr const char* kNoBoundForContact =
+    "no bound for this contact: only an impulse along the normal is enclosed";
+
 /// Why a problem cannot be proven; empty: it can.
 std::string objection(const CaptureProblem& problem) {
+  if (problem.impulse.contact != ContactLaw::Frictionless) return kNoBoundForContact;
   if (problem.robot.is_coupled()) return "some joints follow others";
   const VariableSpec& variables = problem.variables;
   const AttitudeFreedom attitude = variables.base_attitude;

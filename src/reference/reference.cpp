@@ -254,4 +254,52 @@ Impact impact(const Dynamics& dynamics, const Eigen::VectorXd& added_inertia,
   return result;
 }
 
+Eigen::Matrix<double, 6, 6> centroid_from_hand(const MetBody& body) {
+  Eigen::Matrix<double, 6, 6> T = Eigen::Matrix<double, 6, 6>::Identity();
+  T.topRightCorner<3, 3>() = cross_matrix(body.r);
+  return T;
+}
+
+Eigen::Matrix<double, 6, 1> impulse_that_joins(const Dynamics& dynamics,
+                                               const Eigen::VectorXd& added_inertia,
+                                               const std::vector<bool>& locked, const MetBody& body,
+                                               bool is_held) {
+  const Eigen::Index n = dynamics.H.rows() - 6, rows = is_held ? 6 : 3;
+  const bool turns = !body.inertia.isZero(0);
+  const Eigen::Index own = turns ? 6 : 3;  // velocities of the body
+  MatrixXd H = dynamics.H, J = dynamics.J.topRows(rows);
+  if (added_inertia.size() != 0) H.diagonal().tail(n) += added_inertia;
+  for (std::size_t k = 0; k < locked.size(); ++k) {
+    if (!locked[k]) continue;
+    const auto at = static_cast<Eigen::Index>(6 + k);
+    H.row(at).setZero();
+    H.col(at).setZero();
+    H(at, at) = 1;
+    J.col(at).setZero();
+  }
+  // Velocity of the body's point at the hand per twist of the body.
+  const MatrixXd to_hand = centroid_from_hand(body).inverse().topLeftCorner(rows, own);
+  MatrixXd M = MatrixXd::Zero(own, own);
+  M.topLeftCorner(3, 3) = body.mass * Matrix3d::Identity();
+  if (turns) M.bottomRightCorner(3, 3) = body.inertia;
+  VectorXd before(own);
+  before.head(3) = body.velocity;
+  if (turns) before.tail(3) = body.omega;
+
+  // H x = J' F, M (y - y0) = -T' F, J x = T y.
+  const Eigen::Index robot = H.rows(), all = robot + own + rows;
+  MatrixXd K = MatrixXd::Zero(all, all);
+  K.topLeftCorner(robot, robot) = H;
+  K.block(robot, robot, own, own) = M;
+  K.bottomLeftCorner(rows, robot) = J;
+  K.block(robot + own, robot, rows, own) = -to_hand;
+  K.topRightCorner(robot, rows) = -J.transpose();
+  K.block(robot, robot + own, own, rows) = to_hand.transpose();
+  VectorXd right = VectorXd::Zero(all);
+  right.segment(robot, own) = M * before;
+  Eigen::Matrix<double, 6, 1> F = Eigen::Matrix<double, 6, 1>::Zero();
+  F.head(rows) = VectorXd(K.fullPivLu().solve(right)).tail(rows);
+  return F;
+}
+
 }  // namespace stillbase::reference

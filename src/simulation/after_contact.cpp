@@ -136,13 +136,16 @@ AfterContact simulate_after_contact(const ContactCase& subject, const PostImpact
                                     const Controller& controller,
                                     const SimulationOptions& options) {
   const bool is_contact = subject.impulse > 0 && subject.closing_speed > 0;
-  if (spec.contact.model != ContactModel::Jump && !subject.target) {
-    throw std::invalid_argument("this model of the contact needs a target");
+  const bool is_compliant = spec.contact.model == ContactModel::Compliant;
+  const bool is_latch = subject.law == ContactLaw::Latch;
+  if ((is_compliant || is_latch) && !subject.target) {
+    throw std::invalid_argument("this contact needs a target");
   }
-  if (is_contact && spec.contact.model == ContactModel::Latch) {
-    return after_latch(subject, spec, controller, options);
+  if (is_compliant && subject.law != ContactLaw::Frictionless) {
+    throw std::invalid_argument("a compliant contact neither sticks nor latches");
   }
-  if (is_contact && spec.contact.model == ContactModel::Compliant) {
+  if (is_contact && is_latch) return after_latch(subject, spec, controller, options);
+  if (is_contact && is_compliant) {
     return through_compliant_contact(subject, spec.contact, controller, options);
   }
   AfterContact result;

@@ -153,7 +153,7 @@ std::vector<std::string> configuration_objections(const Situation& situation,
   for (const Claim& claim : claims.claims()) {
     if (!claim.pass) out.push_back(claim.name);
   }
-  const Vector6d unit = unit_wrench(situation.problem, situation.event);
+  const Vector6d unit = case_wrench(situation.problem, situation.event, situation.response);
   const double off_case = case_residuals(situation.problem, situation.response, unit).wanted;
   if (!(off_case <= options.constraint_tolerance)) out.push_back("case");
   return out;

@@ -62,16 +62,17 @@ void check_case(const Context& context, const Vector6d& Fbar, ClaimList& claims)
   claims.at_most("impact_case", stated.impact_case == found ? 0 : 1, 0, "1",
                  fmt::format("stated {}, found {}", name_of(stated.impact_case), name_of(found)));
   const double scale = response.momentum_scale(Fbar);
+  const std::string size = response.held ? "the momentum of the target" : "|f| |r_gh| + |t|";
   claims.same(
       "case_residuals",
       relative_error(Vector3d(stated.total, stated.base, stated.coupling),
                      Vector3d(residuals.total, residuals.base, residuals.coupling),
                      std::max(1.0, response.rounding_scale(Fbar) / (scale > 0 ? scale : 1))),
-      context.options.recompute_tolerance, "momenta relative to |f| |r_gh| + |t|");
+      context.options.recompute_tolerance, "momenta relative to " + size);
   const VanishingMomenta wanted = vanishing_momenta(context.problem.constraints.impact_case);
   if (wanted.momenta.empty()) return;
   claims.at_most("case_constraint", residuals.wanted, stated.tolerance, "1",
-                 fmt::format("{} left by the impact, relative to |f| |r_gh| + |t|", wanted.names));
+                 fmt::format("{} left by the impact, relative to {}", wanted.names, size));
 }
 
 /// Rank of the coupling matrix, and the joint velocity jump split by its null space.
@@ -121,6 +122,10 @@ void check_impact(const Context& context, ClaimList& claims) {
   const double rounding = response.rounding_scale(Fbar);
   same("impulse_force", stated.Fbar.head<3>(), f, 0, "N s by the contact law");
   same("impulse_moment", stated.Fbar.tail<3>(), t, rounding, "N m s");
+  if (context.problem.impulse.contact == ContactLaw::Sticking) {
+    claims.at_least("contact_pushes", situation.event.n.dot(f), 0, 0, "N s",
+                    "force of the sticking contact along the normal: none that pulls");
+  }
 
   const reference::Impact impact = response.impact(Fbar);
   const double rate_scale = 3 * rounding / response.dynamics.Htilde_omega.trace();

@@ -175,6 +175,33 @@ void fill(ControllerReport& report, const SimulationSummary& summary, const Robo
   }
 }
 
+/// What the plan says of the impact, against the state with which the simulation begins. A
+/// compliant contact takes time: its simulation begins before the impact.
+void check_first_instant(const Context& context, const AfterContact& run, ClaimList& claims) {
+  if (run.encounter) return;
+  constexpr double kInstantsAgree = 1e-9;
+  const ImpactSummary& stated = context.plan.impact;
+  const TraceSample& first = run.simulation.trace.front();
+  const PostureResponse& response = context.situation.response;
+  const double momentum = response.rounding_scale(context.situation.impulse());
+  const double rate = 3 * momentum / response.dynamics.Htilde_omega.trace();
+  double worst = 0;
+  const auto compare = [&](const Eigen::VectorXd& said, const Eigen::VectorXd& found,
+                           double scale) {
+    worst = std::max(worst, relative_error(said, found, scale));
+  };
+  compare(stated.base, first.base, momentum);
+  compare(stated.coupling, first.coupling, momentum);
+  compare(stated.total, first.total, momentum);
+  compare(stated.Delta_Omega.head<3>(), first.state.Omega.head<3>(),
+          stated.Fbar.head<3>().norm() / response.dynamics.mass);
+  compare(stated.Delta_Omega.tail<3>(), first.state.Omega.tail<3>(), rate);
+  compare(stated.Delta_phidot, first.state.phidot, rate);
+  claims.same("first_instant", worst, kInstantsAgree,
+              "momenta and velocities of the plan's impact against those with which its simulation "
+              "begins");
+}
+
 }  // namespace
 
 void check_post_impact(const Context& context, ClaimList& claims,
@@ -195,6 +222,7 @@ void check_post_impact(const Context& context, ClaimList& claims,
     if (report.finished) {
       judge_motion(context, report, run->simulation.summary, claims);
       check_own_motion(context, controller, *run, claims);
+      check_first_instant(context, *run, claims);
       check_target_fate(context, &*run, claims);
     } else {
       claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",

@@ -54,6 +54,21 @@ void check_jump(const Context& context, ClaimList& claims) {
                   "m/s", words(target, separation, closing));
 }
 
+/// Both points move on together; nothing holds them.
+void check_sticking(const Context& context, ClaimList& claims) {
+  const ContactEvent& event = context.situation.event;
+  const reference::MetBody body = met_body(context.problem, event);
+  const Vector3d before = body.velocity + body.omega.cross(body.r);
+  const Vector6d Fbar = context.situation.impulse();
+  const Vector3d hand = (context.situation.response.W * Fbar).head<3>();
+  const Vector3d target = before - (target_response(context.problem, event) * Fbar).head<3>();
+  claims.at_most("target_fate", (hand - target).norm() / before.norm(),
+                 context.options.momentum_tolerance, "1",
+                 fmt::format("sticks without being held: both points move on at {:.4g} m/s; "
+                             "their difference, relative to the target before",
+                             target.norm()));
+}
+
 void check_compliant(const Context& context, const AfterContact& run, ClaimList& claims) {
   const ContactEvent& event = context.situation.event;
   const EncounterResult& encounter = *run.encounter;
@@ -127,15 +142,14 @@ void check_latch(const Context& context, const AfterContact& run, ClaimList& cla
 void check_target_fate(const Context& context, const AfterContact* run, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
   if (!problem.target || problem.impulse.source == ImpulseSource::Given) return;
-  switch (problem.post_impact.contact.model) {
-    case ContactModel::Jump:
-      return check_jump(context, claims);
-    case ContactModel::Compliant:
-      if (run != nullptr && run->encounter) check_compliant(context, *run, claims);
-      return;
-    case ContactModel::Latch:
-      if (run != nullptr) check_latch(context, *run, claims);
-      return;
+  if (problem.impulse.contact == ContactLaw::Latch) {
+    if (run != nullptr) check_latch(context, *run, claims);
+  } else if (problem.impulse.contact == ContactLaw::Sticking) {
+    check_sticking(context, claims);
+  } else if (problem.post_impact.contact.model == ContactModel::Instantaneous) {
+    check_jump(context, claims);
+  } else if (run != nullptr && run->encounter) {
+    check_compliant(context, *run, claims);
   }
 }
 

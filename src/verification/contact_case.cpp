@@ -20,6 +20,7 @@ ContactCase contact_case(const CaptureProblem& problem, const TargetMotion* moti
   subject.after.phidot = impact.Delta_phidot;
   subject.impulse = Fbar.head<3>().norm();
   subject.closing_speed = closing_speed(problem, event, d);
+  subject.law = problem.impulse.contact;
   subject.restitution = problem.impulse.restitution;
   subject.normal_N = base.orientation * d;
   if (motion == nullptr || !problem.target) return subject;

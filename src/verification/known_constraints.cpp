@@ -21,6 +21,7 @@ KnownConstraints::KnownConstraints(const Situation& situation)
   const ConstraintSpec& wanted = problem.constraints;
   add("closing_speed", wanted.closing_speed_min, kInfinity,
       closing_speed(problem, situation.event, situation.event.n));
+  add("contact_push", 0, kInfinity, situation.event.n.dot(situation.impulse().head<3>()));
   add("coupling_singular_value", wanted.coupling_singular_value_min, kInfinity,
       coupling_singular_value(situation.response));
   add("jacobian_singular_value", wanted.jacobian_singular_value_min, kInfinity,
@@ -120,7 +121,7 @@ void KnownConstraints::add_joints() {
 
 void KnownConstraints::add_case() {
   const PostureResponse& response = situation_.response;
-  const Vector6d unit = unit_wrench(situation_.problem, situation_.event);
+  const Vector6d unit = case_wrench(situation_.problem, situation_.event, response);
   const reference::Impact impact = response.impact(unit);
   const double scale = response.rounding_scale(unit);
   add_group("case_total_", {"1", "2", "3"}, impact.total, scale);
@@ -160,6 +161,7 @@ std::vector<std::string> KnownConstraints::demanded() const {
   if (wanted.coupling_singular_value_min > 0) out.push_back("coupling_singular_value");
   if (wanted.jacobian_singular_value_min > 0) out.push_back("jacobian_singular_value");
   if (problem.impulse.source != ImpulseSource::Given) out.push_back("closing_speed");
+  if (problem.impulse.contact == ContactLaw::Sticking) out.push_back("contact_push");
   constexpr double kHalfRotation = 3.14159;  // rad: a larger limit of the angle is none
   if (free.base_attitude == AttitudeFreedom::Cone) out.push_back("base_attitude_cone");
   if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kHalfRotation) {

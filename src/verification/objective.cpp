@@ -22,8 +22,7 @@ double momentum_scale(const TermCase& at) { return at.response.rounding_scale(at
 double impulse_size(const TermCase& at) { return at.Fbar.head<3>().norm(); }
 
 double base_momentum(const TermCase& at) {
-  Vector6d momentum =
-      at.response.dynamics.H.topLeftCorner<6, 6>() * at.response.impact(at.Fbar).Delta_Omega;
+  Vector6d momentum = at.response.H_b * at.response.impact(at.Fbar).Delta_Omega;
   momentum.tail<3>() /= at.term.length;
   return momentum.norm();
 }
@@ -57,10 +56,8 @@ const QuantityRecord kRecords[] = {
      [](const TermCase& at) { return (at.response.B * at.Fbar).norm(); }, 1, rate_scale,
      &reference::Impact::base},
     {ObjectiveQuantity::TotalAngularMomentum,
-     [](const TermCase& at) {
-       return (at.response.r_gh.cross(Vector3d(at.Fbar.head<3>())) + at.Fbar.tail<3>()).norm();
-     },
-     1, momentum_scale, &reference::Impact::total},
+     [](const TermCase& at) { return at.response.impact(at.Fbar).total.norm(); }, 1, momentum_scale,
+     &reference::Impact::total},
     {ObjectiveQuantity::BaseMomentum, base_momentum, 1, impulse_size, nullptr},
     {ObjectiveQuantity::ImpulseMagnitude, impulse_size, 1, impulse_size, nullptr},
     {ObjectiveQuantity::JointRateNorm,
@@ -269,11 +266,10 @@ std::vector<WeightedSquare> sampled_squares(const CaptureProblem& problem,
                                             const PostureResponse& response) {
   std::vector<WeightedSquare> squares;
   for (const Scenario& scenario : draw_scenarios(problem)) {
-    std::optional<PostureResponse> displaced;
-    if (scenario.joint_offset.size() > 0) {
-      displaced = posture_response(problem, configuration.phi + scenario.joint_offset);
-    }
-    const PostureResponse& at = displaced ? *displaced : response;
+    const bool is_displaced = scenario.joint_offset.size() > 0;
+    PostureResponse at = is_displaced
+                             ? posture_response(problem, configuration.phi + scenario.joint_offset)
+                             : response;
     const Vector6d Fbar = scenario_impulse(problem, motion, configuration, at, scenario);
     squares.push_back({square_of(problem, at, Fbar), scenario.weight});
   }

@@ -105,6 +105,7 @@ ContactEvent contact_event(const CaptureProblem& problem, const TargetMotion* mo
   event.R_NT = motion->state(t).pose.orientation;
   event.n = R_BN * event.feature->normal;
   event.velocity = R_BN * event.feature->velocity;
+  event.omega = R_BN * motion->state(t).angular_velocity;
   event.r = R_BN * event.feature->r;
   const Matrix3d R_BT = R_BN * event.R_NT.toRotationMatrix();
   event.target_inertia = R_BT * problem.target->inertia * R_BT.transpose();
@@ -145,6 +146,7 @@ Eigen::VectorXd velocity_jump(const reference::Impact& impact) {
 }
 
 double PostureResponse::momentum_scale(const Vector6d& Fbar) const {
+  if (held) return held->size;
   const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
   if (r_gh.norm() <= 1e-6 * arms) return rounding_scale(Fbar);
   return Fbar.head<3>().norm() * r_gh.norm() + Fbar.tail<3>().norm();
@@ -152,7 +154,7 @@ double PostureResponse::momentum_scale(const Vector6d& Fbar) const {
 
 double PostureResponse::rounding_scale(const Vector6d& Fbar) const {
   const double arms = dynamics.hand_position.norm() + dynamics.centroid.norm();
-  return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm();
+  return Fbar.head<3>().norm() * arms + Fbar.tail<3>().norm() + (held ? held->size : 0);
 }
 
 PostureResponse posture_dynamics(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
@@ -164,7 +166,40 @@ PostureResponse posture_dynamics(const CaptureProblem& problem, const Eigen::Vec
     response.locked = problem.resistance.locked;
   }
   response.r_gh = response.dynamics.hand_position - response.dynamics.centroid;
+  response.H_b = response.dynamics.H.topLeftCorner<6, 6>();
   return response;
+}
+
+void PostureResponse::hold(const reference::MetBody& body) {
+  const Matrix6d T = reference::centroid_from_hand(body);
+  Matrix6d M = Matrix6d::Zero();
+  M.diagonal().head<3>().setConstant(body.mass);
+  M.bottomRightCorner<3, 3>() = body.inertia;
+  // The body's kinetic energy is one of the hand's velocity.
+  const Eigen::MatrixXd& J = dynamics.J;
+  const Eigen::MatrixXd H = dynamics.H + J.transpose() * (T.transpose() * M * T) * J;
+  const Eigen::Index n = H.cols() - 6;
+  H_b = H.topLeftCorner<6, 6>();
+  // (2), the translation eliminated.
+  const Matrix3d H_vomega = H_b.topRightCorner<3, 3>();
+  const double mass = dynamics.mass + body.mass;
+  dynamics.Htilde_omega = H_b.bottomRightCorner<3, 3>() - H_vomega.transpose() * H_vomega / mass;
+  dynamics.Htilde_omegaphi =
+      H.block(3, 6, 3, n) - H_vomega.transpose() * H.block(0, 6, 3, n) / mass;
+
+  const Vector3d centroid = dynamics.hand_position - body.r;
+  const Vector3d common = (dynamics.mass * dynamics.centroid + body.mass * centroid) / mass;
+  const Vector3d spin = body.inertia * body.omega;
+  const double reduced = dynamics.mass * body.mass / mass;
+  held = HeldMomentum{
+      spin + body.mass * Vector3d(centroid - common).cross(body.velocity),
+      spin.norm() + reduced * (centroid - dynamics.centroid).norm() * body.velocity.norm()};
+}
+
+reference::Impact PostureResponse::impact(const Vector6d& Fbar) const {
+  reference::Impact out = reference::impact(dynamics, added_inertia, locked, Fbar);
+  if (held) out.total = Fbar.isZero(0) ? Vector3d(Vector3d::Zero()) : held->total;
+  return out;
 }
 
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi) {
@@ -177,6 +212,38 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
   return response;
 }
 
+reference::MetBody met_body(const CaptureProblem& problem, const ContactEvent& event) {
+  const bool is_rigid = problem.impulse.source == ImpulseSource::RigidBody;
+  reference::MetBody body;
+  body.mass = problem.target->mass;
+  body.velocity = event.velocity ? *event.velocity : problem.impulse.closing_speed * event.n;
+  if (!is_rigid) return body;
+  body.inertia = event.target_inertia;
+  body.r = event.r;
+  body.omega = event.omega;
+  body.velocity -= event.omega.cross(event.r);
+  return body;
+}
+
+void hold_latched(const CaptureProblem& problem, const ContactEvent& event,
+                  PostureResponse& response) {
+  if (problem.impulse.contact == ContactLaw::Latch) response.hold(met_body(problem, event));
+}
+
+namespace {
+
+Vector6d joining_impulse(const CaptureProblem& problem, const reference::MetBody& body,
+                         const PostureResponse& response) {
+  return reference::impulse_that_joins(response.dynamics, response.added_inertia, response.locked,
+                                       body, problem.impulse.contact == ContactLaw::Latch);
+}
+
+bool is_rigid_contact(const CaptureProblem& problem) {
+  return problem.impulse.contact != ContactLaw::Frictionless;
+}
+
+}  // namespace
+
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d) {
   const ImpulseSpec& impulse = problem.impulse;
@@ -187,6 +254,12 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
     return Fbar;
   }
   const double v_n = closing_speed(problem, event, d);
+  if (is_rigid_contact(problem)) {
+    if (!(v_n > 0)) return Vector6d::Zero();
+    Fbar = joining_impulse(problem, met_body(problem, event), response);
+    const bool pulls = problem.impulse.contact == ContactLaw::Sticking && d.dot(Fbar.head<3>()) < 0;
+    return pulls ? Vector6d(Vector6d::Zero()) : Fbar;
+  }
   double inverse_mass = d.dot(response.W.topLeftCorner<3, 3>() * d) + 1 / problem.target->mass;
   if (impulse.source == ImpulseSource::RigidBody) {
     inverse_mass += rotational_inverse_mass(event.target_inertia, event.r, d);
@@ -195,7 +268,9 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   return Fbar;
 }
 
-Vector6d unit_wrench(const CaptureProblem& problem, const ContactEvent& event) {
+Vector6d case_wrench(const CaptureProblem& problem, const ContactEvent& event,
+                     const PostureResponse& response) {
+  if (is_rigid_contact(problem)) return impulse_along(problem, event, response, event.n);
   Vector6d unit;
   unit << event.n, event.moment;
   if (problem.impulse.source == ImpulseSource::Given) unit.tail<3>() /= problem.impulse.magnitude;
@@ -203,7 +278,7 @@ Vector6d unit_wrench(const CaptureProblem& problem, const ContactEvent& event) {
 }
 
 Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* motion,
-                          const Configuration& configuration, const PostureResponse& response,
+                          const Configuration& configuration, PostureResponse& response,
                           const Scenario& scenario) {
   const ImpulseSpec& impulse = problem.impulse;
   const Matrix3d R_BN = base_axes_of_inertial(configuration);
@@ -212,6 +287,7 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
   if (impulse.direction && impulse.direction_frame == Frame::Inertial) R_BE = R_BN;
 
   double closing_speed = impulse.closing_speed;
+  reference::MetBody body;
   Vector3d r = Vector3d::Zero();  // from the target's centroid to the contact, in E
   if (!impulse.direction) {
     const TargetState state = motion->state(configuration.contact_time + scenario.time_offset);
@@ -220,6 +296,23 @@ Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* mot
     const Vector3d velocity_N =
         state.linear_velocity + state.angular_velocity.cross(state.pose.orientation * r);
     closing_speed = velocity_N.dot(state.pose.orientation * scenario.direction);
+    const bool is_point_mass = impulse.source == ImpulseSource::PointMass;
+    body.velocity = R_BN * (is_point_mass ? velocity_N : state.linear_velocity);
+    body.omega = R_BN * state.angular_velocity;
+  } else {
+    body.velocity = closing_speed * (R_BE * *impulse.direction);
+  }
+  if (is_rigid_contact(problem)) {
+    const Vector3d n = impulse.direction ? *impulse.direction : feature_of(problem)->normal;
+    body.velocity += scenario.closing_speed_offset * (R_BE * n);
+    body.mass = problem.target->mass * scenario.target_mass_factor;
+    if (impulse.source == ImpulseSource::RigidBody) {
+      body.r = R_BE * r;
+      body.inertia =
+          R_BE * problem.target->inertia * R_BE.transpose() * scenario.target_inertia_factor;
+    }
+    if (impulse.contact == ContactLaw::Latch) response.hold(body);
+    return joining_impulse(problem, body, response);
   }
   closing_speed += scenario.closing_speed_offset;
 
@@ -258,11 +351,14 @@ Situation::Situation(const CaptureProblem& stated, const Configuration& configur
     : other_feature_(with_feature(stated, configuration)),
       problem(other_feature_ ? *other_feature_ : stated),
       at(configuration),
-      response(posture_response(problem, at.phi)),
+      response_(posture_response(problem, at.phi)),
+      response(response_),
       hand_N(at.base * Vector3d(response.dynamics.hand_position)),
       R_NH(at.base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation))),
       motion(target_motion(problem, at, hand_N, first_time.value_or(at.contact_time))),
-      event(contact_event(problem, target(), at)) {}
+      event(contact_event(problem, target(), at)) {
+  if (event.missing.empty()) hold_latched(problem, event, response_);
+}
 
 std::optional<Pose> Situation::target_pose() const {
   if (!motion) return std::nullopt;

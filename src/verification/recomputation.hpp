@@ -30,6 +30,7 @@ struct ContactEvent {
   Vector3d n = Vector3d::Zero();               ///< direction of the impulse on the hand, unit, in B
   Vector3d moment = Vector3d::Zero();          ///< given moment impulse in B, N m s
   std::optional<Vector3d> velocity;            ///< with `feature`: of its point in B, m/s
+  Vector3d omega = Vector3d::Zero();           ///< with `feature`: of the target in B, rad/s
   Vector3d r = Vector3d::Zero();               ///< contact point from the target's centroid, B, m
   Matrix3d target_inertia = Matrix3d::Zero();  ///< in B, kg m^2
 };
@@ -53,6 +54,12 @@ std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& probl
 /// [Delta Omega; Delta phidot], 6 + n.
 Eigen::VectorXd velocity_jump(const reference::Impact& impact);
 
+/// Angular momentum that a held target brings along, about the common centroid.
+struct HeldMomentum {
+  Vector3d total = Vector3d::Zero();  ///< in B, N m s
+  double size = 0;                    ///< |I_t omega_t| + m_r |s| |v_t|, see momentum_scale()
+};
+
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
   Eigen::VectorXd phi;               ///< n
@@ -62,12 +69,17 @@ struct PostureResponse {
   Matrix6d W = Matrix6d::Zero();     ///< hand velocity [v; omega] per impulse [f; t] at the hand
   Eigen::Matrix<double, 3, 6> B;     ///< Delta omega = B Fbar
   Vector3d r_gh = Vector3d::Zero();  ///< system centroid to hand, in B, m
+  Matrix6d H_b = Matrix6d::Zero();   ///< inertia of all that moves with the base
+  std::optional<HeldMomentum> held;
 
-  reference::Impact impact(const Vector6d& Fbar) const {
-    return reference::impact(dynamics, added_inertia, locked, Fbar);
-  }
+  /// From now on the hand holds the body: the momenta of impacts, H_b, Htilde_omega and
+  /// Htilde_omegaphi are those of both together.
+  void hold(const reference::MetBody& body);
+
+  reference::Impact impact(const Vector6d& Fbar) const;
   /// |f| |r_gh| + |t|: what angular momenta are measured against. Where hand and centroid coincide
-  /// to 1e-6 of the two arms, it is rounding_scale().
+  /// to 1e-6 of the two arms, it is rounding_scale(). Of a held target |I_t omega_t| + m_r |s|
+  /// |v_t|, s from the robot's centroid to the target's, m_r = M m_t / (M + m_t).
   double momentum_scale(const Vector6d& Fbar) const;
   /// |f| (|r_bh| + |r_bg|) + |t|: sizes of what angular momenta about the centroid are differences
   /// of. Two evaluations agree to a part of this one only.
@@ -77,20 +89,31 @@ struct PostureResponse {
 PostureResponse posture_dynamics(const CaptureProblem& problem, const Eigen::VectorXd& phi);
 PostureResponse posture_response(const CaptureProblem& problem, const Eigen::VectorXd& phi);
 
-/// The impulse [f; t] at the hand along d, by the problem's contact law, in B. Zero when hand and
-/// target separate.
+/// The target right before the contact, in B.
+/// @pre event.missing is empty and the problem has a target
+reference::MetBody met_body(const CaptureProblem& problem, const ContactEvent& event);
+
+/// After a latch: the response holds the target. Else nothing happens.
+void hold_latched(const CaptureProblem& problem, const ContactEvent& event,
+                  PostureResponse& response);
+
+/// The impulse [f; t] at the hand, by the problem's contact law, in B; a normal contact's along d.
+/// Zero when hand and target separate along d, or a sticking contact would pull.
 /// @pre event.missing is empty
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d);
 
-/// The nominal wrench [n; t] per newton second of impulse, in B.
-Vector6d unit_wrench(const CaptureProblem& problem, const ContactEvent& event);
+/// What the cases of an impact are judged with: the nominal wrench [n; t] per newton second of
+/// impulse, in B; of a sticking contact or a latch the whole impulse.
+Vector6d case_wrench(const CaptureProblem& problem, const ContactEvent& event,
+                     const PostureResponse& response);
 
-/// The impulse of one scenario of the uncertainty set, in B.
+/// The impulse of one scenario of the uncertainty set, in B. After a latch the response holds the
+/// scenario's target.
 /// @param motion of the target, reaching beyond the contact by the scenario's time offset; null
 /// without a target
 Vector6d scenario_impulse(const CaptureProblem& problem, const TargetMotion* motion,
-                          const Configuration& configuration, const PostureResponse& response,
+                          const Configuration& configuration, PostureResponse& response,
                           const Scenario& scenario);
 
 /// One configuration under judgement and what follows from it.
@@ -110,9 +133,14 @@ class Situation {
  public:
   const CaptureProblem& problem;  ///< with the contact feature of `at`
   const Configuration at;
-  const PostureResponse response;
-  const Vector3d hand_N;          ///< position of the hand, m
-  const Eigen::Quaterniond R_NH;  ///< hand axes
+
+ private:
+  PostureResponse response_;
+
+ public:
+  const PostureResponse& response;  ///< after a latch with the target
+  const Vector3d hand_N;            ///< position of the hand, m
+  const Eigen::Quaterniond R_NH;    ///< hand axes
   const std::optional<TargetMotion> motion;
   const ContactEvent event;
 

@@ -157,6 +157,7 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   truth.impulse.closing_speed *= 1 + faster;
   truth.impulse.magnitude *= 1 + faster;
   if (event.velocity) *event.velocity *= 1 + faster;
+  event.omega *= 1 + faster;
 
   // The contact is off the hand's origin: its point on the hand is where the impulse acts.
   const Vector3d e1 = d.unitOrthogonal(), e2 = d.cross(e1);
@@ -173,13 +174,17 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
                                : nominal.response.dynamics.hand_rotation;
   truth.robot.p_hand += truth.robot.R_hand * (R_Bhand.transpose() * (offset + miss));
   event.r += offset;
+  const bool is_joining = truth.impulse.contact != ContactLaw::Frictionless;
+  if (event.velocity && is_joining) *event.velocity += event.omega.cross(offset);
 
-  const PostureResponse response = posture_response(truth, at.phi);
+  PostureResponse response = posture_response(truth, at.phi);
+  hold_latched(truth, event, response);
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
   const double least = truth.constraints.closing_speed_min - kFeasibilityTolerance;
   const double speed = closing_speed(truth, event, d);
   outcome.hit = truth.impulse.source == ImpulseSource::Given || (speed > 0 && speed >= least);
+  if (is_joining) outcome.hit = outcome.hit && !Fbar.isZero(0);  // it may pull
   outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
@@ -216,6 +221,7 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   sizes.joint_position = stated.joint_position;
   if (is_predicted) sizes.estimate = problem.target_deviations;
   take(stated.restitution, sizes.restitution);
+  if (problem.impulse.contact != ContactLaw::Frictionless) sizes.restitution = 0;
   take(stated.target_mass, sizes.target_mass);
   take(stated.target_inertia, sizes.target_inertia);
   take(stated.contact_point, sizes.contact_point);

@@ -161,8 +161,8 @@ TEST_CASE("trials that a signal ends are marked in the verdict") {
 
 TEST_CASE("how good the instantaneous impact is, as a table") {
   const Workshop shop;
-  shop.write("latch.yaml", file_text(source_path("problems/servicer_latch.yaml")));
-  const Outcome outcome = shop.run("simulate latch.yaml --contact-table --json");
+  shop.write("hard.yaml", file_text(source_path("problems/servicer_6dof_held.yaml")));
+  const Outcome outcome = shop.run("simulate hard.yaml --contact-table --json");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const json table = json::parse(outcome.out);
@@ -189,7 +189,11 @@ TEST_CASE("how good the instantaneous impact is, as a table") {
     CHECK(row.at("velocity_error").get<double>() <
           row.at("velocity_error_free_joints").get<double>());
   }
-  shop.write("locked.yaml", replaced(shop.text("latch.yaml"), "rotor_inertia, rotor_inertia: 5",
+  shop.write("locked.yaml", replaced(shop.text("hard.yaml"), "rotor_inertia, rotor_inertia: 5",
                                      "locked, locked: all"));
   CHECK(shop.run("simulate locked.yaml --contact-table").code == 2);
+  const Outcome latch =
+      shop.run("simulate " + source_path("problems/servicer_latch.yaml") + " --contact-table");
+  CHECK(latch.code == 2);
+  CHECK(latch.err.find("impact.contact 'normal' alone") != std::string::npos);
 }

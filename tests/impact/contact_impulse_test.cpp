@@ -9,6 +9,7 @@
 #include <stillbase/impact/attach_target.hpp>
 #include <stillbase/impact/contact.hpp>
 #include <stillbase/impact/contact_impulse.hpp>
+#include <stillbase/impact/gradient.hpp>
 #include <stillbase/reference/reference.hpp>
 #include <stillbase/target/target.hpp>
 
@@ -353,6 +354,31 @@ TEST_CASE("a target on a hand that is fixed to the base moves the base frame wit
   CHECK((L - L_whole).norm() <= kRelative * L.norm());
   CHECK((w.hand_position + s - d.hand_position).norm() <= kRelative);
   CHECK(whole.base.centroid.norm() == 0);
+}
+
+TEST_CASE("the impulse that joins hand and target is Gauss's multiplier as well") {
+  int joined = 0;
+  double worst = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Encounter e = random_encounter(77, static_cast<std::uint64_t>(trial), true);
+    if (e.contact.law == ContactLaw::Frictionless) continue;
+    e.Omega.setZero();
+    const ContactOutcome out =
+        apply_contact(e.robot, e.phi, e.Omega, e.phidot, e.resistance, e.contact, e.target);
+    if (out.impulse.status != ContactStatus::Hit) continue;
+    ++joined;
+    const ImpactResistance prepared = prepare_resistance(e.resistance, e.robot.n());
+    const bool is_point = e.target.is_point_mass();
+    const reference::MetBody body{e.target.mass, e.target.inertia,
+                                  is_point ? Vector3d(Vector3d::Zero()) : e.target.r,
+                                  e.target.velocity, e.target.angular_velocity};
+    const Vector6d F = reference::impulse_that_joins(reference::compute(e.robot, {e.phi, {}, {}}),
+                                                     prepared.added_inertia, prepared.locked, body,
+                                                     e.contact.law == ContactLaw::Latch);
+    worst = std::max(worst, (F - out.impulse.Fbar).norm() / out.impulse.Fbar.norm());
+  }
+  CHECK(joined > 40);
+  CHECK(worst < 1e-9);
 }
 
 }  // namespace stillbase

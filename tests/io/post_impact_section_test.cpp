@@ -84,10 +84,7 @@ TEST_CASE("contact, sensors, model and thrusters are read, and the normalised co
 TEST_CASE("a contact is named by a word alone, and damping follows from the restitution") {
   CHECK(read_with("  contact: compliant\n").post_impact.contact.model == ContactModel::Compliant);
   CHECK_FALSE(read_with("  contact: compliant\n").post_impact.contact.damping);
-  CHECK(read_with("  contact: latch\n", "0").post_impact.contact.model == ContactModel::Latch);
-  CHECK(read_with("  contact: latch\n  model: {target_mass_scale: 0}\n", "0")
-            .post_impact.model.target_mass_scale == 0);
-  CHECK(read_with("").post_impact.contact.model == ContactModel::Jump);
+  CHECK(read_with("").post_impact.contact.model == ContactModel::Instantaneous);
 }
 
 TEST_CASE("a section that makes no sense is refused with its key") {
@@ -97,15 +94,16 @@ TEST_CASE("a section that makes no sense is refused with its key") {
   const Bad bads[] = {
       {"  contact: glue\n", "0.1", "free", "post_impact.contact"},
       {"  contact: {stiffness: 1e5}\n", "0.1", "free", "post_impact.contact.model"},
-      {"  contact: {model: jump, stiffness: 1e6}\n", "0.1", "free", "not-used"},
-      {"  contact: {model: latch, friction: 0.1}\n", "0", "free", "not-used"},
+      {"  contact: {model: instantaneous, stiffness: 1e6}\n", "0.1", "free", "not-used"},
+      {"  contact: latch\n", "0", "free", "post_impact.contact: 'latch' moved to impact.contact"},
+      {"  contact: {model: latch}\n", "0", "free", "'latch' moved to impact.contact"},
+      {"  contact: jump\n", "0.1", "free", "'jump' is called 'instantaneous'"},
       {"  contact: {model: compliant, stiffness: 0}\n", "0.1", "free", "stiffness"},
       {"  contact: {model: compliant, damping: -1}\n", "0.1", "free", "damping"},
       {"  contact: {model: compliant, damping: much}\n", "0.1", "free", "damping"},
       {"  contact: {model: compliant, colour: red}\n", "0.1", "free", "colour"},
       {"  contact: compliant\n", "0", "free", "always leaves some restitution"},
       {"  contact: compliant\n", "0.1", "{model: locked, locked: all}", "locked"},
-      {"  contact: latch\n", "0.1", "free", "restitution 0"},
       {"  sensor: {delay: 0.015 s}\n", "0.1", "free", "whole number of control periods"},
       {"  sensor: {base_rate_error: -1}\n", "0.1", "free", "base_rate_error"},
       {"  sensor: {joint_rate_error: .nan}\n", "0.1", "free", "joint_rate_error"},

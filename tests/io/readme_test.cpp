@@ -66,7 +66,7 @@ variables:
   base_position: {freedom: free}
   contact_time: {lower: 0, upper: 1}
 objective: OBJECTIVE
-post_impact: {contact: {model: jump}, sensor: {}, model: {}, thrusters: {}}
+post_impact: {contact: {model: instantaneous}, sensor: {}, model: {}, thrusters: {}}
 obstacles: [{name: o, position: [9, 9, 9], geometry: {sphere: {radius: 1}}}]
 )";
 

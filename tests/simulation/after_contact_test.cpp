@@ -112,12 +112,12 @@ TEST_CASE("friction of the contact changes what the target leaves", "[simulation
 
 TEST_CASE("a latch holds the target, and a controller without it in its model does worse",
           "[simulation]") {
-  const ContactCase subject = random_case(0);
+  ContactCase subject = random_case(0);
+  subject.law = ContactLaw::Latch;
   Controller rns;
   rns.kind = ControllerKind::RnsDamped;
   rns.joint_rate_edge = 100;
   PostImpactSpec spec;
-  spec.contact.model = ContactModel::Latch;
   const AfterContact held = simulate_after_contact(subject, spec, rns, short_run(2));
   CHECK(held.is_held);
   double mass = 0, mass_held = held.robot.base.mass;
@@ -131,12 +131,22 @@ TEST_CASE("a latch holds the target, and a controller without it in its model do
   CHECK(unknown.simulation.summary.attitude_turned > 1.5 * held.simulation.summary.attitude_turned);
 }
 
+TEST_CASE("a compliant contact neither sticks nor latches", "[simulation]") {
+  ContactCase subject = random_case(0.5);
+  PostImpactSpec spec;
+  spec.contact.model = ContactModel::Compliant;
+  for (const ContactLaw law : {ContactLaw::Sticking, ContactLaw::Latch}) {
+    subject.law = law;
+    CHECK_THROWS_AS(run(subject, spec, 0.1), std::invalid_argument);
+  }
+}
+
 TEST_CASE("without a contact the robot continues its motion", "[simulation]") {
   ContactCase subject = random_case(0);
+  subject.law = ContactLaw::Latch;
   subject.impulse = 0;
   subject.after = subject.before;
   PostImpactSpec spec;
-  spec.contact.model = ContactModel::Latch;
   const AfterContact run_on = run(subject, spec, 0.1);
   CHECK_FALSE(run_on.is_held);
   CHECK(run_on.simulation.summary.peak_base_rate == 0);

@@ -102,7 +102,7 @@ export function risks(document) {
           digits(rate, 3)} deg/s after ${digits(record.times.at(-1))} s.`);
   }
   // The instantaneous impact knows one contact: what closes afterwards would touch once more.
-  const jumps = plan.problem.post_impact?.contact?.model === 'jump';
+  const jumps = plan.problem.post_impact?.contact?.model === 'instantaneous';
   const closing = (jumps ? scene.after ?? [] : []).flatMap(record => {
     const soon = record.closing_speeds.filter((speed, i) => record.times[i] <= 2);
     const most = record.held ? 0 : Math.max(0, ...soon);

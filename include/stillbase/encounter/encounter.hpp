@@ -203,7 +203,8 @@ double impulse_magnitude(const EncounterModel& model, const Encounter<double>& e
                          double hand_inverse_mass);
 
 /// The nominal impact at a configuration: the impulse by the problem's contact law, and all that
-/// follows from it. No nonlinear program is built.
+/// follows from it. No impulse where the bodies separate, or a sticking contact would pull. No
+/// nonlinear program is built.
 /// @throws InputError as encounter_model()
 ImpactSummary impact_at(const CaptureProblem& problem, const Configuration& configuration);
 /// The same at a known encounter. @param model of the problem; phi n

@@ -15,11 +15,10 @@ enum class ContactLaw {
   Latch          ///< all six relative velocities become zero: a grasp that closes at once
 };
 
-/// Contact of hand and target in a simulation.
+/// How a simulation resolves the contact of hand and target.
 enum class ContactModel {
-  Jump,       ///< the instantaneous impact of the contact law
-  Compliant,  ///< spring-damper and Coulomb friction over a finite time, both bodies moving
-  Latch       ///< a grasp that closes at once; the target stays attached
+  Instantaneous,  ///< the impact of the contact law; after a latch the target stays attached
+  Compliant       ///< Frictionless: spring-damper and Coulomb friction over a finite time
 };
 
 /// Frictionless impact along n: p = (1+e) v_n / (n' W_h n + n' W_t n); 0 when v_n <= 0.

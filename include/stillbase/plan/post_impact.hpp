@@ -12,9 +12,9 @@
 
 namespace stillbase {
 
-/// Contact of hand and target in the simulation.
+/// How the simulation resolves the contact of hand and target, whose law is the problem's.
 struct ContactSpec {
-  ContactModel model = ContactModel::Jump;
+  ContactModel model = ContactModel::Instantaneous;
   double stiffness = 1e5;         ///< Compliant: N/m
   std::optional<double> damping;  ///< Compliant: N s/m; empty: leaves the problem's restitution
   double friction = 0;            ///< Compliant: Coulomb coefficient
@@ -38,7 +38,7 @@ struct SensorSpec {
 struct ControllerModelSpec {
   double base_mass_scale = 1;    ///< on mass and inertia of the base
   double arm_mass_scale = 1;     ///< on mass and inertia of the arm's bodies
-  double target_mass_scale = 1;  ///< Latch: on those of the target; 0: the model has no target
+  double target_mass_scale = 1;  ///< after a latch: on those of the target; 0: it has none
   double friction_scale = 0;     ///< fraction of the robot file's joint friction to compensate
 };
 

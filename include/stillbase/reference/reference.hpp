@@ -54,4 +54,27 @@ struct Impact {
 Impact impact(const Dynamics& dynamics, const Eigen::VectorXd& added_inertia,
               const std::vector<bool>& locked, const Eigen::Matrix<double, 6, 1>& Fbar);
 
+/// A body that the hand meets, right before the contact; in B.
+struct MetBody {
+  double mass = 0;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   ///< about its centroid; zero: a point mass
+  Eigen::Vector3d r = Eigen::Vector3d::Zero();         ///< from its centroid to the hand, m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the centroid, m/s
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();     ///< rad/s
+};
+
+/// Twist of the body [v of its centroid; omega] per twist [v; omega] of its point at the hand.
+Eigen::Matrix<double, 6, 6> centroid_from_hand(const MetBody& body);
+
+/// Impulse [f; t] on the hand of a robot at rest where the hand's point and the body's move on
+/// together, with one angular velocity too (`is_held`) or without a moment. By Gauss's principle:
+/// the velocities after it are those that differ least, in kinetic energy, from those before among
+/// all that keep together; solved with its multipliers, which are the impulse.
+/// @param added_inertia, locked as in impact()
+/// @pre a body that is held has an inertia
+Eigen::Matrix<double, 6, 1> impulse_that_joins(const Dynamics& dynamics,
+                                               const Eigen::VectorXd& added_inertia,
+                                               const std::vector<bool>& locked, const MetBody& body,
+                                               bool is_held);
+
 }  // namespace stillbase::reference

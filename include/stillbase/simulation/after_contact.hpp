@@ -1,4 +1,5 @@
-// The motion from the contact of hand and target on, by one of the models of the contact.
+// The motion from the contact of hand and target on: by the contact's law at once, or through a
+// compliant contact.
 //
 // Assumptions: the robot waits in its posture; the contact point is the origin of the hand frame. A
 // compliant contact begins one control period (10 ms at most) before time zero, on which the target
@@ -22,11 +23,12 @@ struct ContactCase {
   JointResistance resistance;
   PlantState before;         ///< of the robot that waits
   PlantState after;          ///< right after the instantaneous impact
-  double impulse = 0;        ///< of the contact law with free joints' resistance as stated, N s
+  double impulse = 0;        ///< force part, by the contact law with the stated resistance, N s
   double closing_speed = 0;  ///< m/s
-  double restitution = 0;
-  Vector3d normal_N = Vector3d::UnitX();  ///< of the impulse on the hand, unit
-  std::optional<TargetAtContact> target;  ///< needed for all but ContactModel::Jump
+  ContactLaw law = ContactLaw::Frictionless;
+  double restitution = 0;                 ///< Frictionless
+  Vector3d normal_N = Vector3d::UnitX();  ///< of the contact, towards the hand; unit
+  std::optional<TargetAtContact> target;  ///< needed by a latch and a compliant contact
 };
 
 struct AfterContact {
@@ -43,8 +45,8 @@ struct AfterContact {
 /// @param spec its contact, and the target in the controller's model
 /// @param options its controller's robot is that without a target; start_time must be zero
 /// @throws InputError when sizes or options make no sense, std::invalid_argument when the model
-///   needs a target and there is none, or a compliant contact has to leave less than
-///   kLeastRestitution
+///   needs a target and there is none, a compliant contact has another law than Frictionless, or
+///   has to leave less than kLeastRestitution
 [[nodiscard]] AfterContact simulate_after_contact(const ContactCase& subject,
                                                   const PostImpactSpec& spec,
                                                   const Controller& controller,

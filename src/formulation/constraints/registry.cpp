@@ -6,7 +6,7 @@ using AddConstraints = void(const CaptureModel&, ConstraintSet&);
 
 AddConstraints add_hand_position, add_station_box, add_hand_axis, add_hand_pose, add_case_total,
     add_case_base, add_case_coupling, add_joint_rate, add_coupling_margin, add_jacobian_margin,
-    add_clearance, add_closing_speed, add_attitude_cone, add_attitude_angle;
+    add_clearance, add_closing_speed, add_contact_push, add_attitude_cone, add_attitude_angle;
 
 ConstraintSet constraints_of(const CaptureModel& model) {
   static constexpr AddConstraints* kConstraints[] = {
@@ -22,6 +22,7 @@ ConstraintSet constraints_of(const CaptureModel& model) {
       add_jacobian_margin,  // least singular value of the generalized Jacobian
       add_clearance,        // distances between bodies
       add_closing_speed,    // of hand and target
+      add_contact_push,     // a sticking contact does not pull
       add_attitude_cone,    // base axis within its cone
       add_attitude_angle    // base attitude within an angle
   };

@@ -44,6 +44,10 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     "`given` (direction and magnitude), `point_mass` or `rigid_body` (contact laws; `rigid_body` "
     "needs a feature)",
     kNeeded);
+  t("contact", Word(impulse.contact, kContactLawNames),
+    "what the contact makes of the relative velocity of hand and target: `normal` (impulse along "
+    "the direction, with `restitution`), `sticking` (no slip, no moment) or `latch` (all six "
+    "relative velocities vanish and the target stays attached; needs `rigid_body`)");
   double angle = 0;
   t("direction",
     Either({Instead("feature", !impulse.direction),
@@ -66,7 +70,8 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     "`given`: moment impulse", {.frame = "`frame`"});
   t("closing_speed", Number(impulse.closing_speed, Dimension::Velocity, kSpeed),
     "beside a stated direction: speed along it");
-  t("restitution", Number(impulse.restitution, {.lower = 0, .upper = 1}), "coefficient");
+  t("restitution", Number(impulse.restitution, {.lower = 0, .upper = 1}),
+    "coefficient of the `normal` contact");
   t("joint_resistance", resistance_of(problem.resistance, problem.robot),
     "how joints resist during the impact: `free` or a map", {.without = "`free`"});
 }

@@ -17,12 +17,10 @@ namespace {
 
 void contact_fields(Table& t, ContactSpec& contact) {
   t("model", Word(contact.model, kContactModelNames),
-    "`jump` (the instantaneous impact), `compliant` (spring-damper and Coulomb friction, finite "
-    "duration, both bodies moving; needs `rigid_body` and no `locked` joints) or `latch` (all six "
-    "relative velocities vanish and the target stays attached: momentum, inertia and controllers "
-    "include it; needs `rigid_body` with restitution 0). The search knows the impulse along the "
-    "normal alone",
-    {.need = Need::Required, .without = "`jump`", .decides = true});
+    "`instantaneous` (the impact as planned) or `compliant` (spring-damper and Coulomb friction, "
+    "finite duration, both bodies moving; needs `impact.contact: normal`, `rigid_body` and no "
+    "`locked` joints)",
+    {.need = Need::Required, .without = "`instantaneous`", .decides = true});
   // A contact must be resolved in time: half a period of 1 kg on 1e9 N/m is 0.1 ms.
   t("stiffness", Number(contact.stiffness, Dimension::LinearStiffness, {.lower = 1, .upper = 1e9}),
     "`compliant`");
@@ -60,21 +58,27 @@ void sensor_fields(Table& t, SensorSpec& sensor, double control_period) {
                                  sensor.delay, control_period));
 }
 
-void model_fields(Table& t, ControllerModelSpec& model, ContactModel contact) {
+void model_fields(Table& t, ControllerModelSpec& model) {
   const Range scale{.lower = 0.01, .upper = 100}, part{.lower = 0, .upper = 100};
   t("base_mass_scale", Number(model.base_mass_scale, scale),
     "factor on mass and inertia of the base");
   t("arm_mass_scale", Number(model.arm_mass_scale, scale), "factor on those of the arm's bodies");
   t("target_mass_scale", Number(model.target_mass_scale, part),
-    "`latch`: factor on those of the target; 0: the controllers do not know of it");
+    "after a latch: factor on those of the target; 0: the controllers do not know of it");
   t("friction_scale", Number(model.friction_scale, part),
     "part of the robot file's joint friction that the controllers compensate");
-  if (t.reader() == nullptr || contact == ContactModel::Latch ||
-      model.target_mass_scale == ControllerModelSpec{}.target_mass_scale) {
-    return;
+}
+
+/// Words that were contacts of the simulation once: why they are no more, with what to write.
+std::string moved_contact(MapReader& map) {
+  const Node* contact = map.find("contact");
+  const Node* word = contact == nullptr || is_scalar(*contact) ? contact : contact->find("model");
+  if (word == nullptr || !is_scalar(*word)) return "";
+  if (word->text == "latch") {
+    return "'latch' moved to impact.contact, where search and simulation both use it; state it "
+           "there, and leave this one out";
   }
-  t.reader()->refuse("target_mass_scale", "not-used",
-                     "the controllers know of a target only where contact latch holds it");
+  return word->text == "jump" ? "'jump' is called 'instantaneous'" : "";
 }
 
 void thruster_fields(Table& t, ThrusterSpec& thrusters) {
@@ -121,12 +125,18 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "`rns_handback`: after the impact; `rns_damped` until then");
   t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kGain),
     "`rns_handback`: the wheels take this part of the momentum per second, as far as they can");
-  t("contact", Map([&](Table& m) { contact_fields(m, spec.contact); }, {.alone = "model"}),
-    "how hand and target interact in the simulations of `verify` and `simulate`: a model alone, "
-    "or a map");
+  const std::string moved = t.reader() == nullptr ? "" : moved_contact(*t.reader());
+  if (moved.empty()) {
+    t("contact", Map([&](Table& m) { contact_fields(m, spec.contact); }, {.alone = "model"}),
+      "how the simulations of `verify` and `simulate` resolve the contact: a model alone, or a "
+      "map");
+  } else {
+    t.reader()->child("contact");
+    t.reader()->refuse("contact", "moved", moved);
+  }
   t("sensor", Map([&](Table& m) { sensor_fields(m, spec.sensor, spec.control_period); }),
     "errors of the controllers' measurements, independent and normal at every control instant");
-  t("model", Map([&](Table& m) { model_fields(m, spec.model, spec.contact.model); }),
+  t("model", Map([&](Table& m) { model_fields(m, spec.model); }),
     "the controllers' model where it differs from the robot");
   t("thrusters", Map([&](Table& m) { thruster_fields(m, spec.thrusters); }),
     "attitude thrusters of the base: the moment -gain H~omega omega, each axis of B cut at "
