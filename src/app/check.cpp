@@ -17,6 +17,7 @@
 #include "app/check_report.hpp"
 #include "app/command_line.hpp"
 #include "app/page_documents.hpp"
+#include "app/window_words.hpp"
 
 namespace stillbase::app {
 
@@ -117,7 +118,7 @@ void print_next(const std::string& file, const std::string& kind) {
 
 /// Every file is looked at, whatever is wrong with the ones before it.
 int check_files(const CheckRequest& request) {
-  request.page.check({".html", ".htm"});
+  request.page.check({".html", ".htm", ".csv", ".svg"});
   int code = kDone;
   std::vector<CheckedFile> drawn;
   std::optional<RobotModel> robot;
@@ -145,7 +146,15 @@ int check_files(const CheckRequest& request) {
   if (drawn.empty()) {
     throw CommandLineError("-o: a page shows robots and problems; a plan has one by `report`");
   }
-  request.page.write(check_page(drawn));
+  const std::string extension = extension_of(request.page.path);
+  const bool is_window = extension == ".csv" || extension == ".svg";
+  if (is_window && (drawn.size() != 1 || !drawn.front().problem)) {
+    throw CommandLineError("-o " + request.page.path +
+                           ": contact windows are those of one problem");
+  }
+  request.page.write(extension == ".csv"   ? window_csv(*drawn.front().problem)
+                     : extension == ".svg" ? window_svg(*drawn.front().problem)
+                                           : check_page(drawn));
   say(fmt::format("written to {}", request.page.path));
   return kDone;
 }
@@ -169,8 +178,10 @@ Command check_command() {
           {"--suggest-contacts", "",
            "sample postures: links that always touch, ready to paste, and links that never do",
            &request->suggests_contacts}} +
-          output_options(request->page, "-o,--output",
-                         "page (HTML) that draws the robots and problems"),
+          output_options(
+              request->page, "-o,--output",
+              "page (.html) that draws the robots and problems; closing speeds of one problem's "
+              "features over time as .csv or .svg"),
       [request] { return check_files(*request); }};
 }
 

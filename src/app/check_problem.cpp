@@ -13,6 +13,7 @@
 #include <stillbase/io/problem_file.hpp>
 
 #include "app/check_report.hpp"
+#include "app/window_words.hpp"
 #include "app/words.hpp"
 #include "collision/mounted_arms.hpp"
 
@@ -153,7 +154,7 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
                         problem.target->is_point_mass ? ", a point mass" : "");
     text += remark_lines(target_suspicions(*problem.target));
   }
-  text += impulse_words(problem);
+  text += impulse_words(problem) + window_words(problem);
   text += fmt::format("joints during the impact: {}\n", to_string(problem.resistance.model));
   text += fmt::format("objective: {}\n", objective_name(problem));
   for (const ObjectiveTerm& term : problem.objective) {

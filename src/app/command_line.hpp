@@ -69,6 +69,7 @@ Command verify_command();
 Command audit_command();
 Command campaign_command();
 Command bench_command();
+Command predict_command();
 Command export_command();
 Command report_command();
 Command schema_command();

@@ -18,6 +18,7 @@
 #include "app/check_report.hpp"
 #include "app/command_line.hpp"
 #include "app/plan_summary.hpp"
+#include "app/window_words.hpp"
 #include "app/words.hpp"
 #include "io/fields/results.hpp"
 
@@ -227,6 +228,11 @@ int plan_capture(const PlanRequest& request) {
   if (!broken.empty()) {
     say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
                     broken, plan.problem.post_impact.controllers.front()));
+  }
+  const bool is_met = plan.status != PlanStatus::Infeasible && arrives(plan);
+  if (std::string windows = window_words(plan.problem); !is_met && !windows.empty()) {
+    windows.pop_back();
+    say(windows);
   }
   if (plan.status == PlanStatus::Infeasible) {
     say_next({"check", request.problem});

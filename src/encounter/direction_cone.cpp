@@ -9,23 +9,18 @@
 
 namespace stillbase {
 
-namespace {
-
-// Beyond this the direction is a guess, and the integration takes seconds.
-constexpr double kMaxRotation = 300;  // rad
-
-/// Upper bound (rad) of the rotation of the target over `duration`, deviations of the estimate
-/// counted in.
-double rotation_bound(const CaptureProblem& problem, double duration) {
-  const TargetBody& body = *problem.target;
+double rotation_bound(const TargetEstimate& estimate, const EstimateDeviations& deviations,
+                      double duration) {
+  const TargetBody& body = estimate.body;
   if (body.is_point_mass) return 0;
-  const EstimateDeviations& sigma = *problem.target_deviations;
   const Vector3d moments = principal_moments(body.inertia);
   // The energy keeps |omega|^2 <= I_max / I_min |omega_0|^2; the unscented points are sqrt(3) off.
-  const double moment_ratio = moments[2] / moments[0] * std::exp(4 * sigma.moments.maxCoeff());
+  const double moment_ratio = moments[2] / moments[0] * std::exp(4 * deviations.moments.maxCoeff());
   return duration * std::sqrt(moment_ratio) *
-         (problem.target_state.angular_velocity.norm() + 2 * sigma.angular_velocity.maxCoeff());
+         (estimate.state.angular_velocity.norm() + 2 * deviations.angular_velocity.maxCoeff());
 }
+
+namespace {
 
 /// The contact feature of a problem at instants spread evenly over the window of contact times,
 /// ends included (one when the time is fixed), with the uncertainty of the estimate carried there.
@@ -39,14 +34,15 @@ std::vector<ContactPrediction> predict_contacts(const CaptureProblem& problem) {
   }
   const double start = problem.target_state.time;
   const double duration = std::max(std::abs(lower - start), std::abs(upper - start));
-  if (!(rotation_bound(problem, duration) <= kMaxRotation)) {
+  const TargetEstimate estimate{*problem.target, problem.target_state};
+  if (!(rotation_bound(estimate, *problem.target_deviations, duration) <= kMaxPredictedRotation)) {
     throw std::invalid_argument(
         "the target may rotate by more than 300 rad from its estimate to the contact; its "
         "direction "
         "cannot be predicted");
   }
-  return predict_contact({*problem.target, problem.target_state},
-                         covariance_of(*problem.target_deviations), chosen_feature(problem), times);
+  return predict_contact(estimate, covariance_of(*problem.target_deviations),
+                         chosen_feature(problem), times);
 }
 
 }  // namespace

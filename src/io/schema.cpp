@@ -66,6 +66,9 @@ std::vector<Format> formats() {
        "What `stillbase simulate --contact-table --json` prints: contacts that take time beside "
        "the instantaneous impact.",
        [table = io::ContactTable{}](Table& t) mutable { io::contact_table_fields(t, table); }},
+      {"prediction",
+       "What `stillbase predict` says of a target over time: its state and contact features, in N.",
+       [x = io::TargetPrediction{}](Table& t) mutable { io::prediction_fields(t, x); }},
       {"pareto", "Two quantities against each other: what `stillbase plan --pareto A,B` found.",
        [front = TradeOff{}](Table& t) mutable { io::pareto_fields(t, {}, front); }},
       {"campaign_result", "What `stillbase campaign merge` says of all trials.",

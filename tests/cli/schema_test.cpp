@@ -140,6 +140,14 @@ TEST_CASE("analyses and inspections are what their schemas say") {
               unused);
 }
 
+TEST_CASE("predictions are what their schema says") {
+  const Workshop shop;
+  const std::string range = " --from 0 --to 2 --step 1 --json";
+  require_fit(shop, "prediction",
+              {output(shop.run("predict " + shipped("ets7_client") + range)),
+               output(shop.run("predict " + shipped("iiwa_client_50") + range))});
+}
+
 TEST_CASE("simulations and contact tables are what their schemas say") {
   const Workshop shop;
   shop.write_changed("soft.yaml", "problems/iiwa_client_50.yaml", "post_impact:\n",

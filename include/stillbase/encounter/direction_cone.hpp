@@ -6,6 +6,15 @@
 
 namespace stillbase {
 
+/// Largest rotation of a target over which its covariance is propagated, rad: beyond it the
+/// direction is a guess, and the integration takes seconds.
+inline constexpr double kMaxPredictedRotation = 300;
+
+/// Upper bound (rad) of the rotation of the target over `duration` (s), deviations of the estimate
+/// counted in.
+double rotation_bound(const TargetEstimate& estimate, const EstimateDeviations& deviations,
+                      double duration);
+
 struct DirectionCone {
   double half_angle = 0;     ///< rad
   ContactPrediction widest;  ///< the contact at which it is reached

@@ -77,6 +77,24 @@ struct ContactTable {
 };
 void contact_table_fields(Table& t, ContactTable& table);
 
+/// A contact feature of the target at one instant.
+struct PredictedFeature {
+  std::string name;
+  Vector3d point = Vector3d::Zero(), normal = Vector3d::Zero(), velocity = Vector3d::Zero();
+  double closing_speed = 0;
+  std::optional<Eigen::MatrixXd> covariance;  ///< 9 x 9 of point, normal and velocity
+};
+/// The target at one instant.
+struct PredictedInstant {
+  TargetState state;
+  std::vector<PredictedFeature> features;
+};
+struct TargetPrediction {
+  std::string target;  ///< its name
+  std::vector<PredictedInstant> instants;
+};
+void prediction_fields(Table& t, TargetPrediction& prediction);
+
 void pareto_fields(Table& t, const CaptureProblem& problem, TradeOff& front);
 
 /// Trials of the same plan or problem with the same seed.
