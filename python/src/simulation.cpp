@@ -57,13 +57,21 @@ py::object simulate(const py::object& object, const std::optional<std::string>& 
   }
   const std::string name = controller ? *controller : named.front();
   LongCall call(time_limit);
+  std::optional<AfterHorizon> beyond;
   AfterContact after = call([&] {
-    return simulate_post_impact(subject.problem, subject.configuration, subject.impact, name,
-                                call.stop());
+    AfterContact run = simulate_post_impact(subject.problem, subject.configuration, subject.impact,
+                                            name, call.stop());
+    if (run.simulation.status == SimulationStatus::Finished) {
+      beyond = motion_after_horizon(subject.problem, subject.configuration, subject.impact, name,
+                                    call.stop());
+    }
+    return run;
   });
   SimulationResult result = std::move(after.simulation);
-  return call.finish(py::cast(std::make_shared<Simulation>(Simulation{
-      {name, std::move(result), std::move(after)}, subject.problem.name, subject.problem.robot})));
+  return call.finish(py::cast(
+      std::make_shared<Simulation>(Simulation{{name, std::move(result), std::move(after), beyond},
+                                              subject.problem.name,
+                                              subject.problem.robot})));
 }
 
 }  // namespace
@@ -147,6 +155,14 @@ void register_simulation(py::module_& m) {
          "The same as the controller asks for it, before the torque limits, N m (N).");
   number("relative_momentum_drift", &SimulationSummary::relative_momentum_drift,
          "Error of the conserved momenta, relative.");
+  simulation.def_property_readonly(
+      "after_horizon",
+      [](const Simulation& s) -> py::object {
+        if (!s.run.after_horizon) return py::none();
+        AfterHorizon after = *s.run.after_horizon;
+        return python_of([&](io::Table& t) { io::after_horizon_fields(t, after); });
+      },
+      "What the joints do after the horizon, as in plan files; None: not computed.");
   simulation.def(
       "to_csv", [](const Simulation& s) { return trace_csv(s.robot, s.run.result.trace); },
       "The trace as CSV, units in the names of the columns.");

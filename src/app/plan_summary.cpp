@@ -306,6 +306,10 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     if (!plan.families.empty()) lines.push_back({"curves", curve_words(plan)});
     if (is_feasible) lines.push_back({"approach", approach_words(plan.approach)});
+    if (plan.after_horizon) {
+      lines.push_back({"afterwards",
+                       after_horizon_words(*plan.after_horizon, plan.problem.post_impact.horizon)});
+    }
     const bool is_proven = proof.status != ProofStatus::NotApplicable || proof.lower_bound;
     if (is_proven || is_verbose) lines.push_back({"proof", proof_words(proof)});
   }

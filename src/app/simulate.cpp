@@ -75,10 +75,15 @@ Run simulate(const Case& subject, const std::string& name, const StopCondition& 
   AfterContact run =
       simulate_post_impact(subject.problem, subject.configuration, subject.impact, name, stop);
   SimulationResult result = std::move(run.simulation);
-  return {name, std::move(result), std::move(run)};
+  Run out{name, std::move(result), std::move(run)};
+  if (out.result.status == SimulationStatus::Finished) {
+    out.after_horizon =
+        motion_after_horizon(subject.problem, subject.configuration, subject.impact, name, stop);
+  }
+  return out;
 }
 
-std::string run_words(const RobotModel& robot, const Run& run) {
+std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
   const SimulationSummary& summary = run.result.summary;
   const TraceSample &first = run.result.trace.front(), &last = run.result.trace.back();
   std::string text =
@@ -105,6 +110,9 @@ std::string run_words(const RobotModel& robot, const Run& run) {
     text += fmt::format("  limit reached   {} {} at {:.3f} s\n",
                         robot.joints[static_cast<std::size_t>(event.joint)].name,
                         to_string(event.kind), event.time);
+  }
+  if (run.after_horizon) {
+    text += "  afterwards      " + after_horizon_words(*run.after_horizon, horizon) + '\n';
   }
   return text;
 }
@@ -300,7 +308,7 @@ int simulate_motion(const SimulateRequest& request) {
     if (request.plot.is_given()) {
       for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
     }
-    words += run_words(robot, run);
+    words += run_words(robot, subject.problem.post_impact.horizon, run);
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }

@@ -63,6 +63,15 @@ std::string size_words(double x) {
   return x < kZeroSize ? "0 (below 1e-9)" : fmt::format("{:.3g}", x);
 }
 
+std::string after_horizon_words(const AfterHorizon& after, double horizon) {
+  if (!after.moves) return fmt::format("the joints rest at the horizon of {:.4g} s", horizon);
+  return fmt::format("joints still move at {} rad/s at the horizon of {:.4g} s: {}",
+                     size_words(after.joint_rate), horizon,
+                     after.stop_time ? fmt::format("{} reaches its stop {:.4g} s after the impact",
+                                                   after.joint, *after.stop_time)
+                                     : fmt::format("none reaches a stop within ten horizons"));
+}
+
 std::string count_words(long count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <stillbase/plan/post_impact.hpp>
+#include <stillbase/plan/plan.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase::app {
@@ -23,6 +24,8 @@ bool has_default_limits(const PostImpactSpec& spec);
 /// Three significant digits; "0 (below 1e-9)" for what is zero but for rounding in any unit used.
 std::string size_words(double x);
 inline constexpr double kZeroSize = 1e-9;
+/// "joints still move at 0.11 rad/s at the horizon of 10 s: joint_2 reaches its stop at 18.3 s"
+std::string after_horizon_words(const AfterHorizon& after, double horizon);
 /// "1 body", "3 bodies"
 std::string count_words(long count, const std::string& one, const std::string& many);
 

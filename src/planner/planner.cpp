@@ -8,6 +8,7 @@
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
+#include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
 
 #include "planner/approach_stage.hpp"
@@ -178,10 +179,8 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.objective.worst_direction = worst.direction;
 }
 
-}  // namespace
-
-Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
-  if (problem.variables.features.empty()) return plan_one_feature(problem, options).plan;
+/// Plans for every feature that the problem names, and the best of them.
+Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options) {
   std::vector<PlanOfFeature> plans;
   for (const std::string& feature : problem.variables.features) {
     if (!plans.empty() && options.stop.reached()) break;
@@ -191,6 +190,20 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   Plan best = best_of_features(std::move(plans));
   if (!all) best.status = PlanStatus::Limit;
   return best;
+}
+
+}  // namespace
+
+Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
+  Plan plan = problem.variables.features.empty() ? plan_one_feature(problem, options).plan
+                                                 : plan_features(problem, options);
+  const std::vector<std::string>& controllers = problem.post_impact.controllers;
+  if (!controllers.empty() && !plan.candidates.empty() && plan.status != PlanStatus::Infeasible) {
+    plan.after_horizon =
+        motion_after_horizon(at_feature(plan.problem, plan.configuration.feature),
+                             plan.configuration, plan.impact, controllers.front(), options.stop);
+  }
+  return plan;
 }
 
 PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& options) {

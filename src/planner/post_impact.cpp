@@ -23,6 +23,17 @@ bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*
   return false;
 }
 
+/// As precise as limits are judged by.
+SimulationOptions judging_options(const CaptureProblem& problem, const StopCondition& stop) {
+  SimulationOptions options = plant_options_of(problem.post_impact, problem.robot);
+  options.integrator = IntegratorKind::Dopri5;
+  options.relative_tolerance = 1e-8;
+  options.absolute_tolerance = 1e-10;
+  options.output_period = problem.post_impact.horizon;
+  options.stop = stop;
+  return options;
+}
+
 /// Half a period of the spring between both bodies is how long a contact lasts without damping.
 std::string endless_contact(const ContactCase& subject, const PostImpactSpec& spec) {
   const double mass = subject.impulse / ((1 + subject.restitution) * subject.closing_speed);
@@ -82,18 +93,27 @@ AfterContact simulate_post_impact(const CaptureProblem& problem, const Configura
                                 options);
 }
 
+std::optional<AfterHorizon> motion_after_horizon(const CaptureProblem& problem,
+                                                 const Configuration& configuration,
+                                                 const ImpactSummary& impact,
+                                                 const std::string& name,
+                                                 const StopCondition& stop) {
+  const PostImpactSpec& spec = problem.post_impact;
+  const auto controller = controller_of(spec, name);
+  if (!controller) return std::nullopt;
+  const SimulationOptions options = judging_options(problem, stop);
+  const ContactCase subject = contact_case(problem, configuration, impact);
+  const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
+  return look_beyond_horizon(subject, spec, *controller, options, run);
+}
+
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
   if (spec.controllers.empty()) return "";
   const auto controller = chosen_controller(spec);
   if (!controller) return "no controller " + spec.controllers.front();
-  SimulationOptions options = plant_options_of(spec, problem.robot);
-  options.integrator = IntegratorKind::Dopri5;
-  options.relative_tolerance = 1e-8;
-  options.absolute_tolerance = 1e-10;
-  options.output_period = spec.horizon;
-  options.stop = stop;
+  const SimulationOptions options = judging_options(problem, stop);
   const ContactCase subject = contact_case(problem, configuration, impact);
   const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
   const SimulationResult& result = run.simulation;

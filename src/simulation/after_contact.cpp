@@ -10,6 +10,9 @@
 namespace stillbase {
 namespace {
 
+constexpr double kHorizonsAfter = 10;  ///< that the joints are followed for
+constexpr double kNoTravel = 1e-3;     ///< rad (m) over these: joints that rest
+
 Vector3d hand_of(const ContactCase& subject) {
   return subject.before.base * compute_kinematics(subject.robot, subject.before.phi).r_bh;
 }
@@ -153,6 +156,34 @@ AfterContact simulate_after_contact(const ContactCase& subject, const PostImpact
   result.simulation =
       simulate_post_impact(subject.robot, subject.resistance, subject.after, controller, options);
   return result;
+}
+
+std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
+                                                const PostImpactSpec& spec,
+                                                const Controller& controller,
+                                                const SimulationOptions& options,
+                                                const AfterContact& run) {
+  if (run.simulation.status != SimulationStatus::Finished) return std::nullopt;
+  const JointVectord& phidot = run.simulation.trace.back().state.phidot;
+  AfterHorizon out;
+  out.joint_rate = phidot.norm();
+  out.moves = phidot.size() > 0 &&
+              phidot.cwiseAbs().maxCoeff() * kHorizonsAfter * options.horizon > kNoTravel;
+  if (!out.moves) return out;
+  SimulationOptions longer = options;
+  longer.horizon = kHorizonsAfter * options.horizon;
+  longer.output_period = 0;
+  longer.joint_stops = true;
+  longer.ends_at_stop = true;
+  const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
+  if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
+  for (const LimitEvent& event : after.simulation.summary.limits) {
+    if (event.kind != LimitKind::LowerStop && event.kind != LimitKind::UpperStop) continue;
+    out.stop_time = event.time;
+    out.joint = after.robot.joints[static_cast<std::size_t>(event.joint)].name;
+    break;
+  }
+  return out;
 }
 
 std::vector<ModelCheckRow> check_stiffness(const ContactCase& subject, double friction,

@@ -78,8 +78,9 @@ class ClosedLoop {
   bool handle_events(double t, StateVector& x, Recorder& recorder);
 
   const ContactHistory& contact() const { return contact_; }
-  /// Whether the run has to end with the first contact, and this is over.
+  /// Whether the run has to end with the first contact, and this is over, or with the first stop.
   bool is_over() const {
+    if (options_.ends_at_stop && has_stopped_) return true;
     return encounter_ != nullptr && encounter_->end_with_contact && contact_.contacts > 0 &&
            contact_.phase != ContactPhase::Touching;
   }
@@ -121,6 +122,7 @@ class ClosedLoop {
   JointVectord demanded_;   ///< n; torques of the command before limits
   bool saturated_ = false;
   bool has_started_ = false;
+  bool has_stopped_ = false;  ///< a joint has reached its stop
   std::array<JointMode, kMaxJoints> mode_{};
   std::array<signed char, kMaxJoints> slides_{};  ///< sign of the rate that friction works against
   std::vector<bool> held_;                        ///< n, or empty when no joint is held

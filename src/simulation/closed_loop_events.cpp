@@ -152,6 +152,7 @@ bool ClosedLoop::handle_one_event(double t, StateVector& x, Recorder& recorder) 
       hold(k, JointMode::Sticks);
     } else {
       const bool is_lower = event == JointEvent::LowerStop;
+      has_stopped_ = true;
       recorder.stop_reached(t, k, is_lower ? LimitKind::LowerStop : LimitKind::UpperStop, rate);
       const double rebound = -options_.stop_restitution * rate;
       const bool stays = std::abs(rebound) < kRestRate;

@@ -11,6 +11,10 @@
 namespace stillbase::verification {
 namespace {
 
+/// Relative, between two instants of the same stop: a joint that creeps there carries the errors
+/// of ten horizons.
+constexpr double kSameTime = 1e-3;
+
 struct Momentum {
   Vector3d linear, angular;
 };
@@ -130,6 +134,46 @@ void judge_motion(const Context& context, const ControllerReport& report,
                  context.options.momentum_tolerance, "1", "relative change in N" + under);
 }
 
+/// With the integration of these checks.
+SimulationOptions options_of(const Context& context) {
+  SimulationOptions options = plant_options_of(context.problem.post_impact, context.problem.robot);
+  options.integrator = IntegratorKind::Fehlberg78;
+  options.relative_tolerance = 1e-11;
+  options.absolute_tolerance = 1e-13;
+  options.output_period = context.problem.post_impact.horizon / 20;
+  options.stop = context.options.stop;
+  return options;
+}
+
+/// The plan's statement on the time after the horizon; no check where there is none.
+void check_after_horizon(const Context& context, const ContactCase& subject,
+                         const AfterContact& run, ClaimList& claims) {
+  const char* const name = "after_horizon";
+  const auto& stated = context.plan.after_horizon;
+  if (!stated) return;
+  const PostImpactSpec& spec = context.problem.post_impact;
+  const auto controller = controller_of(spec, spec.controllers.front());
+  const auto found = look_beyond_horizon(subject, spec, *controller, options_of(context), run);
+  if (!found) return claims.not_verified(name, "the simulation beyond the horizon did not finish");
+  Objections objections;
+  const auto words = [](const AfterHorizon& x) {
+    if (!x.moves) return std::string("at rest");
+    if (!x.stop_time) return std::string("moving, no stop within ten horizons");
+    return fmt::format("{} at its stop {:.6g} s after the impact", x.joint, *x.stop_time);
+  };
+  const bool has_stop = stated->stop_time && found->stop_time;
+  const bool is_same = stated->moves == found->moves &&
+                       stated->stop_time.has_value() == found->stop_time.has_value() &&
+                       (!has_stop || stated->joint == found->joint);
+  objections.demand(is_same, "the plan states " + words(*stated));
+  claims.none_wrong(name, objections, words(*found));
+  if (!is_same || !has_stop) return;
+  claims.at_most(
+      "after_horizon_stop_time", std::abs(*stated->stop_time - *found->stop_time),
+      kSameTime * *found->stop_time, "s",
+      fmt::format("stated {:.6g} from {:.6g} recomputed", *stated->stop_time, *found->stop_time));
+}
+
 /// Simulates the motion under one controller.
 /// @return nothing when it did not run; the report says why
 std::optional<AfterContact> simulate(const Context& context, const ContactCase& subject,
@@ -140,14 +184,8 @@ std::optional<AfterContact> simulate(const Context& context, const ContactCase& 
     report.detail = "no controller of this name";
     return std::nullopt;
   }
-  SimulationOptions options = plant_options_of(spec, context.problem.robot);
-  options.integrator = IntegratorKind::Fehlberg78;
-  options.relative_tolerance = 1e-11;
-  options.absolute_tolerance = 1e-13;
-  options.output_period = spec.horizon / 20;
-  options.stop = context.options.stop;
   try {
-    AfterContact run = simulate_after_contact(subject, spec, *controller, options);
+    AfterContact run = simulate_after_contact(subject, spec, *controller, options_of(context));
     const SimulationResult& result = run.simulation;
     const Drift drift = run.encounter ? pair_drift(context.problem, result.trace)
                                       : momentum_drift(context, run.robot, result.trace);
@@ -223,6 +261,7 @@ void check_post_impact(const Context& context, ClaimList& claims,
       judge_motion(context, report, run->simulation.summary, claims);
       check_own_motion(context, controller, *run, claims);
       check_first_instant(context, *run, claims);
+      check_after_horizon(context, subject, *run, claims);
       check_target_fate(context, &*run, claims);
     } else {
       claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",

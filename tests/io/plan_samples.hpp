@@ -74,6 +74,11 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
                    {1.0 / 7, false, false, 1, {}}};
   plan.candidates[1].family = 1;
   plan.candidates[1].is_judged = false;
+  plan.candidates[0].excluded = "after the impact: joint_2 reaches its stop";
+  plan.choice = {1, 0.1 + 0.2};
+  plan.binding = {{"joint_1", true, 1.0 / 3, 1e-9, 0.1 + 0.7, "rad"},
+                  {"closing_speed", false, 0.01, 0, 1e-3, "m/s"}};
+  plan.after_horizon = AfterHorizon{0.1 / 3, true, 8.2 / 3, "joint_2"};
   Approach& approach = plan.approach;
   approach.status = ApproachStatus::Found;
   approach.detail = "a \"quoted\" detail\nwith <two> lines";

@@ -1,5 +1,6 @@
 // The planner's own verdict on the motion after the impact.
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/planner/post_impact.hpp>
@@ -21,6 +22,48 @@ TEST_CASE("a controller that demands more than a joint's torque limit breaks a l
   problem.post_impact.residual_base_rate_max = 1;
   problem.post_impact.attitude_change_max = 3;
   CHECK(post_impact_failure(problem, at, impact, {}) == "joint torques");
+}
+
+TEST_CASE("a joint that moves at the horizon is followed to its stop") {
+  CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
+  const Configuration at{problem.start, problem.base};
+  const ImpactSummary impact = impact_at(problem, at);
+  problem.post_impact.horizon = 1;
+  const auto free = motion_after_horizon(problem, at, impact, "none");
+  REQUIRE(free);
+  REQUIRE(free->moves);
+  CHECK(free->joint_rate > 0);
+
+  // Without a controller the joints go on: stops just in front of where they come to within three
+  // horizons are reached there, by the motion of a longer horizon.
+  CaptureProblem longer = problem;
+  longer.post_impact.horizon = 3;
+  const AfterContact run = simulate_post_impact(longer, at, impact, "none");
+  const PlantState& there = run.simulation.trace.back().state;
+  const int k = std::abs(there.phidot[0]) > std::abs(there.phidot[1]) ? 0 : 1;
+  Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+  (there.phidot[k] > 0 ? joint.upper : joint.lower) = there.phi[k];
+  const auto stopped = motion_after_horizon(problem, at, impact, "none");
+  REQUIRE(stopped);
+  REQUIRE(stopped->stop_time);
+  CHECK(stopped->joint == joint.name);
+  CHECK(*stopped->stop_time == Approx(3).epsilon(1e-6));
+  // Within the horizon nothing is reached, so the limits hold all the same.
+  problem.post_impact.residual_base_rate_max = 10;
+  problem.post_impact.attitude_change_max = 3;
+  problem.post_impact.controllers = {"none"};
+  CHECK(post_impact_failure(problem, at, impact, {}) == "");
+}
+
+TEST_CASE("a joint that rests at the horizon has no time after it") {
+  CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
+  const Configuration at{problem.start, problem.base};
+  ImpactSummary impact = impact_at(problem, at);
+  impact.Fbar.setZero();
+  const auto after = motion_after_horizon(problem, at, impact, "none");
+  REQUIRE(after);
+  CHECK_FALSE(after->moves);
+  CHECK_FALSE(after->stop_time.has_value());
 }
 
 }  // namespace stillbase

@@ -121,6 +121,8 @@ struct Candidate {
   double value = 0;             ///< of the measure that was minimised
   int family = -1;              ///< index of the curve that it is on; -1: none was followed
   bool is_judged = true;        ///< as ObjectiveValue::is_judged
+  /// Of a candidate that ranks before the chosen one: why it was not chosen. Empty: of the others.
+  std::string excluded = {};
 };
 
 enum class ApproachStatus {
@@ -166,6 +168,36 @@ struct Approach {
   double after_polish = 0;               ///< the same of the path as it is; never larger
 };
 
+/// Where the chosen configuration stands among the candidates.
+struct Choice {
+  int better = 0;  ///< candidates that rank before it
+  /// 100 (value - least value) / least value of the measure; empty: the least one is zero.
+  std::optional<double> loss_percent;
+};
+
+/// A limit that is reached at the configuration and without which the measure would be smaller.
+struct BindingLimit {
+  std::string name;       ///< "joint_2", "contact_time", or of a constraint
+  bool is_upper = false;  ///< the upper end of its range
+  double value = 0;       ///< of the limit, in `unit`
+  double margin = 0;      ///< distance from it, in `unit`; >= 0 but for rounding
+  /// How much smaller the measure becomes per unit that the limit is moved outwards, to first
+  /// order, all else chosen anew; in the objective's unit per `unit`, > 0.
+  double multiplier = 0;
+  std::string unit;
+};
+
+/// What the joints do after the horizon of the simulation after the impact.
+struct AfterHorizon {
+  double joint_rate = 0;  ///< |phidot| at the horizon, rad/s (m/s)
+  /// Whether a joint still moves: it would cover more than 1e-3 rad (m) in ten horizons at its
+  /// rate.
+  bool moves = false;
+  /// Of the first joint that reaches a stop within ten horizons: s after the impact. Empty: none.
+  std::optional<double> stop_time;
+  std::string joint;  ///< that reaches it
+};
+
 struct Plan {
   CaptureProblem problem;
   PlanStatus status = PlanStatus::Infeasible;
@@ -178,7 +210,11 @@ struct Plan {
   Certificate certificate;
   std::vector<Candidate> candidates;
   std::vector<SolutionFamily> families;
+  Choice choice;
+  std::vector<BindingLimit> binding;  ///< the largest saving first
   Approach approach;
+  /// Under the problem's first controller; empty: it names none, or the simulation did not finish.
+  std::optional<AfterHorizon> after_horizon;
   std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
   std::map<std::string, double> timing;      ///< s
 };

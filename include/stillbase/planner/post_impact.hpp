@@ -20,6 +20,15 @@ namespace stillbase {
                                                 const std::string& controller,
                                                 const StopCondition& stop = {});
 
+/// What the joints do after the horizon of simulate_post_impact() under this controller.
+/// @return nothing when a simulation did not finish, for a controller of another name, and for a
+///   contact that cannot be simulated
+[[nodiscard]] std::optional<AfterHorizon> motion_after_horizon(const CaptureProblem& problem,
+                                                               const Configuration& configuration,
+                                                               const ImpactSummary& impact,
+                                                               const std::string& controller,
+                                                               const StopCondition& stop = {});
+
 /// The first limit of the problem that is exceeded after the impact under its first controller:
 /// base rate at the horizon, attitude change, joint stops, rates and torques. Empty: none, or the
 /// problem names no controller.

@@ -8,6 +8,7 @@
 
 #include <stillbase/impact/attach_target.hpp>
 #include <stillbase/impact/contact_impulse.hpp>
+#include <stillbase/plan/plan.hpp>
 #include <stillbase/simulation/contact.hpp>
 
 namespace stillbase {
@@ -51,6 +52,17 @@ struct AfterContact {
                                                   const PostImpactSpec& spec,
                                                   const Controller& controller,
                                                   const SimulationOptions& options);
+
+/// What the joints do after the horizon: where one still moves, the same run goes on to ten
+/// horizons, or to the first joint that reaches its stop.
+/// @param run of the same arguments
+/// @return nothing when `run`, or its continuation, did not finish
+/// @throws as simulate_after_contact()
+[[nodiscard]] std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
+                                                              const PostImpactSpec& spec,
+                                                              const Controller& controller,
+                                                              const SimulationOptions& options,
+                                                              const AfterContact& run);
 
 struct LatchedRobot {
   RobotModel robot;        ///< robot and target as one, attach_target()

@@ -52,6 +52,7 @@ struct SimulationOptions {
   bool rate_limits = true;
   bool joint_stops = true;      ///< enforced; false: passing one is reported only
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
+  bool ends_at_stop = false;    ///< the run ends where the first joint reaches its stop
   bool friction = false;        ///< viscous and Coulomb friction of the model
   WheelSpec wheels;             ///< off by default
   ThrusterSpec thrusters;       ///< off by default

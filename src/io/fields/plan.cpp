@@ -184,6 +184,18 @@ static void fields(Table& t, ConstraintValue& constraint) {
   t("violation", Number(constraint.violation, kNonNegative), "", kOwnUnit);
 }
 
+static void fields(Table& t, BindingLimit& limit) {
+  static constexpr auto kEnds = names<bool>({{"lower", false}, {"upper", true}});
+  t("name", Text(limit.name), "of a joint, a variable or a constraint", kNeeded);
+  t("end", Word(limit.is_upper, kEnds), "of its range", kNeeded);
+  t("limit", Number(limit.value), "that is reached", needed("`unit`"));
+  t("margin", Number(limit.margin), "distance from it", needed("`unit`"));
+  t("multiplier", Number(limit.multiplier, kNonNegative),
+    "by which the measure falls per unit that the limit is moved outwards, to first order",
+    needed("`objective.unit` per `unit`"));
+  t("unit", Text(limit.unit), "of limit and margin", kNeeded);
+}
+
 namespace {
 
 void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
@@ -269,6 +281,14 @@ void candidate_fields(Table& t, const CaptureProblem& problem, int families, Can
     "number of the curve in `families` that it is on; null: none was followed", kNeeded);
   t("collision_free", Flag(candidate.collision_free), "at the contact", kNeeded);
   t("collision", Text(candidate.collision), "\"a with b\" when not", kNeeded);
+  t("excluded", WrittenIf(Text(candidate.excluded), !candidate.excluded.empty()),
+    "why it was not chosen, of a candidate that ranks before the chosen one", {.without = "none"});
+}
+
+void choice_fields(Table& t, Choice& choice) {
+  t("better", Integer(choice.better, 0, kMany), "candidates that rank before it", kNeeded);
+  t("loss_percent", OrNull(Number(choice.loss_percent), !choice.loss_percent),
+    "by which its measure exceeds the least one; null: that is zero", needed("%"));
 }
 
 void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& family) {
@@ -353,6 +373,17 @@ static void fields(Table& t, InputFile& input) {
   t("sha256", Text(input.sha256), "of the whole file", kNeeded);
 }
 
+void after_horizon_fields(Table& t, AfterHorizon& after) {
+  t("joint_rate", Number(after.joint_rate, kNonNegative), "norm at the horizon",
+    needed("rad/s (m/s)"));
+  t("moves", Flag(after.moves),
+    "whether a joint would cover more than 1e-3 rad (m) in ten horizons at its rate", kNeeded);
+  t("stop_time", OrNull(Number(after.stop_time), !after.stop_time),
+    "of the first joint that reaches a stop, after the impact; null: none within ten horizons",
+    needed("s"));
+  t("joint", Text(after.joint), "that reaches it; empty: none", kNeeded);
+}
+
 namespace {
 
 /// The robot's text, wherever in the file it stands.
@@ -418,6 +449,17 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
            return Map([&](Table& m) { candidate_fields(m, problem, families, candidate); });
          }),
     "", kNeeded);
+  Choice choice = plan.choice;
+  t("choice",
+    Map([&](Table& m) { choice_fields(m, choice); },
+        {.name = "choice", .is_written = !plan.candidates.empty() && choice.better >= 0}),
+    "where the configuration stands among the candidates", {.without = "not stated"});
+  if (map != nullptr) {
+    if (!map->has("choice")) choice.better = -1;
+    plan.choice = choice;
+  }
+  t("binding", WrittenIf(maps_of(plan.binding), !plan.binding.empty()),
+    "limits that are reached and decide the value, the largest saving first", {.without = "none"});
   t("families",
     List(plan.families,
          [&](SolutionFamily& family) {
@@ -426,6 +468,13 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
     "continua of solutions: curves on which the nominal objective vanishes", kNeeded);
   t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }), "",
     kNeeded);
+  AfterHorizon after = plan.after_horizon.value_or(AfterHorizon{});
+  t("after_horizon",
+    Map([&](Table& m) { after_horizon_fields(m, after); },
+        {.name = "after_horizon", .is_written = plan.after_horizon.has_value()}),
+    "what the joints do after the horizon of the simulation under the first controller",
+    {.without = "no controller, or a simulation that did not finish"});
+  if (map != nullptr && map->has("after_horizon")) plan.after_horizon = after;
   t("solver_calls", Dictionary(plan.solver_calls, [](long& n) { return Integer(n, 0, kMany); }),
     "optimizer or planner and how often it was called", kNeeded);
   t("content_sha256", Text(file.stated_sha256),

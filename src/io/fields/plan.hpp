@@ -18,6 +18,9 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification);
 /// Joint positions, base pose and contact time.
 void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration);
 
+/// What joints do after the horizon of a simulation.
+void after_horizon_fields(Table& t, AfterHorizon& after);
+
 /// The impact object of plans, `inspect` and `analyze`, in B.
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot);
 

@@ -242,6 +242,11 @@ void run_fields(Table& t, const RobotModel& robot, ControllerRun& run) {
            return Map([&](Table& m) { limit_fields(m, robot, event); });
          }),
     "limits of joints that were reached", kNeeded);
+  AfterHorizon after = run.after_horizon.value_or(AfterHorizon{});
+  t("after_horizon",
+    OrNull(Map([&](Table& m) { after_horizon_fields(m, after); }, {.name = "after_horizon"}),
+           !run.after_horizon),
+    "what the joints do after the horizon; null: not computed", kNeeded);
 }
 
 }  // namespace

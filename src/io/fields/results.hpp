@@ -61,6 +61,7 @@ struct ControllerRun {
   std::string controller;
   SimulationResult result;
   AfterContact contact;  ///< without its `simulation`, which is `result`
+  std::optional<AfterHorizon> after_horizon = {};
 };
 struct SimulationRuns {
   std::string problem;
