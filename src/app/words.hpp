@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include <stillbase/plan/post_impact.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
