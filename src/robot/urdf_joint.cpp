@@ -28,16 +28,19 @@ void read_type(Element& element, TreeJoint& out) {
   }
 }
 
-/// A turning joint of an infinite range is endless. Ranges that are not stated are zero, as URDF
-/// says. A rate or effort of zero limits nothing that could be planned with: most files mean that
-/// nobody knew it.
+constexpr double kEndless = 1e4;  // rad: 1600 turns either way, further than a problem can state
+
+/// A turning joint of a range that no joint has is endless. Ranges that are not stated are zero, as
+/// URDF says. A rate or effort of zero limits nothing that could be planned with: most files mean
+/// that nobody knew it.
 void read_limit(Element& limit, Joint& joint) {
   const double lower = limit.limit("lower", Sign::Any);
   const double upper = limit.limit("upper", Sign::Any);
   joint.max_velocity = limit.limit("velocity", Sign::NonNegative);
   joint.max_effort = limit.limit("effort", Sign::NonNegative);
-  if (!joint.is_prismatic() && lower == -kInfinity && upper == kInfinity) {
+  if (joint.type == JointType::Revolute && lower <= -kEndless && upper >= kEndless) {
     joint.type = JointType::Continuous;
+    limit.remark("endless", "a range of 1e4 rad or more either way is taken for none", joint.name);
   }
   if (joint.max_velocity == 0) {
     limit.remark("no-rate-limit", "velocity of <limit> is zero or not stated", joint.name);

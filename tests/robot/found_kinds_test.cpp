@@ -337,6 +337,7 @@ TEST_CASE("limits of the largest number there is are none") {
   const std::string none = "effort=\"1.79769e+308\" velocity=\"1.7976931348623157e+308\" ";
   const Joint turning = joint("revolute", none + "lower=\"-1.79769e+308\" upper=\"1.79769e+308\"");
   CHECK(turning.type == JointType::Continuous);
+  CHECK(joint("revolute", none + "lower=\"-1e+16\" upper=\"1e+16\"").type == JointType::Continuous);
   CHECK(std::isinf(turning.max_velocity));
   CHECK(std::isinf(turning.max_effort));
   const Joint between = joint("revolute", none + "lower=\"-1\" upper=\"1\"");
