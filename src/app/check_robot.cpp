@@ -52,6 +52,11 @@ std::string joint_line(const Joint& joint) {
   if (std::isfinite(joint.max_effort)) {
     text += fmt::format(", {:.6g} {}", joint.max_effort, joint.is_prismatic() ? "N" : "N m");
   }
+  if (joint.rotor_inertia != 0) {
+    text += fmt::format(", drive {:.4g} {} (rotor {:.4g} kg m^2, gear ratio {:.6g})",
+                        joint.reflected_inertia(), joint.is_prismatic() ? "kg" : "kg m^2",
+                        joint.rotor_inertia, joint.gear_ratio);
+  }
   return text + '\n';
 }
 

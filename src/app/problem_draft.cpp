@@ -135,8 +135,9 @@ Draft draft_problem(const DraftRequest& request) {
     start += comma + yaml_word(joint.name) + ": " + joint_value(joint, encounter->start[k]);
     // Rotor inertia times gear ratio squared: published values of harmonic drives lie near this.
     const double effort = std::isfinite(joint.max_effort) ? joint.max_effort : 50;
+    // A drive that the robot file states is part of the robot.
     resistance += fmt::format("{}{}: {:.3g}", comma, yaml_word(joint.name),
-                              std::clamp(0.01 * effort, 0.02, 5.0));
+                              joint.rotor_inertia > 0 ? 0 : std::clamp(0.01 * effort, 0.02, 5.0));
     slides = slides || joint.is_prismatic();
     if (std::isfinite(joint.max_velocity)) fastest = std::max(fastest, joint.max_velocity);
   }

@@ -37,7 +37,8 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
     if (!locked.empty() && locked[static_cast<std::size_t>(k)]) {
       out.inverse_D[k] = S(0);
     } else {
-      out.inverse_D[k] = S(1) / (out.axis[k].dot(U) + S(added_inertia[k]));
+      const double added = added_inertia[k] + robot.joints[k].reflected_inertia();
+      out.inverse_D[k] = S(1) / (out.axis[k].dot(U) + S(added));
     }
     const Vector6<S> share = U * out.inverse_D[k];
     inertia.noalias() -= share * U.transpose();

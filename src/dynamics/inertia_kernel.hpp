@@ -66,7 +66,11 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
       const int row = robot.coordinate(k);
       out.H_bphi.template block<3, 1>(0, row) += p;
       out.H_bphi.template block<3, 1>(3, row) += L;
+      const double ratio = robot.couplings[k].ratio;
       out.H_phi(row, row) += axis_v[k].dot(p) + axis_w[k].dot(L);
+      if (joint.rotor_inertia != 0) {
+        out.H_phi(row, row) += S(ratio * ratio * joint.reflected_inertia());
+      }
       for (int j = joint.parent; j != kBase; j = tree[j].parent) {
         const int column = robot.coordinate(j);
         const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
@@ -81,6 +85,7 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
         out.H_phi(j, k) = value;
         out.H_phi(k, j) = value;
       }
+      if (joint.rotor_inertia != 0) out.H_phi(k, k) += S(joint.reflected_inertia());
     }
     (joint.parent == kBase ? total : subtrees[joint.parent]).add(subtree);
   }

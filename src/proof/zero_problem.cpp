@@ -94,6 +94,12 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
   const ImpactResistance resistance = prepare_resistance(problem.resistance, problem.robot.n());
   out.added_inertia = resistance.added_inertia;
   out.locked = resistance.locked;
+  // Drives are an inertia on the joint's diagonal like any other.
+  for (int k = 0; k < out.robot.n(); ++k) {
+    Joint& joint = out.robot.joints[k];
+    out.added_inertia[k] += joint.reflected_inertia();
+    joint.rotor_inertia = 0;
+  }
 
   const ConstraintSpec& limits = problem.constraints;
   out.has_limits = limits.joint_rate_scale || limits.joint_rate_max.size() > 0 ||

@@ -49,9 +49,9 @@ struct EquationTolerances {
 
 /// Equations and inequalities over the encounter's variables.
 struct ZeroProblem {
-  RobotModel robot;
+  RobotModel robot;  ///< without drives
   VariableEncounter encounter;
-  JointVectord added_inertia;  ///< n
+  JointVectord added_inertia;  ///< n; of resistance and drives
   std::vector<bool> locked;    ///< n, or empty
   CaseConstraint impact_case = CaseConstraint::None;
   std::optional<ResponsePart> zero;  ///< also this momentum vanishes

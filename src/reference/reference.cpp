@@ -203,6 +203,19 @@ Dynamics compute(const RobotModel& robot, const State& state) {
     d.Htilde_omegaphi += part.inertia * J_w.rightCols(n) + part.mass * arm * J_v.rightCols(n);
   }
 
+  // Rotors spin relative to their links alone: T = 1/2 sum I_r (gear_ratio rate)^2.
+  VectorXd rotors = VectorXd::Zero(6 + robot.num_bodies());
+  for (int k = 0; k < robot.num_bodies(); ++k) {
+    const Joint& joint = robot.tree()[k];
+    rotors(6 + k) = joint.rotor_inertia * joint.gear_ratio * joint.gear_ratio;
+  }
+  if (robot.is_coupled()) {
+    const MatrixXd G = coupling_matrix(robot);
+    d.H += G.transpose() * rotors.asDiagonal() * G;
+  } else {
+    d.H.diagonal() += rotors;
+  }
+
   const MovingFrame hand_frame = robot.hand_body == kBase ? MovingFrame{} : frames[robot.hand_body];
   d.hand_position = hand_frame.point(robot.p_hand);
   d.hand_rotation = hand_frame.R * robot.R_hand;

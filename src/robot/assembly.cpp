@@ -232,4 +232,12 @@ void RobotAssembly::limit(const std::string& name, const JointLimits& limits) {
   is_changed_ = true;
 }
 
+void RobotAssembly::drive(const std::string& name, const JointRotor& rotor) {
+  urdf::TreeJoint& source = find(name);
+  if (source.is_fixed) throw AssemblyError("not-used", "is a fixed joint");
+  source.joint.rotor_inertia = rotor.inertia;
+  source.joint.gear_ratio = rotor.gear_ratio;
+  is_changed_ = true;
+}
+
 }  // namespace stillbase

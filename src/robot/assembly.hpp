@@ -53,6 +53,9 @@ class RobotAssembly {
   void lock(const std::string& joint, double position);
   /// @throws AssemblyError no such joint, limits that contradict each other
   void limit(const std::string& joint, const JointLimits& limits);
+  /// The drive of a joint, instead of the file's.
+  /// @throws AssemblyError no such joint, fixed
+  void drive(const std::string& joint, const JointRotor& rotor);
 
   /// The full names of a link of an SRDF file: itself, or with the prefix of each arm that has it.
   std::vector<std::string> links_named(const std::string& name) const;

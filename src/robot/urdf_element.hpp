@@ -63,6 +63,15 @@ class Element {
     if (count < least) find("missing-element", tag() + " needs a <" + name + ">");
     children_.emplace_back(name);
   }
+  /// The same of any number of children, of which what is not asked for needs no remark.
+  template <class Read>
+  void look_into(const char* name, Read read) {
+    for (const auto* e = xml_.FirstChildElement(name); e; e = e->NextSiblingElement(name)) {
+      Element child(*e, findings_);
+      read(child);
+    }
+    children_.emplace_back(name);
+  }
   /// Children that are not read and not worth a remark.
   void ignore(std::initializer_list<std::string_view> names) {
     children_.insert(children_.end(), names);
@@ -108,6 +117,10 @@ std::vector<VisualPart> read_visuals(Element& link, MaterialColors& colors);
 /// The colour of a <material>, if it states one: red, green, blue from 0 to 1.
 std::optional<Vector3d> read_color(Element& material);
 TreeJoint read_joint(Element& element);
+/// The drives of the <transmission> elements of a robot, in the words of Drake:
+/// `drake:rotor_inertia` and `drake:gear_ratio` of the <actuator>, each with a `value`.
+/// @param joints of the file, to which the drives are added
+void read_transmissions(Element& robot, std::vector<TreeJoint>& joints);
 /// The pose of the <origin> of a parent: fixed axes roll, pitch, yaw.
 Pose read_origin(Element& parent);
 

@@ -69,7 +69,7 @@ Tree read_document(std::string_view text, Findings& findings) {
   });
   robot.ignore({"material"});
   robot.leave_out("gazebo", "what it says is for a simulator");
-  robot.leave_out("transmission", "rotors and gears belong in the problem (joint_resistance)");
+  read_transmissions(robot, tree.joints);
   robot.leave_out("ros2_control", "what it says is for a controller");
   robot.finish();
   if (movable > kMaxJoints) {

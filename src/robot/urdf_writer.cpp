@@ -136,6 +136,23 @@ std::string joint_text(const TreeJoint& source) {
                      type, inside);
 }
 
+bool is_driven(const TreeJoint& source) {
+  return !source.is_fixed && source.joint.rotor_inertia != 0;
+}
+
+/// URDF has no word for a rotor: it is that of Drake.
+std::string transmission_text(const TreeJoint& source) {
+  const std::string name = escape_markup(source.joint.name);
+  return fmt::format(
+      "  <transmission name=\"{0}_drive\">\n"
+      "    <type>transmission_interface/SimpleTransmission</type>\n"
+      "    <joint name=\"{0}\"/>\n"
+      "    <actuator name=\"{0}_motor\"><drake:rotor_inertia value=\"{1}\"/>"
+      "<drake:gear_ratio value=\"{2}\"/></actuator>\n"
+      "  </transmission>\n",
+      name, source.joint.rotor_inertia, source.joint.gear_ratio);
+}
+
 }  // namespace
 
 std::string urdf_text(const Tree& tree) {
@@ -143,10 +160,16 @@ std::string urdf_text(const Tree& tree) {
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<!-- Units: m, rad, kg, kg m^2, N m (N), rad/s (m/s). Origins: from the frame of the\n"
       "     parent link (of the link itself inside a link), rpy about fixed axes. -->\n"
-      "<robot name=\"{}\">\n",
-      escape_markup(tree.name));
+      "<robot name=\"{}\"{}>\n",
+      escape_markup(tree.name),
+      std::any_of(tree.joints.begin(), tree.joints.end(), is_driven)
+          ? " xmlns:drake=\"http://drake.mit.edu\""
+          : "");
   for (const TreeLink& link : tree.links) text += link_text(link);
   for (const TreeJoint& joint : tree.joints) text += joint_text(joint);
+  for (const TreeJoint& joint : tree.joints) {
+    if (is_driven(joint)) text += transmission_text(joint);
+  }
   return text + "</robot>\n";
 }
 

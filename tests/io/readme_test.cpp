@@ -27,7 +27,7 @@ std::set<std::string> documented_fields() {
 bool is_described_above(const std::string& key) {
   for (const char* part :
        {"orientation.", "geometry.", "inertia.", "angular_velocity.", "impact.direction.",
-        "robot.base.shape.", "robot.limits.", "robot.locked."}) {
+        "robot.base.shape.", "robot.limits.", "robot.locked.", "robot.rotors."}) {
     if (key.find(part) != std::string::npos) return true;
   }
   return false;

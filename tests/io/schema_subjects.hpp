@@ -130,6 +130,7 @@ robot:
   package_path: [arms]
   locked: {finger_1: 0.02}
   limits: {joint_4: {rate: 0.1, torque: 12}}
+  rotors: {joint_4: {inertia: 1e-4, gear_ratio: 100}}
   start: [0, 0, 0, -1, 0, 1, 0]
 impact: {source: given, direction: [0, 0, -1]}
 objective: base_angular_velocity

@@ -38,12 +38,19 @@ struct JointLimits {
   std::optional<double> force;         ///< of a sliding joint, N
 };
 
+/// The drive of a joint as a problem states it, instead of the file's.
+struct JointRotor {
+  double inertia = 0;     ///< of the rotor about its own axis, kg m^2
+  double gear_ratio = 1;  ///< rate of the rotor per rate of the joint, 1 (prismatic: rad/m)
+};
+
 /// The parts of a robot as a problem states them. All empty: a robot file alone.
 struct RobotParts {
   std::optional<BaseBody> base;
   std::vector<MountedArm> arms;
   std::map<std::string, double> locked;  ///< by joint: rad or m
   std::map<std::string, JointLimits> limits;
+  std::map<std::string, JointRotor> rotors;
   std::vector<std::string> package_path;  ///< folders in which packages of meshes are looked for
 };
 

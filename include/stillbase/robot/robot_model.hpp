@@ -36,6 +36,14 @@ struct Joint {
   double max_effort = kInfinity;      ///< N m or N
   double viscous_friction = 0;        ///< URDF damping, N m s/rad
   double coulomb_friction = 0;        ///< URDF friction, N m
+  double rotor_inertia = 0;           ///< of the drive about its own axis, kg m^2
+  double gear_ratio = 1;  ///< rate of the rotor per rate of the joint, 1 (prismatic: rad/m)
+  /// What the drive adds to the diagonal of H_phi: gear_ratio^2 rotor_inertia, kg m^2 or kg.
+  ///
+  /// The rotor's spin about its axis relative to the link that carries it; its mass belongs to that
+  /// link. Neglected is that the spin also moves with the base and with the joints before this one,
+  /// which is 1 / gear_ratio of it: momentum and bias forces are those without rotors.
+  double reflected_inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }
   bool is_prismatic() const { return type == JointType::Prismatic; }
 };
 

@@ -1,9 +1,34 @@
 // The section `impact`.
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "io/fields/sections.hpp"
 
 namespace stillbase::io {
+
+namespace {
+
+/// The rotor of a joint belongs to the robot or to the resistance, not to both.
+void refuse_second_rotors(MapReader& map, const CaptureProblem& problem) {
+  const JointVectord& stated = problem.resistance.rotor_inertia;
+  if (problem.resistance.model != ResistanceModel::RotorInertia ||
+      stated.size() != problem.robot.n()) {
+    return;
+  }
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    const double reflected = joint.reflected_inertia();
+    if (!(stated[k] > 0) || !(reflected > 0)) continue;
+    map.refuse(
+        "joint_resistance", "stated-twice",
+        fmt::format("rotor_inertia.{}: the joint has a drive of {:.4g} {} already (robot.rotors "
+                    "or the robot file); state 0 here",
+                    joint.name, reflected, joint.is_prismatic() ? "kg" : "kg m^2"));
+  }
+}
+
+}  // namespace
 
 void resistance_values(Table& t, JointResistance& resistance, const RobotModel& robot) {
   switch (resistance.model) {
@@ -74,6 +99,7 @@ void impact_fields(Table& t, CaptureProblem& problem) {
     "coefficient of the `normal` contact");
   t("joint_resistance", resistance_of(problem.resistance, problem.robot),
     "how joints resist during the impact: `free` or a map", {.without = "`free`"});
+  if (t.reader() != nullptr) refuse_second_rotors(*t.reader(), problem);
 }
 
 }  // namespace stillbase::io

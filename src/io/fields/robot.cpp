@@ -100,7 +100,7 @@ std::optional<RobotAssembly> read_parts(MapReader& map, const CaptureProblem& pr
   return assembly;
 }
 
-/// Locks and limits joints. @return false with findings
+/// Limits, drives and locks joints. @return false with findings
 bool finish_parts(MapReader& map, const RobotParts& parts, RobotAssembly& assembly) {
   const std::size_t before = map.context().findings.size();
   const auto say = [&map](const std::string& key, const std::string& name,
@@ -112,6 +112,13 @@ bool finish_parts(MapReader& map, const RobotParts& parts, RobotAssembly& assemb
       assembly.limit(name, limits);
     } catch (const AssemblyError& error) {
       say("limits", name, error);
+    }
+  }
+  for (const auto& [name, rotor] : parts.rotors) {
+    try {
+      assembly.drive(name, rotor);
+    } catch (const AssemblyError& error) {
+      say("rotors", name, error);
     }
   }
   for (const auto& [name, position] : parts.locked) {
@@ -253,8 +260,13 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
   t("limits", limits_of(parts.limits, known),
     "limits of joints by name, `{lower, upper, rate, torque or force}`, instead of the file's",
     {.without = "the file's"});
+  t("rotors", rotors_of(parts.rotors),
+    "drives of joints by name, `{inertia, gear_ratio}`, instead of the file's: gear ratio squared "
+    "times inertia joins the joint's inertia in all dynamics",
+    {.without = "the file's"});
   if (map != nullptr) {
-    const bool is_good = !map->was_refused("locked") && !map->was_refused("limits");
+    const bool is_good =
+        !map->was_refused("locked") && !map->was_refused("limits") && !map->was_refused("rotors");
     if (sources.urdf) {
       problem.urdf = *sources.urdf;
       read_model(*map, problem, problem.urdf_path, hand);

@@ -57,6 +57,15 @@ Map limits_map(JointLimits& limits, JointKind kind) {
   });
 }
 
+Map rotor_map(JointRotor& rotor) {
+  return Map([&rotor](Table& t) {
+    t("inertia", Number(rotor.inertia, Dimension::Inertia, kLarge),
+      "of the rotor about its own axis", kNeeded);
+    t("gear_ratio", Number(rotor.gear_ratio, kLargePositive),
+      "rate of the rotor per rate of the joint, of a prismatic joint in rad/m");
+  });
+}
+
 template <class T>
 std::vector<std::string> keys_of(const std::map<std::string, T>& map) {
   std::vector<std::string> keys;
@@ -140,6 +149,17 @@ Value limits_of(std::map<std::string, JointLimits>& limits, const RobotAssembly*
                                      return limits_map(sample, JointKind::Any);
                                    }),
                    !limits.empty());
+}
+
+Value rotors_of(std::map<std::string, JointRotor>& rotors) {
+  return WrittenIf(
+      DictionaryValue([&rotors] { return keys_of(rotors); },
+                      [&rotors](const std::string& key) { return rotor_map(rotors[key]); },
+                      [] {
+                        static JointRotor sample;
+                        return rotor_map(sample);
+                      }),
+      !rotors.empty());
 }
 
 }  // namespace stillbase::io

@@ -49,6 +49,7 @@ void fields(Table& t, MountedArm& arm);
 /// @param assembly knows the joints; null: any joint, in SI units
 Value locked_of(std::map<std::string, double>& locked, const RobotAssembly* assembly);
 Value limits_of(std::map<std::string, JointLimits>& limits, const RobotAssembly* assembly);
+Value rotors_of(std::map<std::string, JointRotor>& rotors);
 
 /// The keys of a body: name, model, mass, inertia, shapes, features.
 void target_body_fields(Table& t, TargetBody& body);
