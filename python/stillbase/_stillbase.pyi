@@ -487,7 +487,7 @@ def plan(
     *,
     progress: _Progress = ...,
     time_limit: Optional[float] = ...,
-    max_approaches: int = ...,
+    max_approaches: Optional[int] = ...,
 ) -> Plan: ...
 def simulate(
     subject: Union[Problem, Plan],

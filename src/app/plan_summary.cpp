@@ -53,6 +53,77 @@ std::string found_words(const Plan& plan) {
   return text;
 }
 
+/// The joint in which all configurations differ, by whole turns or not; empty: more differs.
+std::string only_difference(const RobotModel& robot, const std::vector<Configuration>& all) {
+  constexpr double kSame = 1e-3;  // rad, m, s
+  int differing = -1;
+  for (const Configuration& at : all) {
+    const Configuration& first = all.front();
+    if ((at.base.position - first.base.position).norm() > kSame ||
+        at.base.orientation.angularDistance(first.base.orientation) > kSame ||
+        std::abs(at.contact_time - first.contact_time) > kSame || at.feature != first.feature) {
+      return "";
+    }
+    for (int k = 0; k < robot.n(); ++k) {
+      if (std::abs(at.phi[k] - first.phi[k]) <= kSame) continue;
+      if (differing >= 0 && differing != k) return "";
+      differing = k;
+    }
+  }
+  return differing < 0 ? "" : robot.joints[static_cast<std::size_t>(differing)].name;
+}
+
+/// Which candidate was chosen, and what excluded the better ones.
+std::string choice_words(const Plan& plan) {
+  std::vector<std::pair<std::string, int>> reasons;
+  std::vector<Configuration> better;
+  for (const Candidate& candidate : plan.candidates) {
+    if (candidate.excluded.empty()) continue;
+    better.push_back(candidate.configuration);
+    const auto known = std::find_if(reasons.begin(), reasons.end(), [&](const auto& entry) {
+      return entry.first == candidate.excluded;
+    });
+    if (known == reasons.end()) {
+      reasons.emplace_back(candidate.excluded, 1);
+    } else {
+      ++known->second;
+    }
+  }
+  std::string text =
+      fmt::format("candidate {} of {}", plan.choice.better + 1, plan.candidates.size());
+  const auto& loss = plan.choice.loss_percent;
+  if (!loss) text += ", the least measure being zero";
+  if (loss && *loss > 0) text += fmt::format(", {:.3g} % above the least measure", *loss);
+  text += plan.choice.better == 1 ? "; the better one"
+                                  : fmt::format("; the {} better ones", plan.choice.better);
+  const std::string joint = only_difference(plan.problem.robot, better);
+  if (!joint.empty()) text += fmt::format(" (one posture but for {})", joint);
+  constexpr std::size_t kMostReasons = 4;
+  for (std::size_t i = 0; i < std::min(reasons.size(), kMostReasons); ++i) {
+    text += fmt::format("{}{}{}", i == 0 ? ": " : "; ",
+                        plan.choice.better > 1 ? fmt::format("{} ", reasons[i].second) : "",
+                        reasons[i].first);
+  }
+  if (reasons.size() > kMostReasons) text += "; others in the plan (candidates[].excluded)";
+  return text;
+}
+
+/// What one more step beyond a binding limit would save, in a size that engineers change it by.
+std::string binding_words(const BindingLimit& limit, const std::string& unit) {
+  const auto size = [&](double x) -> std::pair<double, std::string> {
+    if (limit.unit == "rad") return {x * kDegrees, "deg"};
+    if (limit.unit == "rad/s") return {x * kDegrees, "deg/s"};
+    if (limit.unit == "m") return {1e3 * x, "mm"};
+    if (limit.unit == "m/s") return {1e3 * x, "mm/s"};
+    return {x, limit.unit};
+  };
+  const auto [at, words] = size(limit.value);
+  const double one = 1 / size(1).first;
+  return fmt::format("1 {} beyond the {} end of {}, {:.6g} {}, would save {:.3g} {}", words,
+                     limit.is_upper ? "upper" : "lower", limit.name, at, words,
+                     one * limit.multiplier, unit);
+}
+
 /// The factor is what optimizing over the uncertainty is worth.
 std::string nominal_optimum_words(const Plan& plan) {
   const NominalOptimum& nominal = *plan.nominal_optimum;
@@ -292,12 +363,17 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     if (!is_feasible) lines.push_back({"", search_advice(plan.problem)});
     lines.push_back({"search", search_words(plan)});
+    if (plan.choice.better > 0) lines.push_back({"choice", choice_words(plan)});
     lines.push_back({"posture", posture_words(plan.problem.robot, plan.configuration.phi)});
     lines.push_back({"base", pose_words(plan.configuration.base)});
     lines.push_back({"contact", contact_words(plan)});
     lines.push_back({"impulse", impulse_words(plan.impact)});
     lines.push_back({"momentum", momentum_words(plan.impact)});
     lines.push_back({"case", case_words(plan)});
+    for (const BindingLimit& limit : plan.binding) {
+      const bool is_first = &limit == &plan.binding.front();
+      lines.push_back({is_first ? "binding" : "", binding_words(limit, plan.objective.unit)});
+    }
     lines.push_back({"certificate", certificate_words(plan.certificate)});
     if (is_feasible && proof.status != ProofStatus::Complete) {
       const bool in_rounds = plan.problem.search.starts == kAutomaticStarts &&

@@ -133,8 +133,11 @@ void check_status(const Context& context, ClaimList& claims) {
   const bool may_be_missed = context.problem.search.starts == kAutomaticStarts &&
                              context.problem.measure.kind == RiskMeasure::WorstCase &&
                              certificate.unseen > kUnseenLevel;
-  objections.demand(plan.status != PlanStatus::Feasible || !is_stationary || may_be_missed,
-                    "stated to be only feasible with a small KKT residual");
+  const auto& loss = plan.choice.loss_percent;
+  const bool is_not_best = plan.choice.better > 0 && (!loss || *loss > 0);
+  objections.demand(
+      plan.status != PlanStatus::Feasible || !is_stationary || may_be_missed || is_not_best,
+      "stated to be only feasible with a small KKT residual");
   objections.demand(!proof.gap || *proof.gap >= 0, "the gap of the proof is negative");
   objections.demand(proof.found_by_search <= static_cast<int>(proof.solutions.size()),
                     "the search found more solutions than there are");

@@ -19,12 +19,14 @@ namespace {
 constexpr double kActive = 1e-6;
 constexpr double kGradientStep = 2e-3;   ///< rad, m, s; errors grow with its fourth power
 constexpr double kCurvatureStep = 1e-2;  ///< likewise
-/// Largest KKT residual of a minimum by differences; a plan states 1e-6 with exact derivatives.
+constexpr double kStatedMinimum = 1e-6;  ///< KKT residual of a minimum with exact derivatives
+/// The same by differences.
 constexpr double kMinimum = 1e-5;
 /// The same where each value is a simulation: two integrators agree to a part of 1e-5.
 constexpr double kMinimumSimulated = 1e-3;
-constexpr double kSameResidual = 0.01;   ///< relative, between stated and recomputed large ones
-constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
+constexpr double kSameResidual = 0.01;    ///< relative, between stated and recomputed large ones
+constexpr double kSameMultiplier = 0.01;  ///< relative to the largest one
+constexpr double kSameCurvature = 1e-3;   ///< relative, and of the largest curvature
 
 /// min |C y + b| over y >= 0 (Lawson and Hanson, Solving Least Squares Problems, 1974).
 Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::VectorXd& b) {
@@ -81,7 +83,7 @@ class Stationarity {
  public:
   Stationarity(const CaptureProblem& problem, const Configuration& at)
       : problem_(problem), here_(problem, at), manifold_(problem, at), parts_(here_) {
-    const std::vector<double> distances = distances_from_limits(here_);
+    const std::vector<double> distances = distances_from_limits(here_, &names_);
     for (std::size_t i = 0; i < distances.size(); ++i) {
       if (std::abs(distances[i]) <= kActive) active_.push_back(i);
     }
@@ -95,6 +97,18 @@ class Stationarity {
   double residual() const { return residual_; }
   Eigen::Index directions() const { return open_.cols(); }
   std::size_t active_limits() const { return active_.size(); }
+
+  /// By how much |y|^2 falls, relative to itself, per unit that an active limit is moved outwards.
+  /// @param name "joint_1 upper"; nothing when it is not active
+  std::optional<double> saving(const std::string& name) const {
+    const Eigen::VectorXd parts = parts_.values(here_);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      if (names_[active_[i]] != name) continue;
+      const Eigen::Index k = parts.size() + static_cast<Eigen::Index>(i);
+      return multipliers_[k] / parts.maxCoeff();
+    }
+    return std::nullopt;
+  }
 
   /// Smallest curvature along the directions that the active limits leave open, and the largest.
   std::optional<std::pair<double, double>> curvature() {
@@ -217,6 +231,7 @@ class Stationarity {
   const Situation here_;
   FeasibleManifold manifold_;
   SmoothParts parts_;
+  std::vector<std::string> names_;   ///< of all limits
   std::vector<std::size_t> active_;  ///< of the distances from limits
   Eigen::VectorXd multipliers_;      ///< of the parts, then of the active limits
   Eigen::MatrixXd open_;             ///< directions u that the active limits leave open
@@ -231,7 +246,8 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
       "first-order conditions by differences along the configurations that keep the equations, {} "
       "active limits",
       found.active_limits());
-  if (context.plan.status == PlanStatus::Optimal) {
+  // Also a minimum that other candidates are better than is one.
+  if (context.plan.status == PlanStatus::Optimal || stated <= kStatedMinimum) {
     claims.at_most("kkt_residual", found.residual(), limit, "1", how);
     return;
   }
@@ -273,6 +289,31 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
                              *stated, curvature->first, size));
 }
 
+/// Multipliers of the limits that have a name here. The value is |y|, or |y|^2 of an energy.
+void check_binding(const Context& context, const Stationarity& found, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  if (plan.binding.empty()) return;
+  const double exponent = objective_power(context.problem).exponent;
+  const double relative_slope = plan.objective.value * exponent / 2;
+  double largest = 0, worst = 0;
+  int compared = 0;
+  for (const BindingLimit& limit : plan.binding) {
+    largest = std::max(largest, limit.multiplier);
+  }
+  Objections objections;
+  for (const BindingLimit& limit : plan.binding) {
+    objections.demand(std::abs(limit.margin) <= kActive, limit.name + " is not reached");
+    const auto saving = found.saving(limit.name + (limit.is_upper ? " upper" : " lower"));
+    if (!saving) continue;
+    ++compared;
+    worst = std::max(worst, std::abs(limit.multiplier - *saving * relative_slope) / largest);
+  }
+  claims.none_wrong("binding_limits", objections, "limits that the plan states to be reached");
+  if (compared == 0) return;
+  claims.at_most("binding_multipliers", worst, kSameMultiplier, "1",
+                 fmt::format("of {} limits by differences, relative to the largest", compared));
+}
+
 }  // namespace
 
 void check_stationarity(const Context& context, ClaimList& claims) {
@@ -297,6 +338,7 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (!found.objection().empty()) return give_up(found.objection());
   check_residual(context, found, claims);
   check_curvature(context, found, claims);
+  check_binding(context, found, claims);
 }
 
 }  // namespace stillbase::audit

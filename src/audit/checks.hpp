@@ -16,6 +16,10 @@ void check_nominal_optimum(const Context& context, ClaimList& claims);
 /// The list of constraints: all that the problem demands, each once.
 void check_constraint_list(const Context& context, ClaimList& claims);
 
+/// The candidates that rank before the chosen one, what the choice costs, and that only the best
+/// one is optimal. No check for a plan that does not state its choice.
+void check_choice(const Context& context, ClaimList& claims);
+
 /// First-order conditions and curvature of the chosen configuration, by differences on the feasible
 /// manifold. No check for a plan of a search that a limit ended.
 void check_stationarity(const Context& context, ClaimList& claims);

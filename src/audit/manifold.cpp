@@ -82,37 +82,44 @@ Configuration FeasibleManifold::beside(const Eigen::VectorXd& w) const {
   return with_station(variables_.at(x_ + w.cwiseQuotient(units_)));
 }
 
-std::vector<double> distances_from_limits(const Situation& situation) {
+std::vector<double> distances_from_limits(const Situation& situation,
+                                          std::vector<std::string>* names) {
   const CaptureProblem& problem = situation.problem;
   const Configuration& at = situation.at;
   const VariableSpec& free = problem.variables;
   const ConstraintSpec& wanted = problem.constraints;
   std::vector<double> out;
-  const auto between = [&out](double x, double lower, double upper) {
-    out.push_back(x - lower);
+  const auto single = [&](double distance, const std::string& name = "") {
+    out.push_back(distance);
+    if (names != nullptr) names->push_back(name + " lower");
+  };
+  const auto between = [&](double x, double lower, double upper, const std::string& name = "") {
+    single(x - lower, name);
     out.push_back(upper - x);
+    if (names != nullptr) names->push_back(name + " upper");
   };
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
     if (!free.joints[k] || joint.type == JointType::Continuous) continue;
     between(at.phi[k], joint.lower + wanted.joint_limit_margin,
-            joint.upper - wanted.joint_limit_margin);
+            joint.upper - wanted.joint_limit_margin, joint.name);
   }
   const Eigen::Quaterniond rotation = at.base.orientation * problem.base.orientation.conjugate();
   const Vector3d& axis = free.base_attitude_axis;
   if (free.base_attitude == AttitudeFreedom::Cone) {
-    out.push_back(axis.dot(rotation * axis) - std::cos(free.base_attitude_max));
+    single(axis.dot(rotation * axis) - std::cos(free.base_attitude_max));
   } else if (free.base_attitude == AttitudeFreedom::Axis &&
              free.base_attitude_max < kHalfRotation) {
-    between(rotation_log(rotation).dot(axis), -free.base_attitude_max, free.base_attitude_max);
+    between(rotation_log(rotation).dot(axis), -free.base_attitude_max, free.base_attitude_max,
+            "base_attitude");
   } else if (free.base_attitude == AttitudeFreedom::Free &&
              free.base_attitude_max < kHalfRotation) {
     // Smooth also where the angle is zero, and in rad beside the limit.
     const double most = free.base_attitude_max;
-    out.push_back((most * most - rotation_log(rotation).squaredNorm()) / (2 * most));
+    single((most * most - rotation_log(rotation).squaredNorm()) / (2 * most));
   }
   if (free.contact_time_upper > free.contact_time_lower) {
-    between(at.contact_time, free.contact_time_lower, free.contact_time_upper);
+    between(at.contact_time, free.contact_time_lower, free.contact_time_upper, "contact_time");
   }
   if (free.base_position == PositionFreedom::Box) {
     for (int i = 0; i < 3; ++i) {
@@ -120,23 +127,23 @@ std::vector<double> distances_from_limits(const Situation& situation) {
     }
   }
   const ContactEvent& event = situation.event;
-  out.push_back(closing_speed(problem, event, event.n) - wanted.closing_speed_min);
+  single(closing_speed(problem, event, event.n) - wanted.closing_speed_min, "closing_speed");
   if (problem.impulse.contact == ContactLaw::Sticking) {
-    out.push_back(event.n.dot(situation.impulse().head<3>()));
+    single(event.n.dot(situation.impulse().head<3>()), "normal_impulse");
   }
   if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
     const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
     for (int k = 0; k < problem.robot.n(); ++k) {
       const double limit = joint_rate_limit(problem, k);
-      between(rates[k], -limit, limit);
+      between(rates[k], -limit, limit, "joint_rate_" + problem.robot.joints[k].name);
     }
   }
   if (wanted.coupling_singular_value_min > 0) {
-    out.push_back(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min);
+    single(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min);
   }
   if (wanted.jacobian_singular_value_min > 0) {
-    out.push_back(jacobian_singular_value(situation.response, wanted.jacobian_length) -
-                  wanted.jacobian_singular_value_min);
+    single(jacobian_singular_value(situation.response, wanted.jacobian_length) -
+           wanted.jacobian_singular_value_min);
   }
   if (!wanted.clearance) return out;
   const auto target = situation.target_pose();
@@ -144,7 +151,7 @@ std::vector<double> distances_from_limits(const Situation& situation) {
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
       if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
-      out.push_back(shapes.distance(i, j).value_or(kInfinity) - *wanted.clearance);
+      single(shapes.distance(i, j).value_or(kInfinity) - *wanted.clearance);
     }
   }
   return out;

@@ -43,7 +43,9 @@ class FeasibleManifold {
 /// Distances from the limits of variables and inequalities, each in its own unit; negative beyond
 /// one. The same list at every configuration of a problem, in which the side that the hand's axis
 /// points to is missing: it cannot change where the equations hold.
-std::vector<double> distances_from_limits(const Situation& situation);
+/// @param names unless null: of each limit, as plans name it, with the end: "joint_1 upper"
+std::vector<double> distances_from_limits(const Situation& situation,
+                                          std::vector<std::string>* names = nullptr);
 
 /// Median of |y| over 15 evenly spread configurations, by which the stated curvature is divided.
 double typical_objective(const CaptureProblem& problem);

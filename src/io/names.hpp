@@ -95,6 +95,8 @@ inline constexpr auto kContactModelNames = names<ContactModel>(
 inline constexpr auto kContactLawNames = names<ContactLaw>({{"normal", ContactLaw::Frictionless},
                                                             {"sticking", ContactLaw::Sticking},
                                                             {"latch", ContactLaw::Latch}});
+inline constexpr auto kApproachEffortNames =
+    names<ApproachEffort>({{"first", ApproachEffort::First}, {"best", ApproachEffort::Best}});
 
 inline auto resistance_names() { return names_up_to(ResistanceModel::Locked); }
 inline auto impact_case_names() { return names_up_to(ImpactCase::C2); }

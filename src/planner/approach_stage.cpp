@@ -4,6 +4,7 @@
 #include <iterator>
 #include <list>
 #include <memory>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -21,6 +22,11 @@ namespace {
 bool arrives(const Approach& approach) {
   return approach.status == ApproachStatus::Found ||
          approach.status == ApproachStatus::NotRequested;
+}
+
+std::string no_path_words(const Approach& approach) {
+  return fmt::format("no approach path: {}{}{}", to_string(approach.status),
+                     approach.detail.empty() ? "" : ", ", approach.detail);
 }
 
 class Stage {
@@ -47,6 +53,9 @@ class Stage {
     } else if (base_follows_path(problem_) || !to_any()) {
       one_by_one();
     }
+    if (problem_.approach.effort == ApproachEffort::Best && chosen_.holds) go_on_to_better_ones();
+    excluded_.merge(order_.excluded);
+    chosen_.excluded = std::move(excluded_);
     return chosen_;
   }
 
@@ -107,6 +116,40 @@ class Stage {
     return holds;
   }
 
+  /// Tries the candidates that rank before the reached one by themselves, best first.
+  void go_on_to_better_ones() {
+    if (path_decides(problem_)) return;
+    const Candidate& reached =
+        chosen_.certified ? chosen_.certified->candidate : found_.candidates[chosen_.candidate];
+    const double value = reached.value;
+    for (std::size_t k = 0; k < order_.holding; ++k) {
+      const std::size_t i = order_.order[k];
+      const double gained = value - found_.candidates[i].value;
+      if (options_.stop.reached()) return;
+      if (!(gained > options_.improvement * value) || tried_alone_.count(i) > 0) continue;
+      const Approach approach = approach_to(i, seed_ + k);
+      if (!arrives(approach)) continue;
+      chosen_ = {i, approach, std::nullopt, false, true};
+      return;
+    }
+  }
+
+  /// The path to one candidate.
+  Approach approach_to(std::size_t i, std::uint64_t seed,
+                       std::unique_ptr<ContactRefinement>* contact_out = nullptr) {
+    const Configuration& goal = found_.candidates[i].configuration;
+    const std::optional<TargetMotion> motion = encounter_motion(problem_, goal);
+    std::unique_ptr<ContactRefinement> contact = contact_at(i);
+    const Approach approach =
+        plan_approach(problem_, goal, motion ? &*motion : nullptr, seed, options_.stop,
+                      solver_calls_, contact->solver(), options_.approach);
+    count_calls(*contact);
+    tried_alone_.insert(i);
+    if (!arrives(approach)) excluded_[i] = no_path_words(approach);
+    if (contact_out != nullptr) *contact_out = std::move(contact);
+    return approach;
+  }
+
   /// Tries each candidate, at most `max_approaches`. Where one fails its neighbours mostly fail
   /// too, so that they come last.
   void one_by_one() {
@@ -119,20 +162,15 @@ class Stage {
       (is_new ? sequence : neighbours).push_back(i);
     }
     sequence.insert(sequence.end(), neighbours.begin(), neighbours.end());
-    if (static_cast<int>(sequence.size()) > options_.max_approaches) {
-      sequence.resize(static_cast<std::size_t>(options_.max_approaches));
+    if (static_cast<int>(sequence.size()) > problem_.approach.max_approaches) {
+      sequence.resize(static_cast<std::size_t>(problem_.approach.max_approaches));
     }
     int done = 0;
     for (const std::size_t i : sequence) {
       if (tried_ && options_.stop.reached()) return;
       progress(done++);
-      const Configuration& goal = found_.candidates[order[i]].configuration;
-      const std::optional<TargetMotion> motion = encounter_motion(problem_, goal);
-      const std::unique_ptr<ContactRefinement> contact = contact_at(order[i]);
-      const Approach approach =
-          plan_approach(problem_, goal, motion ? &*motion : nullptr, seed_ + i, options_.stop,
-                        solver_calls_, contact->solver(), options_.approach);
-      count_calls(*contact);
+      std::unique_ptr<ContactRefinement> contact;
+      const Approach approach = approach_to(order[i], seed_ + i, &contact);
       if (take(approach, order[i], contact.get())) return;
     }
   }
@@ -179,6 +217,16 @@ class Stage {
       if (goal.contact) count_calls(*goal.contact);
     }
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
+    for (const Goal& goal : goals) {
+      if (goal.sample) continue;
+      excluded_[goal.candidate] =
+          arrives(any.approach)
+              ? fmt::format(
+                    "a path to another one within approach.goal_factor, {:g}, was found "
+                    "first",
+                    problem_.approach.goal_factor)
+              : no_path_words(any.approach);
+    }
     if (!arrives(any.approach)) {
       if (path_decides(problem_)) chosen_.approach = any.approach;
       return false;
@@ -199,8 +247,8 @@ class Stage {
       const Candidate& candidate = found_.candidates[i];
       // Within the null space any contact that can be reached is a goal: it is improved along the
       // path.
-      const bool is_goal =
-          path_decides(problem_) || is_good(problem_, candidate, best, options_.goal_factor);
+      const bool is_goal = path_decides(problem_) ||
+                           is_good(problem_, candidate, best, problem_.approach.goal_factor);
       if (!is_goal) continue;
       goals.push_back({i, {}, encounter_motion(problem_, candidate.configuration), contact_at(i)});
     }
@@ -217,8 +265,8 @@ class Stage {
     Formulation formulation(problem_);
     formulation.give_up_simulations_at(options_.stop);
     for (const Eigen::VectorXd& x :
-         self_motion_samples(problem_, formulation, points, best, options_.goal_factor,
-                             options_.goal_samples, options_.stop, options_.self_motion)) {
+         self_motion_samples(problem_, formulation, points, best, problem_.approach.goal_factor,
+                             problem_.approach.goal_samples, options_.stop, options_.self_motion)) {
       if (options_.stop.reached()) return;
       Candidate candidate = best;
       candidate.starts_reached = 0;
@@ -234,7 +282,8 @@ class Stage {
   }
 
   void progress(int done) const {
-    if (options_.on_progress) options_.on_progress("approach", done, options_.max_approaches);
+    if (options_.on_progress)
+      options_.on_progress("approach", done, problem_.approach.max_approaches);
   }
 
   const CaptureProblem& problem_;
@@ -246,6 +295,8 @@ class Stage {
   std::map<std::string, long>& solver_calls_;
   CandidateOrder order_;
   ChosenApproach chosen_;
+  std::map<std::size_t, std::string> excluded_;
+  std::set<std::size_t> tried_alone_;  ///< candidates
   bool tried_ = false;
   bool has_fallback_ = false;  ///< an approach to a configuration that breaks a limit afterwards
 };

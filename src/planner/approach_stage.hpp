@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/planner/planner.hpp>
@@ -19,6 +20,8 @@ struct ChosenApproach {
   std::optional<CertifiedCandidate> certified;
   bool is_sample = false;  ///< `certified` stands beside the candidate: a sample of its self-motion
   bool holds = false;      ///< reached, and the limits of the time after the impact are kept
+  /// By index of a candidate that was not chosen: why. Candidates without an entry were not tried.
+  std::map<std::size_t, std::string> excluded = {};
 };
 
 /// Approaches to the candidates of a search that were judged for collisions; see make_plan for the

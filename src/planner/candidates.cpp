@@ -78,11 +78,16 @@ CandidateOrder candidates_to_try(const CaptureProblem& problem,
   CandidateOrder out;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!candidates[i].collision_free) continue;
+    if (!candidates[i].collision_free) {
+      out.excluded[i] = "at the contact: " + candidates[i].collision;
+      continue;
+    }
     const Configuration& at = candidates[i].configuration;
     const auto impact = impact_at(problem, model, encounter_at(model, at), at.phi);
-    const bool holds = !stop.reached() && post_impact_failure(problem, at, impact, stop).empty();
-    (holds ? out.order : others).push_back(i);
+    const std::string failure =
+        stop.reached() ? "not judged" : post_impact_failure(problem, at, impact, stop);
+    if (!failure.empty()) out.excluded[i] = "after the impact: " + failure;
+    (failure.empty() ? out.order : others).push_back(i);
   }
   out.holding = out.order.size();
   out.order.insert(out.order.end(), others.begin(), others.end());

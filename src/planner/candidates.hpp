@@ -2,6 +2,7 @@
 // the search did not find.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ struct CandidateOrder {
   /// the stated pose say little, and all candidates follow. Never empty: the best is always there.
   std::vector<std::size_t> order;
   std::size_t holding = 0;  ///< how many of the first ones keep the limits
+  /// Why a candidate is not among those: what it collides with, or the limit that it exceeds.
+  std::map<std::size_t, std::string> excluded = {};
 };
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
                                  const std::vector<Candidate>& candidates,

@@ -6,6 +6,7 @@
 #include <stillbase/search/search.hpp>
 #include "search/ranking.hpp"
 
+#include "planner/choice.hpp"
 #include "planner/self_motion.hpp"
 
 namespace stillbase {
@@ -45,10 +46,16 @@ bool is_better(const NominalOptimum& a, const NominalOptimum& b) {
   return a.worst_case < b.worst_case;
 }
 
-bool is_same(const Configuration& a, const Configuration& b) {
-  return a.feature == b.feature && a.phi == b.phi && a.contact_time == b.contact_time &&
-         a.base.position == b.base.position &&
-         a.base.orientation.coeffs() == b.base.orientation.coeffs();
+/// What kept the plan of a feature from being chosen.
+std::string failure_of(const PlanOfFeature& one) {
+  if (one.quality == PlanQuality::Solved) {
+    return "no approach path to the candidates of its feature: " +
+           to_string(one.plan.approach.status);
+  }
+  if (one.quality == PlanQuality::Arrives) {
+    return "the candidates of its feature exceed a limit after the impact";
+  }
+  return "not tried";
 }
 
 /// How many starts ended at the candidates of a plan.
@@ -90,6 +97,7 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
     std::vector<Candidate> found = plan.candidates;
     take_sample(found);
     for (Candidate& candidate : found) {
+      if (candidate.excluded.empty()) candidate.excluded = failure_of(*other);
       if (candidate.family >= 0) candidate.family += static_cast<int>(out.families.size());
     }
     out.families.insert(out.families.end(), plan.families.begin(), plan.families.end());
@@ -108,9 +116,10 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
   out.candidates = std::move(ordered);
   const auto most = static_cast<std::size_t>(out.problem.search.max_candidates);
   if (out.candidates.size() > most) {
-    const auto chosen = std::find_if(
-        out.candidates.begin(), out.candidates.end(),
-        [&out](const Candidate& c) { return is_same(c.configuration, out.configuration); });
+    const auto chosen =
+        std::find_if(out.candidates.begin(), out.candidates.end(), [&out](const Candidate& c) {
+          return is_same_configuration(c.configuration, out.configuration);
+        });
     if (chosen != out.candidates.end() &&
         chosen - out.candidates.begin() >= static_cast<std::ptrdiff_t>(most)) {
       out.candidates[most - 1] = *chosen;
@@ -123,6 +132,7 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
   if (reached > 0 && !has_rounds) out.certificate.unseen = unseen / reached;
   out.certificate.proof = {};
   out.certificate.proof.statement = "no proof: there are several contact features";
+  if (solved) state_choice(out, equal, PlannerOptions{}.improvement);
   return out;
 }
 

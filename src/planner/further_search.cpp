@@ -103,7 +103,8 @@ void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScen
         status_of(other.certificates.front()) == PlanStatus::Infeasible) {
       continue;
     }
-    for (std::size_t i = 0; i < other.candidates.size() && added < options.max_approaches; ++i) {
+    for (std::size_t i = 0; i < other.candidates.size() && added < problem.approach.max_approaches;
+         ++i) {
       if (options.stop.reached()) break;
       Candidate candidate = other.candidates[i];
       candidate.family = -1;

@@ -1,5 +1,6 @@
 #include <stillbase/planner/planner.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <utility>
@@ -13,7 +14,9 @@
 
 #include "planner/approach_stage.hpp"
 #include "planner/best_possible.hpp"
+#include "planner/binding.hpp"
 #include "planner/candidates.hpp"
+#include "planner/choice.hpp"
 #include "planner/completeness.hpp"
 #include "planner/feature_choice.hpp"
 #include "planner/further_search.hpp"
@@ -158,10 +161,10 @@ std::size_t select_candidate(const ChosenApproach& choice, const Formulation& fo
   return chosen;
 }
 
-/// Impact and objective at the plan's configuration.
+/// Impact, objective and binding limits at the plan's configuration.
 /// @param known worst case there, if the search computed it
 void describe(const CaptureProblem& problem, const Candidate& best,
-              const std::optional<WorstCase>& known, Plan& plan) {
+              const std::optional<WorstCase>& known, const PlannerOptions& options, Plan& plan) {
   plan.configuration = best.configuration;
   const CaptureProblem at = at_contact(problem, best.configuration);
   const Formulation there(at);
@@ -173,7 +176,16 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.objective.value = best.value;
   plan.objective.terms = objective_terms(at, there, best.configuration);
   plan.objective.is_judged = best.is_judged;
+  // Simulated terms over a cone or over samples take too many simulations for a remark.
+  const bool is_simulated =
+      std::any_of(problem.objective.begin(), problem.objective.end(),
+                  [](const ObjectiveTerm& term) { return row_of(term.quantity).needs_time; });
+  const bool is_cheap = best.is_judged && !options.stop.reached() &&
+                        (!is_simulated || problem.measure.kind == RiskMeasure::Nominal);
   for (const UserTerm& term : problem.user.terms) plan.objective.user_terms.push_back(term.name);
+  if (status_of(plan.certificate) == PlanStatus::Optimal && is_cheap) {
+    plan.binding = binding_limits(at, there, there.variables(best.configuration));
+  }
   const WorstCase worst = known ? *known : worst_case(at, there, best.configuration);
   plan.objective.worst_case = worst.value;
   plan.objective.worst_direction = worst.direction;
@@ -249,12 +261,17 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     plan.nominal_optimum = found.nominal_optimum;
     std::optional<WorstCase> known;
     if (!choice.certified) known = found.worst_cases[chosen];
-    describe(problem, found.candidates[chosen], known, plan);
+    describe(problem, found.candidates[chosen], known, options, plan);
+    for (const auto& [i, reason] : choice.excluded) {
+      if (i != chosen) found.candidates[i].excluded = reason;
+    }
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
     const bool may_be_missed = found.had_rounds && plan.certificate.unseen > kUnseenLevel;
     if (plan.status == PlanStatus::Optimal && may_be_missed) plan.status = PlanStatus::Feasible;
   }
   plan.candidates = std::move(found.candidates);
+  const double equal = SearchOptions{}.equal_nominal * formulation.objective_unit();
+  if (solved) state_choice(plan, equal, options.improvement);
   plan.certificate.proof.gap = gap_to_bound(plan);
   plan.families = std::move(found.families);
   plan.timing["total"] = seconds_since(begin);
@@ -264,7 +281,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
                               : choice.holds ? PlanQuality::Holds
                               : arrives      ? PlanQuality::Arrives
                                              : PlanQuality::Solved;
-  return {std::move(plan), quality, SearchOptions{}.equal_nominal * formulation.objective_unit()};
+  return {std::move(plan), quality, equal};
 }
 
 }  // namespace stillbase

@@ -95,7 +95,7 @@ TEST_CASE("no posture has less attitude change and joint rates than the best can
   problem.objective.push_back({ObjectiveQuantity::JointRateNorm, 0.5});
   problem.search.starts = 12;
   const Plan plan = make_plan(problem);
-  REQUIRE(plan.status == PlanStatus::Optimal);
+  REQUIRE(plan.certificate.kkt_residual <= 1e-6);
   CHECK(plan.objective.terms.size() == 2);
   CHECK(reference_value(problem, plan.configuration) == Approx(plan.objective.value).epsilon(1e-6));
   check_claims(judge_plan(plan));

@@ -170,7 +170,7 @@ struct Approach {
 
 /// Where the chosen configuration stands among the candidates.
 struct Choice {
-  int better = 0;  ///< candidates that rank before it
+  int better = 0;  ///< candidates that rank before it; -1: of a file that does not state it
   /// 100 (value - least value) / least value of the measure; empty: the least one is zero.
   std::optional<double> loss_percent;
 };

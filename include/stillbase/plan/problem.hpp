@@ -160,6 +160,12 @@ enum class BaseMode {
 /// What the path is made better in after it was found.
 enum class PathPolish { None, Attitude, Time };
 
+/// How far the planner goes on where an approach path to a good candidate was found.
+enum class ApproachEffort {
+  First,  ///< no further
+  Best    ///< to the candidates that rank before the reached one, best first, while time is left
+};
+
 /// A fixed body that the robot may not touch.
 struct Obstacle {
   std::string name;
@@ -186,6 +192,13 @@ struct ApproachSpec {
   PathPolish polish = PathPolish::None;
   /// ReactionNull: permitted rotation angle of the base, rad; 0.1 deg.
   double attitude_tolerance = 0.0017453292519943296;
+  /// Candidates are good when their objective is at most this factor times the best one's, >= 1:
+  /// the approach has all of them as goals.
+  double goal_factor = 1.1;
+  int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
+  /// Candidates whose approach is tried one by one before giving up. Every try may cost a second.
+  int max_approaches = 8;
+  ApproachEffort effort = ApproachEffort::First;
 };
 
 struct CaptureProblem {

@@ -53,14 +53,8 @@ struct PlannerOptions {
   StopCondition stop;
   /// Called as work goes on with (what is being done, done, total); may be empty.
   std::function<void(const std::string&, int, int)> on_progress;
-  /// Candidates whose approach is tried before giving up. Every try may cost a second.
-  int max_approaches = 8;
-  /// Candidates are good when their objective is at most this factor times the best one's, >= 1:
-  /// the approach has all of them as goals.
-  double goal_factor = 1.1;
   /// Proves what the search found; null: plans say that nothing was proven.
   const Prover* prover = default_prover();
-  int goal_samples = 8;  ///< tries for further goals, as good, on the self-motion at the contact
   double neighbour_distance = 0.3;  ///< rad: candidates nearer than that mostly fail together
   double improvement = 1e-6;        ///< relative: smaller differences of the measure do not count
   /// Searches beside the first one, while no candidate keeps the limits after the impact.
@@ -85,9 +79,9 @@ struct PlannerOptions {
 /// objective's typical size by their worst case over the direction cone. A candidate is free of
 /// collision when nothing touches but the hand and the contact feature, at the contact and while
 /// the target comes in during the wait. Goals of the approach, in this order:
-/// 1. all good candidates (`goal_factor`) that are free of collision and keep the problem's
+/// 1. all good candidates (`approach.goal_factor`) that are free of collision and keep the problem's
 ///    post-impact limits under its first controller, at once;
-/// 2. those together with samples of their self-motion at the contact (`goal_samples`). A sample
+/// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`). A sample
 ///    that is reached is certified and becomes the last candidate, reached by no start;
 /// 3. candidates one by one: those that keep the limits, then the other ones (`verify` says which
 ///    limit fails);

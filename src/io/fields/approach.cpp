@@ -25,6 +25,11 @@ void check_approach(MapReader& map, const CaptureProblem& problem) {
       map.refuse("polish", "not-supported",
                  "paths within the reaction null space are not polished");
     }
+    if (approach.effort != ApproachEffort::First) {
+      map.refuse("effort", "not-supported",
+                 "best: within the reaction null space the path decides on the posture; must be "
+                 "first");
+    }
   } else if (approach.enabled && !approach.station_free &&
              (variables.base_attitude != AttitudeFreedom::Fixed ||
               variables.base_position != PositionFreedom::Fixed)) {
@@ -72,6 +77,15 @@ void approach_fields(Table& t, CaptureProblem& problem) {
   t("attitude_tolerance",
     Number(approach.attitude_tolerance, Dimension::Angle, {.lower = 1e-6, .upper = 1}),
     "`reaction-null`: largest attitude change of the base");
+  t("goal_factor", Number(approach.goal_factor, {.lower = 1, .upper = 1e6}),
+    "candidates up to this factor of the best one's objective are goals of the path together");
+  t("goal_samples", Integer(approach.goal_samples, 0, 10'000),
+    "tries for further goals, as good, on the self-motion at the contact");
+  t("max_approaches", Integer(approach.max_approaches, 1, 10'000),
+    "candidates that are tried one by one where no good one is reached");
+  t("effort", Word(approach.effort, kApproachEffortNames),
+    "`first`: the first path that was found stands; `best`: it goes on to the better candidates, "
+    "best first, while time is left");
   if (t.reader() != nullptr) check_approach(*t.reader(), problem);
 }
 

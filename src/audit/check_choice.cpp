@@ -1,0 +1,68 @@
+// Is what a plan says of better candidates true?
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "audit/checks.hpp"
+#include "audit/manifold.hpp"
+
+namespace stillbase::audit {
+namespace {
+
+constexpr double kSameMeasure =
+    1e-6;                           ///< relative: smaller differences of the measure do not count
+constexpr double kSameZero = 1e-7;  ///< the same of the objective's typical size
+constexpr double kSameLoss = 1e-6;  ///< relative
+
+/// The candidate at the plan's configuration; null: none.
+const Candidate* chosen_candidate(const Plan& plan) {
+  for (const Candidate& candidate : plan.candidates) {
+    const Configuration &a = candidate.configuration, &b = plan.configuration;
+    if (a.phi == b.phi && a.contact_time == b.contact_time && a.feature == b.feature &&
+        a.base.position == b.base.position &&
+        a.base.orientation.coeffs() == b.base.orientation.coeffs()) {
+      return &candidate;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+void check_choice(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
+  const Candidate* const chosen = chosen_candidate(plan);
+  if (plan.choice.better < 0 || chosen == nullptr || plan.status == PlanStatus::Limit) return;
+  const double value = chosen->value;
+  const double same = kSameMeasure * value + kSameZero * typical_objective(context.problem);
+  double least = value;
+  int excluded = 0;
+  Objections objections;
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    const Candidate& other = plan.candidates[i];
+    least = std::min(least, other.value);
+    excluded += other.excluded.empty() ? 0 : 1;
+    objections.demand(!other.excluded.empty() || other.value >= value - 2 * same,
+                      fmt::format("candidate {} is better and nothing excludes it", i));
+    objections.demand(other.excluded.empty() || other.value <= value + 2 * same,
+                      fmt::format("candidate {} is excluded and no better", i));
+  }
+  objections.demand(chosen->excluded.empty(), "the chosen candidate is excluded");
+  objections.demand(
+      excluded == plan.choice.better,
+      fmt::format("{} candidates are excluded, {} are better", excluded, plan.choice.better));
+  const auto& stated = plan.choice.loss_percent;
+  if (least < value - 2 * same) {
+    objections.demand(plan.status != PlanStatus::Optimal,
+                      "stated to be optimal, but a candidate is better");
+    const double loss = 100 * (value - least) / least;
+    objections.demand(stated ? std::abs(*stated - loss) <= kSameLoss * loss : least <= 2 * same,
+                      fmt::format("the loss is {:.6g} %", loss));
+  } else {
+    objections.demand(!stated || *stated <= 300 * kSameMeasure, "there is no loss");
+  }
+  claims.none_wrong("choice", objections, "candidates before the chosen one, and what it costs");
+}
+
+}  // namespace stillbase::audit
