@@ -87,6 +87,8 @@ class PathSearch {
   }
 
  private:
+  /// Shipped problems take some 20 000.
+  static constexpr long kMostInstants = 1'000'000;
   static constexpr double kFinest = 1e-5;  ///< m of motion: a part of the path is not split further
 
   std::optional<Pose> target_at(double time) const {
@@ -152,6 +154,9 @@ class PathSearch {
              const std::vector<int>& pairs) {
     is_stopped_ = is_stopped_ || context_.options.stop.reached();
     if (is_over_ || is_stopped_) return;
+    if (result_.instants >= kMostInstants) {
+      throw std::invalid_argument(fmt::format("undecided after {} instants", kMostInstants));
+    }
     const double middle = (s0 + s1) / 2, half = (s1 - s0) / 2;
     PathTravel travel;
     travel.joints = segment.peak_rates(s0, s1) * half;
@@ -165,6 +170,7 @@ class PathSearch {
       const bool may = may_touch(pair);
       if (may && shapes_.hand_room() >= shapes_.hand_motion(travel)) continue;
       const double motion = shapes_.motion(pair, travel);
+      if (!std::isfinite(motion)) throw std::invalid_argument("a motion that is not finite");
       const DistanceBounds distance = shapes_.distance(pair, smallest_found(pair) + motion);
       if (!may) take(pair, distance.upper, segment.begin() + middle);
       const double proven = distance.lower - motion, found = smallest_found(pair);

@@ -40,7 +40,8 @@ struct PathClearance {
 /// Along the approach and the wait. Every time between two samples is halved until no pair can come
 /// closer within a part than the smallest distance found, less the options' gap: the distance in
 /// the middle less the furthest that both shapes can move until either end. The problem's
-/// resolution does not matter. Ends where shapes overlap: nothing smaller is looked for.
+/// resolution does not matter. Ends where shapes overlap: nothing smaller is looked for. Not
+/// complete where a million instants do not decide.
 /// @param tracks motion of the base between the samples
 PathClearance path_clearance(const Context& context, const std::vector<BaseTrack>& tracks);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <stillbase/reference/reference.hpp>
 
@@ -67,6 +68,8 @@ struct PoseRate {
   Eigen::Vector4d orientation;
 };
 
+constexpr double kMostSteps = 1e4;  ///< of a segment: 50 rad at 0.005 rad
+
 PoseRate pose_rate(const Pose& pose, const Vector6d& Omega) {
   const Eigen::Quaterniond omega(0, Omega(3), Omega(4), Omega(5));
   return {pose.orientation * Vector3d(Omega.head<3>()), 0.5 * (pose.orientation * omega).coeffs()};
@@ -97,7 +100,10 @@ BaseTrack::BaseTrack(const RobotModel& robot, const HermiteSegment& segment, con
   const double rate = segment.extremes().rate.maxCoeff();
   // At low rates the travel asks for few steps although the rate changes: at least four.
   const double most = std::max(segment.duration() * rate / max_travel, 4.0);
-  const int steps = static_cast<int>(std::clamp(std::ceil(most), 1.0, 1e6));
+  if (!(most <= kMostSteps)) {
+    throw std::invalid_argument("joints move too far between two samples: no base motion follows");
+  }
+  const int steps = static_cast<int>(std::ceil(most));
   const double h = step_ = segment.duration() / steps;
   Pose pose = from;
   const auto arrive = [&](const Eigen::MatrixXd& response, const Vector6d& Omega) {

@@ -51,6 +51,7 @@ class BaseTrack {
   /// A base that floats without momentum. Classical Runge-Kutta on position and Euler parameters,
   /// in equal steps of at most a quarter of the segment, within which no joint moves further than
   /// `max_travel` (rad or m).
+  /// @throws std::invalid_argument for more than 10 000 steps
   BaseTrack(const RobotModel& robot, const HermiteSegment& segment, const Pose& from,
             double max_travel);
 

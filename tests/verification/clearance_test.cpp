@@ -113,6 +113,20 @@ TEST_CASE("a post of 5 mm between the samples is found at any resolution of the 
   CHECK(passed.least.proven > 0.005);
 }
 
+TEST_CASE("joints that race between two samples are refused, and soon") {
+  for (const BaseMode mode : {BaseMode::Floating, BaseMode::Held}) {
+    for (const double rate : {1e7, 1e300}) {
+      Plan plan = arm_plan(Flip::None, mode);
+      plan.approach.joint_velocities[40](2) = rate;
+      const Verification verification = judge_plan(plan, quick());
+      CHECK_FALSE(verification.pass);
+      for (const Claim& claim : verification.claims) {
+        if (claim.name == "approach_clearance") CHECK(claim.fails());
+      }
+    }
+  }
+}
+
 TEST_CASE("shapes that overlap fail also where no clearance is demanded") {
   Plan plan = arm_plan();
   plan.problem.approach.clearance = 0;
