@@ -98,8 +98,7 @@ std::string controllers_text() {
        {"joint_damping_literal", "damps the joint rates, equation (19) as printed"},
        {"rns", "moves the base's angular momentum to the arm, equation (24) without damping"},
        {"rns_damped", "rns with damping in the reaction null space, equation (24)"},
-       {"rns_handback", "rns_damped first, then the momentum goes back to the base"},
-       {"detumble", "brings the compound of robot and target to rest in least time"}});
+       {"rns_handback", "rns_damped first, then the momentum goes back to the base"}});
 }
 
 std::string contact_text() {
