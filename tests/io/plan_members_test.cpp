@@ -13,7 +13,6 @@
 #include <stillbase/planner/planner.hpp>
 
 using namespace stillbase;
-using nlohmann::json;
 
 namespace {
 
@@ -26,11 +25,11 @@ Members plan_members() {
 }
 
 /// Extents of nested lists of numbers; fails for rows of different lengths.
-std::vector<std::size_t> extents_of(const json& value) {
+std::vector<std::size_t> extents_of(const nlohmann::json& value) {
   std::vector<std::size_t> extents;
   if (!value.is_array()) return extents;
   extents.push_back(value.size());
-  for (const json& item : value) REQUIRE(extents_of(item) == extents_of(value.at(0)));
+  for (const nlohmann::json& item : value) REQUIRE(extents_of(item) == extents_of(value.at(0)));
   if (!value.empty()) {
     for (const std::size_t inner : extents_of(value.at(0))) extents.push_back(inner);
   }
@@ -52,7 +51,7 @@ bool fits(const std::vector<std::size_t>& extents, const std::string& shape, std
   return true;
 }
 
-bool holds_numbers(const json& value) {
+bool holds_numbers(const nlohmann::json& value) {
   if (value.is_array()) return !value.empty() && holds_numbers(value.at(0));
   return value.is_number();
 }
@@ -66,10 +65,10 @@ class Walk {
  public:
   explicit Walk(std::size_t n) : n_(n) {}
 
-  void over(const json& value, const std::string& path) {
+  void over(const nlohmann::json& value, const std::string& path) {
     const bool is_list = value.is_array() && !value.empty() && value.at(0).is_object();
     if (is_list) {
-      for (const json& item : value) over(item, path + "[]");
+      for (const nlohmann::json& item : value) over(item, path + "[]");
       return;
     }
     const auto known = members_.find(path);
@@ -82,7 +81,7 @@ class Walk {
       return;
     }
     if (value.is_object()) {  // a dictionary: its keys are no members of the schema
-      for (const json& item : value) check(item, known->second);
+      for (const nlohmann::json& item : value) check(item, known->second);
       return;
     }
     INFO(path);
@@ -95,7 +94,7 @@ class Walk {
   std::set<std::string> seen;
 
  private:
-  void check(const json& value, const Member& member) {
+  void check(const nlohmann::json& value, const Member& member) {
     INFO(member.path << ": " << value.dump().substr(0, 80));
     seen.insert(member.path);
     if (!holds_numbers(value)) return;
@@ -123,7 +122,8 @@ TEST_CASE("every number of a written plan has a unit, every array a shape, every
         read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + name + ".yaml");
     problem.search.starts = std::min(problem.search.starts, 64);
     const Plan plan = make_plan(problem);
-    const json file = json::parse(plan_to_json(plan, {}, {}, {{"problem", "p.yaml", "00"}}));
+    const nlohmann::json file =
+        nlohmann::json::parse(plan_to_json(plan, {}, {}, {{"problem", "p.yaml", "00"}}));
     Walk walk(static_cast<std::size_t>(problem.robot.n()));
     walk.over(file, "");
     seen.merge(walk.seen);
