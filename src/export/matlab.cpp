@@ -43,10 +43,19 @@ bool is_matrix(const Json& json) {
   });
 }
 
-bool is_object_list(const Json& json) {
-  return !json.empty() && std::all_of(json.begin(), json.end(), [&json](const Json& item) {
-    return item.is_object() && item.keys() == json.at(std::size_t{0}).keys();
-  });
+/// The object of a list that has the members of all others; null: there is none.
+const Json* fullest_object(const Json& list) {
+  const Json* fullest = nullptr;
+  for (const Json& item : list) {
+    if (!item.is_object()) return nullptr;
+    if (fullest == nullptr || item.size() > fullest->size()) fullest = &item;
+  }
+  for (const Json& item : list) {
+    for (const std::string& key : item.keys()) {
+      if (!fullest->contains(key)) return nullptr;
+    }
+  }
+  return fullest;
 }
 
 Eigen::MatrixXd matrix_of(const Json& rows) {
@@ -75,10 +84,19 @@ std::string list_variable(const Json& json, std::string_view name) {
         name);
   }
   if (is_matrix(json)) return mat::real_array(matrix_of(json), name);
-  if (!is_object_list(json)) return mat::cell_column(pieces_of(json), name);
+  const Json* const fullest = fullest_object(json);
+  if (fullest == nullptr) return mat::cell_column(pieces_of(json), name);
+  // A member that an object lacks is empty there.
+  const std::vector<std::string> keys = fullest->keys();
   std::vector<std::vector<std::string>> rows;
-  for (const Json& item : json) rows.push_back(pieces_of(item));
-  return mat::structure_column(field_names(json.at(std::size_t{0})), rows, name);
+  for (const Json& item : json) {
+    std::vector<std::string>& row = rows.emplace_back();
+    for (const std::string& key : keys) {
+      row.push_back(item.contains(key) ? variable_of(item.at(key))
+                                       : mat::real_array(Eigen::MatrixXd(0, 0)));
+    }
+  }
+  return mat::structure_column(field_names(*fullest), rows, name);
 }
 
 std::string variable_of(const Json& json, std::string_view name) {
