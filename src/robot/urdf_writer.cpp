@@ -100,17 +100,19 @@ std::string link_text(const TreeLink& link) {
 
 std::string joint_text(const TreeJoint& source) {
   const Joint& joint = source.joint;
-  const char* const type = source.is_fixed                       ? "fixed"
-                           : joint.is_prismatic()                ? "prismatic"
-                           : joint.type == JointType::Continuous ? "continuous"
-                                                                 : "revolute";
+  const bool has_ends = std::isfinite(joint.lower) || std::isfinite(joint.upper);
+  const bool is_continuous =
+      joint.type == JointType::Continuous || (!joint.is_prismatic() && !has_ends);
+  const char* const type = source.is_fixed        ? "fixed"
+                           : joint.is_prismatic() ? "prismatic"
+                           : is_continuous        ? "continuous"
+                                                  : "revolute";
   std::string inside = fmt::format("    <parent link=\"{}\"/><child link=\"{}\"/>{}\n",
                                    escape_markup(source.parent_name),
                                    escape_markup(source.child_name), origin(source.origin));
   if (!source.is_fixed) {
     inside += fmt::format("    <axis xyz=\"{}\"/>\n", triple(source.axis));
     std::string limit;
-    const bool is_continuous = joint.type == JointType::Continuous;
     // URDF has no word for a limit that does not exist.
     const auto bound = [](double x) { return std::clamp(x, -kLargestNumber, kLargestNumber); };
     if (!is_continuous) {

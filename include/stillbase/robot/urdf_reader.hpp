@@ -55,9 +55,9 @@ struct UrdfOptions {
 /// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
 /// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero.
 ///
-/// Numbers are plain decimals with a point, finite and at most 1e60 in size. In <limit> larger ones,
+/// Numbers are plain decimals with a point, finite and at most 1e60 in size. In `<limit>` larger ones,
 /// which some programs write for "none", are no limit: a turning joint without ends is continuous.
-/// An <origin> may state quat_xyzw in place of rpy.
+/// An `<origin>` may state quat_xyzw in place of rpy.
 ///
 /// @param text URDF in UTF-8; at most kMaxUrdfBytes
 /// @param source name of the file for messages
