@@ -24,7 +24,9 @@ CaptureProblem contact_problem(const std::string& name, const Changes& changes) 
     text = replaced(text, from, to);
   }
   text = replaced(text, "robots/", source_path("problems/robots/"));
-  text = replaced(text, "targets/", source_path("problems/targets/"));
+  if (text.find("targets/") != std::string::npos) {
+    text = replaced(text, "targets/", source_path("problems/targets/"));
+  }
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("stillbase_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(path) << text;
