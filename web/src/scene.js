@@ -358,8 +358,9 @@ export class Scene {
     this.camera.updateProjectionMatrix();
   }
 
+  /// Pixels of the scene per pixel of the page. Software draws fewer while things move.
   plainRatio() {
-    return this.software ? 1 : Math.min(globalThis.devicePixelRatio || 1, 2);
+    return this.software ? 0.75 : Math.min(globalThis.devicePixelRatio || 1, 2);
   }
 
   setRatio(ratio) {
