@@ -28,6 +28,7 @@ const marginOf = row =>
 
 export function binding(document) {
   const {content: plan} = document;
+  const list = plan.binding;
   plan.sceneRobot = document.scene.robot;
   const inequalities = plan.constraints.filter(row => row.lower !== row.upper);
   const atBound = inequalities.filter(row => marginOf(row) < 1e-6);
@@ -41,17 +42,16 @@ export function binding(document) {
       `At their bounds: ${
           atBound.map(each => spaced(each.name))
               .join(', ')}. Relaxing one of these could improve the plan.` :
-      'No inequality is at its bound.';
-  const list = document.content.binding;
+      list?.length ? 'No constraint is at its bound, but a limit of the search is.' :
+                     'No inequality is at its bound.';
   return section(
       'What binds', h('p', {}, words),
-      Array.isArray(list) && list.length ? table(
-                                               ['limit', 'margin', 'multiplier', 'unit'],
-                                               list.map(
-                                                   each =>
-                                                       [spaced(each.name ?? each.limit ?? ''),
-                                                        each.margin, each.multiplier, each.unit])) :
-                                           null,
+      list?.length ?
+          table(
+              ['decides the value', 'end', 'at', 'unit', `saves, ${plan.objective.unit} per unit`],
+              list.map(
+                  each => [spaced(each.name), each.end, each.limit, each.unit, each.multiplier])) :
+          null,
       table(
           ['constraint', 'value', 'lower', 'upper', 'margin', 'unit'],
           [...atBound, ...next].map(row), {rowClass: i => i < atBound.length ? 'binds' : null}),
@@ -101,8 +101,18 @@ export function risks(document) {
       out.push(`With ${controllerName(record.controller)} the base still rotates at ${
           digits(rate, 3)} deg/s after ${digits(record.times.at(-1))} s.`);
   }
+  const {after_horizon: later, problem} = plan;
+  if (later?.moves) {
+    const horizon = digits(problem.post_impact.horizon);
+    const fate = later.stop_time === null ?
+        'none reaches a stop within ten horizons' :
+        `${spaced(later.joint)} reaches its stop ${
+            digits(later.stop_time)} s after the impact unless something is done`;
+    out.push(`After the horizon of ${horizon} s joints still move: ${fate}.`);
+  }
   // The instantaneous impact knows one contact: what closes afterwards would touch once more.
-  const jumps = plan.problem.post_impact?.contact?.model === 'instantaneous';
+  const jumps = problem.post_impact?.contact?.model === 'instantaneous';
+  const sticks = problem.impact?.contact === 'sticking';
   const closing = (jumps ? scene.after ?? [] : []).flatMap(record => {
     const soon = record.closing_speeds.filter((speed, i) => record.times[i] <= 2);
     const most = record.held ? 0 : Math.max(0, ...soon);
@@ -111,8 +121,9 @@ export function risks(document) {
         [];
   });
   if (closing.length) {
-    out.push(`Hand and target close once more within 2 s of the impact, at up to ${
-        closing.join(', ')}; a compliant contact (post_impact.contact) simulates what follows.`);
+    out.push(
+        `Hand and target close once more within 2 s of the impact, at up to ${closing.join(', ')}${
+            sticks ? '' : '; a compliant contact (post_impact.contact) simulates what follows'}.`);
   }
   const open = (verification?.claims ?? []).filter(claim => claim.pass === null);
   if (open.length) out.push(`${open.length} verification checks could not be made.`);
