@@ -47,11 +47,17 @@ py::object verify(const PlanResult& plan, bool audit, const std::optional<double
 Perturbations sizes_of(const CaptureProblem& problem, const std::map<std::string, double>& stated) {
   Perturbations sizes = perturbations_for(problem);
   const std::pair<const char*, double*> known[] = {
-      {"cone_half_angle", &sizes.cone_half_angle}, {"closing_speed", &sizes.closing_speed},
-      {"restitution", &sizes.restitution},         {"target_mass", &sizes.target_mass},
-      {"target_inertia", &sizes.target_inertia},   {"contact_point", &sizes.contact_point},
-      {"contact_time", &sizes.contact_time},       {"robot_mass", &sizes.robot_mass},
-      {"base_rate_error", &sizes.base_rate_error}, {"joint_rate_error", &sizes.joint_rate_error}};
+      {"cone_half_angle", &sizes.cone_half_angle},
+      {"closing_speed", &sizes.closing_speed},
+      {"closing_speed_error", &sizes.closing_speed_error},
+      {"restitution", &sizes.restitution},
+      {"target_mass", &sizes.target_mass},
+      {"target_inertia", &sizes.target_inertia},
+      {"contact_point", &sizes.contact_point},
+      {"contact_time", &sizes.contact_time},
+      {"robot_mass", &sizes.robot_mass},
+      {"base_rate_error", &sizes.base_rate_error},
+      {"joint_rate_error", &sizes.joint_rate_error}};
   for (const auto& [name, value] : stated) {
     const auto* at = std::find_if(std::begin(known), std::end(known),
                                   [&name](const auto& entry) { return name == entry.first; });
