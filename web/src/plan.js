@@ -9,8 +9,8 @@ import {Viewer} from './viewer.js';
 
 /// Topics of the summary by what they answer.
 const kQuestions = [
-  ['What was decided', ['found', 'posture', 'base', 'contact', 'impulse']],
-  ['How good it is', ['momentum', 'case', 'approach']],
+  ['What was decided', ['found', 'choice', 'posture', 'base', 'contact', 'impulse']],
+  ['How good it is', ['momentum', 'case', 'binding', 'approach', 'afterwards']],
   ['How sure it is', ['search', 'certificate', 'coverage', 'curves', 'proof', 'solvers']],
 ];
 
