@@ -1,9 +1,12 @@
 #include "collision/closed_forms.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
+
+#include <stillbase/core/constants.hpp>
 
 namespace stillbase {
 
@@ -49,6 +52,59 @@ double segment_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& 
 
 double round_distance(const RoundSegment& a, const RoundSegment& b) {
   return segment_distance(a.a, a.b, b.a, b.b) - a.radius - b.radius;
+}
+
+double widest_gap(const PlacedBox& a, const PlacedBox& b) {
+  const Vector3d apart = b.p - a.p;
+  double widest = -kInfinity;
+  const auto try_axis = [&](const Vector3d& axis) {
+    const double length = axis.norm();
+    if (length < 1e-9) return;  // parallel edges: their normals are among the faces'
+    const double halves = a.half.dot((a.R.transpose() * axis).cwiseAbs()) +
+                          b.half.dot((b.R.transpose() * axis).cwiseAbs());
+    widest = std::max(widest, (std::abs(axis.dot(apart)) - halves) / length);
+  };
+  for (int i = 0; i < 3; ++i) {
+    try_axis(a.R.col(i));
+    try_axis(b.R.col(i));
+    for (int j = 0; j < 3; ++j) try_axis(a.R.col(i).cross(b.R.col(j)));
+  }
+  return widest;
+}
+
+double separate_box_distance(const PlacedBox& a, const PlacedBox& b) {
+  using Corners = std::array<Vector3d, 8>;
+  const auto corners_of = [](const PlacedBox& box) {
+    Corners corners;
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vector3d sign((i & 1U) != 0 ? 1 : -1, (i & 2U) != 0 ? 1 : -1, (i & 4U) != 0 ? 1 : -1);
+      corners[i] = box.p + box.R * sign.cwiseProduct(box.half);
+    }
+    return corners;
+  };
+  const auto to_corners = [](const PlacedBox& box, const Corners& corners) {
+    double least = kInfinity;
+    for (const Vector3d& corner : corners) {
+      const Vector3d in_box = box.R.transpose() * (corner - box.p);
+      least = std::min(least, (in_box.cwiseAbs() - box.half).cwiseMax(0).norm());
+    }
+    return least;
+  };
+  const Corners of_a = corners_of(a), of_b = corners_of(b);
+  double least = std::min(to_corners(a, of_b), to_corners(b, of_a));
+  const auto each_edge = [](const auto& use) {
+    for (unsigned i = 0; i < 8; ++i) {
+      for (const unsigned bit : {1U, 2U, 4U}) {
+        if ((i & bit) == 0) use(i, i | bit);
+      }
+    }
+  };
+  each_edge([&](unsigned i, unsigned j) {
+    each_edge([&](unsigned k, unsigned l) {
+      least = std::min(least, segment_distance(of_a[i], of_a[j], of_b[k], of_b[l]));
+    });
+  });
+  return least;
 }
 
 std::optional<RoundSegment> round_segment(const Geometry& geometry) {
@@ -116,6 +172,39 @@ BoundingSphere bounding_sphere(const Geometry& geometry) {
                             return sphere;
                           }},
                     geometry);
+}
+
+BoundingBox bounding_box(const Geometry& geometry) {
+  const auto about_origin = [](double x, double y, double z) {
+    return BoundingBox{Vector3d::Zero(), {x, y, z}};
+  };
+  return std::visit(
+      Cases{[&](const Sphere& s) { return about_origin(s.radius, s.radius, s.radius); },
+            [&](const Capsule& c) {
+              return about_origin(c.radius, c.radius, c.length / 2 + c.radius);
+            },
+            [&](const Cylinder& c) { return about_origin(c.radius, c.radius, c.length / 2); },
+            [&](const Box& b) {
+              return BoundingBox{Vector3d::Zero(), b.size / 2};
+            },
+            [&](const ConvexMesh& mesh) {
+              Vector3d lower = mesh.vertices.front(), upper = lower;
+              for (const Vector3d& v : mesh.vertices) {
+                lower = lower.cwiseMin(v);
+                upper = upper.cwiseMax(v);
+              }
+              return BoundingBox{(lower + upper) / 2, (upper - lower) / 2};
+            }},
+      geometry);
+}
+
+double box_gap(const PlacedBox& a, const PlacedBox& b) {
+  const Matrix3d turn = a.R.transpose() * b.R, sizes = turn.cwiseAbs();
+  const Vector3d apart = b.p - a.p;
+  const Vector3d along_a = a.R.transpose() * apart, along_b = b.R.transpose() * apart;
+  const Vector3d gap_a = along_a.cwiseAbs() - a.half - sizes * b.half;
+  const Vector3d gap_b = along_b.cwiseAbs() - b.half - sizes.transpose() * a.half;
+  return std::sqrt(std::max(gap_a.cwiseMax(0.0).squaredNorm(), gap_b.cwiseMax(0.0).squaredNorm()));
 }
 
 bool is_valid(const Geometry& geometry) {

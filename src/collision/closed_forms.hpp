@@ -20,6 +20,22 @@ double segment_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& 
 /// Signed distance of spheres and capsules: negative when they overlap.
 double round_distance(const RoundSegment& a, const RoundSegment& b);
 
+/// A box somewhere in space.
+struct PlacedBox {
+  Vector3d half = Vector3d::Zero();   ///< half edges, m
+  Matrix3d R = Matrix3d::Identity();  ///< its axes
+  Vector3d p = Vector3d::Zero();      ///< its centre, m
+};
+
+/// The widest gap between two boxes along a separating axis, m: their distance where a face or two
+/// edges decide, smaller where corners do, negative when they overlap.
+double widest_gap(const PlacedBox& a, const PlacedBox& b);
+
+/// Distance of two boxes that do not overlap: the least between corners and boxes and between
+/// edges.
+/// @pre they do not overlap
+double separate_box_distance(const PlacedBox& a, const PlacedBox& b);
+
 /// The segment and radius of a sphere or capsule in its own frame; nothing for other shapes.
 std::optional<RoundSegment> round_segment(const Geometry& geometry);
 
@@ -33,6 +49,17 @@ struct BoundingSphere {
   double radius = 0;
 };
 BoundingSphere bounding_sphere(const Geometry& geometry);
+
+/// A box that holds the shape, along the axes of its frame.
+struct BoundingBox {
+  Vector3d centre = Vector3d::Zero();
+  Vector3d half = Vector3d::Zero();  ///< half edges
+};
+BoundingBox bounding_box(const Geometry& geometry);
+
+/// A lower bound of the distance of two boxes, 0 when they overlap: the distance of each from the
+/// box along its axes that holds the other one, the larger of the two.
+double box_gap(const PlacedBox& a, const PlacedBox& b);
 
 /// Sizes finite and positive (a capsule's length may be 0), meshes with four or more
 /// finite vertices and valid faces.

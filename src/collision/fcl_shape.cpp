@@ -11,11 +11,14 @@
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include "collision/closed_forms.hpp"
+
 namespace stillbase {
 
 class FclShape {
  public:
   std::shared_ptr<const fcl::CollisionGeometryd> geometry;
+  std::optional<Vector3d> half;  ///< half edges of a box, m
 };
 
 namespace {
@@ -68,12 +71,20 @@ fcl::DistanceResultd query(const FclShape& a, const Matrix3d& R_a, const Vector3
 std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
   auto shape = std::make_shared<FclShape>();
   shape->geometry = std::visit(Convert{}, geometry);
+  if (const auto* box = std::get_if<Box>(&geometry)) shape->half = box->size / 2;
   return shape;
 }
 
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b) {
-  return std::max(query(a, R_a, p_a, b, R_b, p_b, false).min_distance, 0.0);
+  constexpr double kError = 1e-6;  // m
+  const double found = std::max(query(a, R_a, p_a, b, R_b, p_b, false).min_distance, 0.0);
+  if (!a.half || !b.half || !(found > 0)) return found;
+  const PlacedBox box_a{*a.half, R_a, p_a}, box_b{*b.half, R_b, p_b};
+  const double gap = widest_gap(box_a, box_b);
+  if (found <= gap + kError) return found;
+  const double exact = gap > 0 ? separate_box_distance(box_a, box_b) : 0;
+  return found <= exact + kError ? found : exact;
 }
 
 std::optional<PointPair> fcl_nearest_points(const FclShape& a, const Matrix3d& R_a,

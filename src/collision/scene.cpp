@@ -26,6 +26,7 @@ struct Item {
   Pose pose;  ///< shape frame in the carrier's frame
   Matrix3d R;
   BoundingSphere bounds;              ///< in the shape's frame
+  BoundingBox box;                    ///< in the shape's frame
   std::optional<RoundSegment> round;  ///< in the shape's frame
   std::shared_ptr<const FclShape> fcl;
   double reach;        ///< no point is further from the carrier's origin, m
@@ -65,6 +66,7 @@ Item make_item(Carrier carrier, int body, const std::string& name, const Pose& p
           pose,
           pose.orientation.toRotationMatrix(),
           bounds,
+          bounding_box(geometry),
           round_segment(geometry),
           make_fcl_shape(geometry),
           (pose * bounds.centre).norm() + bounds.radius,
@@ -229,6 +231,10 @@ std::vector<CollisionScene::ShapePair> CollisionScene::shape_pairs() const {
 
 namespace {
 
+/// What FCL may state too little, m, see fcl_distance(): a gap that exceeds it by more than that is
+/// one by FCL's distance, too.
+constexpr double kFclError = 1e-5;
+
 /// A shape placed in B.
 struct Placed {
   Matrix3d R;
@@ -283,8 +289,11 @@ class Instant {
     const Placed &pa = placed_[pair.a], &pb = placed_[pair.b];
     const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
     if (bound > enough) return bound;
-    if (!a.round || !b.round) return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
-    return round_distance(pa.round, pb.round);
+    if (a.round && b.round) return round_distance(pa.round, pb.round);
+    const double gap = box_gap({a.box.half, pa.R, pa.R * a.box.centre + pa.p},
+                               {b.box.half, pb.R, pb.R * b.box.centre + pb.p});
+    if (gap > enough + kFclError) return gap;
+    return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
   }
 
   /// The closest points of a pair, in B.

@@ -185,3 +185,121 @@ TEST_CASE("nearest points of spheres are on the line of their centres") {
   CHECK((points->front() - Vector3d(1, 2.8, 3.6)).norm() < 1e-12);
   CHECK((points->back() - Vector3d(1, 4.4, 4.8)).norm() < 1e-12);
 }
+
+TEST_CASE("the gap of bounding boxes is no more than the distance of the shapes") {
+  Random random(11);
+  const auto shape = [&](int kind) -> Geometry {
+    const auto size = [&] { return random.uniform(0.05, 0.8); };
+    if (kind == 0) return Sphere{size()};
+    if (kind == 1) return Capsule{size(), size()};
+    if (kind == 2) return Cylinder{size(), size()};
+    if (kind == 3) return Box{{size(), size(), size()}};
+    ConvexMesh mesh;  // a tetrahedron off its origin
+    const Vector3d at(size(), size(), size());
+    mesh.vertices = {at, at + size() * Vector3d::UnitX(), at + size() * Vector3d::UnitY(),
+                     at + size() * Vector3d::UnitZ()};
+    mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    return mesh;
+  };
+  int sharp = 0, apart = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Geometry a = shape(i % 5), b = shape((i / 5) % 5);
+    const Pose pose_a = random_pose(random, 1.5), pose_b = random_pose(random, 1.5);
+    const BoundingBox box_a = bounding_box(a), box_b = bounding_box(b);
+    const Matrix3d R_a = pose_a.orientation.toRotationMatrix();
+    const Matrix3d R_b = pose_b.orientation.toRotationMatrix();
+    const double gap =
+        box_gap({box_a.half, R_a, pose_a * box_a.centre}, {box_b.half, R_b, pose_b * box_b.centre});
+    const double exact = distance(a, pose_a, b, pose_b);
+    CHECK(gap <= exact + 1e-6);
+    CHECK(gap == Approx(box_gap({box_b.half, R_b, pose_b * box_b.centre},
+                                {box_a.half, R_a, pose_a * box_a.centre}))
+                     .margin(1e-12));
+    apart += exact > 0.1;
+    sharp += exact > 0.1 && gap > 0.5 * exact;
+  }
+  CHECK(apart > 500);
+  CHECK(sharp > apart / 2);
+}
+
+TEST_CASE("boxes side by side are apart by their gap") {
+  const Vector3d half(0.5, 1, 1.5), other(0.2, 0.3, 0.4);
+  const Matrix3d R = Matrix3d::Identity();
+  CHECK(box_gap({half, R, Vector3d::Zero()}, {other, R, Vector3d(1, 0, 0)}) == Approx(0.3));
+  CHECK(box_gap({half, R, Vector3d::Zero()}, {other, R, Vector3d(1, 1.7, 0)}) ==
+        Approx(std::hypot(0.3, 0.4)));
+  CHECK(box_gap({half, R, Vector3d::Zero()}, {other, R, Vector3d(0.6, 0, 0)}) == 0);
+}
+
+namespace {
+
+Vector3d nearest_in(const PlacedBox& box, const Vector3d& point) {
+  const Vector3d in_box = box.R.transpose() * (point - box.p);
+  return box.p + box.R * in_box.cwiseMax(-box.half).cwiseMin(box.half);
+}
+
+/// Distance of two boxes by projections onto the one and the other in turn: from above.
+double projected_distance(const PlacedBox& a, const PlacedBox& b) {
+  Vector3d in_a = a.p, in_b = b.p;
+  for (int i = 0; i < 5000; ++i) {
+    in_b = nearest_in(b, in_a);
+    in_a = nearest_in(a, in_b);
+  }
+  return (in_a - in_b).norm();
+}
+
+PlacedBox random_box(Random& random, const Matrix3d& R) {
+  const auto edge = [&] { return random.uniform(0.01, 0.3); };
+  return {{edge(), edge(), edge()}, R, random.uniform(0.1, 1) * random.unit_vector()};
+}
+
+}  // namespace
+
+TEST_CASE("the distance of boxes agrees with projections, and FCL's with it") {
+  Random random(29);
+  int apart = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    // Any poses, a common axis, and parallel edges, where GJK stops early.
+    const Matrix3d R_a =
+        rotation_exp(3.0 * random.uniform() * random.unit_vector()).toRotationMatrix();
+    const double angle = trial % 3 == 2 ? 0 : random.uniform(-3, 3);
+    const Matrix3d turn = trial % 3 == 0
+                              ? rotation_exp(angle * random.unit_vector()).toRotationMatrix()
+                              : rotation_exp(angle * Vector3d::UnitX()).toRotationMatrix();
+    const PlacedBox a = random_box(random, R_a), b = random_box(random, R_a * turn);
+    const double gap = widest_gap(a, b);
+    INFO(trial);
+    const double found = fcl_distance(*make_fcl_shape(Box{2 * a.half}), a.R, a.p,
+                                      *make_fcl_shape(Box{2 * b.half}), b.R, b.p);
+    if (gap <= 0) {
+      CHECK(found == 0);
+      continue;
+    }
+    ++apart;
+    const double distance = separate_box_distance(a, b);
+    CHECK(distance >= gap - 1e-12);
+    CHECK(distance <= projected_distance(a, b) + 1e-12);
+    CHECK(distance >= projected_distance(a, b) - 2e-4);
+    CHECK(found == Approx(distance).margin(2e-6));
+  }
+  CHECK(apart > 200);
+}
+
+TEST_CASE("FCL is not believed where it finds boxes centimetres too far apart") {
+  // Two links of an arm that turn about a common axis: 46 mm apart, 64 mm by FCL 0.7.
+  PlacedBox elbow{{0.072, 0.016, 0.016},
+                  Matrix3d(),
+                  {0.26160100743510445, -0.08738444305554594, 0.45962298691108056}};
+  elbow.R << 0.8049441652120422, 0.31682846599839126, 0.5016817856213189, -0.26888121822434063,
+      0.9484828533680018, -0.16758033104481054, -0.5289307907252925, 0.0, 0.8486649625280385;
+  PlacedBox forearm{{0.032, 0.016, 0.016},
+                    Matrix3d(),
+                    {0.3823426322169107, -0.12771662578919704, 0.3802833683022867}};
+  forearm.R << 0.8049441652120422, 0.41359844548707236, 0.425442377745525, -0.26888121822434063,
+      0.8934332830577988, -0.35983309910395644, -0.5289307907252925, 0.1752520887614194,
+      0.8303727620818716;
+  CHECK(separate_box_distance(elbow, forearm) == Approx(0.046).margin(1e-9));
+  CHECK(fcl_distance(*make_fcl_shape(Box{2 * elbow.half}), elbow.R, elbow.p,
+                     *make_fcl_shape(Box{2 * forearm.half}), forearm.R,
+                     forearm.p) == Approx(0.046).margin(1e-6));
+}

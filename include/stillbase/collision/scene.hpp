@@ -14,8 +14,8 @@
 //    round shape) is touched at the point of its bounding sphere that is nearest to the hand.
 //
 // Distances between spheres and capsules are exact; other pairs go through GJK (FCL): capsule
-// against box to 1e-6 m, box against box up to half a millimetre too large. Overlapping pairs have
-// a distance <= 0 whose size means nothing.
+// against box to 1e-6 m, box against box to 1e-6 m, where GJK fails in closed form. Overlapping
+// pairs have a distance <= 0 whose size means nothing.
 #pragma once
 
 #include <memory>
