@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/parallel.hpp>
+
+using namespace stillbase;
+
+TEST_CASE("every index is worked on once for every number of jobs") {
+  const int jobs = GENERATE(0, 1, 2, 5, 64);
+  std::vector<std::atomic<int>> times(100);
+  CHECK(for_each_index(jobs, 100, {}, [&](int i) { ++times[static_cast<std::size_t>(i)]; }) == 100);
+  for (const std::atomic<int>& each : times) CHECK(each == 1);
+  CHECK(for_each_index(jobs, 0, {}, [](int) { FAIL(); }) == 0);
+}
+
+TEST_CASE("one job takes each index before it works on the next one on the caller's thread") {
+  const std::thread::id here = std::this_thread::get_id();
+  std::vector<int> order;
+  const auto note = [&](int i) {
+    CHECK(std::this_thread::get_id() == here);
+    order.push_back(i);
+  };
+  for_each_index(1, 3, {}, note, [&](int i) { note(10 + i); });
+  CHECK(order == std::vector{0, 10, 1, 11, 2, 12});
+}
+
+TEST_CASE("indices are taken in order after they were worked on") {
+  const int jobs = GENERATE(1, 2, 5, 16);
+  std::vector<int> results(500, 0), taken;
+  const auto work = [&](int i) {
+    for (int turn = 0; turn < (i * 37) % 11; ++turn) std::this_thread::yield();
+    results[static_cast<std::size_t>(i)] = i * i;
+  };
+  const auto take = [&](int i) { taken.push_back(results[static_cast<std::size_t>(i)]); };
+  CHECK(for_each_index(jobs, 500, {}, work, take) == 500);
+  REQUIRE(taken.size() == 500);
+  for (int i = 0; i < 500; ++i) CHECK(taken[static_cast<std::size_t>(i)] == i * i);
+}
+
+TEST_CASE("several jobs work at the same time") {
+  // Each waits for the other: one after the other would wait for ever, hence the limit.
+  std::atomic<int> waiting{0};
+  std::atomic<bool> met{false};
+  StopCondition limit;
+  limit.deadline = StopCondition::Clock::now() + std::chrono::seconds(60);
+  for_each_index(2, 2, {}, [&](int) {
+    ++waiting;
+    while (waiting < 2 && !limit.reached()) std::this_thread::yield();
+    if (waiting == 2) met = true;
+  });
+  CHECK(met);
+}
+
+TEST_CASE("after a stop the indices before the returned number were all worked on") {
+  const int jobs = GENERATE(1, 2, 5);
+  std::atomic<bool> interrupted{false};
+  StopCondition stop;
+  stop.interrupted = &interrupted;
+  std::vector<std::atomic<int>> times(1000);
+  const int done = for_each_index(jobs, 1000, stop, [&](int i) {
+    if (i == 20) interrupted = true;
+    ++times[static_cast<std::size_t>(i)];
+  });
+  CHECK(done > 20);
+  CHECK(done <= 20 + jobs);
+  for (int i = 0; i < 1000; ++i) CHECK(times[static_cast<std::size_t>(i)] == (i < done ? 1 : 0));
+  CHECK(for_each_index(jobs, 10, stop, [](int) { FAIL(); }) == 0);
+}
+
+TEST_CASE("the failure of the lowest index is thrown for every number of jobs") {
+  const int jobs = GENERATE(1, 2, 5, 16);
+  std::atomic<int> failures{0};
+  try {
+    for_each_index(jobs, 1000, {}, [&](int i) {
+      if (i < 7) return;
+      ++failures;
+      throw std::runtime_error(std::to_string(i));
+    });
+    FAIL("nothing was thrown");
+  } catch (const std::runtime_error& error) {
+    CHECK(std::string(error.what()) == "7");
+  }
+  CHECK(failures <= std::max(1, jobs));
+}
+
+TEST_CASE("what is taken before a failure is the same for every number of jobs") {
+  const int jobs = GENERATE(1, 2, 5, 16);
+  std::vector<int> taken;
+  const auto take = [&](int i) {
+    if (i == 9) throw std::runtime_error("of taking");
+    taken.push_back(i);
+  };
+  const auto work = [](int i) {
+    if (i == 12) throw std::runtime_error("of working");
+  };
+  CHECK_THROWS_WITH(for_each_index(jobs, 100, {}, work, take), "of taking");
+  CHECK(taken == std::vector{0, 1, 2, 3, 4, 5, 6, 7, 8});
+}
