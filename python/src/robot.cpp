@@ -458,8 +458,9 @@ void register_robot(py::module_& m) {
   limit("upper", &Joint::upper, "Upper joint limits, (n,), rad (m); inf: none.");
   limit("max_velocity", &Joint::max_velocity, "Rate limits, (n,), rad/s (m/s); inf: none.");
   limit("max_effort", &Joint::max_effort, "Torque limits, (n,), N m (N); inf: none.");
-  limit("rotor_inertia", &Joint::rotor_inertia,
-        "Inertias of the rotors about their axes, (n,), kg m^2; H_phi has gear_ratio^2 times them.");
+  limit(
+      "rotor_inertia", &Joint::rotor_inertia,
+      "Inertias of the rotors about their axes, (n,), kg m^2; H_phi has gear_ratio^2 times them.");
   limit("gear_ratio", &Joint::gear_ratio,
         "Rates of the rotors per rate of the joints, (n,), 1 (rad/m).");
   robot.def("evaluate", &evaluate, py::arg("phi"), py::kw_only(),

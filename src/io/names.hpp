@@ -109,6 +109,9 @@ inline std::vector<std::pair<std::string, ObjectiveQuantity>> objective_names() 
   std::vector<std::pair<std::string, ObjectiveQuantity>> out;
   for (const QuantityRow& row : quantities()) out.emplace_back(row.name, row.quantity);
   return out;
+inline constexpr auto kCollisionMeshesNames = names<CollisionMeshes>(
+    {{"hull", CollisionMeshes::Hull}, {"decompose", CollisionMeshes::Decompose}});
+
 }
 
 }  // namespace stillbase::io

@@ -50,7 +50,7 @@ urdf::Tree RobotAssembly::read(std::string_view text, const urdf::MeshFolders& f
                                const std::string& name) {
   urdf::Findings findings(folders.robot_file);
   urdf::Tree tree = urdf::read_tree(text, findings);
-  if (urdf::enclose_meshes(tree, folders, findings)) is_changed_ = true;
+  if (urdf::enclose_meshes(tree, folders, collision_, findings)) is_changed_ = true;
   findings.raise();
   for (Finding& remark : findings.remarks()) {
     remark.file = name;  // the same wherever the problem lies

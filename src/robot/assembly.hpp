@@ -28,6 +28,10 @@ class AssemblyError : public std::runtime_error {
 /// Grows by parts: first all files, then what is said of their joints, then text().
 class RobotAssembly {
  public:
+  /// @param collision what stands for the meshes of all files
+  explicit RobotAssembly(CollisionMeshes collision = CollisionMeshes::Hull)
+      : collision_(collision) {}
+
   /// A robot file as the whole robot.
   /// @param name of the file for remarks, as the user stated it
   /// @throws InputError findings of the file
@@ -73,6 +77,7 @@ class RobotAssembly {
   urdf::Tree read(std::string_view text, const urdf::MeshFolders& folders, const std::string& name);
   urdf::TreeJoint& find(const std::string& name);
 
+  CollisionMeshes collision_;
   urdf::Tree tree_;
   std::vector<std::string> prefixes_;
   std::string file_text_, hand_;

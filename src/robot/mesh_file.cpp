@@ -80,15 +80,18 @@ Mesh read_mesh(const std::string& path) {
   if (fs::file_size(path, fault) > kMaxMeshBytes || fault) {
     throw std::runtime_error(fmt::format("is larger than {} MiB", kMaxMeshBytes >> 20));
   }
+  // Workspaces hold symbolic links to the meshes of their packages.
+  const std::string real = fs::canonical(path, fault).string();
+  if (fault) throw std::runtime_error("cannot be opened");
   Assimp::Importer importer;
-  importer.SetIOHandler(new FolderFiles(fs::absolute(path).parent_path()));  // takes it over
+  importer.SetIOHandler(new FolderFiles(fs::path(real).parent_path()));  // takes it over
   importer.SetPropertyInteger(
       AI_CONFIG_PP_RVC_FLAGS,
       aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
           aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_RemoveComponent);
+  const aiScene* scene = importer.ReadFile(real, aiProcess_Triangulate | aiProcess_RemoveComponent);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(fmt::format("cannot be read ({})", importer.GetErrorString()));
   }

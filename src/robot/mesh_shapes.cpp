@@ -9,6 +9,7 @@
 
 #include "robot/convex_hull.hpp"
 #include "robot/mesh_file.hpp"
+#include "robot/mesh_parts.hpp"
 
 namespace stillbase::urdf {
 
@@ -79,11 +80,44 @@ fs::path root_of(const std::string& robot_file) {
   return folders.size() > 1 ? folders[1] : folders[0];
 }
 
-std::vector<Vector3d> scaled(const std::vector<Vector3d>& points, const Vector3d& scale) {
-  std::vector<Vector3d> result;
-  result.reserve(points.size());
-  for (const Vector3d& point : points) result.push_back(point.cwiseProduct(scale));
-  return result;
+/// A mirrored mesh keeps its outside: its triangles turn round.
+Mesh scaled(Mesh mesh, const Vector3d& scale) {
+  for (Vector3d& vertex : mesh.vertices) vertex = vertex.cwiseProduct(scale);
+  if (scale.prod() < 0) {
+    for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  return mesh;
+}
+
+/// Puts one hull or several around a mesh; remarks on those that are much larger than it.
+void enclose(const Mesh& mesh, CollisionMeshes collision, const std::string& link, MeshUse& use,
+             Findings& findings) {
+  constexpr double kWorthSaying = 1.3;  // times the volume: a hole or a notch of a quarter
+  std::vector<EnclosingHull> hulls;
+  if (collision == CollisionMeshes::Decompose) {
+    hulls = convex_parts(mesh);
+  } else {
+    hulls.push_back(enclosing_hull(mesh.vertices));
+  }
+  double together = 0;
+  for (EnclosingHull& hull : hulls) {
+    together += hull.volume;
+    use.hulls.push_back(std::move(hull.mesh));
+  }
+  const double volume = enclosed_volume(mesh);
+  const double times = volume > 0 ? together / volume : 1;
+  if (hulls.size() > 1) {
+    const std::string size = volume > 0 ? fmt::format(", {:.3g} times its volume", times) : "";
+    findings.remark(use.line, "parts", "concave meshes are split into convex parts",
+                    fmt::format("{} ({} parts{})", link, hulls.size(), size));
+  } else if (times > kWorthSaying) {
+    findings.remark(use.line, "hull",
+                    collision == CollisionMeshes::Hull
+                        ? "the hull is larger than its mesh (in a problem, `robot.collision: "
+                          "decompose` splits it into convex parts)"
+                        : "the hull is larger than its mesh, and parts are no smaller",
+                    fmt::format("{} ({:.3g} times)", link, times));
+  }
 }
 
 }  // namespace
@@ -139,13 +173,13 @@ void put_before_ros_package_path(const std::vector<std::string>& folders) {
   setenv("ROS_PACKAGE_PATH", list.c_str(), 1);
 }
 
-bool enclose_meshes(Tree& tree, const MeshFolders& folders, Findings& findings) {
-  constexpr double kWorthSaying = 1.3;  // times the volume: a hole or a notch of a quarter
+bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes collision,
+                    Findings& findings) {
   std::map<std::string, Mesh> meshes;
   bool has_hull = false;
   for (TreeLink& link : tree.links) {
     for (MeshUse& use : link.meshes) {
-      if (use.hull) {
+      if (!use.hulls.empty()) {
         has_hull = true;
         continue;
       }
@@ -159,13 +193,7 @@ bool enclose_meshes(Tree& tree, const MeshFolders& folders, Findings& findings) 
         }
         const auto [mesh, is_new] = meshes.try_emplace(path.string());
         if (is_new) mesh->second = read_mesh(path.string());
-        const EnclosingHull hull = enclosing_hull(scaled(mesh->second.vertices, use.scale));
-        const double volume = enclosed_volume(mesh->second) * std::abs(use.scale.prod());
-        if (volume > 0 && hull.volume > kWorthSaying * volume) {
-          findings.remark(use.line, "hull", "the hull is larger than its mesh",
-                          fmt::format("{} ({:.3g} times)", link.name, hull.volume / volume));
-        }
-        use.hull = hull.mesh;
+        enclose(scaled(mesh->second, use.scale), collision, link.name, use, findings);
         has_hull = true;
       } catch (const PathError& error) {
         findings.add(use.line, "mesh-path", error.what());

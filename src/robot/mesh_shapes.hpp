@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/robot/assembled_robot.hpp>
+
 #include "robot/urdf_tree.hpp"
 
 namespace stillbase::urdf {
@@ -34,11 +36,13 @@ std::vector<std::string> ros_package_path();
 /// @param folders without colons, relative to the current folder
 void put_before_ros_package_path(const std::vector<std::string>& folders);
 
-/// Reads the meshes of all <collision> that have no hull yet and puts hulls around them.
+/// Reads the meshes of all <collision> that have no hull yet and puts hulls around them, or around
+/// the parts of concave ones.
 ///
 /// A mesh that is not there is a remark, one that cannot be read or lies outside of the robot's
 /// package a finding, both at its line. A file of several uses is read once.
 /// @return whether there is any hull
-bool enclose_meshes(Tree& tree, const MeshFolders& folders, Findings& findings);
+bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes collision,
+                    Findings& findings);
 
 }  // namespace stillbase::urdf

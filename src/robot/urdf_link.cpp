@@ -39,7 +39,8 @@ bool has_size(Element& shape, double least) {
   return least > 0;
 }
 
-/// The hull that a written file gives beside a mesh: 3 coordinates per vertex, 3 corners per face.
+/// A hull that a written file gives beside a mesh, one or several: 3 coordinates per vertex, 3
+/// corners per face.
 ConvexMesh read_hull(Element& element) {
   ConvexMesh hull;
   const std::vector<double> coordinates = element.numbers("vertices");
@@ -97,13 +98,16 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
     });
   }
   each("mesh", [&](Element& mesh) {
-    link.meshes.push_back({mesh.line(), pose, mesh.text("filename", true),
-                           mesh.vector("scale", Sign::Any, Vector3d::Ones()), std::nullopt});
+    link.meshes.push_back({mesh.line(),
+                           pose,
+                           mesh.text("filename", true),
+                           mesh.vector("scale", Sign::Any, Vector3d::Ones()),
+                           {}});
   });
-  element.each("hull", 0, 1, [&](Element& hull) {
+  element.each("hull", 0, kAny, [&](Element& hull) {
     ConvexMesh mesh = read_hull(hull);
     if (count == 1 && !link.meshes.empty()) {
-      link.meshes.back().hull = std::move(mesh);
+      link.meshes.back().hulls.push_back(std::move(mesh));
     } else {
       hull.find("geometry", "<hull> stands beside the <mesh> that it encloses");
     }

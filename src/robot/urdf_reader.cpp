@@ -71,8 +71,8 @@ class Builder {
         robot_.shapes.push_back({link.body, link.name, link.pose * pose, geometry});
       }
       for (const MeshUse& mesh : tree.links[i].meshes) {
-        if (mesh.hull) {
-          robot_.shapes.push_back({link.body, link.name, link.pose * mesh.pose, *mesh.hull});
+        for (const ConvexMesh& hull : mesh.hulls) {
+          robot_.shapes.push_back({link.body, link.name, link.pose * mesh.pose, hull});
         }
       }
     }
@@ -267,7 +267,7 @@ RobotModel read_urdf(std::string_view text, const std::string& source, const std
   const Tree tree = read_tree(text, findings);
   for (const TreeLink& link : tree.links) {
     for (const MeshUse& mesh : link.meshes) {
-      if (mesh.hull) continue;
+      if (!mesh.hulls.empty()) continue;
       findings.remark(mesh.line, "mesh",
                       "meshes that are not there: clearance does not cover these links",
                       fmt::format("{} ({})", link.name, mesh.file));
@@ -282,7 +282,7 @@ RobotModel read_robot(const std::string& path, const std::string& hand,
   Tree tree = read_tree(read_text_file(path, kMaxUrdfBytes), findings);
   MeshFolders folders{path, options.package_path};
   for (std::string& folder : ros_package_path()) folders.packages.push_back(std::move(folder));
-  enclose_meshes(tree, folders, findings);
+  enclose_meshes(tree, folders, options.collision, findings);
   return model_of(tree, hand, options, findings);
 }
 

@@ -46,7 +46,7 @@ struct MeshUse {
   Pose pose;         ///< in the link
   std::string file;  ///< as written
   Vector3d scale = Vector3d::Ones();
-  std::optional<ConvexMesh> hull;  ///< what stands for it, in its frame after scaling
+  std::vector<ConvexMesh> hulls;  ///< what stands for it, in its frame after scaling
 };
 
 struct TreeLink {

@@ -89,9 +89,11 @@ std::string link_text(const TreeLink& link) {
   for (const MeshUse& mesh : link.meshes) {
     const std::string scale =
         mesh.scale == Vector3d::Ones() ? "" : fmt::format(" scale=\"{}\"", triple(mesh.scale));
-    inside += collision("", mesh.pose,
-                        fmt::format("<mesh filename=\"{}\"{}/>{}", escape_markup(mesh.file), scale,
-                                    mesh.hull ? GeometryText{}(*mesh.hull) : std::string()));
+    std::string hulls;
+    for (const ConvexMesh& hull : mesh.hulls) hulls += GeometryText{}(hull);
+    inside += collision(
+        "", mesh.pose,
+        fmt::format("<mesh filename=\"{}\"{}/>{}", escape_markup(mesh.file), scale, hulls));
   }
   const std::string name = escape_markup(link.name);
   if (inside.empty()) return fmt::format("  <link name=\"{}\"/>\n", name);

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/io/benchmark_file.hpp>
@@ -27,6 +28,7 @@
 #include "io/fields/sections.hpp"
 #include "robot/convex_hull.hpp"
 #include "robot/mesh_file.hpp"
+#include "robot/mesh_parts.hpp"
 #include "robot/srdf_reader.hpp"
 
 namespace stillbase::fuzz {
@@ -130,9 +132,11 @@ inline bool mesh(std::string_view text) {
   std::ofstream(path, std::ios::binary) << text;
   Mesh mesh;
   EnclosingHull hull;
+  std::vector<EnclosingHull> parts;
   try {
     mesh = read_mesh(path);
     hull = enclosing_hull(mesh.vertices);
+    parts = convex_parts(mesh);
   } catch (const std::runtime_error&) {
     return false;
   } catch (const std::invalid_argument&) {  // all points are the same
@@ -140,6 +144,9 @@ inline bool mesh(std::string_view text) {
   }
   require(std::isfinite(enclosed_volume(mesh)), "the volume of a mesh is not finite");
   require(std::isfinite(hull.volume), "the volume of a hull is not finite");
+  for (const EnclosingHull& part : parts) {
+    require(std::isfinite(part.volume), "the volume of a part is not finite");
+  }
   return true;
 }
 

@@ -178,6 +178,7 @@ inline Subject plan_subject() {
     for (JointBox& box : *boxes) box.base_angle = Ends{-0.1, 0.1};
   }
   locked.problem.robot.remarks = {{"robots/r.urdf", 3, "not-used", "<gazebo>: for a simulator"}};
+  collision: decompose
   add(locked);
   Plan choice = random_plan("problems/deos_features.yaml");
   choice.problem.resistance = choice.impact.resistance =

@@ -10,8 +10,10 @@
 #include <catch2/catch.hpp>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/core/file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "robot/assembly.hpp"
 #include "robot/mesh_file.hpp"
 
 using namespace stillbase;
@@ -195,19 +197,65 @@ TEST_CASE("packages are found upwards from the file and where the user says") {
       1);
 }
 
-TEST_CASE("a mesh that is much smaller than its hull is remarked upon") {
-  const Scratch scratch;
-  std::vector<Vector3d> corners = box_triangles(Vector3d(1, 1, 0.1));  // an L of two plates
+namespace {
+
+/// An L.
+std::vector<Vector3d> two_plates() {
+  std::vector<Vector3d> corners = box_triangles(Vector3d(1, 1, 0.1));
   for (Vector3d v : box_triangles(Vector3d(1, 0.1, 1))) {
     v.z() += 0.1;
     corners.push_back(v);
   }
+  return corners;
+}
+
+}  // namespace
+
+TEST_CASE("a mesh that is much smaller than its hull is remarked upon") {
+  const Scratch scratch;
+  const std::vector<Vector3d> corners = two_plates();
   scratch.write("l.stl", ascii_stl(corners));
   const RobotModel robot =
       read_robot(scratch.write("r.urdf", urdf_with("<mesh filename=\"l.stl\"/>")));
   REQUIRE(robot.remarks.size() == 1);
   CHECK(robot.remarks[0].rule == "hull");
   CHECK(robot.remarks[0].message.find("times)") != std::string::npos);
+  CHECK(robot.remarks[0].message.find("robot.collision: decompose") != std::string::npos);
+}
+
+TEST_CASE("a concave mesh becomes parts where that is asked for, and its text carries them") {
+  const Scratch scratch;
+  const std::vector<Vector3d> corners = two_plates();
+  scratch.write("l.stl", ascii_stl(corners));
+  const std::string file =
+      scratch.write("r.urdf", urdf_with("<mesh filename=\"l.stl\" scale=\"1 -2 1\"/>"));
+  const RobotModel robot = read_robot(file, "", {.collision = CollisionMeshes::Decompose});
+  CHECK(robot.shapes.size() == 2);
+  REQUIRE(robot.remarks.size() == 1);
+  CHECK(robot.remarks[0].rule == "parts");
+  CHECK(robot.remarks[0].line == 5);
+  CHECK(robot.remarks[0].message.find("base (2 parts, 1 times its volume)") != std::string::npos);
+
+  RobotAssembly assembly(CollisionMeshes::Decompose);
+  assembly.add_robot(read_text_file(file), {file, {}}, "r.urdf");
+  const RobotModel again = read_urdf(assembly.text(), "merged", "");
+  REQUIRE(again.shapes.size() == robot.shapes.size());
+  for (std::size_t i = 0; i < again.shapes.size(); ++i) {
+    const auto& one = std::get<ConvexMesh>(robot.shapes[i].geometry);
+    const auto& other = std::get<ConvexMesh>(again.shapes[i].geometry);
+    CHECK(one.vertices == other.vertices);
+    CHECK(one.faces == other.faces);
+  }
+}
+
+TEST_CASE("a mesh is read through a symbolic link, as workspaces have them") {
+  const Scratch scratch;
+  scratch.write("source/box.stl", ascii_stl(box_triangles(Vector3d::Ones())));
+  fs::create_directories(scratch.path("install/meshes"));
+  fs::create_symlink(scratch.path("source/box.stl"), scratch.path("install/meshes/box.stl"));
+  const std::string robot =
+      scratch.write("install/urdf/r.urdf", urdf_with("<mesh filename=\"../meshes/box.stl\"/>"));
+  CHECK(read_robot(robot).shapes.size() == 1);
 }
 
 TEST_CASE("hostile meshes are refused within a second, at their line") {

@@ -14,6 +14,12 @@ namespace stillbase {
 /// Root link of a robot that is put together.
 inline constexpr const char* kBaseLink = "satellite";
 
+/// What stands for the meshes of `<collision>`.
+enum class CollisionMeshes {
+  Hull,      ///< one convex hull each
+  Decompose  ///< several convex parts where the mesh is concave
+};
+
 /// The body that the arms are mounted on, in its own frame: origin at its centroid.
 struct BaseBody {
   double mass = 0;                                ///< kg
@@ -51,6 +57,7 @@ struct RobotParts {
   std::map<std::string, double> locked;  ///< by joint: rad or m
   std::map<std::string, JointLimits> limits;
   std::map<std::string, JointRotor> rotors;
+  CollisionMeshes collision = CollisionMeshes::Hull;  ///< of all files
   std::vector<std::string> package_path;  ///< folders in which packages of meshes are looked for
 };
 

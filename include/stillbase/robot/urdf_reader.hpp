@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stillbase/robot/assembled_robot.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
@@ -24,6 +25,8 @@ struct UrdfOptions {
   bool may_lack_hand = false;
   /// Folders in which packages of meshes are looked for, before those of ROS_PACKAGE_PATH.
   std::vector<std::string> package_path = {};
+  /// What read_robot() puts around meshes.
+  CollisionMeshes collision = CollisionMeshes::Hull;
 };
 
 /// Reads a robot. Strict where physics needs it; what does not concern mechanics is left out, with
@@ -45,9 +48,8 @@ struct UrdfOptions {
 /// length with a half sphere on both ends (a reader that does not know this reads the cylinder).
 ///
 /// Meshes in `<collision>` become convex hulls: read_robot() reads their files, read_urdf() takes
-/// the
-/// `<hull>` beside a `<mesh>` that a merged file has. Without either the link has no shape there,
-/// which is remarked upon.
+/// the `<hull>` elements beside a `<mesh>` that a merged file has. Without either the link has no
+/// shape there, which is remarked upon.
 ///
 /// Joints that follow others (`<mimic>`) are no joints of the model: see Coupling.
 ///
@@ -55,9 +57,9 @@ struct UrdfOptions {
 /// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
 /// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero.
 ///
-/// Numbers are plain decimals with a point, finite and at most 1e60 in size. In `<limit>` larger ones,
-/// which some programs write for "none", are no limit: a turning joint without ends is continuous.
-/// An `<origin>` may state quat_xyzw in place of rpy.
+/// Numbers are plain decimals with a point, finite and at most 1e60 in size. In `<limit>` larger
+/// ones, which some programs write for "none", are no limit: a turning joint without ends is
+/// continuous. An `<origin>` may state quat_xyzw in place of rpy.
 ///
 /// @param text URDF in UTF-8; at most kMaxUrdfBytes
 /// @param source name of the file for messages
@@ -72,7 +74,9 @@ RobotModel read_urdf(std::string_view text, const std::string& source, const std
 /// Reads a robot file: read_urdf() of its text, with hulls around the meshes that it names by
 /// package://, file:// or a path. Packages are looked for upwards from the file, then in
 /// `package_path` and ROS_PACKAGE_PATH. Hulls have at most 64 vertices, hold every vertex of their
-/// mesh, and a remark names those that are much larger than their mesh.
+/// mesh, and a remark names those that are much larger than their mesh. With
+/// CollisionMeshes::Decompose a concave mesh becomes at most 12 parts of at most 32 vertices each,
+/// which together hold its triangles.
 /// @throws InputError as read_urdf(); FileError when it cannot be read or is too large
 RobotModel read_robot(const std::string& path, const std::string& hand = {},
                       const UrdfOptions& options = {});

@@ -57,7 +57,7 @@ std::optional<RobotAssembly> read_parts(MapReader& map, const CaptureProblem& pr
   const RobotParts& parts = problem.parts;
   std::vector<Finding>& findings = map.context().findings;
   const std::size_t before = findings.size();
-  RobotAssembly assembly;
+  RobotAssembly assembly(parts.collision);
   urdf::MeshFolders folders;
   for (const std::string& folder : parts.package_path) {
     folders.packages.push_back(
@@ -236,6 +236,12 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
   };
   t("package_path", WrittenIf(Texts(parts.package_path), !parts.package_path.empty()),
     "folders, relative to this file, in which packages of meshes are looked for first");
+  t("collision",
+    WrittenIf(Word(parts.collision, kCollisionMeshesNames),
+              parts.collision != CollisionMeshes::Hull),
+    "what stands for the collision meshes of the file or of all arms: `hull` one convex hull each, "
+    "`decompose` at most 12 convex parts where a mesh is concave",
+    {.without = "`hull`"});
   std::optional<RobotAssembly> assembly;
   std::string full_path;
   if (map != nullptr) {
