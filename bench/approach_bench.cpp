@@ -65,8 +65,9 @@ bool measure(const CaptureProblem& problem, int seeds) {
   for (int seed = 1; seed <= seeds; ++seed) {
     std::map<std::string, long> calls;
     const std::clock_t begin = std::clock();
-    const ChosenApproach choice =
-        choose_approach(problem, scene, found, proof, static_cast<std::uint64_t>(seed), {}, calls);
+    AfterImpactJudge after(problem, {}, 1, nullptr);
+    const ChosenApproach choice = choose_approach(
+        problem, scene, found, proof, static_cast<std::uint64_t>(seed), after, {}, calls);
     seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
     if (choice.approach.status != ApproachStatus::Found) continue;
     ++reached;

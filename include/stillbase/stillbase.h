@@ -60,8 +60,10 @@ typedef int (*stillbase_progress)(const char* what, int done, int total, void* u
 
 typedef struct stillbase_plan_options {
   double time_limit;           /* s; 0: none. The best so far is the plan, its status "limit" */
-  stillbase_progress progress; /* may be NULL; called by the thread that plans */
+  stillbase_progress progress; /* may be NULL; called by one thread at a time, with jobs = 1 by
+                                  the calling one alone */
   void* user;                  /* handed to `progress` */
+  int jobs;                    /* threads; 0: as many as processors. The plan is the same */
 } stillbase_plan_options;
 
 /* "0.1.0" */

@@ -29,13 +29,15 @@ struct PlanApproach {
 
 py::object plan_capture(const std::shared_ptr<Problem>& problem, const py::object& progress,
                         const std::optional<double>& time_limit,
-                        const std::optional<int>& max_approaches) {
+                        const std::optional<int>& max_approaches, int jobs) {
+  if (jobs < 0) throw std::invalid_argument("jobs: must be at least 0");
   if (max_approaches && *max_approaches < 1)
     throw std::invalid_argument("max_approaches: must be at least 1");
   LongCall call(time_limit);
   PlannerOptions options;
   options.stop = call.stop();
   options.on_progress = call.progress(progress);
+  options.jobs = jobs;
   CaptureProblem asked = problem->data;
   if (max_approaches) asked.approach.max_approaches = *max_approaches;
   Plan plan = call([&] { return make_plan(asked, options); });
@@ -227,12 +229,14 @@ void register_plan(py::module_& m) {
 
   m.def("plan", &plan_capture, py::arg("problem"), py::kw_only(), py::arg("progress") = py::none(),
         py::arg("time_limit") = py::none(), py::arg("max_approaches") = py::none(),
+        py::arg("jobs") = 0,
         "Plans a capture: search, collisions, approach path. What was not found is a status of\n"
         "the plan, never an exception.\n"
         "\n"
         "progress(what, done, total) is called as work goes on; what it raises ends the call.\n"
         "time_limit, s: the best so far is returned, with the status 'limit'. max_approaches:\n"
-        "in place of the problem's approach.max_approaches. Other Python threads run meanwhile; "
+        "in place of the problem's approach.max_approaches. jobs: threads, 0 for as many as\n"
+        "processors; the plan is the same. Other Python threads run meanwhile; "
         "Ctrl-C raises\n"
         "Interrupted, whose `result` is the best plan so far. Raises InputError for a problem\n"
         "whose parts do not fit together.");

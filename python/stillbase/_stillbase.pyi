@@ -488,6 +488,7 @@ def plan(
     progress: _Progress = ...,
     time_limit: Optional[float] = ...,
     max_approaches: Optional[int] = ...,
+    jobs: int = ...,
 ) -> Plan: ...
 def simulate(
     subject: Union[Problem, Plan],

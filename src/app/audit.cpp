@@ -26,7 +26,7 @@ int audit_plan_file(const AuditRequest& request) {
   VerifyOptions audit;
   audit.stop = stop_condition();
   Verification verification = audit_plan(file.plan, audit);
-  if (request.reruns) add_repeated_search(file, verification);
+  if (request.reruns) add_repeated_search(file, 0, verification);
   const std::string text = verification_to_json(verification, file.computed_sha256);
   publish_verification(file.plan, verification, text,
                        {request.output, request.json, request.shows_all, "audit"});

@@ -137,7 +137,9 @@ std::string work(const std::string& text) {
   } else {
     CaptureProblem problem = read_problem(path);
     problem.search.seed = piece.seed;
-    plan = make_plan(problem);
+    PlannerOptions options;
+    options.jobs = 1;  // the other processors have cases of their own
+    plan = make_plan(problem, options);
     result.plan_status = to_string(plan.status);
   }
   result.verified = judge_plan(plan).pass;

@@ -9,6 +9,7 @@
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/encounter/residual_velocity.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/io/problem_file.hpp>
 
@@ -102,6 +103,30 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   return text;
 }
 
+/// The measure over the residual velocity.
+std::string residual_words(const CaptureProblem& problem) {
+  const ResidualVelocity& residual = *problem.uncertainty.residual_velocity;
+  const std::string source = residual.covariance
+                                 ? "as stated"
+                                 : "from the covariance of the target's estimate and the hand's "
+                                   "tracking";
+  const double time = problem.variables.contact_time_lower;
+  const Vector6d deviations = ResidualRoot(problem).covariance(time).diagonal().cwiseSqrt();
+  std::string text = fmt::format(
+      "relative velocity at the contact: standard deviations {} m/s and {} deg/s in the axes of "
+      "the "
+      "target at {:.6g} s, {}\n",
+      vector_words(deviations.head<3>()), vector_words(deviations.tail<3>() * kDegrees), time,
+      source);
+  if (problem.measure.kind == RiskMeasure::WorstCase) {
+    text += fmt::format("measure: worst case over {:g} standard deviations of it\n",
+                        residual.deviations);
+  } else if (problem.measure.kind == RiskMeasure::Expectation) {
+    text += "measure: root mean square over it\n";
+  }
+  return text;
+}
+
 /// In words; empty for problems that are only analysed and simulated.
 std::vector<std::string> free_variables(const CaptureProblem& problem) {
   std::vector<std::string> free;
@@ -162,7 +187,9 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
     text += fmt::format("attitude change of the base: {:.6g} s after the impact under {}\n",
                         term.after, problem.post_impact.controllers.front());
   }
-  if (problem.measure.kind == RiskMeasure::WorstCase) {
+  if (problem.uncertainty.residual_velocity) {
+    text += residual_words(problem);
+  } else if (problem.measure.kind == RiskMeasure::WorstCase) {
     text += fmt::format("measure: worst case over the cone of {:.6g} deg\n",
                         problem.uncertainty.cone_half_angle * kDegrees);
   } else if (problem.measure.kind != RiskMeasure::Nominal) {

@@ -117,9 +117,9 @@ void check_option(const std::string& argument, const std::vector<std::string>& k
   const std::string name = is_long ? argument.substr(0, argument.find('=')) : argument.substr(0, 2);
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
   const std::string where = path.empty() ? "" : path + ": ";
-  throw CommandLineError(fmt::format("{}there is no option {}{}; `stillbase {}` lists them", where,
-                                     name, io::did_you_mean(name, known),
-                                     path.empty() ? "--help" : path + " --help"));
+  throw CommandLineError(fmt::format("{}there is no option {}; `stillbase {}` lists them{}", where,
+                                     name, path.empty() ? "--help" : path + " --help",
+                                     io::did_you_mean(name, known)));
 }
 
 /// What CLI11 does not refuse by itself, or without a suggestion: empty values, subcommands and
@@ -146,9 +146,9 @@ void check_arguments(const std::vector<Command>& commands, const std::vector<con
                                      [&](const Command& c) { return c.name == argument; });
     if (chosen == level->end()) {
       const std::vector<std::string> names = names_of(*level);
-      throw CommandLineError(fmt::format("there is no subcommand '{}'{}; there are {}", argument,
-                                         io::did_you_mean(argument, names),
-                                         fmt::join(names, ", ")));
+      throw CommandLineError(fmt::format("there is no subcommand '{}'; there are {}{}", argument,
+                                         fmt::join(names, ", "),
+                                         io::did_you_mean(argument, names)));
     }
     path += (path.empty() ? "" : " ") + argument;
     known = {"-h", "--help"};

@@ -14,19 +14,6 @@ namespace {
 constexpr double kSearchClearance = 2 * kDraftClearance;  // leaves the plan room to move
 constexpr int kPostures = 4000;
 
-/// The axis of the hand's frame that points on from the arm.
-Vector3d approach_axis(const RobotModel& robot, const Kinematics<double>& kinematics) {
-  Vector3d out = kinematics.r_bh;
-  if (robot.hand_body != kBase) {
-    out -= kinematics.o[robot.hand_body];
-    if (out.norm() < 0.01) out = kinematics.z(robot.hand_body);
-  }
-  const Vector3d in_hand = kinematics.R_hand.transpose() * out;
-  Eigen::Index axis = 0;
-  in_hand.cwiseAbs().maxCoeff(&axis);
-  return in_hand[axis] < 0 ? Vector3d(-Vector3d::Unit(axis)) : Vector3d(Vector3d::Unit(axis));
-}
-
 JointVectord middle_posture(const RobotModel& robot, Random& random, double part) {
   JointVectord phi(robot.n());
   for (int k = 0; k < robot.n(); ++k) {
@@ -71,6 +58,26 @@ double reach_of_body(const RobotModel& robot, int body, const std::string& link,
   return most;
 }
 
+/// The axis of the hand's frame that points on from the arm: away from the joint of its body, or,
+/// where the hand is at the joint, along the joint's axis to where the shapes of the body are.
+Vector3d approach_axis(const RobotModel& robot, const Kinematics<double>& kinematics) {
+  Vector3d out = kinematics.r_bh;
+  if (robot.hand_body != kBase) {
+    out -= kinematics.o[robot.hand_body];
+    if (out.norm() < 0.01) {
+      const auto reach = [&](double side) {
+        return reach_of_body(robot, robot.hand_body, "", Vector3d::Zero(),
+                             side * Vector3d::UnitZ());
+      };
+      out = (reach(-1) > reach(1) ? -1 : 1) * kinematics.z(robot.hand_body);
+    }
+  }
+  const Vector3d in_hand = kinematics.R_hand.transpose() * out;
+  Eigen::Index axis = 0;
+  in_hand.cwiseAbs().maxCoeff(&axis);
+  return in_hand[axis] < 0 ? Vector3d(-Vector3d::Unit(axis)) : Vector3d(Vector3d::Unit(axis));
+}
+
 bool is_line_free(const RobotModel& robot, const CollisionScene& scene, const JointVectord& from,
                   const JointVectord& to) {
   constexpr int kSteps = 24;
@@ -78,6 +85,19 @@ bool is_line_free(const RobotModel& robot, const CollisionScene& scene, const Jo
     const JointVectord phi = from + (to - from) * (static_cast<double>(i) / kSteps);
     if (scene.first_hit(compute_kinematics<double>(robot, phi), Pose{}, nullptr, kDraftClearance))
       return false;
+  }
+  return true;
+}
+
+/// The target comes along the hand's direction without passing through the base or the arm at the
+/// contact. From outside it does; a hand that points at the base may have the base there.
+bool is_way_free(const CollisionScene& scene, const Kinematics<double>& kinematics,
+                 const Pose& target, const Vector3d& direction) {
+  constexpr double kStep = 0.1, kWay = 3;  // m
+  for (double way = kStep; way <= kWay; way += kStep) {
+    Pose earlier = target;
+    earlier.position += way * direction;
+    if (scene.first_hit(kinematics, Pose{}, &earlier, kSearchClearance)) return false;
   }
   return true;
 }
@@ -124,6 +144,7 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
     pose.orientation = rotation_between(Vector3d::UnitX(), -direction);
     pose.position = kinematics.r_bh - pose.orientation * with_target.feature->point;
     if (both.first_hit(kinematics, Pose{}, &pose, kSearchClearance)) continue;
+    if (outwards < kOutwards && !is_way_free(both, kinematics, pose, direction)) continue;
     best = phi;
     best_score = score;
     found.axis = axis;

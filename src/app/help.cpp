@@ -98,7 +98,8 @@ std::string controllers_text() {
        {"joint_damping_literal", "damps the joint rates, equation (19) as printed"},
        {"rns", "moves the base's angular momentum to the arm, equation (24) without damping"},
        {"rns_damped", "rns with damping in the reaction null space, equation (24)"},
-       {"rns_handback", "rns_damped first, then the momentum goes back to the base"}});
+       {"rns_handback", "rns_damped first, then the momentum goes back to the base"},
+       {"detumble", "joints and base to rest in least time, the momentum to the wheels"}});
 }
 
 std::string contact_text() {
@@ -203,9 +204,9 @@ int print_help(const HelpRequest& request, const ProgramText& program,
     return kDone;
   }
   for (const Command& command : commands) names.push_back(command.name);
-  throw CommandLineError(fmt::format("help: there is no topic or command '{}'{}; there are {}",
-                                     wanted, io::did_you_mean(wanted, names),
-                                     fmt::join(names, ", ")));
+  throw CommandLineError(fmt::format("help: there is no topic or command '{}'; there are {}{}",
+                                     wanted, fmt::join(names, ", "),
+                                     io::did_you_mean(wanted, names)));
 }
 
 }  // namespace

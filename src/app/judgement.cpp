@@ -253,7 +253,7 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
   verification.is_against_file = std::end(checks)[-1].is_checked;
 }
 
-void add_repeated_search(const PlanFile& file, Verification& verification) {
+void add_repeated_search(const PlanFile& file, int jobs, Verification& verification) {
   Claim claim{kRepeated, std::nullopt, 0, "1", false, {}, ClaimGroup::SearchRecord, false};
   if (file.plan.status == PlanStatus::Limit) {
     claim.detail = "not verified: a limit ended the search";
@@ -262,6 +262,7 @@ void add_repeated_search(const PlanFile& file, Verification& verification) {
   }
   PlannerOptions options;
   options.stop = stop_condition();
+  options.jobs = jobs;
   ProgressLine progress;
   options.on_progress = [&](const std::string& what, int done, int total) {
     progress.show("repeated " + what, done, total);

@@ -25,7 +25,8 @@ void add_input_checks(const PlanFile& file, const std::string& plan_path,
 /// Repeats the search of a plan and compares every byte of its content: then what only the search
 /// knows holds, or the first parts that differ are named. Not possible for a plan that a limit
 /// ended.
-void add_repeated_search(const PlanFile& file, Verification& verification);
+/// @param jobs threads, see PlannerOptions
+void add_repeated_search(const PlanFile& file, int jobs, Verification& verification);
 
 /// How a verification is published.
 struct Publication {

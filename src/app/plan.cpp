@@ -30,6 +30,7 @@ struct PlanRequest {
   std::string problem, optimizer, pareto;
   std::optional<std::uint64_t> seed;
   std::optional<int> starts;
+  int jobs = 0;
   double time_limit = 0;
   OutputFile output;
   bool json = false, is_verbose = false;
@@ -127,13 +128,12 @@ std::string front_words(const TradeOff& front) {
 }
 
 /// Two quantities against each other instead of a plan.
-/// @param quantities two of the objective's quantities, "A,B"
 /// @return the exit code
-/// @throws CommandLineError for other words, or another extension of the file than .json, .csv,
-/// .svg
-int run_pareto(const CaptureProblem& problem, const std::string& quantities, double time_limit,
-               const OutputFile& output, bool json) {
-  const auto [first, second] = quantities_of(quantities);
+/// @throws CommandLineError for other words than two quantities, or another extension of the file
+/// than .json, .csv, .svg
+int run_pareto(const CaptureProblem& problem, const PlanRequest& request) {
+  const OutputFile& output = request.output;
+  const auto [first, second] = quantities_of(request.pareto);
   check_stated(problem, first);
   check_stated(problem, second);
   const std::string extension = extension_of(output.path);
@@ -141,7 +141,8 @@ int run_pareto(const CaptureProblem& problem, const std::string& quantities, dou
   options.optimizer = problem.search.optimizer;
   options.starts = first_starts(problem.search);
   options.seed = problem.search.seed;
-  options.stop = stop_condition(time_limit);
+  options.stop = stop_condition(request.time_limit);
+  options.jobs = request.jobs;
   ProgressLine progress;
   options.on_progress = [&](int done, int total) { progress.show("levels", done, total); };
   const TradeOff front = trade_off(problem, first, second, options);
@@ -149,7 +150,7 @@ int run_pareto(const CaptureProblem& problem, const std::string& quantities, dou
   if (extension == ".json") output.write(front_json(problem, front));
   if (extension == ".csv") output.write(front_csv(problem, front));
   if (extension == ".svg" && front.points.size() > 1) output.write(front_svg(problem, front));
-  if (json) {
+  if (request.json) {
     write_stdout(front_json(problem, front));
   } else if (!output.is_given()) {
     write_stdout(front_table(front));
@@ -196,11 +197,12 @@ int plan_capture(const PlanRequest& request) {
           "--pareto: the front is that of one contact feature; the problem leaves the choice of "
           "variables.feature open");
     }
-    return run_pareto(problem, request.pareto, request.time_limit, request.output, request.json);
+    return run_pareto(problem, request);
   }
 
   PlannerOptions planner;
   planner.stop = stop_condition(request.time_limit);
+  planner.jobs = request.jobs;
   ProgressLine progress;
   planner.on_progress = [&](const std::string& what, int done, int total) {
     progress.show(what, done, total);
@@ -259,6 +261,9 @@ Command plan_command() {
            .words = nlp::optimizer_names()},
           {"--seed", "", "seed of all random choices", &request->seed},
           {"--starts", "N", "starts of the search", &request->starts, false, 1, kMaxStarts},
+          {"--jobs", "N",
+           "threads, by default as many as processors; the plan does not depend on it",
+           &request->jobs, false, 1, 256},
           {"--time-limit", "S", "seconds after which the search stops", &request->time_limit},
           {"--pareto", "A,B",
            "no plan, but the front of two quantities, e.g. "

@@ -26,6 +26,27 @@ std::string spread_words(const Plan& plan, double nominal, double worst_case, bo
     text += fmt::format(", worst case over the cone of {:.3g} deg {}{} {}", cone * kDegrees,
                         is_judged ? "" : "at least ", size_words(worst_case), unit);
   }
+  if (const auto& residual = plan.problem.uncertainty.residual_velocity) {
+    text += fmt::format(", worst case over {:g} standard deviations of the relative velocity {} {}",
+                        residual->deviations, size_words(worst_case), unit);
+  }
+  return text;
+}
+
+/// How well the relative velocity at the contact is known.
+std::string residual_words(const ResidualSummary& residual) {
+  const Vector6d deviations = residual.covariance.diagonal().cwiseSqrt();
+  const Vector3d linear = deviations.head<3>(), angular = deviations.tail<3>();
+  std::string text = fmt::format(
+      "{:.4g} m/s and {:.4g} deg/s nominal, standard deviations {} m/s and {} deg/s in B",
+      residual.velocity.head<3>().norm(), residual.velocity.tail<3>().norm() * kDegrees,
+      vector_words(linear), vector_words(angular * kDegrees));
+  if (residual.separating > 1e-6) {
+    text += fmt::format(
+        "; {:.3g} % of the velocities separate: there is no contact then, and the "
+        "worst case and the mean are upper bounds",
+        100 * residual.separating);
+  }
   return text;
 }
 
@@ -46,8 +67,9 @@ std::string found_words(const Plan& plan) {
                   spread_words(plan, objective.nominal, objective.worst_case, objective.is_judged));
   if (!objective.is_judged) return text + "; a limit came before the measure was known";
   if (has_samples(plan)) {
-    text += fmt::format(", {} over the samples {} {}",
+    text += fmt::format(", {} over the {} {} {}",
                         plan.problem.measure.kind == RiskMeasure::Cvar ? "CVaR" : "mean",
+                        plan.objective.residual ? "relative velocity" : "samples",
                         size_words(objective.value), objective.unit);
   }
   return text;
@@ -94,8 +116,10 @@ std::string choice_words(const Plan& plan) {
   const auto& loss = plan.choice.loss_percent;
   if (!loss) text += ", the least measure being zero";
   if (loss && *loss > 0) text += fmt::format(", {:.3g} % above the least measure", *loss);
-  text += plan.choice.better == 1 ? "; the better one"
-                                  : fmt::format("; the {} better ones", plan.choice.better);
+  // Of equal measures another order decides which one stands first.
+  const char* const rank = loss && *loss <= 0 ? "equal" : "better";
+  text += plan.choice.better == 1 ? fmt::format("; the {} one", rank)
+                                  : fmt::format("; the {} {} ones", plan.choice.better, rank);
   const std::string joint = only_difference(plan.problem.robot, better);
   if (!joint.empty()) text += fmt::format(" (one posture but for {})", joint);
   constexpr std::size_t kMostReasons = 4;
@@ -214,15 +238,33 @@ std::string contact_words(const Plan& plan) {
 std::string impulse_words(const ImpactSummary& impact) {
   const Vector3d f = impact.Fbar.head<3>();
   const double size = f.norm();
+  if (impact.before) {
+    return fmt::format(
+        "{} N s, beside {:.4g} N s on a hand at rest, which the target would meet "
+        "at {:.4g} m/s",
+        size_words(size), impact.before->Fbar_at_rest.head<3>().norm(), impact.closing_speed);
+  }
   return fmt::format("{:.4g} N s along {} in the base frame, closing at {:.4g} m/s", size,
                      vector_words(size > 0 ? Vector3d(f / size) : f), impact.closing_speed);
+}
+
+/// The hand that moves at the contact, and what the base has of it.
+std::string hand_words(const MotionBefore& before, const Vector3d& base) {
+  return fmt::format(
+      "moves at {:.4g} m/s and {:.4g} deg/s, relative velocity {} m/s and {} deg/s; joints at most "
+      "{:.4g} rad/s; momentum of the base before {}, after {}, with a hand at rest {} N m s",
+      before.hand_velocity.head<3>().norm(), before.hand_velocity.tail<3>().norm() * kDegrees,
+      size_words(before.relative_velocity.head<3>().norm()),
+      size_words(before.relative_velocity.tail<3>().norm() * kDegrees),
+      before.phidot.cwiseAbs().maxCoeff(), size_words(before.base.norm()), size_words(base.norm()),
+      size_words(before.base_at_rest.norm()));
 }
 
 std::string momentum_words(const ImpactSummary& impact) {
   return fmt::format("base {}, arm {}, total {} N m s; base rate after the impact {} deg/s",
                      size_words(impact.base.norm()), size_words(impact.coupling.norm()),
                      size_words(impact.total.norm()),
-                     size_words(impact.Delta_Omega.tail<3>().norm() * kDegrees));
+                     size_words(impact.Omega_after().tail<3>().norm() * kDegrees));
 }
 
 std::string case_words(const Plan& plan) {
@@ -312,6 +354,10 @@ std::string approach_words(const Approach& approach) {
   if (approach.effort_used > 0) {
     text += fmt::format(", peak torque {:.2g} % of that joint's limit", 100 * approach.effort_used);
   }
+  if (const auto& abort = approach.abort) {
+    text += fmt::format("; stops within {:.2f} s, {:.3g} m back, if the grasp does not close",
+                        abort->times.back() - abort->times.front(), abort->retreat);
+  }
   if (approach.polish == PathPolish::Time) {
     text += fmt::format("; polished from {:.2f} s to {:.2f} s", approach.before_polish,
                         approach.after_polish);
@@ -320,6 +366,34 @@ std::string approach_words(const Approach& approach) {
                         approach.before_polish * kDegrees, approach.after_polish * kDegrees);
   }
   return text;
+}
+
+std::string managed_words(const ManagedMomentum& managed) {
+  std::string text =
+      fmt::format("momentum to be managed: {} N m s, {} N s", size_words(managed.angular.norm()),
+                  size_words(managed.linear.norm()));
+  if (!managed.least_time) return text;
+  text += fmt::format("; the wheels need at least {:.4g} s", *managed.least_time);
+  if (managed.rest_time) return text + fmt::format(", at rest after {:.4g} s", *managed.rest_time);
+  if (!managed.remaining) return text;
+  return text + fmt::format(", {} N m s are left at the horizon", size_words(*managed.remaining));
+}
+
+/// The limit that binds.
+std::string limit_use_words(const LimitUse& use) {
+  const bool is_angle = use.unit == "rad" || use.unit == "rad/s";
+  const double scale = is_angle ? kDegrees : 1;
+  const std::string unit = use.unit == "rad" ? "deg" : use.unit == "rad/s" ? "deg/s" : use.unit;
+  std::string name = to_string(use.limit);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  std::string text = fmt::format("{} limit: {} of {}, ", use.margin() < 0 ? "exceeded" : "binding",
+                                 name, use.place);
+  // Of ranges the value is a distance from their middle, which says little.
+  const bool is_range = use.limit == CaptureLimit::JointStop || use.place == "contact_time";
+  if (!is_range) {
+    text += fmt::format("{:.4g} of {:.4g} {}, ", scale * use.value, scale * use.most, unit);
+  }
+  return text + fmt::format("margin {:.3g} {}", scale * use.margin(), unit);
 }
 
 std::string proof_words(const Proof& proof) {
@@ -367,7 +441,16 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     lines.push_back({"posture", posture_words(plan.problem.robot, plan.configuration.phi)});
     lines.push_back({"base", pose_words(plan.configuration.base)});
     lines.push_back({"contact", contact_words(plan)});
+    if (plan.objective.residual) {
+      lines.push_back({"velocity", residual_words(*plan.objective.residual)});
+    }
+    for (const PlanWarning& warning : plan.warnings) {
+      lines.push_back({"warning", warning.code + ": " + warning.message});
+    }
     lines.push_back({"impulse", impulse_words(plan.impact)});
+    if (plan.impact.before) {
+      lines.push_back({"hand", hand_words(*plan.impact.before, plan.impact.base)});
+    }
     lines.push_back({"momentum", momentum_words(plan.impact)});
     lines.push_back({"case", case_words(plan)});
     for (const BindingLimit& limit : plan.binding) {
@@ -385,6 +468,13 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     if (plan.after_horizon) {
       lines.push_back({"afterwards",
                        after_horizon_words(*plan.after_horizon, plan.problem.post_impact.horizon)});
+    }
+    if (plan.managed_momentum) {
+      lines.push_back(
+          {plan.after_horizon ? "" : "afterwards", managed_words(*plan.managed_momentum)});
+      if (!plan.managed_momentum->limits.empty()) {
+        lines.push_back({"", limit_use_words(plan.managed_momentum->limits.front())});
+      }
     }
     const bool is_proven = proof.status != ProofStatus::NotApplicable || proof.lower_bound;
     if (is_proven || is_verbose) lines.push_back({"proof", proof_words(proof)});

@@ -26,6 +26,31 @@ constexpr double kClosingSpeed = 0.05;  // m/s, that of berthing
 constexpr int kJointsToHoldBase = 6;
 constexpr double kLeastLift = 0.1;  // m, of an arm that lies on the base
 
+constexpr double kDistance = 2;  // m, of the target at the start
+
+/// Part of the joints' rate limits that the hand moves with at 0.3 rad/s or m/s.
+double velocity_scale(const RobotModel& robot) {
+  double fastest = 0;
+  for (const Joint& joint : robot.joints) {
+    if (std::isfinite(joint.max_velocity)) fastest = std::max(fastest, joint.max_velocity);
+  }
+  return fastest > 0 ? std::clamp(0.3 / fastest, 1e-3, 1.0) : 1.0;
+}
+
+/// Distance from which the target takes as long as the slowest joint for most of its range.
+double draft_distance(const RobotModel& robot) {
+  constexpr double kReserve = 10;  // s, for the acceleration, the wait and the window
+  double longest = 0;
+  for (const Joint& joint : robot.joints) {
+    const double rate = joint.max_velocity * velocity_scale(robot);
+    const double range = joint.upper - joint.lower;
+    const double travel = joint.is_prismatic() ? range : std::min(range, 2 * kPi);
+    if (std::isfinite(travel) && rate > 0) longest = std::max(longest, 1.1 * travel / rate);
+  }
+  const double distance = kClosingSpeed * (longest + kReserve);
+  return distance > kDistance ? rounded_to(distance, 0.5) : kDistance;
+}
+
 /// A box with one feature on its +x face, off the middle.
 TargetBody box_target(double mass) {
   TargetBody target;
@@ -127,7 +152,6 @@ Draft draft_problem(const DraftRequest& request) {
   robot_lines += draft_of.joint_lines;
 
   std::string start, resistance;
-  double fastest = 0;
   bool slides = false;
   for (int k = 0; k < robot.n(); ++k) {
     const Joint& joint = robot.joints[k];
@@ -139,7 +163,6 @@ Draft draft_problem(const DraftRequest& request) {
     resistance += fmt::format("{}{}: {:.3g}", comma, yaml_word(joint.name),
                               joint.rotor_inertia > 0 ? 0 : std::clamp(0.01 * effort, 0.02, 5.0));
     slides = slides || joint.is_prismatic();
-    if (std::isfinite(joint.max_velocity)) fastest = std::max(fastest, joint.max_velocity);
   }
   std::string contacts;
   for (const auto& [a, b] : encounter->allowed_contacts) {
@@ -154,7 +177,8 @@ Draft draft_problem(const DraftRequest& request) {
         "allowed contacts: links closer than {:g} m in {}; their shapes are larger than they are",
         2 * kDraftClearance, often));
   }
-  const double contact_time = request.distance / kClosingSpeed;
+  const double distance = request.distance > 0 ? request.distance : draft_distance(robot);
+  const double contact_time = distance / kClosingSpeed;
   const double half_window = std::min({5.0, 10 / request.spin, contact_time / 4});
   const Vector3d spin_axis = Vector3d(1, 2, 2) / 3;
   const Vector3d omega = request.spin / kDegrees * spin_axis;
@@ -227,12 +251,11 @@ post_impact:
                        : fmt::format("  # These are closer than {:g} m in {}.\n"
                                      "  allowed_contacts: [{}]\n",
                                      2 * kDraftClearance, often, contacts),
-      target_mass, target.inertia(0, 0), edge, vector_text(target.features.front().point),
-      request.distance, kClosingSpeed, vector_text(position), quaternion_text(q),
-      vector_text(velocity), request.spin, resistance, contact_time - half_window,
-      contact_time + half_window, vector_text(encounter->axis),
-      slides ? "" : "  joint_limit_margin: 2 deg\n",
-      fastest > 0 ? std::clamp(0.3 / fastest, 1e-3, 1.0) : 1.0, kDraftClearance,
+      target_mass, target.inertia(0, 0), edge, vector_text(target.features.front().point), distance,
+      kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(velocity), request.spin,
+      resistance, contact_time - half_window, contact_time + half_window,
+      vector_text(encounter->axis), slides ? "" : "  joint_limit_margin: 2 deg\n",
+      velocity_scale(robot), kDraftClearance,
       robot.n() < kJointsToHoldBase ? "  # With few joints the arm runs into its stops where it "
                                       "moves to keep the base still.\n"
                                       "  controllers: [joint_damping, rns_damped, none]\n"

@@ -50,9 +50,9 @@ int write_schema(const SchemaRequest& request) {
   }
   const std::vector<std::string> names = format_names();
   if (std::find(names.begin(), names.end(), request.name) == names.end()) {
-    throw CommandLineError(fmt::format("schema: there is no format '{}'{}; there are {}",
-                                       request.name, io::did_you_mean(request.name, names),
-                                       fmt::join(names, ", ")));
+    throw CommandLineError(fmt::format("schema: there is no format '{}'; there are {}{}",
+                                       request.name, fmt::join(names, ", "),
+                                       io::did_you_mean(request.name, names)));
   }
   request.output.check({".json"});
   request.output.write(schema_of(request.name));

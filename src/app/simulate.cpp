@@ -102,6 +102,17 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
   }
   text += '\n';
   text += contact_words(run);
+  if (run.contact.is_held) {
+    text += fmt::format("  grip            at most {:.4g} N, {:.4g} N m\n", summary.peak_grip_force,
+                        summary.peak_grip_moment);
+  }
+  if (summary.peak_wheel_torque > 0) {
+    text +=
+        fmt::format("  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
+                    summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
+                    summary.rest_time ? fmt::format("at rest after {:.4g} s", *summary.rest_time)
+                                      : "not at rest at the horizon");
+  }
   // A contact that takes time changes the momentum of the robot: that of the pair stays.
   text += fmt::format("  momentum drift  {:.2g} (relative)\n",
                       run.contact.encounter ? run.contact.encounter->momentum_error

@@ -94,8 +94,8 @@ int signal_exit_code() {
 void check_known(const std::string& option, const std::string& name,
                  const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw CommandLineError(fmt::format("{}: unknown{}; there are {}", option,
-                                     io::did_you_mean(name, known), fmt::join(known, ", ")));
+  throw CommandLineError(fmt::format("{}: unknown; there are {}{}", option, fmt::join(known, ", "),
+                                     io::did_you_mean(name, known)));
 }
 
 std::string extension_of(const std::string& path) {

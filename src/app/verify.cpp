@@ -6,6 +6,7 @@
 
 #include <stillbase/audit/audit.hpp>
 #include <stillbase/core/file.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/verification_file.hpp>
 #include <stillbase/plan/scenario.hpp>
@@ -25,7 +26,7 @@ struct VerifyRequest {
   bool json = false, shows_all = false, reruns = false;
   int trials = 0;
   std::uint64_t seed = 1;
-  int jobs = 1;
+  int jobs = 0;
   double time_limit = 0;
 };
 
@@ -40,7 +41,8 @@ std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request,
   trials.first.wanted = request.trials;
   ProgressLine progress;
   trials.second = summarize_trials(
-      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials, request.jobs, stop,
+      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials,
+                 jobs_or_processors(request.jobs), stop,
                  [&progress](int done, int total) { progress.show("trials", done, total); }),
       0, objective_unit_name(plan.problem));
   return trials;
@@ -64,7 +66,7 @@ int verify_plan_file(const VerifyRequest& request) {
   verify.stop = stop_condition(request.time_limit);
   Verification verification = judge_plan(file.plan, verify);
   add_input_checks(file, request.plan, request.problem, verification);
-  if (request.reruns) add_repeated_search(file, verification);
+  if (request.reruns) add_repeated_search(file, request.jobs, verification);
 
   // A plan that fails may lack what a trial needs.
   std::optional<Trials> trials;
@@ -106,8 +108,10 @@ Command verify_command() {
            "speed, mass, contact point and sensors",
            &request->trials, false, 0, 100'000'000},
           {"--seed", "", "of the trials; same seed, same trials", &request->seed},
-          {"--jobs", "N", "trials at a time; results do not depend on it", &request->jobs, false, 1,
-           256},
+          {"--jobs", "N",
+           "threads of trials and of a repeated search, by default as many as processors; results "
+           "do not depend on it",
+           &request->jobs, false, 1, 256},
           {"--all", "", "print every check in full, also those that hold", &request->shows_all},
           {"--time-limit", "S", "seconds after which checks and trials stop", &request->time_limit},
           {"--rerun", "", "repeat the search and compare all bytes of the plan", &request->reruns},

@@ -8,6 +8,7 @@
 
 #include <stillbase/core/random.hpp>
 
+#include "approach/arrival.hpp"
 #include "approach/attempt.hpp"
 #include "approach/base_motion.hpp"
 #include "approach/closure.hpp"
@@ -32,6 +33,7 @@ constexpr const char* kBeyondHorizon =
 /// Checks of start, goal, wait and the duration of the straight line. Nothing: planning may begin.
 std::optional<Approach> refuse(const ApproachTask& task) {
   using enum ApproachStatus;
+  const PhaseClock::Phase phase(task.options.clock, "approach.check");
   const CaptureProblem& problem = task.problem;
   const ApproachSpec& spec = problem.approach;
   const auto clearance_text = [&](const Proximity& hit) {
@@ -112,24 +114,10 @@ void adjust(AttemptGoal& goal, const AttemptResult& result) {
   }
 }
 
-/// Euclidean length in joint space, rad.
-double length(const JointPath& path, int parts) {
-  double sum = 0;
-  for (std::size_t i = 0; i < path.segments(); ++i) {
-    const double h = (path.times[i + 1] - path.times[i]) / parts;
-    JointVectord last = path.phi[i];
-    for (int part = 1; part <= parts; ++part) {
-      const JointVectord phi = motion_on_segment(path, i, path.times[i] + part * h).phi;
-      sum += (phi - last).norm();
-      last = phi;
-    }
-  }
-  return sum;
-}
-
 /// A found motion as the plan states it. @param tries attempts that it took
 Approach finished(const AttemptGoal& goal, const AttemptResult& found, int tries) {
   const ApproachTask& task = goal.task;
+  const PhaseClock::Phase phase(task.options.clock, "approach.check");
   const RobotModel& robot = task.problem.robot;
   const TimedMotion& motion = found.motion;
   const JointPath& path = motion.path;
@@ -272,6 +260,97 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
   return out;
 }
 
+/// A goal of a hand that moves: the run to it, and where that begins.
+struct MovingGoal {
+  ApproachTask task;  ///< to the contact
+  Arrival arrival;
+};
+
+/// The problem of the approach to where a run begins.
+CaptureProblem problem_at_rest(const CaptureProblem& problem, double longest_run) {
+  CaptureProblem out = problem;
+  out.approach.max_duration = std::max(out.approach.max_duration - longest_run, 1e-3);
+  return out;
+}
+
+double run_time(const Arrival& arrival) {
+  return arrival.run.path.times.back() - arrival.run.path.times.front();
+}
+
+/// @return the goal, or why there is none
+std::optional<Approach> admit_moving(const CaptureProblem& problem, const Configuration& goal,
+                                     const TargetMotion* target, const ContactSolver& contact,
+                                     const ApproachOptions& options,
+                                     std::vector<MovingGoal>& goals) {
+  try {
+    ApproachTask task = make_task(problem, goal, target, contact, options);
+    Arrival arrival = plan_arrival(task, options.arrival);
+    if (!arrival.failure.empty()) return failed(ApproachStatus::GoalInvalid, arrival.failure);
+    goals.push_back({std::move(task), std::move(arrival)});
+    return std::nullopt;
+  } catch (const std::out_of_range&) {  // from TargetMotion
+    return failed(ApproachStatus::TooSlow, kBeyondHorizon);
+  }
+}
+
+/// plan_approach() for a hand that moves at the contact.
+Approach approach_with_run(const CaptureProblem& problem, const Configuration& goal,
+                           const TargetMotion* target, std::uint64_t seed,
+                           const StopCondition& stop, std::map<std::string, long>& solver_calls,
+                           const ContactSolver& contact, const ApproachOptions& options) {
+  std::vector<MovingGoal> moving;
+  if (auto refused = admit_moving(problem, goal, target, contact, options, moving)) return *refused;
+  const Arrival& arrival = moving.front().arrival;
+  const CaptureProblem still = problem_at_rest(problem, run_time(arrival));
+  std::vector<AttemptGoal> goals;
+  if (auto refused = admit(make_task(still, arrival.rest, target, contact, options), 1, 0, goals)) {
+    return *refused;
+  }
+  Approach out = attempt_all(goals, options.attempts, 0, seed, stop, solver_calls).approach;
+  if (out.status == ApproachStatus::Found) append_arrival(moving.front().task, arrival, out);
+  return out;
+}
+
+/// plan_approach_to_any() for a hand that moves at the contact.
+ApproachToAny approach_with_run_to_any(const CaptureProblem& problem,
+                                       const std::vector<ApproachGoal>& goals, std::uint64_t seed,
+                                       const StopCondition& stop,
+                                       std::map<std::string, long>& solver_calls,
+                                       const ApproachOptions& options) {
+  ApproachToAny out;
+  std::vector<MovingGoal> moving;
+  std::vector<std::size_t> asked;  // index of each
+  double longest = 0;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const ApproachGoal& goal = goals[i];
+    const auto refused =
+        admit_moving(problem, goal.configuration, goal.target, goal.contact, options, moving);
+    if (refused) {
+      if (out.approach.detail.empty()) out.approach = *refused;
+      continue;
+    }
+    asked.push_back(i);
+    longest = std::max(longest, run_time(moving.back().arrival));
+  }
+  const CaptureProblem still = problem_at_rest(problem, longest);
+  std::vector<AttemptGoal> open;
+  for (std::size_t j = 0; j < moving.size(); ++j) {
+    const ApproachGoal& goal = goals[asked[j]];
+    const auto refused =
+        admit(make_task(still, moving[j].arrival.rest, goal.target, goal.contact, options),
+              goal.weight, j, open);
+    if (refused && out.approach.detail.empty()) out.approach = *refused;
+  }
+  if (open.empty()) return out;
+  out = attempt_all(open, options.attempts_of_set, goals.size(), seed, stop, solver_calls);
+  const MovingGoal& reached = moving[out.goal];
+  if (out.approach.status == ApproachStatus::Found) {
+    append_arrival(reached.task, reached.arrival, out.approach);
+  }
+  out.goal = asked[out.goal];
+  return out;
+}
+
 }  // namespace
 
 Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
@@ -280,6 +359,9 @@ Approach plan_approach(const CaptureProblem& problem, const Configuration& goal,
                        const ApproachOptions& options) {
   if (!problem.approach.enabled) {
     return failed(ApproachStatus::NotRequested, "no approach asked for");
+  }
+  if (problem.hand_motion.moves()) {
+    return approach_with_run(problem, goal, target, seed, stop, solver_calls, contact, options);
   }
   std::vector<AttemptGoal> goals;
   if (auto refused = admit(make_task(problem, goal, target, contact, options), 1, 0, goals)) {
@@ -296,6 +378,9 @@ ApproachToAny plan_approach_to_any(const CaptureProblem& problem,
   if (goals.empty()) throw std::invalid_argument("approach: a set of goals needs one");
   if (!problem.approach.enabled) {
     return {failed(ApproachStatus::NotRequested, "no approach asked for"), 0};
+  }
+  if (problem.hand_motion.moves()) {
+    return approach_with_run_to_any(problem, goals, seed, stop, solver_calls, options);
   }
   ApproachToAny out;
   std::vector<AttemptGoal> open;

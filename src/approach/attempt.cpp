@@ -112,15 +112,19 @@ JointPath plan_path(const std::vector<const AttemptGoal*>& goals, std::uint64_t 
   std::vector<StillScene> scenes;
   for (const AttemptGoal* goal : goals) scenes.push_back(scene_of(*goal));
   const ApproachTask& first = goals.front()->task;
+  PhaseClock* const clock = first.options.clock;
+  const PhaseClock::Phase path(clock, "approach.path");
   const TimeLawOptions& options = first.options.time_law;
   if (first.problem.approach.base == BaseMode::ReactionNull) {
     const JointPath curve = plan_null_path(goals, scenes, seed, stop, result, reached);
     result.way_points = curve.times.size();
+    const PhaseClock::Phase time_law(clock, "approach.time_law");
     return curve.times.empty() ? curve : time_curve(curve, first.limits, options);
   }
   const auto points = plan_points(goals, scenes, seed, stop, result, reached);
   result.way_points = points.size();
   if (points.empty()) return {};
+  const PhaseClock::Phase time_law(clock, "approach.time_law");
   const auto is_clear = [&](const JointVectord& a, const JointVectord& b) {
     return scenes[reached].is_motion_clear(a, b);
   };
@@ -152,6 +156,7 @@ std::optional<TargetMotion> target_for(const ApproachTask& task, const Configura
 }
 
 void finish_motion(const ApproachTask& task, JointPath path, double wait, AttemptResult& result) {
+  const PhaseClock::Phase phase(task.options.clock, "approach.check");
   const ApproachSpec& spec = task.problem.approach;
   result.status = ApproachStatus::GoalUnreachable;
   Configuration end = result.end.value_or(task.goal);
@@ -217,7 +222,10 @@ AttemptResult try_approach(const std::vector<const AttemptGoal*>& goals, std::ui
   if (path.times.empty()) return result;
   const AttemptGoal& goal = *goals[reached];
   finish_motion(goal.task, path, goal.wait, result);
-  if (result.status == ApproachStatus::Found) polish(goal.task, goal.wait, stop, result);
+  if (result.status == ApproachStatus::Found) {
+    const PhaseClock::Phase phase(goal.task.options.clock, "approach.polish");
+    polish(goal.task, goal.wait, stop, result);
+  }
   return result;
 }
 

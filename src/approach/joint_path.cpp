@@ -36,6 +36,20 @@ JointVectord peak_rates(const JointPath& path, std::size_t i, double t0, double 
   return peak;
 }
 
+double length(const JointPath& path, int parts) {
+  double sum = 0;
+  for (std::size_t i = 0; i < path.segments(); ++i) {
+    const double h = (path.times[i + 1] - path.times[i]) / parts;
+    JointVectord last = path.phi[i];
+    for (int part = 1; part <= parts; ++part) {
+      const JointVectord phi = motion_on_segment(path, i, path.times[i] + part * h).phi;
+      sum += (phi - last).norm();
+      last = phi;
+    }
+  }
+  return sum;
+}
+
 double stretch_for_limits(const JointPath& path, const MotionLimits& limits) {
   double factor = 0;
   for (std::size_t i = 0; i < path.segments(); ++i) {

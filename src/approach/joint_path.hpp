@@ -36,6 +36,9 @@ JointMotion motion_on_segment(const JointPath& path, std::size_t i, double t);
 /// Largest |phidot_k| of each joint on segment i for t in [t0, t1]; exact.
 JointVectord peak_rates(const JointPath& path, std::size_t i, double t0, double t1);
 
+/// Euclidean length in joint space, rad, by chords. @param parts of each segment
+double length(const JointPath& path, int parts);
+
 /// Factor by which all times must be stretched so that rate and acceleration of every joint are
 /// within the limits everywhere on the Hermite segments. At most 1 when they already are.
 double stretch_for_limits(const JointPath& path, const MotionLimits& limits);

@@ -117,7 +117,8 @@ class Follower {
           task_.scene.nearest(kinematics(phi), base, target_pose(time, storage), false);
       if (nearest && nearest->distance < least.distance) least = *nearest;
     };
-    const double step = task_.problem.approach.resolution / 2;
+    const double step =
+        std::min(task_.options.motion_check.coarsest, task_.problem.approach.resolution) / 2;
     for (std::size_t i = 0; i < path_.segments(); ++i) {
       const double t0 = path_.times[i], h = path_.times[i + 1] - t0;
       const double travel = i == moving_ ? (target_speed_ + target_rate_) * h
@@ -177,7 +178,7 @@ class Follower {
     const bool is_small =
         std::max({travel.joints.norm(), travel.base_translation, travel.base_rotation,
                   travel.target_translation, travel.target_rotation}) <=
-        options.finest / 2 * task_.problem.approach.resolution;
+        options.finest / 2 * std::min(options.coarsest, task_.problem.approach.resolution);
     if (result.verdict == SweepVerdict::Clear || is_small) return std::nullopt;
     if (auto hit = on_segment(i, t0, middle)) return hit;
     return on_segment(i, middle, t1);

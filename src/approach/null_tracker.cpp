@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/parallel.hpp>
 
 #include <stillbase/dynamics/inertia.hpp>
 
@@ -36,8 +37,8 @@ Reference reference_at(const Knots& knots, double s) {
 }  // namespace
 
 NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
-                         std::vector<Eigen::Index> free, const NullSpaceOptions& options)
-    : robot_(robot), start_(start), free_(std::move(free)), options_(options) {
+                         std::vector<Eigen::Index> free, const NullSpaceOptions& options, int jobs)
+    : robot_(robot), start_(start), free_(std::move(free)), options_(options), jobs_(jobs) {
   lower_ = upper_ = start(free_);
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Joint& joint = robot.joints[free_[i]];
@@ -95,21 +96,19 @@ Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& c
   const auto total = static_cast<int>(count) * steps;
   const Eigen::VectorXd end = free_part(curve.phi.back());
   Eigen::MatrixXd J(m, m * count);
-  Knots beside = knots;
-  for (Eigen::Index k = 1; k <= count; ++k) {
+  for_each_index(jobs_, static_cast<int>(m * count), {}, [&](int column) {
+    const Eigen::Index k = 1 + column / m, row = column % m;
+    Knots beside = knots;
+    beside(row, k) += options_.difference;
     // A knot bends the reference from two knots before it on.
     const int from = static_cast<int>(std::max<Eigen::Index>(k - 2, 0)) * steps;
-    for (Eigen::Index row = 0; row < m; ++row) {
-      beside(row, k) += options_.difference;
-      JointVectord phi = curve.phi[from];
-      for (int i = from; i < total; ++i) {
-        const double s = static_cast<double>(i) / total;
-        phi = step(beside, s, 1.0 / total, phi, slope(beside, s, phi));
-      }
-      J.col((k - 1) * m + row) = (free_part(phi) - end) / options_.difference;
-      beside(row, k) = knots(row, k);
+    JointVectord phi = curve.phi[from];
+    for (int i = from; i < total; ++i) {
+      const double s = static_cast<double>(i) / total;
+      phi = step(beside, s, 1.0 / total, phi, slope(beside, s, phi));
     }
-  }
+    J.col(column) = (free_part(phi) - end) / options_.difference;
+  });
   return J;
 }
 

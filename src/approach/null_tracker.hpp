@@ -19,8 +19,9 @@ using Knots = Eigen::MatrixXd;
 class NullTracker {
  public:
   /// @param start n; the first column of all knots is its free part
+  /// @param jobs threads
   NullTracker(const RobotModel& robot, const JointVectord& start, std::vector<Eigen::Index> free,
-              const NullSpaceOptions& options = {});
+              const NullSpaceOptions& options = {}, int jobs = 1);
 
   /// The velocity of the free joints (m) in the reaction null space that is nearest to `wanted`.
   Eigen::VectorXd projected(const JointVectord& phi, const Eigen::VectorXd& wanted) const;
@@ -58,6 +59,7 @@ class NullTracker {
   JointVectord start_;
   std::vector<Eigen::Index> free_;
   NullSpaceOptions options_;
+  int jobs_;
   Eigen::VectorXd lower_, upper_;  ///< of knots (m)
 };
 

@@ -224,7 +224,8 @@ JointPath plan_null_path(const std::vector<const AttemptGoal*>& goals,
                          const StopCondition& stop, AttemptResult& result, std::size_t& reached) {
   const ApproachTask& first = goals.front()->task;
   const NullSpaceOptions& options = first.options.null_space;
-  const NullTracker tracker(first.problem.robot, first.start, first.free, options);
+  const NullTracker tracker(first.problem.robot, first.start, first.free, options,
+                            first.options.jobs);
   Random random(seed);
   Search search(tracker, options, stop);
   const std::size_t count = goals.size();

@@ -29,10 +29,11 @@ struct Differences {
 Differences differences(const Context& context, const Situation& at, const Candidate& candidate) {
   const ObjectiveNumbers found = objective_numbers(at, context.cone_samples());
   // A sampled maximum is slightly low: relative to itself, not to the scale. Two integrations of a
-  // motion agree to a part of the scale only.
-  const bool simulates = simulates_turn(context.problem);
+  // motion agree to a part of the scale only, and so do two sums without a maximum.
+  const bool is_sampled =
+      context.problem.uncertainty.cone_half_angle > 0 && !simulates_turn(context.problem);
   const auto relative = [&](double stated, double sampled) {
-    if (simulates) return relative_error(stated, sampled, found.scale);
+    if (!is_sampled) return relative_error(stated, sampled, found.scale);
     return std::abs(stated - sampled) / std::max(std::abs(sampled), 1e-6 * found.scale);
   };
   const bool is_worst_case = context.problem.measure.kind == RiskMeasure::WorstCase;

@@ -256,6 +256,12 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
     return claims.not_verified("kkt_residual", "samples at the quantile share their weight");
   }
   const double larger = std::max(stated, found.residual());
+  if (context.problem.uncertainty.residual_velocity && std::min(stated, found.residual()) > limit) {
+    return claims.not_verified(
+        "kkt_residual", fmt::format("no minimum over the residual velocity, by {:.3g} stated and "
+                                    "{:.3g} recomputed",
+                                    stated, found.residual()));
+  }
   claims.at_most("kkt_residual",
                  larger <= limit ? 0.0 : std::abs(stated - found.residual()) / larger,
                  kSameResidual, "1",
@@ -333,6 +339,10 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   const ApproachSpec& approach = problem.approach;
   if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free) {
     problem.base = plan.configuration.base;
+  }
+  if (problem.uncertainty.residual_velocity && problem.measure.kind == RiskMeasure::WorstCase &&
+      !is_largest_unique(residual_case(context.situation))) {
+    return give_up("two velocities of the ellipsoid are nearly equally bad: no gradient there");
   }
   Stationarity found(problem, plan.configuration);
   if (!found.objection().empty()) return give_up(found.objection());

@@ -282,7 +282,7 @@ Eigen::VectorXd Equations::residual(const Eigen::VectorXd& x) const {
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(kRows);
   rows.head<kHandRows>() = hand_rows(problem_, event, at, response.dynamics);
   if (std::find(vanishes_.begin(), vanishes_.end(), true) == vanishes_.end()) return rows;
-  hold_latched(problem_, event, response);
+  prepare_contact(problem_, event, at, response);
   const Vector6d unit = case_wrench(problem_, event, response);
   const reference::Impact impact = response.impact(unit);
   const double scale = response.momentum_scale(unit);

@@ -138,6 +138,12 @@ std::vector<double> distances_from_limits(const Situation& situation,
       between(rates[k], -limit, limit, "joint_rate_" + problem.robot.joints[k].name);
     }
   }
+  for (int k = 0; situation.response.before && k < problem.robot.n(); ++k) {
+    const double limit = arrival_rate_limit(problem, k);
+    if (!std::isfinite(limit)) continue;
+    between(situation.response.before->phidot[k], -limit, limit,
+            "arrival_rate_" + problem.robot.joints[k].name);
+  }
   if (wanted.coupling_singular_value_min > 0) {
     single(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min);
   }

@@ -24,6 +24,17 @@ std::vector<WeightedSquare> squares_of(const Situation& at) {
   return sampled_squares(at.problem, at.target(), at.at, at.response);
 }
 
+bool is_over_velocity(const CaptureProblem& problem) {
+  return problem.uncertainty.residual_velocity && problem.measure.kind != RiskMeasure::Nominal;
+}
+
+/// The measure over the residual velocity, smooth where the worst velocity is unique.
+double square_over_velocity(const Situation& at) {
+  const ResidualCase residual = residual_case(at);
+  return at.problem.measure.kind == RiskMeasure::WorstCase ? largest_square(residual).value
+                                                           : residual.mean_square();
+}
+
 /// All local maxima over the cone, with the largest first.
 /// @param value of a place
 template <class Value>
@@ -85,6 +96,11 @@ std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& va
 SmoothParts::SmoothParts(const Situation& situation)
     : problem_(situation.problem), n_(situation.event.n) {
   const double typical = 2 * std::pow(typical_objective(problem_), 2);
+  if (is_over_velocity(problem_)) {
+    size_ = square_over_velocity(situation);
+    if (!(size_ > kZero * kZero * typical)) size_ = typical;
+    return;
+  }
   switch (problem_.measure.kind) {
     case RiskMeasure::Nominal:
       size_ = typical;
@@ -105,6 +121,9 @@ SmoothParts::SmoothParts(const Situation& situation)
 
 Eigen::VectorXd SmoothParts::values(const Situation& at) const {
   const RiskMeasure kind = problem_.measure.kind;
+  if (is_over_velocity(problem_)) {
+    return Eigen::VectorXd::Constant(1, square_over_velocity(at) / size_);
+  }
   if (is_sampled(kind)) return sampled(at);
   if (kind == RiskMeasure::Nominal) {
     return Eigen::VectorXd::Constant(1, square_along(at, at.event.n) / size_);

@@ -45,6 +45,8 @@ stillbase_status stillbase_plan_make(const stillbase_problem* problem,
                                 std::chrono::duration_cast<StopCondition::Clock::duration>(
                                     std::chrono::duration<double>(limit));
       }
+      if (stated->jobs < 0) throw c::ArgumentError("jobs: must be >= 0");
+      options.jobs = stated->jobs;
       if (stated->progress != nullptr) {
         options.on_progress = [&](const std::string& what, int done, int total) {
           if (stated->progress(what.c_str(), done, total, stated->user) != 0) is_stopped = true;

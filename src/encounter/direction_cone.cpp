@@ -4,6 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/plan/feature.hpp>
 
@@ -60,6 +63,43 @@ DirectionCone direction_cone(const CaptureProblem& problem, double probability) 
     is_first = false;
   }
   return cone;
+}
+
+std::string to_string(const NarrowCone& cone) {
+  const double degrees = 180 / kPi;
+  const std::string stated =
+      cone.stated > 0 ? fmt::format(
+                            "the {} of {:.4g} deg is narrower than what the covariance of the "
+                            "target's estimate gives",
+                            cone.is_wedge ? "wedge" : "cone", cone.stated * degrees)
+                      : "none is stated, and the direction counts as exactly known";
+  const char* const advice =
+      cone.implied <= kPi / 2
+          ? "state 'from_covariance', a half-angle of that size, or residual_velocity"
+          : "no cone holds it; a later or better estimate is needed";
+  return fmt::format(
+      "{}: by target.state.covariance the normal is known within {:.4g} deg with probability {:g}; "
+      "{}",
+      stated, cone.implied * degrees, cone.probability, advice);
+}
+
+std::optional<NarrowCone> narrow_cone(const CaptureProblem& problem) {
+  constexpr double kProbability = 0.95, kEqual = 1e-6;
+  const UncertaintySpec& uncertainty = problem.uncertainty;
+  if (!problem.target || !problem.target_deviations || problem.impulse.direction ||
+      problem.variables.feature.empty() || problem.impulse.source == ImpulseSource::Given ||
+      problem.impulse.contact != ContactLaw::Frictionless || uncertainty.residual_velocity ||
+      uncertainty.cone_confidence) {
+    return std::nullopt;
+  }
+  NarrowCone out{uncertainty.cone_half_angle, kPi, kProbability,
+                 uncertainty.cone_plane_normal.has_value()};
+  try {
+    out.implied = std::min(direction_cone(problem, kProbability).half_angle, kPi);
+  } catch (const std::invalid_argument&) {  // it cannot be predicted
+  }
+  if (out.stated >= out.implied * (1 - kEqual)) return std::nullopt;
+  return out;
 }
 
 }  // namespace stillbase

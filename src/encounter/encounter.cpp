@@ -25,6 +25,8 @@ template TargetAtHandRates<double> target_at_hand_rates(const EncounterModel&,
                                                         const ContactKinematics<double>&,
                                                         const ContactRates<double>&,
                                                         const Scenario&);
+template void set_rigid_contact(const EncounterModel&, const ContactKinematics<double>&,
+                                const Scenario&, RigidContact<double>&);
 template double closing_speed_rate(const EncounterModel&, const ContactKinematics<double>&,
                                    const ContactRates<double>&, const Scenario&);
 template Matrix3d wanted_hand_axes(const EncounterModel&, const Matrix3d&, const Matrix3d&);
@@ -34,6 +36,23 @@ std::pair<Vector3d, Vector3d> tangent_basis(const Vector3d& n) {
   n.cwiseAbs().minCoeff(&smallest);
   const Vector3d u = n.cross(Vector3d(Vector3d::Unit(smallest))).normalized();
   return {u, n.cross(u)};
+}
+
+static MatchedPart matched_part(const HandMotionSpec& hand) {
+  switch (hand.velocity) {
+    case HandVelocity::Rest:
+      return MatchedPart::None;
+    case HandVelocity::MatchNormal:
+      return MatchedPart::Normal;
+    case HandVelocity::MatchLinear:
+      return MatchedPart::Linear;
+    case HandVelocity::MatchAll:
+      return MatchedPart::All;
+    case HandVelocity::Stated:
+      break;
+  }
+  if (hand.linear && hand.angular) return MatchedPart::All;
+  return hand.linear ? MatchedPart::Linear : MatchedPart::Angular;
 }
 
 EncounterModel encounter_model(const CaptureProblem& problem) {
@@ -75,6 +94,16 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
     out.target_inertia = problem.target->inertia;
     out.target_inverse_inertia = problem.target->inverse_inertia();
   }
+
+  const HandMotionSpec& motion = problem.hand_motion;
+  if (motion.moves() && (!out.is_rigid_contact() || !out.follows_target() || !out.is_rigid())) {
+    refuse("hand-velocity",
+           "contact.hand_velocity needs the contact 'sticking' or 'latch' with a predicted rigid "
+           "body");
+  }
+  out.matched = matched_part(motion);
+  out.arrival_rates = motion.rates;
+  out.apart << motion.linear.value_or(Vector3d::Zero()), motion.angular.value_or(Vector3d::Zero());
 
   const HandSpec& hand = problem.hand;
   out.hand_point = hand.position;
@@ -149,8 +178,7 @@ ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& mod
                         const Encounter<double>& encounter, const JointVectord& phi) {
   if (model.is_rigid_contact()) {
     RigidContact<double> contact;
-    contact.law = model.law;
-    contact.target = target_at_hand<double>(model, encounter.contact, nominal_scenario(model));
+    set_rigid_contact<double>(model, encounter.contact, nominal_scenario(model), contact);
     const auto summary = [&] {
       return summarize_contact(problem.robot, phi, problem.resistance, contact,
                                encounter.closing_speed);
@@ -158,6 +186,7 @@ ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& mod
     const auto exchange_nothing = [&contact] {
       contact.target.velocity.setZero();
       contact.target.omega.setZero();
+      contact.matched = MatchedPart::None;
     };
     if (!(encounter.closing_speed > 0)) exchange_nothing();
     const ImpactSummary impact = summary();

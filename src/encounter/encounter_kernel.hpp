@@ -167,6 +167,21 @@ TargetAtHandRates<S> target_at_hand_rates(const EncounterModel& model,
 }
 
 template <class S>
+void set_rigid_contact(const EncounterModel& model, const ContactKinematics<S>& contact,
+                       const Scenario& scenario, RigidContact<S>& out) {
+  out.law = model.law;
+  out.target = target_at_hand<S>(model, contact, scenario);
+  out.matched = model.matched;
+  if (!model.hand_moves()) return;
+  out.rates = model.arrival_rates;
+  const Matrix3<S> R_BE = contact.R_EB.transpose();
+  const Vector6<S> apart = model.apart.cast<S>();
+  out.n = R_BE * Vector3<S>(model.n.cast<S>());
+  out.apart.template head<3>() = R_BE * apart.template head<3>();
+  out.apart.template tail<3>() = R_BE * apart.template tail<3>();
+}
+
+template <class S>
 S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& contact,
                      const ContactRates<S>& rates, const Scenario& scenario) {
   if (!model.follows_target()) return S(0);

@@ -27,7 +27,8 @@ double motion_horizon(const CaptureProblem& problem) {
   const double latest = std::max(std::abs(variables.contact_time_upper - time),
                                  std::abs(variables.contact_time_lower - time)) +
                         problem.uncertainty.contact_time;
-  return std::max(latest, reach_back(problem)) + 1;
+  const double after = problem.hand_motion.moves() ? kLongestAbort : 0;
+  return std::max(latest + after, reach_back(problem)) + 1;
 }
 
 std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem, const Vector3d& hand_N,

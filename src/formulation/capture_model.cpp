@@ -1,6 +1,8 @@
 // The kernel on double.
 #include "formulation/capture_model.hpp"
 
+#include <stdexcept>
+
 #include <stillbase/core/error.hpp>
 
 #include "formulation/capture_model_kernel.hpp"
@@ -15,9 +17,20 @@ CaptureModel::CaptureModel(const CaptureProblem& p)
       resistance(prepare_resistance(p.resistance, p.robot.n())),
       encounter(encounter_model(p)),
       nominal(nominal_scenario(encounter)) {
-  if (layout.size > 0) return;
-  throw InputError(
-      {Finding{p.source, 0, "no-variables", "variables: nothing is free to be planned"}});
+  const auto refuse = [&p](const std::string& rule, const std::string& message) {
+    throw InputError({Finding{p.source, 0, rule, message}});
+  };
+  if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
+  if (!p.uncertainty.residual_velocity) return;
+  if (!encounter.follows_target() || encounter.magnitude_is_given()) {
+    refuse("not-used",
+           "uncertainty.residual_velocity: is that of a target whose motion makes the impulse");
+  }
+  try {
+    residual.emplace(p);
+  } catch (const std::invalid_argument& error) {
+    refuse("out-of-range", std::string("uncertainty.residual_velocity: ") + error.what());
+  }
 }
 
 Configuration CaptureModel::configuration(const Eigen::VectorXd& x) const {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/encounter/residual_velocity.hpp>
 #include <stillbase/impact/gradient.hpp>
 
 #include "formulation/variables/layout.hpp"
@@ -57,9 +58,11 @@ struct CaptureModel {
   VariableLayout layout;
   ImpactResistance resistance;
   EncounterModel encounter;
+  std::optional<ResidualRoot> residual;  ///< where the problem states a residual velocity
   Scenario nominal;
 
-  /// @throws InputError as encounter_model(), or when nothing is free
+  /// @throws InputError as encounter_model(), when nothing is free, or when the residual velocity
+  ///   cannot be predicted
   explicit CaptureModel(const CaptureProblem& p);
 
   int n() const { return problem.robot.n(); }
@@ -75,6 +78,10 @@ struct CaptureModel {
   /// What of the impact does not depend on the posture; response and p are not set.
   template <class S>
   ScenarioImpact<S> encounter_of(const Placement<S>& at, const Scenario& scenario) const;
+  /// The relative velocity of the scenario is off by L s: the target's takes it, whatever the
+  /// nominal one is.
+  template <class S>
+  void add_velocity_error(const Scenario& scenario, const S& time, ScenarioImpact<S>& impact) const;
   template <class S>
   ScenarioImpact<S> impact(const Placement<S>& at, const PostureImpact<S>& posture,
                            const Scenario& scenario) const;
@@ -84,6 +91,11 @@ struct CaptureModel {
   ScalarGradient<S> impact_gradient(const PostureImpact<S>& posture,
                                     const ScenarioImpact<S>& impact,
                                     const ResponseWeights<S>& weights) const;
+  /// Gradient of a function of the motion before the contact. @pre the hand moves
+  template <class S>
+  ScalarGradient<S> motion_before_gradient(const PostureImpact<S>& posture,
+                                           const ScenarioImpact<S>& impact,
+                                           const HandMotionWeights<S>& weights) const;
   /// Gradient of psi(p y): the weights of y per unit impulse, along_p = p d psi / dp acts through
   /// the contact law.
   template <class S>

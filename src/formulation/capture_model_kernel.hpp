@@ -66,11 +66,40 @@ ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>& at,
       closing_speed_rate<S>(encounter, out.encounter.contact, out.rates, scenario);
   if (encounter.is_rigid_contact()) {
     const ContactKinematics<S>& contact = out.encounter.contact;
-    out.rigid.law = encounter.law;
-    out.rigid.target = target_at_hand<S>(encounter, contact, scenario);
+    set_rigid_contact<S>(encounter, contact, scenario, out.rigid);
     out.target_rates = target_at_hand_rates<S>(encounter, contact, out.rates, scenario);
   }
+  if (residual && scenario.has_velocity_error()) {
+    add_velocity_error<S>(scenario, at.time + S(scenario.time_offset), out);
+  }
   return out;
+}
+
+template <class S>
+void CaptureModel::add_velocity_error(const Scenario& scenario, const S& time,
+                                      ScenarioImpact<S>& impact) const {
+  const double t = value_of_number(time);
+  const auto derivative = [&](int order) {
+    return residual->applied(scenario.velocity_error, t, order);
+  };
+  const S dt = time - S(t);  // zero, with the derivatives of the time
+  const Vector6d rate_now = derivative(1);
+  const Vector6<S> error = extend_in_time<S, 6, 1>(derivative(0), rate_now, dt);
+  const Vector6<S> rate = extend_in_time<S, 6, 1>(rate_now, derivative(2), dt);
+  const Vector3<S> d = scenario.direction.cast<S>();
+  impact.encounter.closing_speed += d.dot(error.template head<3>());
+  impact.closing_speed_rate += d.dot(rate.template head<3>());
+  if (!encounter.is_rigid_contact()) return;
+  // [v; omega] at the hand, and the velocity of the centroid v - omega x r.
+  const Matrix3<S> R_BE = impact.encounter.contact.R_EB.transpose();
+  TargetAtHand<S>& target = impact.rigid.target;
+  const auto add = [&](const Vector6<S>& at_hand, Vector3<S>& velocity, Vector3<S>& omega) {
+    const Vector3<S> turning = R_BE * at_hand.template tail<3>();
+    velocity += R_BE * at_hand.template head<3>() - turning.cross(target.r);
+    omega += turning;
+  };
+  add(error, target.velocity, target.omega);
+  add(rate, impact.target_rates.velocity, impact.target_rates.omega);
 }
 
 template <class S>
@@ -85,7 +114,7 @@ ScenarioImpact<S> CaptureModel::impact(const Placement<S>& at, const PostureImpa
   out.response = respond<S>(posture, out.encounter.F);
   if (encounter.magnitude_is_given()) {
     out.p = S(encounter.magnitude);
-  } else if (out.encounter.closing_speed > S(0)) {
+  } else if (out.encounter.closing_speed > S(0) || scenario.has_velocity_error()) {
     out.p = out.encounter.closing_speed * S(1 + scenario.restitution) /
             (out.response.hand_inverse_mass + S(out.encounter.target_inverse_mass));
   }
@@ -121,7 +150,8 @@ template <class S>
 void CaptureModel::add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,
                                   ScalarGradient<S>& gradient) const {
   const S& speed = impact.encounter.closing_speed;
-  if (encounter.magnitude_is_given() || !(speed > S(0))) return;
+  // Errors of the velocity count as if the contact could pull; without them p and along_p are zero.
+  if (encounter.magnitude_is_given() || value_of_number(speed) == 0) return;
   gradient.t += along_p / speed * impact.closing_speed_rate;
 }
 
@@ -144,13 +174,25 @@ ScalarGradient<S> CaptureModel::impact_gradient(const PostureImpact<S>& posture,
 }
 
 template <class S>
+ScalarGradient<S> CaptureModel::motion_before_gradient(const PostureImpact<S>& posture,
+                                                       const ScenarioImpact<S>& impact,
+                                                       const HandMotionWeights<S>& weights) const {
+  const auto all =
+      stillbase::motion_before_gradient<S>(problem.robot, posture, impact.rigid, weights);
+  ScalarGradient<S> out(n());
+  out.phi = all.phi;
+  add_target_change<S>(impact, all.turn, all.velocity, all.omega, out);
+  return out;
+}
+
+template <class S>
 ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
                                                 const ScenarioImpact<S>& impact,
                                                 ResponseWeights<S> weights,
                                                 const S& along_p) const {
   if (encounter.is_rigid_contact()) return impact_gradient<S>(posture, impact, weights);
   // p = (1+e) v_n / (F' W_h F + n' W_t n), along_p = p d psi / d p.
-  if (!encounter.magnitude_is_given() && impact.p > S(0)) {
+  if (!encounter.magnitude_is_given() && impact.p != S(0)) {
     weights.hand_inverse_mass =
         -along_p / (impact.response.hand_inverse_mass + S(impact.encounter.target_inverse_mass));
   }
@@ -170,6 +212,8 @@ ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
                                                   const Scenario&) const;                       \
   template ScalarGradient<S> CaptureModel::impact_gradient(                                     \
       const PostureImpact<S>&, const ScenarioImpact<S>&, const ResponseWeights<S>&) const;      \
+  template ScalarGradient<S> CaptureModel::motion_before_gradient(                              \
+      const PostureImpact<S>&, const ScenarioImpact<S>&, const HandMotionWeights<S>&) const;    \
   template ScalarGradient<S> CaptureModel::scaled_gradient(                                     \
       const PostureImpact<S>&, const ScenarioImpact<S>&, ResponseWeights<S>, const S&) const;   \
   template void CaptureModel::add_contact_turn(const ContactRates<S>&, const Vector3<S>&,       \

@@ -21,6 +21,10 @@ template ContactGradient<Tangent> contact_gradient(const RobotModel&, const Post
                                                    const RigidContact<Tangent>&,
                                                    const ImpactResponse<Tangent>&,
                                                    const ResponseWeights<Tangent>&);
+template ContactGradient<Tangent> motion_before_gradient(const RobotModel&,
+                                                         const PostureImpact<Tangent>&,
+                                                         const RigidContact<Tangent>&,
+                                                         const HandMotionWeights<Tangent>&);
 template JointVector<Tangent> coupling_column_gradient(const RobotModel&,
                                                        const PostureImpact<Tangent>&, int,
                                                        const Vector3<Tangent>&);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "formulation/formulation_parts.hpp"
@@ -65,6 +66,11 @@ std::string to_string(const std::vector<RedundantRow>& rows) {
 
 Formulation::Parts::Parts(const CaptureProblem& problem)
     : model(problem), jump(problem), differenced(problem), constraints(constraints_of(model)) {
+  if (model.residual && !differenced.empty()) {
+    throw InputError({Finding{problem.source, 0, "not-supported",
+                              "uncertainty.residual_velocity: needs objectives that are linear in "
+                              "the impulse, not simulated or given by a function"}});
+  }
   SelectedRows selected = select_independent_rows(model, constraints);
   for (const UserConstraint& one : problem.user.constraints) {
     constraints.rows.push_back(user_constraint(one));

@@ -51,7 +51,8 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
 
 bool Formulation::Parts::in_packs(const std::vector<Scenario>& scenarios) const {
   constexpr std::size_t kWorthPacks = 3;  // fewer scenarios are faster one by one
-  return differenced.empty() && scenarios.size() >= kWorthPacks && batch_lanes(model.n()) > 1;
+  return differenced.empty() && scenarios.size() >= kWorthPacks && batch_lanes(model.n()) > 1 &&
+         !model.encounter.hand_moves();
 }
 
 void Formulation::Parts::resize_batch(Eigen::Index count, ImpactBatch& batch) const {
@@ -76,7 +77,9 @@ void Formulation::Parts::put_in_batch(const Placement<double>& at,
   batch.F.row(row) = encounter.F.transpose();
   if (model.encounter.is_rigid_contact()) return put_target(impact.rigid.target, row, batch);
   if (model.encounter.magnitude_is_given()) return;
-  batch.approach[row] = (1 + scenario.restitution) * std::max(encounter.closing_speed, 0.0);
+  const double speed = scenario.has_velocity_error() ? encounter.closing_speed
+                                                     : std::max(encounter.closing_speed, 0.0);
+  batch.approach[row] = (1 + scenario.restitution) * speed;
   batch.target_inverse_mass[row] = encounter.target_inverse_mass;
 }
 
@@ -131,6 +134,15 @@ Eigen::MatrixXd Formulation::evaluate_points(const std::vector<Eigen::VectorXd>&
   const auto each = static_cast<Eigen::Index>(scenarios.size());
   const auto count = static_cast<Eigen::Index>(points.size());
   parts_->count(static_cast<long>(points.size()));
+  if (model.encounter.hand_moves()) {  // packs are of hands at rest
+    Eigen::MatrixXd out(count, each);
+    ScenarioEvaluation here;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      evaluate_scenarios(points[static_cast<std::size_t>(i)], scenarios, false, here);
+      out.row(i) = here.values.transpose();
+    }
+    return out;
+  }
   ImpactBatch batch;
   parts.resize_batch(count * each, batch);
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -71,7 +71,8 @@ ContactImpulse contact_impulse(const Contact& contact, const Matrix6d& W_h,
   ContactImpulse out;
   out.closing_speed = contact.n.dot(V_rel.head<3>());
   const bool closing =
-      contact.law == ContactLaw::Latch ? out.closing_speed >= 0 : out.closing_speed > 0;
+      contact.is_grasped ||
+      (contact.law == ContactLaw::Latch ? out.closing_speed >= 0 : out.closing_speed > 0);
   if (contact.law == ContactLaw::Latch) require_inertia(target);
   if (!closing) return out;
 

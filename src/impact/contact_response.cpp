@@ -8,5 +8,9 @@ template ContactGradient<double> contact_gradient(const RobotModel&, const Postu
                                                   const RigidContact<double>&,
                                                   const ImpactResponse<double>&,
                                                   const ResponseWeights<double>&);
+template ContactGradient<double> motion_before_gradient(const RobotModel&,
+                                                        const PostureImpact<double>&,
+                                                        const RigidContact<double>&,
+                                                        const HandMotionWeights<double>&);
 
 }  // namespace stillbase

@@ -5,6 +5,7 @@
 
 #include "dynamics/cholesky.hpp"
 #include "impact/gradient_kernel.hpp"
+#include "impact/hand_motion_kernel.hpp"
 
 namespace stillbase {
 
@@ -131,10 +132,22 @@ struct HeldTarget {
   }
 };
 
+/// What decides the motion of a hand that moves.
+template <class S>
+static HandMatch<S> hand_match(const RigidContact<S>& contact) {
+  return {contact.matched, contact.rates, contact.n,
+          contact.target.velocity_at_hand() - contact.apart};
+}
+
 template <class S>
 ImpactResponse<S> respond_to_contact(const PostureImpact<S>& posture, RigidContact<S>& contact) {
   const TargetAtHand<S>& target = contact.target;
   Vector6<S> F = target.velocity_at_hand();
+  const bool moves = contact.matched != MatchedPart::None;
+  if (moves) {
+    contact.before = match_hand<S>(posture, hand_match<S>(contact));
+    F -= contact.before.V;
+  }
   Matrix6<S>& A = contact.A_factor;
   if (contact.law == ContactLaw::Latch) {
     A = hand_inverse_inertia<6>(posture, contact.Z);
@@ -155,9 +168,15 @@ ImpactResponse<S> respond_to_contact(const PostureImpact<S>& posture, RigidConta
                         .base = {},
                         .hand_inverse_mass = {},
                         .held_momentum = Vector6<S>::Zero()};
+  // F . W_h F, W_h F the velocity of the target after the contact less that of the hand before it.
+  Vector6<S> hand_change = target.velocity_at_hand() - target_velocity<S>(target, F);
+  if (moves) {
+    out.d.Delta_Omega += contact.before.Omega;
+    out.d.Delta_phidot += contact.before.phidot;
+    hand_change -= contact.before.V;
+  }
+  out.hand_inverse_mass = F.dot(hand_change);
   out.base = posture.tilde.Htilde_omega * out.omega();
-  // F . W_h F, W_h F the velocity of the target after the contact.
-  out.hand_inverse_mass = F.dot(target.velocity_at_hand() - target_velocity<S>(target, F));
   if (contact.law == ContactLaw::Latch) {
     const HeldTarget<S> held(posture, target);
     out.base += held.rotation(target, out.omega());
@@ -174,6 +193,22 @@ ImpactResponse<S> respond_to_contact(const PostureImpact<S>& posture, RigidConta
 template <class S>
 static Vector3<S> turn_of_form(const Matrix3<S>& I, const Vector3<S>& u, const Vector3<S>& w) {
   return u.cross(Vector3<S>(I * w)) + w.cross(Vector3<S>(I * u));
+}
+
+template <class S>
+ContactGradient<S> motion_before_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                          const RigidContact<S>& contact,
+                                          const HandMotionWeights<S>& weights) {
+  const HandMatch<S> match = hand_match<S>(contact);
+  const auto by_motion = hand_motion_gradient<S>(robot, posture, match, contact.before, weights);
+  const Vector3<S> by_v = by_motion.V.template head<3>(), by_w = by_motion.V.template tail<3>();
+  ContactGradient<S> out;
+  out.phi = by_motion.phi;
+  out.velocity = by_v;
+  out.omega = by_w + contact.target.r.cross(by_v);
+  out.turn = by_v.cross(Vector3<S>(match.V.template head<3>())) +
+             by_w.cross(Vector3<S>(match.V.template tail<3>())) + by_motion.n.cross(match.n);
+  return out;
 }
 
 template <class S>
@@ -231,8 +266,15 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   }
 
   // Through Delta Omega and Delta phidot, then through F.
-  const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
-  GeneralizedMotion<S> lambda = solve_adjoint<S>(posture, weights, is_latch ? &of_target : nullptr);
+  GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
+  const bool moves = contact.matched != MatchedPart::None;
+  if (moves) {
+    d.Omega -= contact.before.Omega;
+    d.phidot -= contact.before.phidot;
+  }
+  const GeneralizedMotion<S> of_motion =
+      weights_of_motion<S>(posture, weights, is_latch ? &of_target : nullptr);
+  GeneralizedMotion<S> lambda = solve_inertia(posture.factor, of_motion.Omega, of_motion.phidot);
   by_F += hand_twist(posture.jacobian, lambda);
   Vector6<S> mu = by_F;
   if (!is_latch) mu.template tail<3>().setZero();
@@ -246,8 +288,8 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   add_inertia_gradient<S>(robot, posture, axes, lambda, d, S(-1), out.phi);
   add_explicit_gradient<S>(robot, posture, axes, response, weights, by_r_gh, out.phi);
 
-  // In the axes of the target only W_h turns, and F on its way back to B. There W_h F is the
-  // velocity of the target after the contact, and by_F - W_h mu = W_t mu.
+  // In the axes of the target only W_h turns, and F on its way back to B. There W_h F, with the
+  // hand's velocity before, is that of the target after the contact, and by_F - W_h mu = W_t mu.
   const Vector6<S> after = target.velocity_at_hand() - target_velocity<S>(target, F);
   const Vector6<S> of_mu = target_velocity<S>(target, mu);
   const Vector3<S> mu_v = mu.template head<3>(), mu_w = mu.template tail<3>();
@@ -257,6 +299,15 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
               Vector3<S>(of_mu.template tail<3>()).cross(t);
   out.velocity += mu_v;
   out.omega += mu_w + target.r.cross(mu_v);
+  if (!moves) return out;
+
+  // Through the motion before: as it adds to that after it, and as the hand's velocity.
+  const ContactGradient<S> before =
+      motion_before_gradient<S>(robot, posture, contact, {of_motion.Omega, of_motion.phidot, -mu});
+  out.phi += before.phi;
+  out.turn += before.turn;
+  out.velocity += before.velocity;
+  out.omega += before.omega;
   return out;
 }
 

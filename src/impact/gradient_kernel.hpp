@@ -193,23 +193,30 @@ ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) 
   return out;
 }
 
-/// Adjoint of the parts that are linear in d:
-/// H lambda = [u_velocity; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0]
-///            + [of_target; 0].
+/// What psi changes by with the velocities: of the parts that are linear in d
+/// [u_velocity; u_omega + Htilde_omega u_base; u_phidot] + [H_b u_momentum; 0] + [of_target; 0].
 /// @param of_target what a held target adds, or null
 template <class S>
-static GeneralizedMotion<S> solve_adjoint(const PostureImpact<S>& posture,
-                                          const ResponseWeights<S>& weights,
-                                          const Vector6<S>* of_target) {
+static GeneralizedMotion<S> weights_of_motion(const PostureImpact<S>& posture,
+                                              const ResponseWeights<S>& weights,
+                                              const Vector6<S>* of_target) {
   const auto n = static_cast<int>(posture.jacobian.J_phi.cols());
-  Vector6<S> rhs;
+  GeneralizedMotion<S> out{{}, JointVector<S>::Zero(n)};
+  Vector6<S>& rhs = out.Omega;
   rhs.template head<3>() = weights.velocity;
   rhs.template tail<3>() = weights.omega + posture.tilde.Htilde_omega * weights.base;
   if (weights.momentum != Vector6<S>::Zero()) rhs += posture.inertia.H_b * weights.momentum;
   if (of_target != nullptr) rhs += *of_target;
-  JointVector<S> torque = JointVector<S>::Zero(n);
-  if (weights.phidot.size() == n) torque = weights.phidot;
-  return solve_inertia(posture.factor, rhs, torque);
+  if (weights.phidot.size() == n) out.phidot = weights.phidot;
+  return out;
+}
+
+/// Adjoint of these parts, H lambda = weights_of_motion().
+template <class S>
+static GeneralizedMotion<S> solve_adjoint(const PostureImpact<S>& posture,
+                                          const ResponseWeights<S>& weights) {
+  const GeneralizedMotion<S> rhs = weights_of_motion<S>(posture, weights, nullptr);
+  return solve_inertia(posture.factor, rhs.Omega, rhs.phidot);
 }
 
 /// gradient += what psi changes by with the posture where d and F stay.
@@ -249,7 +256,7 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   const GeneralizedMotion<S> d{response.d.Delta_Omega, response.d.Delta_phidot};
   ResponseGradient<S> out;
   out.phi.setZero(n);
-  const GeneralizedMotion<S> adjoint = solve_adjoint<S>(posture, weights, nullptr);
+  const GeneralizedMotion<S> adjoint = solve_adjoint<S>(posture, weights);
 
   // F' W_h F = (J' F)' H^-1 (J' F) is its own adjoint; both factors J' F vary, H once.
   const S s = weights.hand_inverse_mass;
@@ -294,36 +301,59 @@ JointVector<S> coupling_column_gradient(const RobotModel& robot, const PostureIm
   return coupling_gradient<S>(robot, posture, w, y);
 }
 
+/// H_b^-1 by the centroid's equations.
+template <class S>
+class BaseInverse {
+ public:
+  explicit BaseInverse(const PostureImpact<S>& posture)
+      : inertia_(posture.inertia), factor_(posture.tilde.Htilde_omega) {
+    factorize_cholesky(factor_);
+  }
+  /// @param momentum [p; l] about the base centroid
+  Vector6<S> operator()(const Vector6<S>& momentum) const {
+    const Vector3<S> p = momentum.template head<3>();
+    Vector3<S> omega = momentum.template tail<3>() - inertia_.r_bg.cross(p);
+    solve_cholesky(factor_, omega);
+    Vector6<S> out;
+    out.template head<3>() = p / inertia_.mass - omega.cross(inertia_.r_bg);
+    out.template tail<3>() = omega;
+    return out;
+  }
+
+ private:
+  const InertiaMatrices<S>& inertia_;
+  Matrix3<S> factor_;
+};
+
+/// gradient += d/dphi (y . J x + u . Omega), x = (Omega, phidot) the motion of the joints' rates at
+/// zero momentum, the rates, y and u fixed.
+template <class S>
+static void add_zero_momentum_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                       const JointAxes<S>& axes, const GeneralizedMotion<S>& x,
+                                       const Vector6<S>& y, const Vector6<S>& u,
+                                       JointVector<S>& gradient) {
+  // Omega moves with the posture by -H_b^-1 (dH x)_b, which psi sees through
+  // mu = H_b^-1 (R_bh' y + u).
+  Vector6<S> load = y + u;
+  load.template tail<3>() += posture.kinematics.r_bh.cross(Vector3<S>(y.template head<3>()));
+  const GeneralizedMotion<S> mu{BaseInverse<S>(posture)(load),
+                                JointVector<S>::Zero(x.phidot.size())};
+  add_hand_gradient(robot, posture, axes, x, y, gradient);
+  add_inertia_gradient(robot, posture, axes, mu, x, S(-1), gradient);
+}
+
 template <class S>
 JointVector<S> generalized_jacobian_gradient(const RobotModel& robot,
                                              const PostureImpact<S>& posture,
                                              const JointVector<S>& w, const Vector6<S>& y) {
-  const InertiaMatrices<S>& inertia = posture.inertia;
-  Matrix3<S> L = posture.tilde.Htilde_omega;
-  factorize_cholesky(L);
-  // H_b^-1 [p; l].
-  const auto base_motion = [&](const Vector3<S>& p, const Vector3<S>& l) {
-    Vector3<S> omega = l - inertia.r_bg.cross(p);
-    solve_cholesky(L, omega);
-    Vector6<S> out;
-    out.template head<3>() = p / inertia.mass - omega.cross(inertia.r_bg);
-    out.template tail<3>() = omega;
-    return out;
-  };
-  // y . Jhat w = y . J x with x the motion of the joints w at zero momentum. x moves with the
-  // posture by -H_b^-1 (dH x)_b, which y sees through mu = H_b^-1 R_bh' y.
+  // y . Jhat w = y . J x with x the motion of the joints w at zero momentum.
   Vector6<S> momentum = Vector6<S>::Zero();
-  for (Eigen::Index k = 0; k < w.size(); ++k) momentum += inertia.H_bphi.col(k) * w[k];
-  const GeneralizedMotion<S> x{
-      -base_motion(momentum.template head<3>(), momentum.template tail<3>()), w};
-  const Vector3<S> f = y.template head<3>();
-  const Vector3<S> t = y.template tail<3>() + posture.kinematics.r_bh.cross(f);
-  const GeneralizedMotion<S> mu{base_motion(f, t), JointVector<S>::Zero(robot.n())};
-  const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
+  for (Eigen::Index k = 0; k < w.size(); ++k) momentum += posture.inertia.H_bphi.col(k) * w[k];
+  const GeneralizedMotion<S> x{-BaseInverse<S>(posture)(momentum), w};
   JointVector<S> gradient;
   gradient.setZero(robot.n());
-  add_hand_gradient(robot, posture, axes, x, y, gradient);
-  add_inertia_gradient(robot, posture, axes, mu, x, S(-1), gradient);
+  add_zero_momentum_gradient<S>(robot, posture, joint_axes(robot, posture.kinematics), x, y,
+                                Vector6<S>::Zero(), gradient);
   return gradient;
 }
 

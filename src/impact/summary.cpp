@@ -10,7 +10,7 @@ namespace stillbase {
 
 namespace {
 
-/// All but the angular momenta and their case.
+/// All but the total angular momentum and the case; base and coupling part are those of the jump.
 /// @param tilde of the body that moves after the impact
 ImpactSummary summarize_jump(const TildeInertia<double>& tilde, const ImpactJump<double>& jump,
                              const Vector6d& Fbar, double closing_speed,
@@ -62,6 +62,30 @@ ImpactSummary summarize_impact(const RobotModel& robot, const JointVectord& phi,
   return out;
 }
 
+namespace {
+
+/// The velocities before a contact with a hand that moves, beside those of a hand at rest.
+MotionBefore motion_before(const PostureImpact<double>& posture,
+                           const RigidContact<double>& contact) {
+  RigidContact<double> at_rest = contact;
+  at_rest.matched = MatchedPart::None;
+  const auto other = respond_to_contact(posture, at_rest);
+  const HandMotion<double>& hand = contact.before;
+  MotionBefore out;
+  out.Omega = hand.Omega;
+  out.phidot = hand.phidot;
+  out.hand_velocity = hand.V;
+  out.relative_velocity = contact.target.velocity_at_hand() - hand.V;
+  out.base = posture.tilde.Htilde_omega * hand.Omega.tail<3>();
+  const bool pulls = contact.law == ContactLaw::Sticking && other.F.head<3>().dot(contact.n) < 0;
+  if (pulls) return out;
+  out.Fbar_at_rest = other.F;
+  out.base_at_rest = other.base;
+  return out;
+}
+
+}  // namespace
+
 ImpactSummary summarize_contact(const RobotModel& robot, const JointVectord& phi,
                                 const JointResistance& resistance,
                                 const RigidContact<double>& stated, double closing_speed,
@@ -70,8 +94,27 @@ ImpactSummary summarize_contact(const RobotModel& robot, const JointVectord& phi
   const auto posture = evaluate_posture(robot, prepared, phi);
   RigidContact<double> contact = stated;
   const auto response = respond_to_contact(posture, contact);
+  const bool moves = contact.matched != MatchedPart::None;
+  ImpactJump<double> jump = response.d;
+  if (moves) {
+    jump.Delta_Omega -= contact.before.Omega;
+    jump.Delta_phidot -= contact.before.phidot;
+  }
+  // Momenta right after the contact, in place of those of the jump alone.
+  const auto add_motion = [&](const TildeInertia<double>& tilde, ImpactSummary& out) {
+    if (!moves) return;
+    out.before = motion_before(posture, contact);
+    out.base = tilde.Htilde_omega * out.Omega_after().tail<3>();
+    out.coupling = tilde.Htilde_omegaphi * out.phidot_after();
+  };
   if (contact.law != ContactLaw::Latch) {
-    return summarize_impact(robot, phi, resistance, response.F, closing_speed, case_tolerance);
+    ImpactSummary out =
+        summarize_impact(robot, phi, resistance, response.F, closing_speed, case_tolerance);
+    if (!moves) return out;
+    add_motion(posture.tilde, out);
+    out.judgement = judge_case(out.total, out.base, out.coupling,
+                               momentum_scale(posture, response.F), case_tolerance);
+    return out;
   }
   if (robot.hand_body == kBase) {
     throw std::invalid_argument("a latch needs a hand that moves relative to the base");
@@ -79,8 +122,8 @@ ImpactSummary summarize_contact(const RobotModel& robot, const JointVectord& phi
   const TargetAtHand<double>& target = contact.target;
   const RobotModel whole = held_robot(robot, posture.kinematics, target);
   const auto after = evaluate_posture(whole, prepared, phi);
-  ImpactSummary out =
-      summarize_jump(after.tilde, response.d, response.F, closing_speed, resistance);
+  ImpactSummary out = summarize_jump(after.tilde, jump, response.F, closing_speed, resistance);
+  add_motion(after.tilde, out);
   out.total = response.total;
   const double reduced_mass =
       posture.inertia.mass / (1 + posture.inertia.mass * target.inverse_mass);

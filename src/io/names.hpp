@@ -74,6 +74,8 @@ inline constexpr auto kMeasureNames = names<RiskMeasure>({{"nominal", RiskMeasur
                                                           {"worst_case", RiskMeasure::WorstCase},
                                                           {"expectation", RiskMeasure::Expectation},
                                                           {"cvar", RiskMeasure::Cvar}});
+inline constexpr auto kResidualFrameNames = names<ResidualFrame>(
+    {{"target", ResidualFrame::Target}, {"inertial", ResidualFrame::Inertial}});
 inline constexpr auto kHandConstraintNames =
     names<HandConstraint>({{"none", HandConstraint::None},
                            {"position", HandConstraint::Position},
@@ -95,13 +97,26 @@ inline constexpr auto kContactModelNames = names<ContactModel>(
 inline constexpr auto kContactLawNames = names<ContactLaw>({{"normal", ContactLaw::Frictionless},
                                                             {"sticking", ContactLaw::Sticking},
                                                             {"latch", ContactLaw::Latch}});
+/// Without `Stated`, which is a map.
+inline constexpr auto kHandVelocityNames =
+    names<HandVelocity>({{"rest", HandVelocity::Rest},
+                         {"match_normal", HandVelocity::MatchNormal},
+                         {"match_linear", HandVelocity::MatchLinear},
+                         {"match_all", HandVelocity::MatchAll}});
+inline constexpr auto kArrivalRatesNames =
+    names<ArrivalRates>({{"least_joint_rate", ArrivalRates::LeastJointRate},
+                         {"least_base_rate", ArrivalRates::LeastBaseRate}});
 inline constexpr auto kApproachEffortNames =
     names<ApproachEffort>({{"first", ApproachEffort::First}, {"best", ApproachEffort::Best}});
+
+inline constexpr auto kCollisionMeshesNames = names<CollisionMeshes>(
+    {{"hull", CollisionMeshes::Hull}, {"decompose", CollisionMeshes::Decompose}});
 
 inline auto resistance_names() { return names_up_to(ResistanceModel::Locked); }
 inline auto impact_case_names() { return names_up_to(ImpactCase::C2); }
 inline auto plan_status_names() { return names_up_to(PlanStatus::Limit); }
 inline auto proof_status_names() { return names_up_to(ProofStatus::Undecided); }
+inline auto capture_limit_names() { return names_up_to(CaptureLimit::TimeWindow); }
 inline auto approach_status_names() { return names_up_to(ApproachStatus::Stopped); }
 
 /// Of the catalogue of quantities.
@@ -109,9 +124,6 @@ inline std::vector<std::pair<std::string, ObjectiveQuantity>> objective_names() 
   std::vector<std::pair<std::string, ObjectiveQuantity>> out;
   for (const QuantityRow& row : quantities()) out.emplace_back(row.name, row.quantity);
   return out;
-inline constexpr auto kCollisionMeshesNames = names<CollisionMeshes>(
-    {{"hull", CollisionMeshes::Hull}, {"decompose", CollisionMeshes::Decompose}});
-
 }
 
 }  // namespace stillbase::io

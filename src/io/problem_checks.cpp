@@ -7,8 +7,10 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/residual_velocity.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/simulation/contact.hpp>
 
 #include "io/problem_reader.hpp"
@@ -50,8 +52,9 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
                       fmt::format("{}.measure: {}", map.path_of("objective"), what));
   };
   const UncertaintySpec& spread = problem.uncertainty;
+  if (spread.residual_velocity) return;
   if (problem.measure.kind == RiskMeasure::WorstCase && !(spread.cone_half_angle > 0)) {
-    refuse("'worst_case' needs uncertainty.cone_half_angle > 0");
+    refuse("'worst_case' needs uncertainty.cone_half_angle > 0, or uncertainty.residual_velocity");
   }
   const bool sampled =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;
@@ -68,6 +71,53 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
         fmt::format("{}.samples: {} samples leave {:.3g} of them in the tail that counts; at least "
                     "2 are needed, or a single one decides",
                     map.path_of("objective"), problem.measure.samples, tail));
+  }
+}
+
+/// What stands beside a residual velocity, and whether it can be predicted.
+void check_residual(MapReader& map, const CaptureProblem& problem) {
+  const UncertaintySpec& spread = problem.uncertainty;
+  if (!spread.residual_velocity) return;
+  const std::size_t before = map.context().findings.size();
+  const auto refuse = [&map](const char* section, const char* rule, const std::string& what) {
+    map.context().add(map.line_of(section), rule, fmt::format("{}.{}", map.path_of(section), what));
+  };
+  const ImpulseSpec& impulse = problem.impulse;
+  if (impulse.direction || impulse.source == ImpulseSource::Given || !problem.target ||
+      problem.variables.feature.empty()) {
+    refuse("uncertainty", "not-used",
+           "residual_velocity: needs an impulse that follows from the motion of a target with a "
+           "contact feature; state the target's state in place of impact.direction");
+  }
+  if (!spread.residual_velocity->covariance && !problem.target_deviations) {
+    refuse("uncertainty", "missing-key",
+           "residual_velocity: 'from_covariance' needs target.state.covariance");
+  }
+  if (problem.hand_motion.moves()) {
+    refuse("uncertainty", "not-supported",
+           "residual_velocity: the measures are those of a hand at rest; leave "
+           "contact.hand_velocity out");
+  }
+  if (spread.cone_half_angle > 0 || spread.cone_confidence) {
+    refuse("uncertainty", "contradiction",
+           "residual_velocity: a worst case is that over the velocity or over a cone of "
+           "directions; leave residual_velocity or cone_half_angle out");
+  }
+  if (problem.measure.kind == RiskMeasure::Cvar) {
+    refuse("objective", "not-supported",
+           "measure: 'cvar' has no closed form over uncertainty.residual_velocity; use "
+           "'expectation' or 'worst_case'");
+  }
+  if (simulates_turn(problem)) {
+    refuse("objective", "not-supported",
+           "attitude_turned: is not linear in the impulse, as the measures over "
+           "uncertainty.residual_velocity need it");
+  }
+  if (map.context().findings.size() > before) return;
+  try {
+    static_cast<void>(ResidualRoot(problem));
+  } catch (const std::invalid_argument& error) {
+    refuse("uncertainty", "out-of-range", std::string("residual_velocity: ") + error.what());
   }
 }
 
@@ -211,6 +261,16 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("post_impact", "not-used",
            "model.target_mass_scale: the controllers know of a target only where impact.contact "
            "latch holds it");
+  }
+  if (impulse.contact != ContactLaw::Latch && problem.post_impact.grip.is_limited()) {
+    refuse("post_impact", "not-used",
+           "grip: limits of a grip need a target that is held, impact.contact latch");
+  }
+  const std::vector<std::string>& controllers = problem.post_impact.controllers;
+  if (!problem.post_impact.wheels.exist() &&
+      std::find(controllers.begin(), controllers.end(), "detumble") != controllers.end()) {
+    refuse("post_impact", "missing-key",
+           "controllers: 'detumble' takes the momentum with wheels; state post_impact.wheels");
   }
   const ContactModel contact = problem.post_impact.contact.model;
   if (contact == ContactModel::Compliant &&
@@ -388,15 +448,24 @@ void check_sections(MapReader& map, CaptureProblem& problem) {
   const std::vector<Finding>& findings = map.context().findings;
   check_problem(map, problem);
   check_rigid_contact(map, problem);
+  check_wheel_preset(map, problem);
+  check_hand_motion(map, problem);
   check_margin(map, problem);
   check_rotation(map, problem);
   if (findings.empty()) check_wedge(map, problem);
   if (findings.empty()) resolve_cone(map, problem);
+  if (findings.empty()) check_residual(map, problem);
   if (problem.uncertainty.cone_confidence && !findings.empty()) return;
   const std::size_t before = findings.size();
   check_attitude_change(map, problem);
   if (findings.size() == before) check_measure(map, problem);
   if (findings.empty()) look_at_cone(map, problem);
+  if (!findings.empty()) return;
+  if (const auto narrow = narrow_cone(problem)) {
+    map.context().remarks.push_back(
+        {map.context().source, map.line_of("uncertainty"), kNarrowConeRule,
+         fmt::format("{}.cone_half_angle: {}", map.path_of("uncertainty"), to_string(*narrow))});
+  }
 }
 
 }  // namespace stillbase::io

@@ -24,5 +24,9 @@ Json problem_json(const CaptureProblem& problem);
 void check_sections(MapReader& map, CaptureProblem& problem);
 /// Those that a sticking contact or a latch makes.
 void check_rigid_contact(MapReader& map, const CaptureProblem& problem);
+/// Those of momentum that the wheels hold before the contact.
+void check_wheel_preset(MapReader& map, const CaptureProblem& problem);
+/// Those of a hand that moves before the contact.
+void check_hand_motion(MapReader& map, const CaptureProblem& problem);
 
 }  // namespace stillbase::io

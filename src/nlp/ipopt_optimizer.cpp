@@ -155,7 +155,8 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
 }
 
 constexpr const char* kTuning =
-    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0";
+    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0, "
+    "mumps_mem_percent 10";
 
 class IpoptOptimizer final : public Optimizer {
  public:
@@ -199,6 +200,9 @@ class IpoptOptimizer final : public Optimizer {
     // Each iteration evaluates at least one point, so that the monitor's budget ends first.
     ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
     if (options.library_defaults) return ok;
+    // Room beyond MUMPS' estimate, in percent; default 1000, which a small problem spends more time
+    // on allocating than on its numbers. Where it is too little Ipopt doubles it and repeats.
+    ok = list.SetIntegerValue("mumps_mem_percent", 10) && ok;
     // Below our own tolerance, because it is measured on the scaled problem and because the
     // distance from an active bound is about this over the multiplier.
     ok = list.SetNumericValue("tol", 1e-4 * options.optimality_tolerance) && ok;

@@ -10,6 +10,13 @@ std::string to_string(PlanStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
+std::string to_string(CaptureLimit limit) {
+  constexpr const char* kNames[] = {"reach",        "joint_rate",     "joint_torque",
+                                    "joint_stop",   "grip_force",     "grip_moment",
+                                    "wheel_torque", "wheel_momentum", "time_window"};
+  return kNames[static_cast<int>(limit)];
+}
+
 std::string to_string(ProofStatus status) {
   static constexpr const char* kNames[] = {"not_applicable", "complete", "undecided"};
   return kNames[static_cast<int>(status)];

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/approach/approach.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 
 #include "planner/candidates.hpp"
@@ -32,16 +33,20 @@ std::string no_path_words(const Approach& approach) {
 class Stage {
  public:
   Stage(const CaptureProblem& problem, const CollisionScene& scene, const SearchResult& found,
-        const Proof& proof, std::uint64_t seed, const PlannerOptions& options,
-        std::map<std::string, long>& solver_calls)
+        const Proof& proof, std::uint64_t seed, AfterImpactJudge& after,
+        const PlannerOptions& options, std::map<std::string, long>& solver_calls)
       : problem_(problem),
         scene_(scene),
         found_(found),
         proof_(proof),
         seed_(seed),
+        after_(after),
         options_(options),
+        path_options_(options.approach),
         solver_calls_(solver_calls),
-        order_(candidates_to_try(problem, found.candidates, options.stop)) {
+        order_(candidates_to_try(problem, found.candidates, after, options.stop)) {
+    path_options_.clock = options.clock;
+    path_options_.jobs = jobs_or_processors(options.jobs);
     chosen_.candidate = order_.order.front();
   }
 
@@ -104,9 +109,7 @@ class Stage {
       judge_collisions(problem_, scene_, there->candidate);
     }
     // A configuration that came with its path was not judged by its time after the impact yet.
-    const bool holds =
-        found &&
-        (!there || keeps_limits_after(problem_, there->candidate.configuration, options_.stop));
+    const bool holds = found && (!there || after_.keeps_limits(there->candidate.configuration));
     if (!tried_ || holds || (found && !has_fallback_)) {
       chosen_ = {candidate, approach, there, false,
                  there ? holds : found && keeps_limits(candidate)};
@@ -142,7 +145,7 @@ class Stage {
     std::unique_ptr<ContactRefinement> contact = contact_at(i);
     const Approach approach =
         plan_approach(problem_, goal, motion ? &*motion : nullptr, seed, options_.stop,
-                      solver_calls_, contact->solver(), options_.approach);
+                      solver_calls_, contact->solver(), path_options_);
     count_calls(*contact);
     tried_alone_.insert(i);
     if (!arrives(approach)) excluded_[i] = no_path_words(approach);
@@ -211,8 +214,8 @@ class Stage {
       asked.push_back({candidate.configuration, goal.motion ? &*goal.motion : nullptr,
                        1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
-    const ApproachToAny any = plan_approach_to_any(problem_, asked, seed_, options_.stop,
-                                                   solver_calls_, options_.approach);
+    const ApproachToAny any =
+        plan_approach_to_any(problem_, asked, seed_, options_.stop, solver_calls_, path_options_);
     for (const Goal& goal : goals) {
       if (goal.contact) count_calls(*goal.contact);
     }
@@ -276,7 +279,7 @@ class Stage {
       judge_collisions(problem_, scene_, sample.candidate);
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
-      if (!keeps_limits_after(problem_, at, options_.stop)) continue;
+      if (!after_.keeps_limits(at)) continue;
       goals.push_back({beside, std::move(sample), encounter_motion(problem_, at), nullptr});
     }
   }
@@ -291,7 +294,9 @@ class Stage {
   const SearchResult& found_;
   const Proof& proof_;
   std::uint64_t seed_;
+  AfterImpactJudge& after_;
   const PlannerOptions& options_;
+  ApproachOptions path_options_;
   std::map<std::string, long>& solver_calls_;
   CandidateOrder order_;
   ChosenApproach chosen_;
@@ -305,9 +310,9 @@ class Stage {
 
 ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
                                const SearchResult& found, const Proof& proof, std::uint64_t seed,
-                               const PlannerOptions& options,
+                               AfterImpactJudge& after, const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls) {
-  return Stage(problem, scene, found, proof, seed, options, solver_calls).choose();
+  return Stage(problem, scene, found, proof, seed, after, options, solver_calls).choose();
 }
 
 }  // namespace stillbase

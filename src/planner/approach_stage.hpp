@@ -29,7 +29,7 @@ struct ChosenApproach {
 /// @param seed of the paths
 ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
                                const SearchResult& found, const Proof& proof, std::uint64_t seed,
-                               const PlannerOptions& options,
+                               AfterImpactJudge& after, const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls);
 
 }  // namespace stillbase

@@ -4,19 +4,21 @@
 #include <cmath>
 #include <optional>
 
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
 #include "formulation/measures/measure.hpp"
+#include "planner/choice.hpp"
 
 namespace stillbase {
 
 namespace {
 
 /// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
-/// none.
+/// none. A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
                               const Configuration& configuration) {
   const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
@@ -28,7 +30,7 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
     return hit ? to_string(*hit) : "";
   }
   // From the contact backwards: what is reported is the collision nearest to it.
-  const double wait = problem.approach.wait;
+  const double wait = problem.hand_motion.moves() ? 0 : problem.approach.wait;
   const double speed =
       std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
   const int steps = static_cast<int>(std::clamp(std::ceil(wait * speed / 0.01), 1.0, 2000.0));
@@ -49,6 +51,13 @@ void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene
   candidate.collision_free = candidate.collision.empty();
 }
 
+void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
+                      std::vector<Candidate>& candidates) {
+  for_each_index(jobs, static_cast<int>(candidates.size()), {}, [&](int i) {
+    judge_collisions(problem, scene, candidates[static_cast<std::size_t>(i)]);
+  });
+}
+
 bool base_follows_path(const CaptureProblem& problem) {
   return problem.approach.enabled && problem.approach.base == BaseMode::Floating &&
          !problem.approach.station_free;
@@ -65,27 +74,55 @@ CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& co
   return at;
 }
 
-bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
-                        const StopCondition& stop) {
-  return post_impact_failure(problem, configuration, impact_at(problem, configuration), stop)
-      .empty();
+std::optional<std::string> AfterImpactJudge::known(const Configuration& configuration) {
+  const std::lock_guard lock(mutex_);
+  const auto at = std::find_if(known_.begin(), known_.end(), [&](const auto& one) {
+    return is_same_configuration(one.first, configuration);
+  });
+  return at != known_.end() ? std::optional(at->second) : std::nullopt;
+}
+
+std::string AfterImpactJudge::simulated(const Configuration& configuration) {
+  const std::string failure =
+      post_impact_failure(problem_, configuration, impact_at(problem_, configuration), stop_);
+  const std::lock_guard lock(mutex_);
+  known_.emplace_back(configuration, failure);
+  return failure;
+}
+
+std::string AfterImpactJudge::failure(const Configuration& configuration) {
+  if (auto failure = known(configuration)) return *failure;
+  const PhaseClock::Phase phase(clock_, "after_impact");
+  return simulated(configuration);
+}
+
+void AfterImpactJudge::judge_all(const std::vector<Configuration>& configurations) {
+  const PhaseClock::Phase phase(clock_, "after_impact");
+  for_each_index(jobs_, static_cast<int>(configurations.size()), stop_, [&](int i) {
+    const Configuration& at = configurations[static_cast<std::size_t>(i)];
+    if (!known(at)) simulated(at);
+  });
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates,
+                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after,
                                  const StopCondition& stop) {
-  const EncounterModel model = encounter_model(problem);
   CandidateOrder out;
+  std::vector<Configuration> to_judge;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.collision_free) to_judge.push_back(candidate.configuration);
+  }
+  after.judge_all(to_judge);
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) {
       out.excluded[i] = "at the contact: " + candidates[i].collision;
       continue;
     }
+    // What was judged before a stop stays known.
     const Configuration& at = candidates[i].configuration;
-    const auto impact = impact_at(problem, model, encounter_at(model, at), at.phi);
     const std::string failure =
-        stop.reached() ? "not judged" : post_impact_failure(problem, at, impact, stop);
+        !after.is_known(at) && stop.reached() ? "not judged" : after.failure(at);
     if (!failure.empty()) out.excluded[i] = "after the impact: " + failure;
     (failure.empty() ? out.order : others).push_back(i);
   }

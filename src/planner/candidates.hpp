@@ -3,12 +3,15 @@
 #pragma once
 
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/core/phase_clock.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
@@ -17,6 +20,9 @@ namespace stillbase {
 /// and the target comes in.
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate);
+/// The same for all of them. @param jobs threads
+void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
+                      std::vector<Candidate>& candidates);
 
 /// Whether the base's pose at the contact follows from the path instead of the search.
 bool base_follows_path(const CaptureProblem& problem);
@@ -27,9 +33,35 @@ bool path_decides(const CaptureProblem& problem);
 /// The problem as the path leaves the base: that at the contact is not the stated one.
 CaptureProblem at_contact(const CaptureProblem& problem, const Configuration& configuration);
 
-/// Whether the problem's limits hold after the impact at a configuration.
-bool keeps_limits_after(const CaptureProblem& problem, const Configuration& configuration,
-                        const StopCondition& stop);
+/// Judges configurations by the time after the impact, see post_impact_failure(). Each is simulated
+/// once, however often it is asked about.
+class AfterImpactJudge {
+ public:
+  /// @param problem outlives this
+  /// @param jobs threads of judge_all()
+  /// @param clock takes the seconds; may be null
+  AfterImpactJudge(const CaptureProblem& problem, const StopCondition& stop, int jobs,
+                   PhaseClock* clock)
+      : problem_(problem), stop_(stop), jobs_(jobs), clock_(clock) {}
+
+  /// The first limit that is exceeded; empty: none.
+  std::string failure(const Configuration& configuration);
+  bool keeps_limits(const Configuration& configuration) { return failure(configuration).empty(); }
+  /// Simulates those that nothing is known of yet, several at a time, until the stop is reached.
+  void judge_all(const std::vector<Configuration>& configurations);
+  bool is_known(const Configuration& configuration) { return known(configuration).has_value(); }
+
+ private:
+  std::optional<std::string> known(const Configuration& configuration);
+  std::string simulated(const Configuration& configuration);
+
+  const CaptureProblem& problem_;
+  const StopCondition stop_;
+  const int jobs_;
+  PhaseClock* const clock_;
+  std::mutex mutex_;  // of what follows
+  std::vector<std::pair<Configuration, std::string>> known_;
+};
 
 /// Order in which approaches are tried.
 struct CandidateOrder {
@@ -42,7 +74,7 @@ struct CandidateOrder {
   std::map<std::size_t, std::string> excluded = {};
 };
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates,
+                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after,
                                  const StopCondition& stop);
 
 /// A configuration beside those that the search found, with everything that a plan states about it.

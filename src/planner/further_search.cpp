@@ -75,10 +75,10 @@ void count_further(const CaptureProblem& problem, const SearchResult& other, int
 
 void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
                               const SearchOptions& search_options, const PlannerOptions& options,
-                              SearchResult& found, std::map<std::string, long>& solver_calls) {
+                              AfterImpactJudge& after, SearchResult& found,
+                              std::map<std::string, long>& solver_calls) {
   const auto holds = [&](const Candidate& candidate) {
-    return candidate.collision_free &&
-           keeps_limits_after(problem, candidate.configuration, options.stop);
+    return candidate.collision_free && after.keeps_limits(candidate.configuration);
   };
   const bool is_solved =
       !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;

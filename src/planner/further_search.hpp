@@ -8,6 +8,8 @@
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
+#include "planner/candidates.hpp"
+
 namespace stillbase {
 
 /// Adds candidates that touch nothing and keep the limits after the impact where the search has
@@ -17,6 +19,7 @@ namespace stillbase {
 /// @param found of `search_options`, judged for collisions
 void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
                               const SearchOptions& search_options, const PlannerOptions& options,
-                              SearchResult& found, std::map<std::string, long>& solver_calls);
+                              AfterImpactJudge& after, SearchResult& found,
+                              std::map<std::string, long>& solver_calls);
 
 }  // namespace stillbase

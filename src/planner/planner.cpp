@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <stillbase/collision/scene.hpp>
+#include <stillbase/core/parallel.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
 #include <stillbase/planner/post_impact.hpp>
@@ -31,6 +35,11 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Functions of the user need not stand several calls at once.
+int jobs_of(const CaptureProblem& problem, const PlannerOptions& options) {
+  return problem.user.empty() ? jobs_or_processors(options.jobs) : 1;
+}
+
 /// A deadline after half of the remaining time: a plan needs more than its proof.
 StopCondition half_of_remaining_time(StopCondition stop) {
   const auto now = StopCondition::Clock::now();
@@ -50,6 +59,7 @@ void bound_and_search_suspects(
   const auto bounded = [&] {
     MinimumOptions effort;
     effort.stop = half_of_remaining_time(options.stop);
+    effort.jobs = jobs_of(problem, options);
     effort.on_progress = [&](long boxes) {
       if (!options.on_progress) return;
       options.on_progress("proof", static_cast<int>(boxes), static_cast<int>(effort.max_boxes));
@@ -92,6 +102,8 @@ SearchOptions search_options_of(const CaptureProblem& problem, const CollisionSc
   search_options.seed = problem.search.seed;
   search_options.max_candidates = problem.search.max_candidates;
   search_options.stop = options.stop;
+  search_options.jobs = jobs_of(problem, options);
+  search_options.clock = options.clock;
   search_options.is_free = [&](const Configuration& at) {
     Candidate candidate;
     candidate.configuration = at;
@@ -123,6 +135,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     return found;
   }
   const auto proof_begin = Clock::now();
+  const PhaseClock::Phase phase(options.clock, "proof.boxes");
   if (options.on_progress) options.on_progress("proof", 0, 1);
   proof = prove_solutions(options.prover, problem, formulation,
                           half_of_remaining_time(options.stop), options.enclosure);
@@ -189,6 +202,12 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   const WorstCase worst = known ? *known : worst_case(at, there, best.configuration);
   plan.objective.worst_case = worst.value;
   plan.objective.worst_direction = worst.direction;
+  if (at.uncertainty.residual_velocity) {
+    plan.objective.residual = summarize_residual(at, there, best.configuration);
+  }
+  if (const auto narrow = narrow_cone(at)) {
+    plan.warnings.push_back({kNarrowConeRule, to_string(*narrow)});
+  }
 }
 
 /// Plans for every feature that the problem names, and the best of them.
@@ -215,11 +234,19 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
         motion_after_horizon(at_feature(plan.problem, plan.configuration.feature),
                              plan.configuration, plan.impact, controllers.front(), options.stop);
   }
+  if (!plan.candidates.empty() && plan.status != PlanStatus::Infeasible) {
+    plan.managed_momentum = managed_momentum(at_feature(plan.problem, plan.configuration.feature),
+                                             plan.configuration, plan.impact, options.stop);
+  }
   return plan;
 }
 
-PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& options) {
+PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptions& asked) {
   const auto begin = Clock::now();
+  PhaseClock own_clock;
+  PlannerOptions options = asked;
+  if (options.clock == nullptr) options.clock = &own_clock;
+  const std::map<std::string, PhaseClock::Seconds> before = options.clock->seconds();
   Formulation formulation(problem);
   formulation.give_up_simulations_at(options.stop);
   const CollisionScene scene(problem);
@@ -229,10 +256,15 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   Proof proof;
   const SearchOptions search_options = search_options_of(problem, scene, options);
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
-  for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
+  {
+    const PhaseClock::Phase phase(options.clock, "collision");
+    judge_collisions(problem, scene, jobs_of(problem, options), found.candidates);
+  }
+  AfterImpactJudge after(problem, options.stop, jobs_of(problem, options), options.clock);
   // Where every solution is enclosed there is nothing to search for.
   if (proof.status == ProofStatus::NotApplicable) {
-    add_candidates_that_hold(problem, scene, search_options, options, found, plan.solver_calls);
+    add_candidates_that_hold(problem, scene, search_options, options, after, found,
+                             plan.solver_calls);
   }
 
   const auto approach_begin = Clock::now();
@@ -241,7 +273,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
       !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
   if (solved) {
     if (options.on_progress) options.on_progress("after the impact", 0, 1);
-    choice = choose_approach(problem, scene, found, proof, problem.search.seed, options,
+    const PhaseClock::Phase phase(options.clock, "approach.choice");
+    choice = choose_approach(problem, scene, found, proof, problem.search.seed, after, options,
                              plan.solver_calls);
   }
   if (choice.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {
@@ -274,6 +307,10 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   if (solved) state_choice(plan, equal, options.improvement);
   plan.certificate.proof.gap = gap_to_bound(plan);
   plan.families = std::move(found.families);
+  for (const auto& [phase, seconds] : options.clock->seconds()) {
+    const auto known = before.find(phase);
+    plan.timing[phase] = seconds.wall - (known == before.end() ? 0 : known->second.wall);
+  }
   plan.timing["total"] = seconds_since(begin);
   const bool arrives = plan.approach.status == ApproachStatus::Found ||
                        plan.approach.status == ApproachStatus::NotRequested;

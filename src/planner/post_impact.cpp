@@ -10,11 +10,14 @@
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
 
+#include "planner/capture_limits.hpp"
 #include "planner/contact_case.hpp"
 
 namespace stillbase {
 
 namespace {
+
+constexpr double kRounding = 1e-6;  ///< of a limit that is just kept
 
 bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
   for (int k = 0; k < robot.n(); ++k) {
@@ -52,6 +55,11 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
   subject.robot = problem.robot;
   subject.resistance = problem.resistance;
   subject.before = state_at_rest(configuration.base, configuration.phi);
+  subject.before.wheel_momentum = problem.post_impact.wheels.preset;
+  if (impact.before) {
+    subject.before.Omega = impact.before->Omega;
+    subject.before.phidot = impact.before->phidot;
+  }
   subject.after =
       state_after_impact(problem.robot, problem.resistance, subject.before, impact.Fbar);
   const Vector3d f = impact.Fbar.head<3>();
@@ -107,6 +115,21 @@ std::optional<AfterHorizon> motion_after_horizon(const CaptureProblem& problem,
   return look_beyond_horizon(subject, spec, *controller, options, run);
 }
 
+std::optional<ManagedMomentum> managed_momentum(const CaptureProblem& problem,
+                                                const Configuration& configuration,
+                                                const ImpactSummary& impact,
+                                                const StopCondition& stop) {
+  if (!problem.target) return std::nullopt;
+  const ContactCase subject = contact_case(problem, configuration, impact);
+  std::optional<AfterContact> run;
+  if (const auto controller = chosen_controller(problem.post_impact)) {
+    run = simulate_after_contact(subject, problem.post_impact, *controller,
+                                 judging_options(problem, stop));
+    if (run->simulation.status != SimulationStatus::Finished) run.reset();
+  }
+  return account_for_momentum(problem, configuration, impact, subject, run ? &*run : nullptr);
+}
+
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
@@ -122,6 +145,11 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   if (run.encounter && run.encounter->contact.phase == ContactPhase::Touching) {
     return endless_contact(subject, spec);
   }
+  // Full wheels and an open grip are causes of what else is exceeded then.
+  const auto limits = account_for_momentum(problem, configuration, impact, subject, &run).limits;
+  for (const LimitUse& use : limits) {
+    if (is_demand_on_grasp(use) && use.part() > 1 + kRounding) return limit_words(use);
+  }
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
       return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
@@ -133,6 +161,10 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   // The plant gives no more than the limit, so what the controller asks for is judged.
   if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort))
     return "joint torques";
+  // Rest is judged by whether it is reached, which no number of the account decides better.
+  if (controller->kind == ControllerKind::Detumble && !summary.rest_time) {
+    return fmt::format("robot and target do not rest within the horizon of {:.4g} s", spec.horizon);
+  }
   return "";
 }
 

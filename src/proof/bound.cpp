@@ -1,10 +1,10 @@
 #include "proof/bound.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
 #include <queue>
-#include <thread>
+
+#include <stillbase/core/parallel.hpp>
 
 #include "proof/dense.hpp"
 #include "proof/form_bounds.hpp"
@@ -133,22 +133,6 @@ Quadratic<N> best_mixture(const std::vector<Quadratic<N>>& forms, const Part<N>&
   return best;
 }
 
-/// Work for threads: f(i) for all i below count, each with its own rounding mode.
-/// @param per_thread fewer calls are not worth a thread
-template <class F>
-void in_threads(std::size_t count, std::size_t per_thread, const F& f) {
-  const std::size_t most = std::max(1u, std::thread::hardware_concurrency());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    const RoundUpward upward;
-    for (std::size_t i = next++; i < count; i = next++) f(i);
-  };
-  std::vector<std::thread> others;
-  while (others.size() + 1 < std::min(most, count / per_thread)) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
-}
-
 template <int N>
 class Search {
  public:
@@ -207,8 +191,13 @@ class Search {
   /// Cuts boxes, bounds what remains and puts it on the list.
   void examine_all(const std::vector<Node>& boxes) {
     std::vector<Examined> results(boxes.size());
-    in_threads(boxes.size(), options_.boxes_per_thread,
-               [&](std::size_t i) { results[i] = examine(boxes[i]); });
+    const std::size_t worthwhile = boxes.size() / options_.boxes_per_thread;
+    const int jobs = std::min(jobs_or_processors(options_.jobs), static_cast<int>(worthwhile));
+    for_each_index(jobs, static_cast<int>(boxes.size()), {}, [&](int i) {
+      const RoundUpward upward;  // each thread has a mode of its own
+      const auto k = static_cast<std::size_t>(i);
+      results[k] = examine(boxes[k]);
+    });
     for (std::size_t i = 0; i < results.size(); ++i) {
       Examined& seen = results[i];
       out_.boxes += seen.evaluations;

@@ -81,6 +81,7 @@ struct BoundOptions {
   /// boxes, makes no more progress.
   long boxes_without_progress = 2000;
   double progress = 0.1;
+  int jobs = 0;  ///< threads at most; 0: one per processor
 };
 
 struct Bound {
@@ -94,7 +95,7 @@ struct Bound {
   std::vector<Eigen::VectorXd> suspects;
 };
 
-/// In as many threads as there are; the answer does not depend on them. Two or three variables; of
+/// In several threads; the answer does not depend on their number. Two or three variables; of
 /// a single one the other has an interval without width.
 /// @param domain boxes that cover it
 /// @pre a RoundUpward stands on the stack

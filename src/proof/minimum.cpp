@@ -185,7 +185,8 @@ Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& op
                       .goal = goal * goal * (1 + 4 * tolerances.unit_vector),
                       .max_boxes = static_cast<long>(static_cast<double>(boxes) / work),
                       .stop = options.stop,
-                      .on_progress = options.on_progress};
+                      .on_progress = options.on_progress,
+                      .jobs = options.jobs};
   const int used = problem.where.encounter.num_variables();
   if (at.value) {
     search.value_at = [&](const Eigen::VectorXd& x) {

@@ -225,6 +225,9 @@ std::string minimum_objection(const CaptureProblem& problem) {
   if (problem.impulse.contact != ContactLaw::Frictionless) {
     return "only an impulse along the normal is enclosed, not that of this contact";
   }
+  if (problem.uncertainty.residual_velocity && problem.measure.kind != RiskMeasure::Nominal) {
+    return "there is no bound for a measure over the residual velocity";
+  }
   if (simulates_turn(problem)) return "the turn after the impact is simulated";
   const bool is_mean =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;

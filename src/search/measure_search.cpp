@@ -1,9 +1,12 @@
 #include "search/measure_search.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "formulation/projection.hpp"
@@ -59,31 +62,21 @@ std::vector<Eigen::VectorXd> other_branches(const Formulation& formulation,
   return out;
 }
 
+/// Local solves of the measure. Several threads may use one.
 class MinimaFinder {
  public:
   MinimaFinder(const Formulation& formulation, Measure& measure, const nlp::Optimizer& optimizer,
-               const nlp::OptimizeOptions& solve, MeasureMinima& out)
-      : formulation_(formulation),
-        measure_(measure),
-        optimizer_(optimizer),
-        solve_(solve),
-        out_(out) {}
+               const nlp::OptimizeOptions& solve)
+      : formulation_(formulation), measure_(measure), optimizer_(optimizer), solve_(solve) {}
 
-  /// A point nearer to a minimum; nothing when it leaves the constraints.
-  std::optional<Point> rough(const Eigen::VectorXd& start, const RoughLimits& limits) {
-    return taken(measure_.minimize_roughly(optimizer_, solve_, start, limits));
+  RoughSolution rough(const Eigen::VectorXd& start, const RoughLimits& limits) const {
+    return measure_.minimize_roughly(optimizer_, solve_, start, limits);
   }
-  std::optional<Point> fine(const Eigen::VectorXd& start) {
-    return taken(measure_.finish(optimizer_, solve_, start));
+  MeasureSolution fine(const Eigen::VectorXd& start) const {
+    return measure_.finish(optimizer_, solve_, start);
   }
-  bool stopped() {
-    out_.stopped = out_.stopped || solve_.stop.reached();
-    return out_.stopped;
-  }
-
- private:
-  std::optional<Point> taken(const MeasureSolution& solution) {
-    out_.solver_calls += solution.solver_calls;
+  /// The end of a solve on the constraints; nothing when it leaves them.
+  std::optional<Point> end_of(const MeasureSolution& solution) const {
     const ProjectionResult exact = project_onto_constraints(formulation_, solution.x, false, 8);
     if (!(exact.violation <= solve_.feasibility_tolerance)) return std::nullopt;
     const Eigen::VectorXd x = formulation_.normalised(exact.x);
@@ -92,11 +85,18 @@ class MinimaFinder {
     return Point{x, value};
   }
 
+ private:
   const Formulation& formulation_;
   Measure& measure_;
   const nlp::Optimizer& optimizer_;
   const nlp::OptimizeOptions& solve_;
-  MeasureMinima& out_;
+};
+
+/// A solve and its end, as threads hand them over.
+template <class Solution>
+struct Solved {
+  Solution solution;
+  std::optional<Point> end;
 };
 
 /// How many of the values are those of the best minimum.
@@ -134,29 +134,49 @@ Eigen::VectorXd hopped(const Eigen::VectorXd& x, Random& random,
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
                              const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
-                             std::uint64_t seed, const MeasureSearchOptions& options) {
+                             std::uint64_t seed, int jobs, const MeasureSearchOptions& options) {
   MeasureMinima out;
-  MinimaFinder finder(formulation, measure, optimizer, solve, out);
+  const MinimaFinder finder(formulation, measure, optimizer, solve);
+  const auto stopped = [&] {
+    out.stopped = out.stopped || solve.stop.reached();
+    return out.stopped;
+  };
 
   std::vector<Point> approached;
   std::vector<double> ends;  // values at which starts ended by themselves
   RoughLimits limits;
   if (more) limits.evaluations = options.rough_evaluations;
   const auto best = [&] { return std::min_element(approached.begin(), approached.end(), lower); };
+  // What is hopeless is known from all earlier starts. A thread knows of some of them: it may go on
+  // for longer, and what it found beyond is dropped when its turn comes.
+  std::atomic<double> hopeless = kInfinity;
   const auto approach = [&](const std::vector<Eigen::VectorXd>& from, bool by_themselves) {
-    for (const Eigen::VectorXd& start : from) {
-      if (finder.stopped()) return;
-      if (more && !approached.empty()) limits.hopeless = options.same_value * best()->value;
-      auto point = finder.rough(start, limits);
-      if (!point) continue;
-      if (by_themselves) ends.push_back(point->value);
-      approached.push_back(std::move(*point));
-    }
+    if (stopped()) return;
+    std::vector<Solved<RoughSolution>> solved(from.size());
+    const auto work = [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      RoughLimits here = limits;
+      here.hopeless = hopeless;
+      solved[k].solution = finder.rough(from[k], here);
+      solved[k].end = finder.end_of(solved[k].solution);
+    };
+    const auto take = [&](int i) {
+      auto& [solution, end] = solved[static_cast<std::size_t>(i)];
+      const MeasureSolution given_up = solution.given_up_at(hopeless);
+      out.solver_calls += given_up.solver_calls;
+      if (given_up.x != solution.x) end = finder.end_of(given_up);
+      if (!end) return;
+      if (by_themselves) ends.push_back(end->value);
+      approached.push_back(std::move(*end));
+      if (more) hopeless = options.same_value * best()->value;
+    };
+    const auto count = static_cast<int>(from.size());
+    out.stopped = for_each_index(jobs, count, solve.stop, work, take) < count || out.stopped;
   };
   approach(starts, true);
   Random random(seed, 1);
   std::vector<Eigen::VectorXd> hopped_from;
-  for (int round = 0; more && round < options.most_rounds && !finder.stopped(); ++round) {
+  for (int round = 0; more && round < options.most_rounds && !stopped(); ++round) {
     if (!approached.empty()) {
       const int reached = count_best(ends, best()->value, options.same_value);
       if (round >= options.least_rounds && reached >= options.enough) break;
@@ -176,25 +196,44 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
   approached = distinct(formulation, std::move(approached), options.same_basin);
 
   std::vector<Point> minima;
-  const auto keep = [&](Point point) {
-    out.points.push_back(point.x);
-    minima.push_back(std::move(point));
+  const auto keep = [&](const MeasureSolution& solution, std::optional<Point> point) {
+    out.solver_calls += solution.solver_calls;
+    if (!point) return;
+    out.points.push_back(point->x);
+    minima.push_back(std::move(*point));
     minima = distinct(formulation, std::move(minima), options.same_minimum);
   };
-  const auto most = static_cast<std::size_t>(options.finished);
-  for (std::size_t i = 0; i < approached.size() && i < most && !finder.stopped(); ++i) {
-    if (auto point = finder.fine(approached[i].x)) keep(std::move(*point));
+  if (!stopped()) {
+    const auto most = std::min(approached.size(), static_cast<std::size_t>(options.finished));
+    std::vector<Solved<MeasureSolution>> solved(most);
+    const auto work = [&](int i) {
+      auto& [solution, end] = solved[static_cast<std::size_t>(i)];
+      solution = finder.fine(approached[static_cast<std::size_t>(i)].x);
+      end = finder.end_of(solution);
+    };
+    const auto take = [&](int i) {
+      auto& [solution, end] = solved[static_cast<std::size_t>(i)];
+      keep(solution, std::move(end));
+    };
+    for_each_index(jobs, static_cast<int>(most), solve.stop, work, take);
   }
   // Stopped before a minimum was reached: the best of what is known.
   const bool is_ahead =
       !approached.empty() && (minima.empty() || approached.front().value < minima.front().value);
-  if (finder.stopped() && is_ahead) keep(approached.front());
+  if (stopped() && is_ahead) keep({}, approached.front());
   if (minima.empty()) return out;
 
   // From the best on: the other branches of each good posture.
   std::vector<Eigen::VectorXd> flipped;
+  std::mutex mutex;  // of the minima while threads look at them
   int flips = 0;
-  for (std::size_t i = 0; i < minima.size() && flips < options.flips && !finder.stopped();) {
+  const auto is_worth_a_solve = [&](const Eigen::VectorXd& start, double value) {
+    if (!(value <= options.worth_a_solve * minima.front().value)) return false;
+    return std::none_of(minima.begin(), minima.end(), [&](const Point& known) {
+      return formulation.distance(known.x, start) < 5 * options.same_basin;
+    });
+  };
+  for (std::size_t i = 0; i < minima.size() && flips < options.flips && !stopped();) {
     const Point from = minima[i];
     if (from.value > options.promising * minima.front().value) break;
     const bool done = is_near(formulation, flipped, from.x, options.same_basin);
@@ -203,16 +242,41 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
       continue;
     }
     flipped.push_back(from.x);
-    for (const Eigen::VectorXd& other : other_branches(formulation, from.x)) {
-      const ProjectionResult start = project_onto_constraints(formulation, other, false, 15);
-      if (!(start.violation <= 1e-3)) continue;
-      if (!(measure.value(start.x) <= options.worth_a_solve * minima.front().value)) continue;
-      std::vector<Eigen::VectorXd> known;
-      for (const Point& point : minima) known.push_back(point.x);
-      if (is_near(formulation, known, start.x, 5 * options.same_basin)) continue;
+    struct Branch {
+      ProjectionResult start;
+      double value = kInfinity;
+      std::optional<Solved<MeasureSolution>> solved;
+    };
+    const std::vector<Eigen::VectorXd> others = other_branches(formulation, from.x);
+    std::vector<Branch> branches(others.size());
+    const auto solve_from = [&](Branch& branch) {
+      const MeasureSolution solution = finder.fine(branch.start.x);
+      branch.solved = {solution, finder.end_of(solution)};
+    };
+    // The minima of lower branches may show that this one is not worth its solve, or, seldom, that
+    // it is.
+    const auto work = [&](int k) {
+      Branch& branch = branches[static_cast<std::size_t>(k)];
+      branch.start =
+          project_onto_constraints(formulation, others[static_cast<std::size_t>(k)], false, 15);
+      if (!(branch.start.violation <= 1e-3)) return;
+      branch.value = measure.value(branch.start.x);
+      {
+        const std::lock_guard lock(mutex);
+        if (!is_worth_a_solve(branch.start.x, branch.value)) return;
+      }
+      solve_from(branch);
+    };
+    const auto take = [&](int k) {
+      Branch& branch = branches[static_cast<std::size_t>(k)];
+      if (!(branch.start.violation <= 1e-3)) return;
+      if (!is_worth_a_solve(branch.start.x, branch.value)) return;
       ++flips;
-      if (auto point = finder.fine(start.x)) keep(std::move(*point));
-    }
+      if (!branch.solved) solve_from(branch);
+      const std::lock_guard lock(mutex);
+      keep(branch.solved->solution, std::move(branch.solved->end));
+    };
+    for_each_index(jobs, static_cast<int>(others.size()), solve.stop, work, take);
     i = 0;  // the order may have changed
   }
   out.reached = count_best(ends, minima.front().value, options.same_value);

@@ -28,9 +28,10 @@ using MoreStarts = std::function<std::vector<Eigen::VectorXd>(int round)>;
 
 /// @param starts on the constraints to about 1e-3
 /// @param more may be empty: then there are no further rounds
+/// @param jobs threads; the result does not depend on their number
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
                              const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
-                             std::uint64_t seed, const MeasureSearchOptions& options);
+                             std::uint64_t seed, int jobs, const MeasureSearchOptions& options);
 
 }  // namespace stillbase

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "formulation/measures/residual.hpp"
 #include "formulation/measures/scenario_program.hpp"
 
 namespace stillbase {
@@ -13,7 +14,7 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
   const RiskMeasure kind = problem.measure.kind;
   const bool sampled = kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar;
   std::vector<Scenario> scenarios =
-      sampled ? draw_scenarios(problem) : rim_scenarios(problem, options.rim_directions);
+      sampled ? mean_scenarios(problem) : outer_scenarios(problem, options.rim_directions);
   if (sampled && scenarios.size() > options.samples) scenarios.resize(options.samples);
   if (kind == RiskMeasure::Nominal) scenarios.resize(1);
 

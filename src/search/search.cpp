@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
@@ -63,6 +67,9 @@ bool is_worst_case_of_jump(const CaptureProblem& problem) {
          problem.user.terms.empty();
 }
 
+/// Point i of a list.
+using PointOf = std::function<Eigen::VectorXd(int i)>;
+
 class Search {
  public:
   Search(const CaptureProblem& problem, const Formulation& formulation,
@@ -75,6 +82,7 @@ class Search {
         rescuer_(nlp::make_optimizer(options.rescuer)),
         isolated_(formulation.freedom() == 0),
         simulates_(simulates_turn(problem)),
+        jobs_(problem.user.empty() ? jobs_or_processors(options.jobs) : 1),
         own_starts_((isolated_ ? options.starts_per_isolated : 1) * options.starts) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == options.rescuer)
@@ -95,8 +103,7 @@ class Search {
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
-      out_.nominal_optimum =
-          nominal_optimum(problem_, formulation_, measure_, solutions_, options_.equal_nominal);
+      state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
     }
     out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
@@ -132,22 +139,61 @@ class Search {
   ProjectionResult projected(const Eigen::VectorXd& x) const {
     return project_onto_constraints(formulation_, x, false, isolated_ ? 60 : 15);
   }
+  /// Those of `count` points that can be moved onto the constraints, there, in their order.
+  /// @param zero_objective as project_onto_constraints(), which takes `steps`
+  std::vector<Eigen::VectorXd> moved_onto_constraints(int count, int steps, bool zero_objective,
+                                                      const PointOf& start) const {
+    std::vector<ProjectionResult> ends(static_cast<std::size_t>(count));
+    std::vector<Eigen::VectorXd> out;
+    const auto work = [&](int i) {
+      ends[static_cast<std::size_t>(i)] =
+          project_onto_constraints(formulation_, start(i), zero_objective, steps);
+    };
+    const auto take = [&](int i) {
+      const ProjectionResult& end = ends[static_cast<std::size_t>(i)];
+      if (end.violation <= options_.on_constraints) out.push_back(end.x);
+    };
+    for_each_index(jobs_, count, options_.stop, work, take);
+    return out;
+  }
 
-  Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0) {
-    const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve_);
-    ++out_.solver_calls[optimizer.info().name];
+  using Calls = std::map<std::string, long>;
+
+  Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0,
+                  const nlp::OptimizeOptions& solve, Calls& calls) const {
+    const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve);
+    ++calls[optimizer.info().name];
     return polish(problem_, formulation_,
                   judge(problem_, formulation_, formulation_.normalised(result.x)));
   }
 
-  Solution local_minimum(const Eigen::VectorXd& x0) {
-    Solution found = solved(*optimizer_, x0);
+  Solution local_minimum(const Eigen::VectorXd& x0, const nlp::OptimizeOptions& solve,
+                         Calls& calls) const {
+    Solution found = solved(*optimizer_, x0, solve, calls);
     if (rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
         nlp::certify(formulation_, found.x).kkt_residual > kOptimal) {
-      const Solution further = solved(*rescuer_, found.x);
+      const Solution further = solved(*rescuer_, found.x, solve, calls);
       if (better(further, found)) found = further;
     }
     return found;
+  }
+
+  /// What a start comes to.
+  struct StartResult {
+    ProjectionResult posture;
+    Solution found;
+    Calls calls;
+  };
+  StartResult result_of(int start) const {
+    StartResult out;
+    out.posture = posture_of(start);
+    nlp::OptimizeOptions solve = solve_;
+    solve.seed = options_.seed + static_cast<std::uint64_t>(start);
+    out.found = isolated_ && start >= options_.starts
+                    ? judge(problem_, formulation_, formulation_.normalised(out.posture.x))
+                    : local_minimum(out.posture.x, solve, out.calls);
+    out.found.x = formulation_.normalised(out.found.x);
+    return out;
   }
 
   /// The nominal problem from every start.
@@ -155,25 +201,39 @@ class Search {
   /// With as many equations as variables the solutions are isolated points and there is nothing to
   /// minimise: Newton steps from many more starts find them, and cost less than one local solve.
   void find_solutions() {
+    const PhaseClock::Phase phase(options_.clock, "search.starts");
     const int starts = own_starts_ + static_cast<int>(options_.more_starts.size());
-    for (int start = 0; start < starts; ++start) {
-      if (options_.stop.reached() && start > 0) {
-        out_.stopped = true;
-        return;
+    // Those that are not taken yet: a few, whatever the number of starts.
+    std::map<int, StartResult> results;
+    std::mutex mutex;  // of the results
+    const auto work = [&](int i) {
+      StartResult result = result_of(i);
+      const std::lock_guard lock(mutex);
+      results.emplace(i, std::move(result));
+    };
+    const auto take = [&](int i) {
+      StartResult result;
+      {
+        const std::lock_guard lock(mutex);
+        result = std::move(results.extract(i).mapped());
       }
-      const ProjectionResult posture = posture_of(start);
-      if (posture.violation <= options_.on_constraints) on_constraints_.push_back(posture.x);
-      solve_.seed = options_.seed + static_cast<std::uint64_t>(start);
-      Solution found = isolated_ && start >= options_.starts
-                           ? judge(problem_, formulation_, formulation_.normalised(posture.x))
-                           : local_minimum(posture.x);
-      found.x = formulation_.normalised(found.x);
+      if (result.posture.violation <= options_.on_constraints)
+        on_constraints_.push_back(result.posture.x);
+      for (const auto& [name, calls] : result.calls) out_.solver_calls[name] += calls;
       ++out_.starts;
-      if (better(found, nearest_)) nearest_ = found;
-      if (found.violation <= kFeasibilityTolerance)
-        keep_distinct(formulation_, found, solutions_, options_.same_configuration);
-      if (options_.on_progress) options_.on_progress(start + 1, starts);
+      if (better(result.found, nearest_)) nearest_ = result.found;
+      if (result.found.violation <= kFeasibilityTolerance)
+        keep_distinct(formulation_, result.found, solutions_, options_.same_configuration);
+      if (options_.on_progress) options_.on_progress(i + 1, starts);
+    };
+    int done = for_each_index(jobs_, starts, options_.stop, work, take);
+    if (done == 0 && starts > 0) {  // something is always known
+      work(0);
+      take(0);
+      done = 1;
     }
+    out_.stopped = done < starts;
+    solve_.seed = options_.seed + static_cast<std::uint64_t>(std::max(done - 1, 0));
   }
 
   /// What is still to be said of a solution takes hundreds of simulations where the objective is
@@ -193,6 +253,7 @@ class Search {
   /// Where the solutions form curves: the best ones of each curve in place of those that the starts
   /// happened to end at.
   void follow_curves() {
+    const PhaseClock::Phase phase(options_.clock, "search.curves");
     std::vector<ContinuumMember> members;
     for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
     Continua found = follow_continua(problem_, formulation_, members, options_.is_free,
@@ -228,6 +289,7 @@ class Search {
 
   /// The local minima of the problem's measure, beside the solutions of the nominal problem.
   void find_minima_of_measure() {
+    const PhaseClock::Phase phase(options_.clock, "search.measure");
     const bool in_rounds = options_.is_adaptive && is_worst_case_of_jump(problem_);
     out_.had_rounds = in_rounds;
     MoreStarts more;
@@ -237,7 +299,7 @@ class Search {
     MeasureSearchOptions effort = options_.minima;
     effort.finished = std::max(effort.finished, options_.max_candidates / 2);
     const MeasureMinima found = measure_minima(formulation_, measure_, *optimizer_, solve_, from,
-                                               more, options_.seed, effort);
+                                               more, options_.seed, jobs_, effort);
     out_.solver_calls[options_.optimizer] += found.solver_calls;
     out_.stopped = out_.stopped || found.stopped;
     if (in_rounds) out_.unseen = std::exp(-found.reached);
@@ -256,6 +318,12 @@ class Search {
     solutions_ = std::move(minima);
   }
 
+  void state_nominal_optimum() {
+    const PhaseClock::Phase phase(options_.clock, "search.ranking");
+    out_.nominal_optimum =
+        nominal_optimum(problem_, formulation_, measure_, solutions_, options_.equal_nominal);
+  }
+
   /// With few starts a minimum of the measure can have a lower nominal value than what they found:
   /// the nominal problem is solved from there as well.
   void improve_prediction(const std::vector<Solution>& minima) {
@@ -272,7 +340,7 @@ class Search {
       if (!(from.violation <= kFeasibilityTolerance &&
             size(from) < lowest - options_.better_prediction))
         break;
-      const Solution further = local_minimum(from.x);
+      const Solution further = local_minimum(from.x, solve_, out_.solver_calls);
       keep_distinct(formulation_, better(further, from) ? further : from, solutions_,
                     options_.same_configuration);
       is_better = true;
@@ -280,8 +348,7 @@ class Search {
     if (is_better) {
       // There was no zero before: now there may be one, on a curve.
       if (!simulates_ && out_.families.empty()) follow_curves();
-      out_.nominal_optimum =
-          nominal_optimum(problem_, formulation_, measure_, solutions_, options_.equal_nominal);
+      state_nominal_optimum();
     }
   }
 
@@ -317,6 +384,7 @@ class Search {
   /// Where solves of the measure begin: the starts' postures, the solutions of the nominal problem,
   /// and what looks best of many draws. Where rounds follow: what looks best of all.
   std::vector<Eigen::VectorXd> first_starts(bool in_rounds) const {
+    const PhaseClock::Phase phase(options_.clock, "search.screening");
     std::vector<Eigen::VectorXd> postures = on_constraints_, solutions;
     for (const Solution& solution : solutions_) solutions.push_back(solution.x);
     const std::vector<Eigen::VectorXd> drawn = drawn_postures(0);
@@ -348,26 +416,19 @@ class Search {
   /// Postures on the constraints, of a batch of draws that no start has used.
   std::vector<Eigen::VectorXd> drawn_postures(int batch) const {
     const int first = own_starts_ * (1 + options_.more_draws) + batch * options_.screening.drawn;
-    std::vector<Eigen::VectorXd> postures;
-    for (int draw = first; draw < first + options_.screening.drawn && !options_.stop.reached();
-         ++draw) {
-      const ProjectionResult posture = projected(drawn(draw));
-      if (posture.violation <= options_.on_constraints) postures.push_back(posture.x);
-    }
-    return postures;
+    return moved_onto_constraints(options_.screening.drawn, isolated_ ? 60 : 15, false,
+                                  [&](int i) { return drawn(first + i); });
   }
 
   /// Starts of a further round: postures that look best for the measure, and zeros of the nominal
   /// value that do. Minima of the measure are often near the best zeros of a self-motion, and
   /// Newton steps to a zero cost a tenth of a solve.
   std::vector<Eigen::VectorXd> fresh_starts(int round) const {
+    const PhaseClock::Phase phase(options_.clock, "search.screening");
     const std::vector<Eigen::VectorXd> postures = drawn_postures(1 + round);
-    std::vector<Eigen::VectorXd> zeros;
-    for (const Eigen::VectorXd& posture : postures) {
-      if (options_.stop.reached()) break;
-      const ProjectionResult zero = project_onto_constraints(formulation_, posture, true, 10);
-      if (zero.violation <= options_.on_constraints) zeros.push_back(zero.x);
-    }
+    const std::vector<Eigen::VectorXd> zeros =
+        moved_onto_constraints(static_cast<int>(postures.size()), 10, true,
+                               [&](int i) { return postures[static_cast<std::size_t>(i)]; });
     return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);
   }
 
@@ -403,7 +464,13 @@ class Search {
 
   /// Candidates in their order, with certificates.
   void rank() {
+    const PhaseClock::Phase phase(options_.clock, "search.ranking");
     if (simulates_) judge_all();
+    for_each_index(jobs_, static_cast<int>(solutions_.size()), {}, [&](int i) {
+      const Eigen::VectorXd& x = solutions_[static_cast<std::size_t>(i)].x;
+      static_cast<void>(measure_.worst_at(x));
+      if (!measure_.is_nominal()) static_cast<void>(measure_.value(x));
+    });
     std::vector<Candidate> candidates;
     std::vector<WorstCase> worst;
     for (const Solution& solution : solutions_) {
@@ -423,10 +490,16 @@ class Search {
         problem_, candidates, options_.equal_nominal * formulation_.objective_unit());
     const auto most = static_cast<std::size_t>(options_.max_candidates);
     order.resize(std::min(order.size(), most));
-    for (const std::size_t i : order) {
+    std::vector<nlp::Certificate> residuals(order.size());
+    for_each_index(jobs_, static_cast<int>(order.size()), {}, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      residuals[k] = measure_.certify(solutions_[order[k]].x);
+    });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const std::size_t i = order[k];
       const Candidate& candidate = candidates[i];
       const Eigen::VectorXd& x = solutions_[i].x;
-      const nlp::Certificate kkt = measure_.certify(x);
+      const nlp::Certificate& kkt = residuals[k];
       Certificate certificate;
       certificate.kkt_residual = kkt.kkt_residual;
       certificate.reduced_hessian_min_eigenvalue = kkt.reduced_hessian_min_eigenvalue;
@@ -443,11 +516,11 @@ class Search {
 
   /// Worst cases and measures, for as long as there is time; then only what is known counts.
   void judge_all() {
-    for (const Solution& solution : solutions_) {
-      if (options_.stop.reached()) break;
-      static_cast<void>(measure_.worst_at(solution.x));
-      static_cast<void>(measure_.value(solution.x));
-    }
+    for_each_index(jobs_, static_cast<int>(solutions_.size()), options_.stop, [&](int i) {
+      const Eigen::VectorXd& x = solutions_[static_cast<std::size_t>(i)].x;
+      static_cast<void>(measure_.worst_at(x));
+      static_cast<void>(measure_.value(x));
+    });
     if (options_.stop.reached()) keep_best_alone();
   }
 
@@ -459,6 +532,7 @@ class Search {
   nlp::OptimizeOptions solve_;
   const bool isolated_;
   const bool simulates_;
+  const int jobs_;
   const int own_starts_;
   std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
   std::vector<Solution> solutions_;

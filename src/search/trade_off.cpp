@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/certificate.hpp>
@@ -95,6 +98,7 @@ class FrontSearch {
         second_(second_problem_),
         options_(options),
         out_(out),
+        jobs_(problem.user.empty() ? jobs_or_processors(options.jobs) : 1),
         optimizer_(nlp::make_optimizer(options.optimizer)) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     first_.give_up_simulations_at(options.stop);
@@ -115,6 +119,7 @@ class FrontSearch {
       search_options.starts = options_.starts;
       search_options.seed = options_.seed;
       search_options.stop = options_.stop;
+      search_options.jobs = jobs_;
       const SearchResult found = search(*problem, *formulation, search_options);
       for (const auto& [name, calls] : found.solver_calls) out_.solver_calls[name] += calls;
       out_.stopped = out_.stopped || found.stopped;
@@ -125,12 +130,13 @@ class FrontSearch {
       }
     }
     // A front may jump from one branch of postures to another: starts from everywhere.
-    for (int draw = 0; draw < options_.draws_per_start * options_.starts && !stopped(); ++draw) {
+    add_all(options_.draws_per_start * options_.starts, [&](int draw) {
       const Eigen::VectorXd x0 =
           second_.start_point(low_discrepancy_point(draw, second_.num_variables(), options_.seed));
-      const ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
-      if (projected.violation <= kFeasibilityTolerance) add(second_.normalised(projected.x));
-    }
+      ProjectionResult projected = project_onto_constraints(second_, x0, false, 30);
+      projected.x = second_.normalised(projected.x);
+      return projected;
+    });
     if (points_.empty()) return;
     improve_ends();
     // Upwards from the least first quantity, then downwards: each level starts from what its
@@ -201,10 +207,38 @@ class FrontSearch {
     return out_.stopped;
   }
 
-  void add(const Eigen::VectorXd& x) {
+  Point point_at(const Eigen::VectorXd& x) const {
     const Configuration at = first_.configuration(x);
-    points_.push_back({x, nominal_value(first_problem_, first_, at),
-                       nominal_value(second_problem_, second_, at)});
+    return {x, nominal_value(first_problem_, first_, at),
+            nominal_value(second_problem_, second_, at)};
+  }
+  void add(const Eigen::VectorXd& x) { points_.push_back(point_at(x)); }
+
+  /// Adds those of `count` points that are on the constraints, in their order.
+  /// @return how many were found, fewer when stopped
+  int add_all(int count, const std::function<ProjectionResult(int)>& find) {
+    if (stopped()) return 0;
+    std::vector<std::optional<Point>> found(static_cast<std::size_t>(count));
+    const auto work = [&](int i) {
+      const ProjectionResult there = find(i);
+      if (there.violation <= kFeasibilityTolerance)
+        found[static_cast<std::size_t>(i)] = point_at(there.x);
+    };
+    const auto take = [&](int i) {
+      if (auto& point = found[static_cast<std::size_t>(i)]) points_.push_back(std::move(*point));
+    };
+    const int done = for_each_index(jobs_, count, options_.stop, work, take);
+    out_.stopped = out_.stopped || done < count;
+    return done;
+  }
+
+  /// Adds the local minima of a program from these starts.
+  void add_minima(const nlp::Problem& program, const std::vector<Eigen::VectorXd>& starts) {
+    out_.solver_calls[options_.optimizer] += add_all(static_cast<int>(starts.size()), [&](int i) {
+      const Eigen::VectorXd& start = starts[static_cast<std::size_t>(i)];
+      const nlp::OptimizeResult found = optimizer_->minimize(program, start, solve_);
+      return project_onto_constraints(second_, second_.normalised(found.x), false, 8);
+    });
   }
 
   using Quantity = double Point::*;
@@ -262,11 +296,9 @@ class FrontSearch {
     const std::size_t before = points_.size();
     solve(held, level, lowered, LimitedProgram(of_held, of_lowered, level));
     // From there to what has really the least.
-    const std::size_t found = points_.size();
-    for (std::size_t i = before; i < found && !stopped(); ++i) {
-      const Eigen::VectorXd start = points_[i].x;
-      add_solution(optimizer_->minimize(of_held, start, solve_));
-    }
+    std::vector<Eigen::VectorXd> starts;
+    for (std::size_t i = before; i < points_.size(); ++i) starts.push_back(points_[i].x);
+    add_minima(of_held, starts);
   }
 
   void solve(Quantity held, double level, Quantity lowered, const LimitedProgram& program) {
@@ -296,23 +328,14 @@ class FrontSearch {
         if (starts.size() >= most) break;
       }
     }
-    for (const Eigen::VectorXd& start : starts) {
-      if (stopped()) return;
-      add_solution(optimizer_->minimize(program, start, solve_));
-    }
-  }
-
-  void add_solution(const nlp::OptimizeResult& found) {
-    ++out_.solver_calls[options_.optimizer];
-    const ProjectionResult exact =
-        project_onto_constraints(second_, second_.normalised(found.x), false, 8);
-    if (exact.violation <= kFeasibilityTolerance) add(exact.x);
+    add_minima(program, starts);
   }
 
   CaptureProblem first_problem_, second_problem_;
   Formulation first_, second_;
   const TradeOffOptions& options_;
   TradeOff& out_;
+  const int jobs_;
   std::unique_ptr<nlp::Optimizer> optimizer_;
   nlp::OptimizeOptions solve_;
   std::vector<Point> points_;

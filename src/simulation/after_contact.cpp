@@ -17,6 +17,9 @@ Vector3d hand_of(const ContactCase& subject) {
   return subject.before.base * compute_kinematics(subject.robot, subject.before.phi).r_bh;
 }
 
+/// Whether the hand moves before the contact.
+bool moves(const ContactCase& subject) { return !subject.before.phidot.isZero(0); }
+
 /// The instantaneous impact of the case by a contact law.
 ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
                          const JointResistance& resistance) {
@@ -34,6 +37,7 @@ ContactOutcome apply_law(const ContactCase& subject, ContactLaw law,
   Contact contact;
   contact.law = law;
   if (law != ContactLaw::Latch) contact.restitution = subject.restitution;
+  contact.is_grasped = law == ContactLaw::Latch && moves(subject);
   contact.n = R_BN * subject.normal_N;
   return apply_contact(subject.robot, before.phi, before.Omega, before.phidot, resistance, contact,
                        body);
@@ -68,16 +72,21 @@ AfterContact after_latch(const ContactCase& subject, const PostImpactSpec& spec,
   result.robot = latched.robot;
   result.is_held = latched.impulse.status == ContactStatus::Hit;
   result.latch_impulse = latched.impulse.Fbar;
+  if (result.is_held) {
+    options.grasp.target = HeldTarget{subject.target->body, latched.hand_target};
+  }
   // The controller's model has the target scaled by `target_mass_scale`.
-  if (result.is_held && (options.controller_robot || spec.model.target_mass_scale != 1)) {
+  const bool knows_another = subject.known_target || spec.model.target_mass_scale != 1;
+  if (result.is_held && (options.controller_robot || knows_another)) {
     RobotModel known = options.controller_robot.value_or(subject.robot);
+    TargetBody body = subject.known_target.value_or(subject.target->body);
+    body.mass *= spec.model.target_mass_scale;
+    body.inertia *= spec.model.target_mass_scale;
     if (spec.model.target_mass_scale > 0) {
-      TargetBody body = subject.target->body;
-      body.mass *= spec.model.target_mass_scale;
-      body.inertia *= spec.model.target_mass_scale;
       known = attach_target(known, body, latched.hand_target);
     }
     options.controller_robot = known;
+    options.grasp.known = HeldTarget{body, latched.hand_target};
   }
   result.simulation =
       simulate_post_impact(latched.robot, subject.resistance, latched.state, controller, options);
@@ -138,7 +147,9 @@ LatchedRobot latch_target(const ContactCase& subject) {
 AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
                                     const Controller& controller,
                                     const SimulationOptions& options) {
-  const bool is_contact = subject.impulse > 0 && subject.closing_speed > 0;
+  // A hand that moves with the target is held by a latch that gives no impulse.
+  const bool is_grasp = subject.law == ContactLaw::Latch && moves(subject);
+  const bool is_contact = (subject.impulse > 0 || is_grasp) && subject.closing_speed > 0;
   const bool is_compliant = spec.contact.model == ContactModel::Compliant;
   const bool is_latch = subject.law == ContactLaw::Latch;
   if ((is_compliant || is_latch) && !subject.target) {

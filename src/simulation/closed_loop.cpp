@@ -129,7 +129,8 @@ void ClosedLoop::sample(double t, const StateVector& x) {
 
 void ClosedLoop::command(const PlantState& state, const PlantTerms& terms, double elapsed) {
   const auto decide = [&](const RobotModel& model, const PlantTerms& own) {
-    command_ = control_command(controller_, options_.wheels, model, own, state, elapsed);
+    command_ = control_command(controller_, options_.wheels, model, own, state, elapsed,
+                               options_.grasp, options_.control_period);
     command_.thruster_torque = thruster_torque(options_.thrusters, own, state);
   };
   if (!options_.controller_robot) return decide(robot_, terms);
@@ -148,7 +149,7 @@ void ClosedLoop::limit(const JointVectord& phidot) {
     if (std::abs(tau) > joint.max_effort) saturated_ = true;
     tau = std::clamp(tau, -joint.max_effort, joint.max_effort);
   }
-  const double most = options_.wheels.torque;
+  const Vector3d& most = options_.wheels.torque;
   command_.wheel_torque = command_.wheel_torque.cwiseMax(-most).cwiseMin(most);
 }
 
@@ -198,7 +199,13 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
     command(state, terms, t - options_.start_time);
     limit(state.phidot);
   }
+  const Load forces = load(t, x, state, terms);
+  const PlantAcceleration acceleration = compute_acceleration(terms, forces.F_b, forces.tau, held_);
   if (recorder != nullptr) {
+    if (options_.grasp.target) {
+      recorder->observe_grip(
+          grip_wrench(*options_.grasp.target, robot_, terms.kinematics, state, acceleration));
+    }
     if (encounter_ != nullptr) {
       const bool touches = contact_.phase == ContactPhase::Touching;
       recorder->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
@@ -207,8 +214,6 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
     recorder->observe(t, state, terms, command_, demanded_, saturated_);
   }
 
-  const Load forces = load(t, x, state, terms);
-  const PlantAcceleration acceleration = compute_acceleration(terms, forces.F_b, forces.tau, held_);
   const Eigen::Index N = n();
   dxdt.resize(x.size());
   dxdt.segment<3>(0) = state.base.orientation * state.Omega.head<3>();

@@ -9,13 +9,14 @@
 namespace stillbase {
 namespace {
 
-constexpr std::array<std::pair<ControllerKind, std::string_view>, 6> kNames{{
+constexpr std::array<std::pair<ControllerKind, std::string_view>, 7> kNames{{
     {ControllerKind::None, "none"},
     {ControllerKind::JointDamping, "joint_damping"},
     {ControllerKind::JointDampingLiteral, "joint_damping_literal"},
     {ControllerKind::Rns, "rns"},
     {ControllerKind::RnsDamped, "rns_damped"},
     {ControllerKind::RnsHandback, "rns_handback"},
+    {ControllerKind::Detumble, "detumble"},
 }};
 
 /// (22) and (23) as a joint acceleration, with the moment t_b on the base.
@@ -74,16 +75,28 @@ JointVectord compensated_friction(const Controller& controller, const RobotModel
 
 /// u of rns_handback: against L_g, as hard as the gain says and the wheels can.
 Vector3d handback_torque(const Controller& controller, const WheelSpec& wheels,
-                         const PlantTerms& terms, const PlantState& state) {
+                         const PlantTerms& terms, const PlantState& state, double period) {
   const Momentum<double> momentum =
       compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
   Vector3d u = -controller.K_handback * momentum.L_g;
   for (int i = 0; i < 3; ++i) {
-    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum;
+    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum[i];
     if (is_full && state.wheel_momentum[i] * u[i] < 0) u[i] = 0;  // dh_w/dt = -u
+    if (!(wheels.torque[i] > 0)) u[i] = 0;
   }
-  const double most = u.lpNorm<Eigen::Infinity>();
-  return most > wheels.torque ? Vector3d(u * (wheels.torque / most)) : u;
+  double share = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double size = std::abs(u[i]);
+    if (size > wheels.torque[i]) share = std::min(share, wheels.torque[i] / size);
+  }
+  if (share < 1) u *= share;
+  for (int i = 0; i < 3 && period > 0; ++i) {
+    // Held over a period, the command must not fill the wheel beyond its capacity.
+    const double towards = u[i] < 0 ? 1 : -1;
+    const double room = std::max(0.0, wheels.momentum[i] - towards * state.wheel_momentum[i]);
+    u[i] = std::clamp(u[i], -room / period, room / period);
+  }
+  return u;
 }
 
 }  // namespace
@@ -183,13 +196,23 @@ Vector3d thruster_torque(const ThrusterSpec& thrusters, const PlantTerms& terms,
 
 ControlCommand control_command(const Controller& controller, const WheelSpec& wheels,
                                const RobotModel& robot, const PlantTerms& terms,
-                               const PlantState& state, double elapsed) {
+                               const PlantState& state, double elapsed, const Grasp& grasp,
+                               double period) {
   ControlCommand command;
+  if (controller.kind == ControllerKind::Detumble) {
+    command = detumble_command(controller, wheels, grasp, robot, terms, state, period);
+    if (controller.friction_compensation) {
+      command.tau += compensated_friction(controller, robot, state.phidot);
+    }
+    return command;
+  }
   Vector3d t_b = Vector3d::Zero();
   if (wheels.exist()) {
     const bool hands_back =
         controller.kind == ControllerKind::RnsHandback && elapsed >= controller.handback_start;
-    if (hands_back) command.wheel_torque = handback_torque(controller, wheels, terms, state);
+    if (hands_back) {
+      command.wheel_torque = handback_torque(controller, wheels, terms, state, period);
+    }
     t_b = command.wheel_torque - state.Omega.tail<3>().cross(state.wheel_momentum);
   }
   command.tau = joint_torque(controller, robot, terms, state, t_b);

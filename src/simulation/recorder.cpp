@@ -9,6 +9,9 @@ namespace {
 
 /// Momentum below this fraction of the total is rounding, not lost.
 constexpr double kNoMomentum = 1e-9;
+/// Of the angular momentum that the first kinetic energy could hold: what a run that has none shows
+/// by its integration.
+constexpr double kNoRotation = 1e-6;
 
 TraceSample make_sample(double t, const PlantState& state, const PlantTerms& terms,
                         const Momentum<double>& momentum, const ControlCommand& command,
@@ -76,7 +79,13 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   summary.peak_demanded_torques = summary.peak_demanded_torques.cwiseMax(demanded.cwiseAbs());
   summary.peak_wheel_torque =
       std::max(summary.peak_wheel_torque, command.wheel_torque.lpNorm<Eigen::Infinity>());
+  summary.peak_wheel_torques = summary.peak_wheel_torques.cwiseMax(command.wheel_torque.cwiseAbs());
+  summary.peak_wheel_momenta = summary.peak_wheel_momenta.cwiseMax(state.wheel_momentum.cwiseAbs());
   summary.wheel_momentum = state.wheel_momentum;
+  if (!started_) summary.lowest_positions = summary.highest_positions = state.phi;
+  summary.lowest_positions = summary.lowest_positions.cwiseMin(state.phi);
+  summary.highest_positions = summary.highest_positions.cwiseMax(state.phi);
+  watch_rest(t, state, terms, momentum);
   watch_momentum(state, momentum);
   if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
   if (saturated) {
@@ -91,6 +100,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
     result_.trace.push_back(make_sample(t, state, terms, momentum, command, demanded));
     result_.trace.back().target = target_;
     result_.trace.back().contact_force = contact_force_;
+    result_.trace.back().grip_wrench = grip_wrench_;
     record_now_ = false;
   }
   started_ = true;
@@ -134,6 +144,33 @@ void Recorder::watch_lost_momentum(const PlantTerms& terms, const Momentum<doubl
   summary.lost_direction = Vector3d::Zero();
   const double scale = momentum.base.norm() + momentum.coupling.norm();
   if (lost > kNoMomentum * scale) summary.lost_direction = summary.lost_momentum / lost;
+}
+
+void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& terms,
+                          const Momentum<double>& momentum) {
+  // What comes to rest is what the contact leaves: sizes are those after it.
+  const bool touches = !contact_force_.isZero(0);
+  if (!started_ || (touched_ && !touches)) {
+    const double T = kinetic_energy(terms.inertia, state);
+    rest_L_g_ = momentum.L_g.norm();
+    rest_L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
+  }
+  touched_ = touches;
+  const double rate = state.phidot.size() > 0 ? state.phidot.lpNorm<Eigen::Infinity>() : 0;
+  peak_rate_ = std::max(peak_rate_, rate);
+  const double least = std::max(kAtRest * rest_L_g_, kNoRotation * rest_L_scale_);
+  const bool rests = !touches && momentum.L_g.norm() <= least &&
+                     rate <= std::max(kJointsAtRest, kAtRest * peak_rate_);
+  std::optional<double>& since = result_.summary.rest_time;
+  if (!rests) since.reset();
+  if (rests && !since) since = std::max(t, 0.0);  // a compliant contact starts before zero
+}
+
+void Recorder::observe_grip(const Vector6d& wrench) {
+  grip_wrench_ = wrench;
+  SimulationSummary& summary = result_.summary;
+  summary.peak_grip_force = std::max(summary.peak_grip_force, wrench.head<3>().norm());
+  summary.peak_grip_moment = std::max(summary.peak_grip_moment, wrench.tail<3>().norm());
 }
 
 void Recorder::watch_limits(double t, const PlantState& state) {

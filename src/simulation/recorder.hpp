@@ -17,6 +17,8 @@ class Recorder {
                const ControlCommand& command, const JointVectord& demanded, bool saturated);
   /// Before observe(), in runs with a target.
   void observe_target(const TargetPlantState& target, const Vector3d& contact_force);
+  /// Before observe(), in runs with a held target: the wrench on it at the hand, in B.
+  void observe_grip(const Vector6d& wrench);
   /// A joint runs into an enforced stop with this rate.
   void stop_reached(double t, int joint, LimitKind kind, double rate);
   /// Ends the run at the last observed state and hands over its result.
@@ -26,6 +28,8 @@ class Recorder {
   void start(const PlantState& state, const PlantTerms& terms, const Momentum<double>& momentum);
   void watch_momentum(const PlantState& state, const Momentum<double>& momentum);
   void watch_lost_momentum(const PlantTerms& terms, const Momentum<double>& momentum);
+  void watch_rest(double t, const PlantState& state, const PlantTerms& terms,
+                  const Momentum<double>& momentum);
   void watch_limits(double t, const PlantState& state);
   void watch_stops(int k, double t, const PlantState& state);
   void note(int joint, LimitKind kind, double time);
@@ -43,6 +47,11 @@ class Recorder {
   double P_scale_ = 0, L_scale_ = 0;
   std::optional<TargetPlantState> target_;
   Vector3d contact_force_ = Vector3d::Zero();
+  Vector6d grip_wrench_ = Vector6d::Zero();
+  bool touched_ = false;     ///< hand and target, at the observation before
+  double rest_L_g_ = 0;      ///< |L_g| at the start or after the last contact, N m s
+  double rest_L_scale_ = 0;  ///< largest |L_g| with the kinetic energy of that instant, N m s
+  double peak_rate_ = 0;     ///< of any joint so far, rad/s (m/s)
 };
 
 }  // namespace stillbase

@@ -39,6 +39,7 @@ SimulationOptions plant_options_of(const PostImpactSpec& spec, const RobotModel&
   options.stop_restitution = spec.stop_restitution;
   options.wheels = spec.wheels;
   options.thrusters = spec.thrusters;
+  options.grasp.limits = spec.grip;
   options.sensors = spec.sensor;
   options.controller_robot = controller_robot_of(spec.model, robot);
   return options;
@@ -82,8 +83,14 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
   require(options.stop_restitution >= 0 && options.stop_restitution < 1, "stop-restitution",
           "must lie in [0, 1)");
   const WheelSpec& wheels = options.wheels;
-  require(is_size(wheels.torque) && wheels.momentum >= 0, "wheels",
-          "torque and momentum must be numbers, not negative");
+  require(wheels.torque.allFinite() && (wheels.torque.array() >= 0).all() &&
+              (wheels.momentum.array() >= 0).all(),
+          "wheels", "torque and momentum must be numbers, not negative");
+  const GripSpec& grip = options.grasp.limits;
+  require(grip.force.value_or(1) > 0 && grip.moment.value_or(1) > 0, "grip",
+          "force and moment must be numbers above zero");
+  require(is_size(controller.K_detumble) && controller.reserve >= 0 && controller.reserve < 1,
+          "detumble", "the gain must be finite and not negative, the reserve in [0, 1)");
   const ThrusterSpec& thrusters = options.thrusters;
   require(is_size(thrusters.torque) && is_size(thrusters.gain) && thrusters.dead_band >= 0,
           "thrusters", "torque, gain and dead band must be numbers, not negative");

@@ -49,6 +49,8 @@ const Quantity kQuantities[] = {
     {Per::Axis, "wheel_momentum", "Nms", [](Sample s) -> Values { return s.state.wheel_momentum; }},
     {Per::Axis, "thruster_torque", "Nm", [](Sample s) -> Values { return s.thruster_torque; }},
     {Per::Axis, "contact_force_inertial", "N", [](Sample s) -> Values { return s.contact_force; }},
+    {Per::Axis, "grip_force", "N", [](Sample s) -> Values { return s.grip_wrench.head<3>(); }},
+    {Per::Axis, "grip_moment", "Nm", [](Sample s) -> Values { return s.grip_wrench.tail<3>(); }},
 };
 
 std::vector<std::string> column_names(const Quantity& quantity, const RobotModel& robot) {

@@ -128,18 +128,41 @@ ContactVector contact_vector(const TargetBody& body, const ContactFeature& featu
   return y;
 }
 
-std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
-                                               const EstimateCovariance& covariance,
-                                               const ContactFeature& feature,
-                                               const std::vector<double>& times) {
-  constexpr int n = kNumEstimateErrors;
-  constexpr double kSpread = 3;  // n + kappa
-  const EstimateCovariance root = std::sqrt(kSpread) * square_root(covariance);
+namespace {
 
+constexpr double kSpread = 3;  ///< n + kappa of the unscented transform
+
+/// How far from the estimate its motion is asked for, s.
+double horizon_of(const TargetEstimate& estimate, const std::vector<double>& times) {
   double horizon = 1;
   for (const double time : times) {
     horizon = std::max(horizon, std::abs(time - estimate.state.time));
   }
+  return horizon;
+}
+
+/// Calls visit(body, motion) for each weighted point of the transform but the central one; the
+/// weights are equal, 1 / (2 kSpread).
+template <class F>
+void for_each_point(const TargetEstimate& estimate, const EstimateCovariance& covariance,
+                    double horizon, F visit) {
+  const EstimateCovariance root = std::sqrt(kSpread) * square_root(covariance);
+  for (int k = 0; k < kNumEstimateErrors; ++k) {
+    if (root.col(k).isZero(0)) continue;
+    for (const double sign : {1.0, -1.0}) {
+      const TargetEstimate point = with_error(estimate, sign * root.col(k));
+      visit(point.body, TargetMotion(point.body, point.state, horizon));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
+                                               const EstimateCovariance& covariance,
+                                               const ContactFeature& feature,
+                                               const std::vector<double>& times) {
+  const double horizon = horizon_of(estimate, times);
   const TargetMotion motion(estimate.body, estimate.state, horizon);
   std::vector<ContactPrediction> predictions(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
@@ -152,22 +175,39 @@ std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
     p.spread.setZero();
   }
   // Differences from the central point: its own weight, negative here, drops out of them.
-  for (int k = 0; k < n; ++k) {
-    if (root.col(k).isZero(0)) continue;
-    for (const double sign : {1.0, -1.0}) {
-      const TargetEstimate sigma_point = with_error(estimate, sign * root.col(k));
-      const TargetMotion sigma_motion(sigma_point.body, sigma_point.state, horizon);
-      for (ContactPrediction& p : predictions) {
-        const ContactVector difference =
-            contact_vector(sigma_point.body, feature, sigma_motion.contact(feature, p.time),
-                           p.estimated, p.effective_mass) -
-            p.value;
-        p.mean += difference / (2 * kSpread);
-        p.spread += difference * difference.transpose() / (2 * kSpread);
-      }
-    }
-  }
+  for_each_point(estimate, covariance, horizon,
+                 [&](const TargetBody& body, const TargetMotion& other) {
+                   for (ContactPrediction& p : predictions) {
+                     const ContactVector difference =
+                         contact_vector(body, feature, other.contact(feature, p.time), p.estimated,
+                                        p.effective_mass) -
+                         p.value;
+                     p.mean += difference / (2 * kSpread);
+                     p.spread += difference * difference.transpose() / (2 * kSpread);
+                   }
+                 });
   return predictions;
+}
+
+std::vector<Matrix6d> predict_velocity(const TargetEstimate& estimate,
+                                       const EstimateCovariance& covariance,
+                                       const ContactFeature& feature,
+                                       const std::vector<double>& times) {
+  const double horizon = horizon_of(estimate, times);
+  const auto velocity = [&feature](const TargetMotion& motion, double time) {
+    Vector6d out;
+    out << motion.contact(feature, time).velocity, motion.state(time).angular_velocity;
+    return out;
+  };
+  const TargetMotion motion(estimate.body, estimate.state, horizon);
+  std::vector<Matrix6d> spreads(times.size(), Matrix6d::Zero());
+  for_each_point(estimate, covariance, horizon, [&](const TargetBody&, const TargetMotion& other) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const Vector6d difference = velocity(other, times[i]) - velocity(motion, times[i]);
+      spreads[i] += difference * difference.transpose() / (2 * kSpread);
+    }
+  });
+  return spreads;
 }
 
 double cone_half_angle(const ContactPrediction& prediction, double probability) {

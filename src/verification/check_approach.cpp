@@ -6,7 +6,7 @@
 
 #include "verification/checks.hpp"
 #include "verification/clearance.hpp"
-#include "verification/path_motion.hpp"
+#include "verification/path_checks.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -15,27 +15,14 @@ constexpr double kSame = 1e-9;        ///< rad, m, s: copied numbers differ by r
 constexpr double kLimitSlack = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
 /// Joint travel of one integration step, rad: the error of a step is its fifth power.
 constexpr double kTravelPerStep = 0.005;
-/// Error of the planner's distances between two flat shapes, m, by which a path may be too close
-/// and by which two codes may differ.
-constexpr double kDistanceError = 5e-4;
 /// m: the same distance by the same function. Base poses between samples agree to about 1e-6 m and
 /// rad, with a lever of the arm's length.
 constexpr double kStatedDistance = 1e-5;
 /// Accelerations are second differences of the positions: they round to about 1e-15 of them.
 constexpr double kRounding = 1e-13;
+constexpr double kArrivalVelocity = 1e-6;  ///< m/s, rad/s
 /// Torques follow from accelerations, which round as second differences of the positions.
 constexpr double kTorqueTolerance = 1e-8;
-
-double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
-                          bool modulo_full_rotations) {
-  double largest = 0;
-  for (int k = 0; k < robot.n(); ++k) {
-    const double difference = a(k) - b(k);
-    const bool wraps = modulo_full_rotations && robot.joints[k].type == JointType::Continuous;
-    largest = std::max(largest, std::abs(wraps ? wrap_angle(difference) : difference));
-  }
-  return largest;
-}
 
 /// Euclidean length in joint space, by the eight chords per segment that define it in a plan.
 double path_length(const Approach& approach) {
@@ -49,6 +36,31 @@ double path_length(const Approach& approach) {
     }
   }
   return length;
+}
+
+/// Hand and target at the last sample, by the stored rates and base velocity.
+void check_arrival_velocity(const Context& context, ClaimList& claims) {
+  const Approach& approach = context.plan.approach;
+  const Situation& situation = context.situation;
+  const reference::Dynamics d =
+      reference::compute(context.problem.robot, {approach.joint_positions.back(), {}, {}});
+  Eigen::VectorXd x(6 + context.problem.robot.n());
+  x << approach.base_velocities.back(), approach.joint_velocities.back();
+  const Vector6d hand = d.J * x;
+  Vector6d target;
+  target << *situation.event.velocity, situation.event.omega;
+  const DecidedVelocity decided = decided_velocity(context.problem, situation.event, situation.at);
+  claims.at_most("approach_arrival_match", decided.error(hand), kArrivalVelocity, "m/s or rad/s",
+                 fmt::format("velocity of the hand at the last sample from the {} components that "
+                             "the problem decides",
+                             decided.values.size()));
+  // As the contact asks for it: zero of a hand that matches all.
+  const Vector6d wanted = target - situation.response.before->hand;
+  claims.at_most("approach_arrival_velocity", (target - hand - wanted).cwiseAbs().maxCoeff(),
+                 kArrivalVelocity, "m/s or rad/s",
+                 fmt::format("velocity of the target less that of the hand at the last sample, "
+                             "{:.3g} m/s and {:.3g} rad/s, from the one that the contact asks for",
+                             (target - hand).head<3>().norm(), (target - hand).tail<3>().norm()));
 }
 
 void check_ends(const Context& context, ClaimList& claims) {
@@ -67,23 +79,35 @@ void check_ends(const Context& context, ClaimList& claims) {
       "rad", "last posture from the configuration");
   claims.at_most("approach_contact_time", std::abs(approach.times.back() - goal.contact_time),
                  kSame, "s", "last time from the contact time");
+  const std::optional<MotionOfRobot>& moving = context.situation.response.before;
+  const Eigen::VectorXd wanted =
+      moving ? moving->phidot : Eigen::VectorXd(Eigen::VectorXd::Zero(problem.robot.n()));
+  const Eigen::VectorXd at_contact = approach.joint_velocities.back() - wanted;
   claims.at_most("approach_rest",
                  std::max(approach.joint_velocities.front().cwiseAbs().maxCoeff(),
-                          approach.joint_velocities.back().cwiseAbs().maxCoeff()),
-                 kSame, "rad/s", "joint rates at both ends");
+                          at_contact.cwiseAbs().maxCoeff()),
+                 kSame, "rad/s",
+                 moving ? "joint rates at the start, and from those of the contact at the end"
+                        : "joint rates at both ends");
+  if (moving) check_arrival_velocity(context, claims);
 
-  // The wait: how long the joints have been at rest at the contact.
-  std::size_t arrival = last;
-  while (arrival > 0 && approach.joint_positions[arrival - 1] == approach.joint_positions[last] &&
+  // The wait: how long the joints have been at rest at the contact, or before the last run to it.
+  std::size_t leaves = last;
+  while (moving && leaves > 0 && !approach.joint_velocities[leaves].isZero(0)) --leaves;
+  std::size_t arrival = leaves;
+  while (arrival > 0 && approach.joint_positions[arrival - 1] == approach.joint_positions[leaves] &&
          approach.joint_velocities[arrival - 1].isZero(0)) {
     --arrival;
   }
-  claims.at_least("approach_wait", approach.times[last] - approach.times[arrival],
-                  problem.approach.wait, kSame, "s", "time at rest before the contact");
+  const double wait = approach.times[leaves] - approach.times[arrival];
+  claims.at_least(
+      "approach_wait", wait, problem.approach.wait, kSame, "s",
+      moving ? "time at rest before the run to the contact" : "time at rest before the contact");
   claims.at_most("approach_duration", approach.times[last] - approach.times.front(),
                  problem.approach.max_duration * (1 + kSame), "s", "from the start to the contact");
   claims.at_most("approach_stated_duration",
-                 std::abs(approach.times[arrival] - approach.times.front() - approach.duration),
+                 std::abs(approach.times[arrival] - approach.times.front() +
+                          (approach.times[last] - approach.times[leaves]) - approach.duration),
                  kSame, "s", "stated time of motion");
   if (!problem.impulse.direction && problem.target) {
     claims.at_least("approach_begins", approach.times.front(), problem.target_state.time, kSame,
@@ -93,29 +117,6 @@ void check_ends(const Context& context, ClaimList& claims) {
   const double length = path_length(approach);
   claims.same("approach_path_length", relative_error(approach.path_length, length),
               context.options.recompute_tolerance, fmt::format("{:.6g} rad", length));
-}
-
-void check_limits(const Context& context, ClaimList& claims) {
-  const CaptureProblem& problem = context.problem;
-  const Approach& approach = context.plan.approach;
-  Largest beyond, rate, acceleration;
-  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
-    const HermiteSegment::Extremes e = HermiteSegment(approach, i).extremes();
-    for (int k = 0; k < problem.robot.n(); ++k) {
-      const Joint& joint = problem.robot.joints[k];
-      const std::string place = fmt::format("{} at {:.3f} s", joint.name, approach.times[i]);
-      beyond.take(std::max(joint.lower - e.lowest(k), e.highest(k) - joint.upper), place);
-      rate.take(e.rate(k) / (joint.max_velocity * problem.approach.velocity_scale), place);
-      acceleration.take(e.acceleration(k) / problem.approach.acceleration_limit(k), place);
-    }
-  }
-  const double slack = context.options.limit_slack;
-  claims.at_most("approach_joint_limits", beyond.value, kLimitSlack, "rad",
-                 "furthest beyond a joint limit between the samples: " + beyond.place);
-  claims.at_most("approach_joint_rates", rate.value, 1 + slack, "1",
-                 "largest fraction of a rate limit: " + rate.place);
-  claims.at_most("approach_joint_accelerations", acceleration.value, 1 + slack, "1",
-                 "largest fraction of an acceleration limit: " + acceleration.place);
 }
 
 /// Stated accelerations against those of the segments, relative to their rounding: the sizes of
@@ -140,28 +141,6 @@ void check_accelerations(const Context& context, ClaimList& claims) {
                  "rates over the time between samples");
 }
 
-/// Torques by the second implementation of the dynamics: M [Omega'; phi''] + c = [0; tau], the base
-/// floating without momentum or held; rotor inertias rotate with their joints.
-Eigen::VectorXd torques(const Context& context, const Eigen::VectorXd& phi,
-                        const Eigen::VectorXd& phidot, const Eigen::VectorXd& phiddot) {
-  const CaptureProblem& problem = context.problem;
-  const Eigen::Index n = phi.size();
-  const bool held = problem.approach.base == BaseMode::Held;
-  Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
-  if (!held) Omega = drifting_base_velocity(problem.robot, phi, phidot);
-  const reference::Dynamics d = reference::compute(problem.robot, {phi, phidot, Omega});
-  if (!held) {
-    const Vector6d load = d.H.topRightCorner(6, n) * phiddot + d.c.head<6>();
-    dot_Omega = -reference::solve_definite(d.H.topLeftCorner(6, 6), load);
-  }
-  Eigen::VectorXd tau =
-      d.H.bottomRightCorner(n, n) * phiddot + d.H.bottomLeftCorner(n, 6) * dot_Omega + d.c.tail(n);
-  if (problem.resistance.model == ResistanceModel::RotorInertia) {
-    tau += problem.resistance.rotor_inertia.cwiseProduct(phiddot);
-  }
-  return tau;
-}
-
 /// Torques along the approach against the torque limits, and as stated.
 void check_torques(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
@@ -173,8 +152,8 @@ void check_torques(const Context& context, ClaimList& claims) {
     const HermiteSegment segment(approach, i);
     for (int look = 0; look <= kLooks; ++look) {
       const double s = segment.duration() * look / kLooks;
-      const Eigen::VectorXd tau =
-          torques(context, segment.position(s), segment.velocity(s), segment.acceleration(s));
+      const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
+                                               segment.velocity(s), segment.acceleration(s));
       for (int k = 0; k < context.problem.robot.n(); ++k) {
         const Joint& joint = context.problem.robot.joints[k];
         used.take(std::abs(tau(k)) / joint.max_effort,
@@ -196,22 +175,6 @@ void check_torques(const Context& context, ClaimList& claims) {
   claims.same("approach_effort_used", relative_error(approach.effort_used, used.value),
               kTorqueTolerance,
               fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
-}
-
-/// Motion of the base between the samples, from each stored pose on.
-std::vector<BaseTrack> base_tracks(const Context& context) {
-  const Approach& approach = context.plan.approach;
-  std::vector<BaseTrack> tracks;
-  for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
-    const HermiteSegment segment(approach, i);
-    const Pose& from = approach.base_poses[i];
-    if (context.problem.approach.base == BaseMode::Held) {
-      tracks.emplace_back(segment, from);
-    } else {
-      tracks.emplace_back(context.problem.robot, segment, from, kTravelPerStep);
-    }
-  }
-  return tracks;
 }
 
 /// Integrated poses at all samples, from the first stored one on.
@@ -349,6 +312,73 @@ void check_clearance(const Context& context, const std::vector<BaseTrack>& track
 
 }  // namespace
 
+double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
+                          bool modulo_full_rotations) {
+  double largest = 0;
+  for (int k = 0; k < robot.n(); ++k) {
+    const double difference = a(k) - b(k);
+    const bool wraps = modulo_full_rotations && robot.joints[k].type == JointType::Continuous;
+    largest = std::max(largest, std::abs(wraps ? wrap_angle(difference) : difference));
+  }
+  return largest;
+}
+
+void check_path_limits(const Context& context, const Approach& path, const std::string& name,
+                       ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  Largest beyond, rate, acceleration;
+  for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
+    const HermiteSegment::Extremes e = HermiteSegment(path, i).extremes();
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const Joint& joint = problem.robot.joints[k];
+      const std::string place = fmt::format("{} at {:.3f} s", joint.name, path.times[i]);
+      beyond.take(std::max(joint.lower - e.lowest(k), e.highest(k) - joint.upper), place);
+      rate.take(e.rate(k) / (joint.max_velocity * problem.approach.velocity_scale), place);
+      acceleration.take(e.acceleration(k) / problem.approach.acceleration_limit(k), place);
+    }
+  }
+  const double slack = context.options.limit_slack;
+  claims.at_most(name + "_joint_limits", beyond.value, kLimitSlack, "rad",
+                 "furthest beyond a joint limit between the samples: " + beyond.place);
+  claims.at_most(name + "_joint_rates", rate.value, 1 + slack, "1",
+                 "largest fraction of a rate limit: " + rate.place);
+  claims.at_most(name + "_joint_accelerations", acceleration.value, 1 + slack, "1",
+                 "largest fraction of an acceleration limit: " + acceleration.place);
+}
+
+Eigen::VectorXd path_torques(const CaptureProblem& problem, const Eigen::VectorXd& phi,
+                             const Eigen::VectorXd& phidot, const Eigen::VectorXd& phiddot) {
+  const Eigen::Index n = phi.size();
+  const bool held = problem.approach.base == BaseMode::Held;
+  Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
+  if (!held) Omega = drifting_base_velocity(problem.robot, phi, phidot);
+  const reference::Dynamics d = reference::compute(problem.robot, {phi, phidot, Omega});
+  if (!held) {
+    const Vector6d load = d.H.topRightCorner(6, n) * phiddot + d.c.head<6>();
+    dot_Omega = -reference::solve_definite(d.H.topLeftCorner(6, 6), load);
+  }
+  Eigen::VectorXd tau =
+      d.H.bottomRightCorner(n, n) * phiddot + d.H.bottomLeftCorner(n, 6) * dot_Omega + d.c.tail(n);
+  if (problem.resistance.model == ResistanceModel::RotorInertia) {
+    tau += problem.resistance.rotor_inertia.cwiseProduct(phiddot);
+  }
+  return tau;
+}
+
+std::vector<BaseTrack> base_tracks(const CaptureProblem& problem, const Approach& path) {
+  std::vector<BaseTrack> tracks;
+  for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
+    const HermiteSegment segment(path, i);
+    const Pose& from = path.base_poses[i];
+    if (problem.approach.base == BaseMode::Held) {
+      tracks.emplace_back(segment, from);
+    } else {
+      tracks.emplace_back(problem.robot, segment, from, kTravelPerStep);
+    }
+  }
+  return tracks;
+}
+
 void check_approach(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
   if (!context.problem.approach.enabled) return;
@@ -361,14 +391,15 @@ void check_approach(const Context& context, ClaimList& claims) {
   if (!missing.none()) return;
   claims.at_most("approach_late_by", approach.late_by, 0, "s", "a path that is found is not late");
   check_ends(context, claims);
-  check_limits(context, claims);
+  check_path_limits(context, approach, "approach", claims);
   check_accelerations(context, claims);
   check_torques(context, claims);
   double worst_step = 0;
-  const std::vector<BaseTrack> tracks = base_tracks(context);
+  const std::vector<BaseTrack> tracks = base_tracks(context.problem, approach);
   const std::vector<Pose> poses = integrated_poses(context, tracks, &worst_step);
   check_base(context, poses, worst_step, claims);
   check_clearance(context, tracks, claims);
+  check_abort(context, claims);
 }
 
 }  // namespace stillbase::verification

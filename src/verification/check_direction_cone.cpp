@@ -10,50 +10,13 @@
 #include <stillbase/core/random.hpp>
 
 #include "verification/checks.hpp"
+#include "verification/free_body.hpp"
 
 namespace stillbase::verification {
 namespace {
 
 constexpr int kInstants = 7;
 constexpr double kAnglePerStep = 0.02;  ///< rad; an error below 1e-6 rad after 1000 steps
-
-/// Torque-free rotation by Euler's equations in principal axes, classical Runge-Kutta.
-struct FreeBody {
-  Vector3d moments;      // kg m^2
-  Eigen::Quaterniond q;  // R_NP, P the principal axes
-  Vector3d w;            // in P, rad/s
-
-  struct Rate {
-    Eigen::Vector4d q;
-    Vector3d w;
-  };
-  Rate rate(const Eigen::Vector4d& e, const Vector3d& v) const {
-    const Eigen::Quaterniond spin(0, v[0], v[1], v[2]);
-    return {0.5 * (Eigen::Quaterniond(e) * spin).coeffs(),
-            moments.cwiseProduct(v).cross(v).cwiseQuotient(moments)};
-  }
-  int steps(double duration) const {
-    // The energy bounds the rate.
-    const double fastest =
-        std::sqrt(moments.dot(w.cwiseAbs2()) / moments.minCoeff()) * std::abs(duration);
-    return 1 + static_cast<int>(fastest / kAnglePerStep);
-  }
-  void advance(double duration) {
-    const int count = steps(duration);
-    const double h = duration / count;
-    Eigen::Vector4d e = q.coeffs();
-    for (int i = 0; i < count; ++i) {
-      const Rate a = rate(e, w);
-      const Rate b = rate(e + h / 2 * a.q, w + h / 2 * a.w);
-      const Rate c = rate(e + h / 2 * b.q, w + h / 2 * b.w);
-      const Rate d = rate(e + h * c.q, w + h * c.w);
-      e += h / 6 * (a.q + 2 * b.q + 2 * c.q + d.q);
-      w += h / 6 * (a.w + 2 * b.w + 2 * c.w + d.w);
-      e.normalize();
-    }
-    q = Eigen::Quaterniond(e);
-  }
-};
 
 /// Normals of the feature at the instants, for an estimate with the given errors.
 class Normals {
@@ -77,7 +40,7 @@ class Normals {
     std::vector<Vector3d> normals;
     double now = state_.time;
     for (const double time : times) {
-      body.advance(time - now);
+      body.advance(time - now, kAnglePerStep);
       now = time;
       normals.push_back(body.q * normal_P_);
     }
@@ -88,7 +51,7 @@ class Normals {
   double steps(const std::vector<double>& times) const {
     const Vector3d none = Vector3d::Zero();
     return erroneous(none, none, none)
-        .steps(std::abs(times.front() - state_.time) + times.back() - times.front());
+        .steps(std::abs(times.front() - state_.time) + times.back() - times.front(), kAnglePerStep);
   }
 
  private:
@@ -108,17 +71,16 @@ class Normals {
   Vector3d normal_P_;
 };
 
-}  // namespace
+/// How many of the sampled normals lie within the problem's half-angle, at the instant of the
+/// window with the fewest.
+struct Sampled {
+  double fraction = 0, time = 0;
+  int count = 0;
+};
 
-void check_direction_cone(const Context& context, ClaimList& claims) {
+Sampled sample_normals(const Context& context, const ContactFeature& feature) {
   const CaptureProblem& problem = context.problem;
-  if (!problem.uncertainty.cone_confidence) return;
-  const double confidence = *problem.uncertainty.cone_confidence;
   const double half_angle = problem.uncertainty.cone_half_angle;
-  const std::optional<ContactFeature> feature = feature_of(problem);
-  if (!problem.target_deviations || !feature || problem.impulse.direction) {
-    throw std::runtime_error("no covariance of a target from which a cone could follow");
-  }
   const EstimateDeviations& sigma = *problem.target_deviations;
   const double lower = problem.variables.contact_time_lower;
   const double upper = problem.variables.contact_time_upper;
@@ -127,7 +89,7 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
     times.push_back(lower + (upper - lower) * i / (kInstants - 1));
   }
 
-  const Normals normals(problem, *feature);
+  const Normals normals(problem, feature);
   const Vector3d none = Vector3d::Zero();
   const std::vector<Vector3d> nominal = normals.at(times, none, none, none);
   const auto& plane = problem.uncertainty.cone_plane_normal;
@@ -156,21 +118,68 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
     }
   }
   const auto least = std::min_element(inside.begin(), inside.end());
-  const double fraction = static_cast<double>(*least) / count;
-  if (half_angle == 0) {
-    // No error changes the normal.
-    claims.at_most("direction_cone", 1 - fraction, 0, "1", "no sampled normal changes");
+  return {static_cast<double>(*least) / count,
+          times[static_cast<std::size_t>(least - inside.begin())], count};
+}
+
+/// Four standard errors of a fraction of `count`, and a hundredth for errors that are not Gaussian.
+double fraction_tolerance(double fraction, int count) {
+  return 4 * std::sqrt(fraction * (1 - fraction) / count) + 0.01;
+}
+
+/// A cone stated beside a covariance: the plan warns exactly where the cone does not hold 95 % of
+/// the directions.
+void check_warning(const Context& context, const ContactFeature& feature, ClaimList& claims) {
+  constexpr double kProbability = 0.95;
+  const auto& warnings = context.plan.warnings;
+  const bool warns = std::any_of(warnings.begin(), warnings.end(), [](const PlanWarning& warning) {
+    return warning.code == "narrow-cone";
+  });
+  const Sampled sampled = sample_normals(context, feature);
+  const double margin = fraction_tolerance(kProbability, sampled.count);
+  Objections objections;
+  objections.demand(warns || sampled.fraction >= kProbability - margin,
+                    "the plan does not say that its cone is narrower");
+  objections.demand(!warns || sampled.fraction <= kProbability + margin,
+                    "the plan says that its cone is narrower");
+  claims.none_wrong("cone_warning", objections,
+                    fmt::format("the stated cone of {:.6g} rad holds {:.4f} of {} directions "
+                                "sampled from the covariance of the estimate at {:.6g} s",
+                                context.problem.uncertainty.cone_half_angle, sampled.fraction,
+                                sampled.count, sampled.time));
+}
+
+}  // namespace
+
+void check_direction_cone(const Context& context, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const std::optional<ContactFeature> feature = feature_of(problem);
+  const bool follows = problem.target_deviations && feature && !problem.impulse.direction;
+  if (!problem.uncertainty.cone_confidence) {
+    const bool has_cone = problem.impulse.contact == ContactLaw::Frictionless &&
+                          problem.impulse.source != ImpulseSource::Given &&
+                          !problem.uncertainty.residual_velocity;
+    if (follows && has_cone) check_warning(context, *feature, claims);
     return;
   }
-  // Four standard errors of the fraction, and a hundredth for errors that are not Gaussian.
-  const double limit = 4 * std::sqrt(confidence * (1 - confidence) / count) + 0.01;
+  const double confidence = *problem.uncertainty.cone_confidence;
+  const double half_angle = problem.uncertainty.cone_half_angle;
+  if (!follows) {
+    throw std::runtime_error("no covariance of a target from which a cone could follow");
+  }
+  const Sampled sampled = sample_normals(context, *feature);
+  if (half_angle == 0) {
+    // No error changes the normal.
+    claims.at_most("direction_cone", 1 - sampled.fraction, 0, "1", "no sampled normal changes");
+    return;
+  }
   claims.at_most(
-      "direction_cone", std::abs(fraction - confidence), limit, "1",
+      "direction_cone", std::abs(sampled.fraction - confidence),
+      fraction_tolerance(confidence, sampled.count), "1",
       fmt::format(
           "a half-angle of {:.6g} rad contains {:.4f} of {} sampled directions at {:.6g} s, "
           "the smallest share over the window; stated {:.4f}",
-          half_angle, fraction, count, times[static_cast<std::size_t>(least - inside.begin())],
-          confidence));
+          half_angle, sampled.fraction, sampled.count, sampled.time, confidence));
 }
 
 }  // namespace stillbase::verification

@@ -1,4 +1,6 @@
 // Does the impact happen as stated? Impulse by the contact law, jump and momenta by (6).
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
@@ -9,6 +11,10 @@ namespace {
 /// Tolerances that the format of plans fixes: a plan that states others is not comparable.
 constexpr double kCaseToleranceOfPlans = 1e-6;
 constexpr double kRankToleranceOfPlans = 1e-10;
+
+/// Joint rates that match a velocity have the condition of the Jacobian.
+constexpr double kArrivalAgrees = 1e-9;
+constexpr double kArrivalMatches = 1e-6;  ///< m/s, rad/s: a matched hand
 
 const char* name_of(ImpactCase impact_case) {
   constexpr const char* kNames[] = {"G1", "G2", "G3", "C1", "C2"};
@@ -96,6 +102,67 @@ void check_null_space(const Context& context, const Eigen::VectorXd& jump, doubl
               "part orthogonal to it");
 }
 
+/// The robot right before a contact with a hand that moves.
+void check_motion_before(const Context& context, ClaimList& claims) {
+  const std::optional<MotionOfRobot>& found = context.situation.response.before;
+  const std::optional<MotionBefore>& stated = context.plan.impact.before;
+  if (!found && !stated) return;
+  Objections objections;
+  objections.demand(found.has_value(), "the problem's hand waits, the plan's moves");
+  objections.demand(stated.has_value(), "the problem's hand moves, the plan's waits");
+  claims.none_wrong("hand_motion", objections, "motion of the hand as the problem states it");
+  if (!objections.none()) return;
+  const Situation& situation = context.situation;
+  const auto same = [&](const char* name, const Eigen::VectorXd& said, const Eigen::VectorXd& own,
+                        double scale, const char* what) {
+    claims.same(name, relative_error(said, own, scale), kArrivalAgrees,
+                fmt::format("{:.6g} {}", own.norm(), what));
+  };
+  Vector6d apart;
+  apart << *situation.event.velocity, situation.event.omega;
+  const Vector3d speeds = apart.head<3>();
+  const double size = speeds.norm() + situation.event.omega.norm();
+  apart -= found->hand;
+  same("arrival_joint_rates", stated->phidot, found->phidot, 0, "rad/s before the contact");
+  same("arrival_base_velocity", stated->Omega, found->Omega, found->phidot.norm(),
+       "m/s and rad/s without momentum");
+  same("arrival_hand_velocity", stated->hand_velocity, found->hand, size, "m/s and rad/s");
+  claims.at_most("arrival_relative_velocity",
+                 (stated->relative_velocity - apart).cwiseAbs().maxCoeff(), kArrivalMatches,
+                 "m/s or rad/s",
+                 fmt::format("stated velocity of the target less that of the hand, {:.3g} m/s and "
+                             "{:.3g} rad/s, from the recomputed one",
+                             apart.head<3>().norm(), apart.tail<3>().norm()));
+  const DecidedVelocity decided = decided_velocity(context.problem, situation.event, situation.at);
+  claims.at_most("arrival_match",
+                 std::max(decided.error(found->hand), decided.error(stated->hand_velocity)),
+                 kArrivalMatches, "m/s or rad/s",
+                 fmt::format("velocity of the hand, stated and recomputed, from the {} components "
+                             "that the problem decides",
+                             decided.values.size()));
+  Largest rate;
+  for (int k = 0; k < context.problem.robot.n(); ++k) {
+    rate.take(std::abs(found->phidot[k]) / arrival_rate_limit(context.problem, k),
+              context.problem.robot.joints[k].name);
+  }
+  claims.at_most("arrival_rate_limits", rate.value, 1 + context.options.limit_slack, "1",
+                 "largest fraction of a rate limit before the contact: " + rate.place);
+
+  // What a hand at rest would meet in the same posture.
+  CaptureProblem waiting = context.problem;
+  waiting.hand_motion = {};
+  const Situation at_rest(waiting, situation.at);
+  const Vector6d Fbar = at_rest.impulse();
+  same("at_rest_impulse", stated->Fbar_at_rest, Fbar, situation.response.rounding_scale(Fbar),
+       "N s and N m s on a hand at rest");
+  same("at_rest_base_momentum", stated->base_at_rest, at_rest.response.impact(Fbar).base,
+       situation.response.rounding_scale(Fbar), "N m s with a hand at rest");
+  const Matrix3d robot = posture_dynamics(waiting, situation.at.phi).dynamics.Htilde_omega;
+  const Vector3d base = robot * found->Omega.tail<3>();
+  same("arrival_base_momentum", stated->base, base, robot.trace() * found->phidot.norm(),
+       "N m s of the base before the contact");
+}
+
 }  // namespace
 
 void check_impact(const Context& context, ClaimList& claims) {
@@ -120,25 +187,29 @@ void check_impact(const Context& context, ClaimList& claims) {
   const Vector6d Fbar = situation.impulse();
   const Vector3d f = Fbar.head<3>(), t = Fbar.tail<3>();
   const double rounding = response.rounding_scale(Fbar);
-  same("impulse_force", stated.Fbar.head<3>(), f, 0, "N s by the contact law");
+  // A matched hand leaves rounding of what the target would bring to a hand at rest.
+  const double brought =
+      response.before ? context.problem.target->mass * situation.event.velocity->norm() : 0;
+  same("impulse_force", stated.Fbar.head<3>(), f, brought, "N s by the contact law");
   same("impulse_moment", stated.Fbar.tail<3>(), t, rounding, "N m s");
   if (context.problem.impulse.contact == ContactLaw::Sticking) {
     claims.at_least("contact_pushes", situation.event.n.dot(f), 0, 0, "N s",
                     "force of the sticking contact along the normal: none that pulls");
   }
 
-  const reference::Impact impact = response.impact(Fbar);
+  const reference::Impact impact = response.impact(Fbar), jump = response.jump(Fbar);
   const double rate_scale = 3 * rounding / response.dynamics.Htilde_omega.trace();
-  same("base_linear_velocity_jump", stated.Delta_Omega.head<3>(), impact.Delta_Omega.head<3>(),
-       f.norm() / response.dynamics.mass, "m/s");
-  same("base_angular_velocity_jump", stated.Delta_Omega.tail<3>(), impact.Delta_Omega.tail<3>(),
+  same("base_linear_velocity_jump", stated.Delta_Omega.head<3>(), jump.Delta_Omega.head<3>(),
+       std::max(f.norm(), brought) / response.dynamics.mass, "m/s");
+  same("base_angular_velocity_jump", stated.Delta_Omega.tail<3>(), jump.Delta_Omega.tail<3>(),
        rate_scale, "rad/s");
-  same("joint_velocity_jump", stated.Delta_phidot, impact.Delta_phidot, rate_scale, "rad/s");
-  check_null_space(context, impact.Delta_phidot, rate_scale, claims);
+  same("joint_velocity_jump", stated.Delta_phidot, jump.Delta_phidot, rate_scale, "rad/s");
+  check_null_space(context, jump.Delta_phidot, rate_scale, claims);
   same("total_angular_momentum", stated.total, impact.total, rounding, "N m s");
   same("base_angular_momentum", stated.base, impact.base, rounding, "N m s");
   same("coupling_angular_momentum", stated.coupling, impact.coupling, rounding, "N m s");
   check_case(context, Fbar, claims);
+  check_motion_before(context, claims);
 }
 
 }  // namespace stillbase::verification

@@ -63,6 +63,63 @@ void check_worst_case(const Context& context, ClaimList& claims) {
                              worst.direction.z()));
 }
 
+/// The residual velocity as the plan states it, and the worst case over it.
+void check_residual(const Context& context, const ResidualCase& residual, ClaimList& claims) {
+  const ObjectiveValue& stated = context.plan.objective;
+  const double tolerance = context.objective_tolerance();
+  Objections objections;
+  objections.demand(stated.residual.has_value(), "the plan states no residual velocity");
+  claims.none_wrong("residual_velocity", objections,
+                    "the plan states the velocity that its problem asks for");
+  if (!stated.residual) return;
+  const ResidualSummary& said = *stated.residual;
+  claims.same("residual_mean", relative_error(said.velocity, residual.velocity), tolerance,
+              "nominal relative velocity");
+  // Relative to the deviations: linear and angular ones differ in unit.
+  Matrix6d difference = said.covariance - residual.covariance;
+  for (int i = 0; i < 6; ++i) {
+    const double variance = residual.covariance(i, i);
+    const double scale = variance > 0 ? 1 / std::sqrt(variance) : 1;
+    difference.row(i) *= scale;
+    difference.col(i) *= scale;
+  }
+  claims.same("residual_covariance", difference.cwiseAbs().maxCoeff(), tolerance,
+              "carried to the contact by an integration of its own where it is not stated");
+  claims.same(
+      "residual_separating", std::abs(said.separating - residual.separating), tolerance,
+      fmt::format("{:.4g} of the velocities separate along the normal", residual.separating));
+  claims.same("residual_deviations", relative_error(said.deviations, residual.deviations), 0,
+              fmt::format("{:g} of the problem", residual.deviations));
+
+  const ResidualNumbers found = residual_numbers(context.problem, residual);
+  claims.at_most("worst_velocity", residual.distance(said.worst_velocity), 1 + 1e-6, "1",
+                 "distance of the stated worst velocity from the nominal one, relative to the "
+                 "ellipsoid");
+  const double scale = scale_along(context.situation, context.situation.event.n);
+  const double there = residual_along(context.problem, residual, said.worst_velocity);
+  claims.same("objective_worst_case", relative_error(stated.worst_case, there, scale), tolerance,
+              fmt::format("{:.9g} {} at the stated velocity", there, stated.unit));
+  claims.at_most("worst_case_bound",
+                 (found.worst_case_bound - stated.worst_case) /
+                     std::max(std::abs(stated.worst_case), 1e-6 * scale),
+                 context.options.cone_tolerance, "1",
+                 fmt::format("no velocity of the ellipsoid exceeds {:.9g} {}: relative excess over "
+                             "the stated worst case",
+                             found.worst_case_bound, stated.unit));
+}
+
+/// The problem's measure where it was evaluated.
+double wanted_measure(const Context& context, const std::optional<ResidualCase>& residual,
+                      double nominal) {
+  const ObjectiveValue& stated = context.plan.objective;
+  const RiskMeasure kind = context.problem.measure.kind;
+  if (kind == RiskMeasure::WorstCase) return stated.worst_case;
+  if (!stated.is_judged) return stated.nominal;
+  if (!is_sampled(kind)) return nominal;
+  return residual ? residual_numbers(context.problem, *residual).expectation
+                  : sampled_measure(context.situation);
+}
+
 }  // namespace
 
 void check_objective(const Context& context, ClaimList& claims) {
@@ -91,16 +148,18 @@ void check_objective(const Context& context, ClaimList& claims) {
   check_terms(context, claims);
 
   const RiskMeasure kind = problem.measure.kind;
-  const double wanted = kind == RiskMeasure::WorstCase ? stated.worst_case
-                        : !stated.is_judged            ? stated.nominal
-                        : is_sampled(kind)             ? sampled_measure(situation)
-                                                       : nominal;
+  std::optional<ResidualCase> residual;
+  if (problem.uncertainty.residual_velocity) residual = residual_case(situation);
+  const double wanted = wanted_measure(context, residual, nominal);
   claims.same("objective_value", relative_error(stated.value, wanted, scale), tolerance,
               fmt::format("{:.9g} {} of the measure{}", wanted, unit,
-                          !stated.is_judged  ? ", which was not evaluated before the limit"
-                          : is_sampled(kind) ? ", over the samples that the seed gives"
-                                             : ""));
-  if (problem.uncertainty.cone_half_angle > 0) {
+                          !stated.is_judged   ? ", which was not evaluated before the limit"
+                          : !is_sampled(kind) ? ""
+                          : residual          ? ", over the residual velocity"
+                                              : ", over the samples that the seed gives"));
+  if (residual) {
+    check_residual(context, *residual, claims);
+  } else if (problem.uncertainty.cone_half_angle > 0) {
     check_worst_case(context, claims);
   } else {
     claims.same("objective_worst_case", relative_error(stated.worst_case, nominal, scale),

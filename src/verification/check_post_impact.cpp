@@ -231,10 +231,11 @@ void check_first_instant(const Context& context, const AfterContact& run, ClaimL
   compare(stated.base, first.base, momentum);
   compare(stated.coupling, first.coupling, momentum);
   compare(stated.total, first.total, momentum);
-  compare(stated.Delta_Omega.head<3>(), first.state.Omega.head<3>(),
+  const Vector6d Omega = stated.Omega_after();
+  compare(Omega.head<3>(), first.state.Omega.head<3>(),
           stated.Fbar.head<3>().norm() / response.dynamics.mass);
-  compare(stated.Delta_Omega.tail<3>(), first.state.Omega.tail<3>(), rate);
-  compare(stated.Delta_phidot, first.state.phidot, rate);
+  compare(Omega.tail<3>(), first.state.Omega.tail<3>(), rate);
+  compare(stated.phidot_after(), first.state.phidot, rate);
   claims.same("first_instant", worst, kInstantsAgree,
               "momenta and velocities of the plan's impact against those with which its simulation "
               "begins");
@@ -248,7 +249,10 @@ void check_post_impact(const Context& context, ClaimList& claims,
   const PostImpactSpec& spec = context.problem.post_impact;
   const ContactCase subject = contact_case(context.problem, at.target(), at.event, at.response,
                                            at.at, at.event.n, at.impulse());
-  if (spec.controllers.empty()) check_target_fate(context, nullptr, claims);
+  if (spec.controllers.empty()) {
+    check_managed_momentum(context, nullptr, claims);
+    check_target_fate(context, nullptr, claims);
+  }
   for (const std::string& controller : spec.controllers) {
     ControllerReport report;
     report.controller = controller;
@@ -262,6 +266,7 @@ void check_post_impact(const Context& context, ClaimList& claims,
       check_own_motion(context, controller, *run, claims);
       check_first_instant(context, *run, claims);
       check_after_horizon(context, subject, *run, claims);
+      check_managed_momentum(context, &*run, claims);
       check_target_fate(context, &*run, claims);
     } else {
       claims.not_evaluated("post_impact_base_rate", spec.residual_base_rate_max, "rad/s",

@@ -60,7 +60,8 @@ void check_sticking(const Context& context, ClaimList& claims) {
   const reference::MetBody body = met_body(context.problem, event);
   const Vector3d before = body.velocity + body.omega.cross(body.r);
   const Vector6d Fbar = context.situation.impulse();
-  const Vector3d hand = (context.situation.response.W * Fbar).head<3>();
+  Vector3d hand = (context.situation.response.W * Fbar).head<3>();
+  if (const auto& motion = context.situation.response.before) hand += motion->hand.head<3>();
   const Vector3d target = before - (target_response(context.problem, event) * Fbar).head<3>();
   claims.at_most("target_fate", (hand - target).norm() / before.norm(),
                  context.options.momentum_tolerance, "1",
@@ -109,7 +110,9 @@ void check_latch(const Context& context, const AfterContact& run, ClaimList& cla
   Vector6d V_t;
   V_t << *event.velocity, omega;
   const Matrix6d W_t = target_response(problem, event);
-  const Vector6d Fbar = reference::solve_definite(context.situation.response.W + W_t, V_t);
+  Vector6d V_rel = V_t;
+  if (const auto& motion = context.situation.response.before) V_rel -= motion->hand;
+  const Vector6d Fbar = reference::solve_definite(context.situation.response.W + W_t, V_rel);
   const Vector6d target_after = V_t - W_t * Fbar;
 
   const PlantState& start = run.simulation.trace.front().state;

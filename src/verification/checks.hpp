@@ -45,7 +45,8 @@ void check_impact(const Context& context, ClaimList& claims);
 /// Objective and its worst case over the cone.
 void check_objective(const Context& context, ClaimList& claims);
 
-/// The cone that follows from the covariance of the target's estimate; no check for a stated one.
+/// The cone that follows from the covariance of the target's estimate; beside a stated one whether
+/// the plan warns where it is narrower.
 void check_direction_cone(const Context& context, ClaimList& claims);
 
 /// The plan's list of constraints, and collisions at the contact.
@@ -56,6 +57,11 @@ void check_approach(const Context& context, ClaimList& claims);
 /// Motion after the contact under every controller, and the fate of the target.
 void check_post_impact(const Context& context, ClaimList& claims,
                        std::vector<ControllerReport>& reports);
+
+/// The plan's account of the momentum after the contact and of the limits that it takes up, and the
+/// problem's demands on grip and wheels. No check without a target.
+/// @param run the motion under the first controller; null: there is none
+void check_managed_momentum(const Context& context, const AfterContact* run, ClaimList& claims);
 
 /// Whether the target bounces, is pushed on or is held, with which speed. No check without a target
 /// or for a given impulse.

@@ -46,11 +46,12 @@ double target_rate(const TargetMotion& motion, double time) {
 /// The search of path_clearance().
 class PathSearch {
  public:
-  PathSearch(const Context& context, const std::vector<BaseTrack>& tracks)
+  PathSearch(const Context& context, const Approach& path, const TargetMotion* target,
+             const std::vector<BaseTrack>& tracks)
       : context_(context),
-        approach_(context.plan.approach),
+        approach_(path),
         tracks_(tracks),
-        target_(context.situation.target()),
+        target_(target),
         scene_(context.problem),
         shapes_(context.problem, scene_) {
     if (target_ == nullptr) return;
@@ -199,7 +200,9 @@ class PathSearch {
     const HermiteSegment segment(approach_, i);
     const double h = segment.duration();
     double length = (segment.peak_rates(0, h) * h).norm();
-    if (length == 0 && i + 1 == tracks_.size()) length = (target_speed_ + target_rate_) * h;
+    // The wait is the last segment, or the last one before the run of a hand that moves.
+    const bool may_wait = i + 1 == tracks_.size() || context_.problem.hand_motion.moves();
+    if (length == 0 && may_wait) length = (target_speed_ + target_rate_) * h;
     const double steps = std::ceil(length / (context_.problem.approach.resolution / 2));
     const int count = static_cast<int>(std::clamp(steps, 1.0, 10000.0));
     for (int j = 0; j < count; ++j) {
@@ -224,8 +227,13 @@ class PathSearch {
 }  // namespace
 
 PathClearance path_clearance(const Context& context, const std::vector<BaseTrack>& tracks) {
+  return path_clearance(context, context.plan.approach, context.situation.target(), tracks);
+}
+
+PathClearance path_clearance(const Context& context, const Approach& path,
+                             const TargetMotion* target, const std::vector<BaseTrack>& tracks) {
   try {
-    return PathSearch(context, tracks).run();
+    return PathSearch(context, path, target, tracks).run();
   } catch (const std::invalid_argument& error) {
     PathClearance refused;
     refused.detail = error.what();

@@ -12,6 +12,10 @@
 
 namespace stillbase::verification {
 
+/// Error of the planner's distances between two flat shapes, m, by which a path may be too close
+/// and by which two codes may differ.
+inline constexpr double kDistanceError = 5e-4;
+
 /// The smallest distance of two bodies over a time: at an instant, and proven over all of it.
 struct LeastDistance {
   double found = kInfinity;   ///< m; <= 0: they overlap
@@ -44,6 +48,9 @@ struct PathClearance {
 /// complete where a million instants do not decide.
 /// @param tracks motion of the base between the samples
 PathClearance path_clearance(const Context& context, const std::vector<BaseTrack>& tracks);
+/// Along another path. @param target its motion over that time, or null
+PathClearance path_clearance(const Context& context, const Approach& path,
+                             const TargetMotion* target, const std::vector<BaseTrack>& tracks);
 
 /// A pair of bodies in contact at a configuration, except the hand's body with the target near the
 /// feature; empty: there is none.

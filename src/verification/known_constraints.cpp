@@ -112,6 +112,10 @@ void KnownConstraints::add_joints() {
     const Joint& joint = problem.robot.joints[k];
     const double rate = joint_rate_limit(problem, k);
     add("joint_rate_" + joint.name, -rate, rate, rates[k]);
+    if (const auto& before = situation_.response.before) {
+      const double most = arrival_rate_limit(problem, k);
+      add("arrival_rate_" + joint.name, -most, most, before->phidot[k]);
+    }
     const double margin =
         joint.type == JointType::Continuous ? 0 : problem.constraints.joint_limit_margin;
     add("joint_limit_" + joint.name, joint.lower + margin, joint.upper - margin,
@@ -155,6 +159,9 @@ std::vector<std::string> KnownConstraints::demanded() const {
   for (int k = 0; k < problem.robot.n(); ++k) {
     const std::string& name = problem.robot.joints[k].name;
     if (std::isfinite(joint_rate_limit(problem, k))) out.push_back("joint_rate_" + name);
+    if (problem.hand_motion.moves() && std::isfinite(arrival_rate_limit(problem, k))) {
+      out.push_back("arrival_rate_" + name);
+    }
     const Joint& joint = problem.robot.joints[k];
     if (free.joints[k] && joint.type != JointType::Continuous) out.push_back("joint_limit_" + name);
   }

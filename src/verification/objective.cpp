@@ -46,14 +46,19 @@ double joint_rate_scale(const TermCase& at) {
   return largest;
 }
 
+/// Of the base right after the impact, rad/s.
+Vector3d base_rate(const TermCase& at) {
+  Vector3d omega = at.response.B * at.Fbar;
+  if (at.response.before) omega += at.response.before->Omega.tail<3>();
+  return omega;
+}
+
 const QuantityRecord kRecords[] = {
     {ObjectiveQuantity::BaseAngularMomentum,
-     [](const TermCase& at) {
-       return (at.response.dynamics.Htilde_omega * (at.response.B * at.Fbar)).norm();
-     },
+     [](const TermCase& at) { return (at.response.dynamics.Htilde_omega * base_rate(at)).norm(); },
      1, momentum_scale, &reference::Impact::base},
     {ObjectiveQuantity::BaseAngularVelocity,
-     [](const TermCase& at) { return (at.response.B * at.Fbar).norm(); }, 1, rate_scale,
+     [](const TermCase& at) { return base_rate(at).norm(); }, 1, rate_scale,
      &reference::Impact::base},
     {ObjectiveQuantity::TotalAngularMomentum,
      [](const TermCase& at) { return at.response.impact(at.Fbar).total.norm(); }, 1, momentum_scale,
@@ -173,6 +178,10 @@ double scale_along(const Situation& situation, const Vector3d& d) {
 }
 
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance) {
+  // Two integrations of the errors of an estimate agree to this part.
+  constexpr double kCarriedAgree = 1e-7;
+  const auto& residual = problem.uncertainty.residual_velocity;
+  if (residual && !residual->covariance) return std::max(kCarriedAgree, recompute_tolerance);
   return simulates_turn(problem) ? std::max(kIntegratorsAgree, recompute_tolerance)
                                  : recompute_tolerance;
 }
@@ -298,8 +307,24 @@ bool is_sampled(RiskMeasure measure) {
   return measure == RiskMeasure::Expectation || measure == RiskMeasure::Cvar;
 }
 
+ResidualNumbers residual_numbers(const CaptureProblem& problem, const ResidualCase& residual) {
+  const int power = power_of(problem);
+  const LargestSquare largest = largest_square(residual);
+  return {raised(std::sqrt(residual.mean_square()), power), raised(std::sqrt(largest.value), power),
+          raised(std::sqrt(largest.bound), power)};
+}
+
+double residual_along(const CaptureProblem& problem, const ResidualCase& residual,
+                      const Vector6d& V) {
+  return raised(std::sqrt(std::max(residual.square(V), 0.0)), power_of(problem));
+}
+
 double measure_value(const Situation& situation, int cone_samples) {
   const RiskMeasure kind = situation.problem.measure.kind;
+  if (situation.problem.uncertainty.residual_velocity && kind != RiskMeasure::Nominal) {
+    const ResidualNumbers found = residual_numbers(situation.problem, residual_case(situation));
+    return kind == RiskMeasure::WorstCase ? found.worst_case : found.expectation;
+  }
   if (is_sampled(kind)) return sampled_measure(situation);
   if (kind == RiskMeasure::WorstCase) return worst_direction(situation, cone_samples).value;
   return objective_along(situation, situation.event.n);
@@ -309,6 +334,15 @@ ObjectiveNumbers objective_numbers(const Situation& situation, int cone_samples)
   ObjectiveNumbers out;
   out.scale = scale_along(situation, situation.event.n);
   out.nominal = objective_along(situation, situation.event.n);
+  if (situation.problem.uncertainty.residual_velocity) {
+    const RiskMeasure kind = situation.problem.measure.kind;
+    const ResidualNumbers found = residual_numbers(situation.problem, residual_case(situation));
+    out.worst_case = found.worst_case;
+    out.measure = kind == RiskMeasure::WorstCase     ? found.worst_case
+                  : kind == RiskMeasure::Expectation ? found.expectation
+                                                     : out.nominal;
+    return out;
+  }
   out.worst_case = worst_direction(situation, cone_samples).value;
   out.measure = situation.problem.measure.kind == RiskMeasure::WorstCase
                     ? out.worst_case

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "verification/recomputation.hpp"
+#include "verification/residual_velocity.hpp"
 
 namespace stillbase::verification {
 
@@ -97,6 +98,15 @@ double sampled_measure(const CaptureProblem& problem, const TargetMotion* motion
 inline double sampled_measure(const Situation& at) {
   return sampled_measure(at.problem, at.target(), at.at, at.response);
 }
+
+/// The measures over a residual velocity, and what bounds the worst case from above.
+struct ResidualNumbers {
+  double expectation = 0, worst_case = 0, worst_case_bound = 0;
+};
+ResidualNumbers residual_numbers(const CaptureProblem& problem, const ResidualCase& residual);
+/// The objective at a relative velocity [v; omega] (in B), as if what separates could pull.
+double residual_along(const CaptureProblem& problem, const ResidualCase& residual,
+                      const Vector6d& V);
 
 /// Expectation or CVaR.
 bool is_sampled(RiskMeasure measure);

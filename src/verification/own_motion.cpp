@@ -25,6 +25,7 @@ std::optional<Law::Kind> law_of(ControllerKind kind) {
     case ControllerKind::RnsDamped:
       return Law::Kind::RnsDamped;
     case ControllerKind::RnsHandback:
+    case ControllerKind::Detumble:
       break;
   }
   return std::nullopt;
@@ -38,6 +39,7 @@ std::string missing(const PostImpactSpec& spec, const SimulationOptions& options
   if (spec.joint_friction || controller.friction_compensation) return "joints have friction";
   if (!spec.sensor.are_exact()) return "sensors have errors";
   if (spec.thrusters.exist()) return "thrusters act";
+  if (!spec.wheels.preset.isZero(0)) return "wheels hold momentum before the contact";
   const bool knows_another = options.controller_robot || spec.model.target_mass_scale != 1;
   if (run.is_held && knows_another) return "the controller knows another held target";
   for (const LimitEvent& event : run.simulation.summary.limits) {

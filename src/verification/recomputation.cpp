@@ -196,9 +196,20 @@ void PostureResponse::hold(const reference::MetBody& body) {
       spin.norm() + reduced * (centroid - dynamics.centroid).norm() * body.velocity.norm()};
 }
 
-reference::Impact PostureResponse::impact(const Vector6d& Fbar) const {
+reference::Impact PostureResponse::jump(const Vector6d& Fbar) const {
   reference::Impact out = reference::impact(dynamics, added_inertia, locked, Fbar);
   if (held) out.total = Fbar.isZero(0) ? Vector3d(Vector3d::Zero()) : held->total;
+  return out;
+}
+
+reference::Impact PostureResponse::impact(const Vector6d& Fbar) const {
+  reference::Impact out = jump(Fbar);
+  if (!before) return out;
+  out.Delta_Omega += before->Omega;
+  out.Delta_phidot += before->phidot;
+  out.base = dynamics.Htilde_omega * out.Delta_Omega.tail<3>();
+  out.coupling = dynamics.Htilde_omegaphi * out.Delta_phidot;
+  if (held) out.total = held->total;  // the robot brings none along
   return out;
 }
 
@@ -232,8 +243,15 @@ void hold_latched(const CaptureProblem& problem, const ContactEvent& event,
 
 namespace {
 
-Vector6d joining_impulse(const CaptureProblem& problem, const reference::MetBody& body,
+/// @param body as it moves in N
+Vector6d joining_impulse(const CaptureProblem& problem, reference::MetBody body,
                          const PostureResponse& response) {
+  // Only the velocities relative to the hand count: all move as if it were at rest.
+  if (response.before) {
+    const Vector3d v = response.before->hand.head<3>(), omega = response.before->hand.tail<3>();
+    body.velocity -= v - omega.cross(body.r);
+    body.omega -= omega;
+  }
   return reference::impulse_that_joins(response.dynamics, response.added_inertia, response.locked,
                                        body, problem.impulse.contact == ContactLaw::Latch);
 }
@@ -243,6 +261,13 @@ bool is_rigid_contact(const CaptureProblem& problem) {
 }
 
 }  // namespace
+
+bool separates(const CaptureProblem& problem, const ContactEvent& event,
+               const PostureResponse& response, const Vector3d& d) {
+  const bool sticks = problem.impulse.contact == ContactLaw::Sticking;
+  if (!sticks || !response.before || !event.velocity) return false;
+  return !(d.dot(*event.velocity - response.before->hand.head<3>()) > 0);
+}
 
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
                        const PostureResponse& response, const Vector3d& d) {
@@ -255,7 +280,7 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   }
   const double v_n = closing_speed(problem, event, d);
   if (is_rigid_contact(problem)) {
-    if (!(v_n > 0)) return Vector6d::Zero();
+    if (!(v_n > 0) || separates(problem, event, response, d)) return Vector6d::Zero();
     Fbar = joining_impulse(problem, met_body(problem, event), response);
     const bool pulls = problem.impulse.contact == ContactLaw::Sticking && d.dot(Fbar.head<3>()) < 0;
     return pulls ? Vector6d(Vector6d::Zero()) : Fbar;
@@ -357,7 +382,7 @@ Situation::Situation(const CaptureProblem& stated, const Configuration& configur
       R_NH(at.base.orientation * Eigen::Quaterniond(Matrix3d(response.dynamics.hand_rotation))),
       motion(target_motion(problem, at, hand_N, first_time.value_or(at.contact_time))),
       event(contact_event(problem, target(), at)) {
-  if (event.missing.empty()) hold_latched(problem, event, response_);
+  if (event.missing.empty()) prepare_contact(problem, event, at, response_);
 }
 
 std::optional<Pose> Situation::target_pose() const {

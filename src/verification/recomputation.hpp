@@ -60,6 +60,13 @@ struct HeldMomentum {
   double size = 0;                    ///< |I_t omega_t| + m_r |s| |v_t|, see momentum_scale()
 };
 
+/// A robot that moves without momentum, in B.
+struct MotionOfRobot {
+  Vector6d Omega = Vector6d::Zero();  ///< of the base
+  Eigen::VectorXd phidot;             ///< n
+  Vector6d hand = Vector6d::Zero();   ///< velocity [v; omega] of the hand
+};
+
 /// Everything linear in the impulse at one posture.
 struct PostureResponse {
   Eigen::VectorXd phi;               ///< n
@@ -71,12 +78,19 @@ struct PostureResponse {
   Vector3d r_gh = Vector3d::Zero();  ///< system centroid to hand, in B, m
   Matrix6d H_b = Matrix6d::Zero();   ///< inertia of all that moves with the base
   std::optional<HeldMomentum> held;
+  std::optional<MotionOfRobot> before;  ///< of a hand that moves before the contact
 
+  /// From now on the joints move at these rates (n) before the contact, the robot without momentum.
+  /// To be said before hold().
+  void move(const Eigen::VectorXd& phidot);
   /// From now on the hand holds the body: the momenta of impacts, H_b, Htilde_omega and
   /// Htilde_omegaphi are those of both together.
   void hold(const reference::MetBody& body);
 
+  /// Velocities and momenta right after the impact; of a robot at rest before it the jump.
   reference::Impact impact(const Vector6d& Fbar) const;
+  /// The jump alone.
+  reference::Impact jump(const Vector6d& Fbar) const;
   /// |f| |r_gh| + |t|: what angular momenta are measured against. Where hand and centroid coincide
   /// to 1e-6 of the two arms, it is rounding_scale(). Of a held target |I_t omega_t| + m_r |s|
   /// |v_t|, s from the robot's centroid to the target's, m_r = M m_t / (M + m_t).
@@ -93,9 +107,38 @@ PostureResponse posture_response(const CaptureProblem& problem, const Eigen::Vec
 /// @pre event.missing is empty and the problem has a target
 reference::MetBody met_body(const CaptureProblem& problem, const ContactEvent& event);
 
+/// What the problem decides of the hand's velocity right before the contact.
+struct DecidedVelocity {
+  Eigen::MatrixXd rows;    ///< m x 6, of velocities [v; omega] of the hand in B
+  Eigen::VectorXd values;  ///< m, m/s or rad/s
+
+  /// Largest difference of what is decided, m/s or rad/s; 0 when nothing is.
+  double error(const Vector6d& hand) const;
+};
+/// @pre event.missing is empty; the hand moves
+DecidedVelocity decided_velocity(const CaptureProblem& problem, const ContactEvent& event,
+                                 const Configuration& at);
+
+/// Where the problem has the hand move before the contact: the response moves so.
+void move_hand(const CaptureProblem& problem, const ContactEvent& event, const Configuration& at,
+               PostureResponse& response);
+
+/// Most that a joint may move before the contact where the hand does, rad/s (m/s).
+double arrival_rate_limit(const CaptureProblem& problem, int joint);
+
 /// After a latch: the response holds the target. Else nothing happens.
 void hold_latched(const CaptureProblem& problem, const ContactEvent& event,
                   PostureResponse& response);
+
+/// Both, in their order.
+/// @pre event.missing is empty
+void prepare_contact(const CaptureProblem& problem, const ContactEvent& event,
+                     const Configuration& at, PostureResponse& response);
+
+/// Whether the points of a sticking contact with a hand that moves go apart along d: nothing pushes
+/// them together. A latch holds them.
+bool separates(const CaptureProblem& problem, const ContactEvent& event,
+               const PostureResponse& response, const Vector3d& d);
 
 /// The impulse [f; t] at the hand, by the problem's contact law, in B; a normal contact's along d.
 /// Zero when hand and target separate along d, or a sticking contact would pull.

@@ -1,13 +1,11 @@
 #include <stillbase/verification/trials.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <stdexcept>
-#include <thread>
 
+#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 
 #include "verification/claim_list.hpp"
@@ -37,6 +35,7 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
   if (!controller) throw std::invalid_argument("no controller " + spec.controllers.front());
   // The controller's model is the robot of the plan, with the errors that the problem states.
   const RobotModel& planned = nominal.problem.robot;
+  subject.known_target = nominal.problem.target;
   SimulationOptions options = plant_options_of(spec, planned);
   options.step = std::min(0.01, spec.control_period);
   options.output_period = 0;
@@ -64,11 +63,24 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
       largest_fraction(truth.robot, summary.peak_joint_rates, &Joint::max_velocity);
   outcome.peak_torque_part =
       largest_fraction(truth.robot, summary.peak_demanded_torques, &Joint::max_effort);
+  const GripSpec& grip = spec.grip;
+  outcome.peak_grip_part = std::max(summary.peak_grip_force / grip.force.value_or(kInfinity),
+                                    summary.peak_grip_moment / grip.moment.value_or(kInfinity));
+  const WheelSpec& wheels = spec.wheels;
+  for (int i = 0; i < 3 && wheels.exist(); ++i) {
+    const double held = summary.peak_wheel_momenta[i];
+    if (!(held > 0)) continue;
+    outcome.peak_wheel_part = std::max(outcome.peak_wheel_part, held / wheels.momentum[i]);
+  }
+  outcome.rests = summary.rest_time.has_value();
+  const bool must_rest = controller->kind == ControllerKind::Detumble;
   outcome.stop_hits = summary.stop_hits;
   outcome.success = outcome.hit && outcome.finished && outcome.stop_hits == 0 &&
                     outcome.residual_base_rate <= spec.residual_base_rate_max &&
                     outcome.attitude_turned <= spec.attitude_change_max &&
-                    outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6;
+                    outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6 &&
+                    outcome.peak_grip_part <= 1 + 1e-6 && outcome.peak_wheel_part <= 1 + 1e-6 &&
+                    (outcome.rests || !must_rest);
 }
 
 /// Errors of a target's estimate, normal and not cut.
@@ -76,6 +88,28 @@ EstimateVector drawn_error(const EstimateDeviations& deviations, Random& random)
   EstimateVector error = covariance_of(deviations).diagonal().cwiseSqrt();
   for (double& x : error) x *= random.normal();
   return error;
+}
+
+/// [v; omega] in B by which the relative velocity is off, beside what the estimate's errors make of
+/// it: Gaussian, not cut.
+/// @param R_BT axes of the target at the contact
+Vector6d drawn_velocity_error(const ResidualVelocity& residual, const Pose& base,
+                              const Matrix3d& R_BT, Random& random) {
+  Vector6d z;
+  for (double& x : z) x = random.normal();
+  if (!residual.covariance) {
+    z.head<3>() *= residual.linear_tracking;
+    z.tail<3>() *= residual.angular_tracking;
+    return z;
+  }
+  const SymmetricEigen eigen = symmetric_eigen(*residual.covariance);
+  const Vector6d error = eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().cwiseProduct(z);
+  const Matrix3d R = residual.frame == ResidualFrame::Target
+                         ? R_BT
+                         : Matrix3d(base.orientation.conjugate().toRotationMatrix());
+  Vector6d out;
+  out << R * error.head<3>(), R * error.tail<3>();
+  return out;
 }
 
 TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
@@ -158,6 +192,16 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   truth.impulse.magnitude *= 1 + faster;
   if (event.velocity) *event.velocity *= 1 + faster;
   event.omega *= 1 + faster;
+  Vector6d velocity_error = Vector6d::Zero();
+  if (sizes.residual_velocity && event.velocity) {
+    const Matrix3d R_BT =
+        at.base.orientation.conjugate().toRotationMatrix() * event.R_NT.toRotationMatrix();
+    velocity_error = drawn_velocity_error(*sizes.residual_velocity, at.base, R_BT, random);
+    *event.velocity += velocity_error.head<3>();
+    event.omega += velocity_error.tail<3>();
+  }
+  outcome.inputs.push_back(velocity_error.head<3>().norm());
+  outcome.inputs.push_back(velocity_error.tail<3>().norm());
 
   // The contact is off the hand's origin: its point on the hand is where the impulse acts.
   const Vector3d e1 = d.unitOrthogonal(), e2 = d.cross(e1);
@@ -174,17 +218,22 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
                                : nominal.response.dynamics.hand_rotation;
   truth.robot.p_hand += truth.robot.R_hand * (R_Bhand.transpose() * (offset + miss));
   event.r += offset;
+  velocity_error.head<3>() += velocity_error.tail<3>().cross(offset);  // of the point that is met
   const bool is_joining = truth.impulse.contact != ContactLaw::Frictionless;
   if (event.velocity && is_joining) *event.velocity += event.omega.cross(offset);
 
   PostureResponse response = posture_response(truth, at.phi);
+  // The joints move as planned, whatever the target does.
+  if (nominal.response.before) response.move(nominal.response.before->phidot);
   hold_latched(truth, event, response);
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
   const double least = truth.constraints.closing_speed_min - kFeasibilityTolerance;
   const double speed = closing_speed(truth, event, d);
   outcome.hit = truth.impulse.source == ImpulseSource::Given || (speed > 0 && speed >= least);
-  if (is_joining) outcome.hit = outcome.hit && !Fbar.isZero(0);  // it may pull
+  if (is_joining) {  // it may pull
+    outcome.hit = outcome.hit && !Fbar.isZero(0) && !separates(truth, event, response, d);
+  }
   outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
@@ -193,7 +242,7 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
     outcome.success = outcome.hit;
   } else {
     const ContactCase subject =
-        contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster);
+        contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster, velocity_error);
     simulate_trial(truth, nominal, sizes, subject, seed, trial, stop, outcome);
   }
   return outcome;
@@ -219,6 +268,11 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
     sizes.closing_speed_error = stated.closing_speed;
   }
   sizes.joint_position = stated.joint_position;
+  if (is_predicted && stated.residual_velocity) {
+    sizes.residual_velocity = stated.residual_velocity;
+    // The speed's error is a part of it.
+    if (!(stated.closing_speed > 0)) sizes.closing_speed = 0;
+  }
   if (is_predicted) sizes.estimate = problem.target_deviations;
   take(stated.restitution, sizes.restitution);
   if (problem.impulse.contact != ContactLaw::Frictionless) sizes.restitution = 0;
@@ -235,7 +289,7 @@ std::vector<std::string> trial_input_names() {
   return {"direction_angle", "closing_speed",     "restitution",       "target_mass",
           "target_inertia",  "contact_point",     "contact_time",      "robot_mass",
           "joint_position",  "estimate_position", "estimate_attitude", "estimate_velocity",
-          "estimate_rate"};
+          "estimate_rate",   "velocity_error",    "rate_error"};
 }
 
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
@@ -248,30 +302,15 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
 
   std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(count));
   std::vector<char> is_done(outcomes.size(), 0);
-  std::atomic<int> next{0};
-  std::atomic<bool> failed{false};
-  std::exception_ptr failure;
-  int done = 0;
-  std::mutex mutex;  // of failure and done
-  const auto work = [&] {
-    for (int i = next++; i < count && !stop.reached() && !failed; i = next++) {
-      try {
-        outcomes[i] = verification::run_trial(nominal, sizes, seed, first + i, stop);
-        is_done[i] = !stop.reached();
-        const std::lock_guard lock(mutex);
-        if (on_progress) on_progress(++done, count);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        failed = true;
-      }
-    }
+  const auto work = [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    outcomes[k] = verification::run_trial(nominal, sizes, seed, first + i, stop);
+    is_done[k] = !stop.reached();
   };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < std::min(workers, count); ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  const auto take = [&](int i) {
+    if (on_progress) on_progress(i + 1, count);
+  };
+  for_each_index(workers, count, stop, work, take);
   // Nothing is known of those that were stopped. What follows them is left out, too: the place of
   // an outcome is the number of its trial.
   const auto end = std::find(is_done.begin(), is_done.end(), 0);

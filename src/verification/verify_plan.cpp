@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/target_prediction.hpp"
 
 namespace stillbase {
 namespace verification {
@@ -164,6 +165,7 @@ Verification verify_plan(const Plan& plan, const VerifyOptions& options) {
     };
     run(ClaimGroup::Constraints, "configuration",
         [](const Context& c, ClaimList& l) { check_configuration(c.situation, c.options, l); });
+    run(ClaimGroup::Physics, "target_prediction", check_target_prediction);
     run(ClaimGroup::Physics, "impact", check_impact);
     run(ClaimGroup::Physics, "direction_cone", check_direction_cone);
     run(ClaimGroup::Physics, "objective", check_objective);

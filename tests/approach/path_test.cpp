@@ -76,6 +76,35 @@ TEST_CASE("an obstacle put on the path changes the path, which then keeps the cl
   }
 }
 
+TEST_CASE("a post of 5 mm is seen however coarse the steps of the planner are") {
+  CaptureProblem problem = planar_problem(posture({-60, 30}));
+  problem.robot.shapes = {
+      {1, "tip", Pose{Vector3d(2, 0, 0), Eigen::Quaterniond::Identity()}, Sphere{0.002}}};
+  problem.approach.resolution = 0.2;
+  problem.approach.clearance = 0.005;
+  const Configuration goal = goal_at(posture({60, -30}), 200);
+  const auto tip = [](const Eigen::VectorXd& phi) -> Vector3d {
+    const double a = phi[0], b = phi[0] + phi[1];
+    return Vector3d(1.4, 0, 0) +
+           2 * Vector3d(std::cos(a) + std::cos(b), std::sin(a) + std::sin(b), 0);
+  };
+  for (const double place : {0.31, 0.37, 0.46, 0.53, 0.64}) {
+    const Vector3d post = tip(problem.start + place * (goal.phi - problem.start));
+    problem.obstacles = {
+        {"post", Frame::Inertial, Pose{post, Eigen::Quaterniond::Identity()}, Sphere{0.0025}}};
+    const Approach a = plan(problem, goal);
+    check_motion(problem, goal, a);
+    double least = kInfinity;
+    for (std::size_t i = 0; i + 1 < a.times.size(); ++i) {
+      for (int part = 0; part <= 1000; ++part) {
+        least = std::min(least, (tip(hermite(a, i, part / 1000.0).phi) - post).norm());
+      }
+    }
+    INFO("at " << place);
+    CHECK(least - 0.0045 > 0);
+  }
+}
+
 TEST_CASE("the same seed gives the same bytes, another seed another path around an obstacle") {
   CaptureProblem problem = planar_problem(posture({-60, 30, 10}));
   problem.obstacles = {{"panel", Frame::Inertial,

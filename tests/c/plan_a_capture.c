@@ -36,7 +36,8 @@ static void refuse_wrong_input(const char* problem_path) {
                                 &problem) == STILLBASE_INPUT_REFUSED,
         "an unknown key is refused");
   check(strstr(stillbase_error(), "text:3: unknown-key: ") != NULL, "the error has file and line");
-  check(stillbase_plan_read(problem_path, &plan) == STILLBASE_INPUT_REFUSED, "a problem is no plan");
+  check(stillbase_plan_read(problem_path, &plan) == STILLBASE_INPUT_REFUSED,
+        "a problem is no plan");
   check(robot == NULL && problem == NULL && plan == NULL, "failures make no handles");
   stillbase_robot_free(NULL);
   stillbase_problem_free(NULL);
@@ -78,7 +79,7 @@ static void plan_and_verify(const char* problem_path, const char* plan_path) {
   stillbase_impact at_plan, again;
   double phi[2], times[2000], path[4000];
   int steps = 0, passes = 0;
-  stillbase_plan_options options = {0, count_steps, NULL};
+  stillbase_plan_options options = {0, count_steps, NULL, 2};
   options.user = &steps;
   check(stillbase_problem_read(problem_path, &problem) == STILLBASE_OK, "the problem is read");
   check(stillbase_problem_start(problem, &contact, phi) == STILLBASE_OK, "start configuration");

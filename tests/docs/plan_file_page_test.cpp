@@ -29,7 +29,8 @@ bool is_described_as_a_whole(const std::string& member) {
                               "objective.terms",
                               "impact.joint_resistance_values"};
   const bool is_pose = member.size() > 9 && member.compare(member.size() - 9, 9, "base_pose") == 0;
-  return kWhole.count(member) > 0 || is_pose || member == "approach.base_poses";
+  return kWhole.count(member) > 0 || is_pose || member == "approach.base_poses" ||
+         member == "approach.abort.base_poses";
 }
 
 /// First cells of the page's table.

@@ -11,8 +11,8 @@
 #include "support/random_robot.hpp"
 
 using namespace stillbase;
-using stillbase::reference_test::random_state;
 using Eigen::MatrixXd;
+using stillbase::reference_test::random_state;
 
 namespace {
 

@@ -9,8 +9,8 @@
 namespace stillbase {
 namespace {
 
-/// A ball-like target 2.5 m from the base that spins about z and comes in along -x: its only feature
-/// is at its centroid but for its normal, so the closing speed is v cos(omega t).
+/// A ball-like target 2.5 m from the base that spins about z and comes in along -x: its only
+/// feature is at its centroid but for its normal, so the closing speed is v cos(omega t).
 CaptureProblem spinning_problem() {
   CaptureProblem problem = test::shipped("iiwa_client_50");
   TargetBody& body = *problem.target;

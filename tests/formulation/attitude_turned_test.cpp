@@ -9,11 +9,14 @@
 
 #include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
+#include "formulation/some_point.hpp"
 #include "support/capture_problems.hpp"
 #include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
+
+constexpr std::uint64_t kSequence = 11;  // of some_point()
 
 /// A random arm captures a tumbling box; the rotation within half a second is minimised.
 CaptureProblem turning_problem(Random& random, int joints, const std::string& controller) {
@@ -36,10 +39,6 @@ CaptureProblem planar_problem() {
   return problem;
 }
 
-Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 11));
-}
-
 }  // namespace
 
 TEST_CASE("the attitude change in an objective is that of another integrator from the same jump") {
@@ -53,7 +52,7 @@ TEST_CASE("the attitude change in an objective is that of another integrator fro
     options.absolute_tolerance = 1e-14;
     options.horizon = 0.5;
     for (int i = 0; i < 4; ++i) {
-      const Configuration at = formulation.configuration(some_point(formulation, i));
+      const Configuration at = formulation.configuration(some_point(formulation, i, kSequence));
       const EncounterModel& model = formulation.encounter_model();
       const Encounter<double> encounter = encounter_at(model, at);
       const auto posture = evaluate_posture<double>(
@@ -87,7 +86,7 @@ TEST_CASE("the gradient of a simulated objective is that of Richardson's differe
     const Formulation formulation(problem);
     CHECK_FALSE(formulation.has_hessian());
     for (int i = 0; i < 3; ++i) {
-      const Eigen::VectorXd x = some_point(formulation, 3 * i + 1);
+      const Eigen::VectorXd x = some_point(formulation, 3 * i + 1, kSequence);
       nlp::Evaluation at_x, a, b;
       formulation.evaluate(x, at_x);
       Eigen::VectorXd y;
@@ -120,7 +119,7 @@ TEST_CASE("scenarios one by one, in a list and of many points have the same simu
   problem.measure.samples = 6;
   const std::vector<Scenario> scenarios = draw_scenarios(problem);
   const Formulation formulation(problem);
-  const Eigen::VectorXd x = some_point(formulation, 5);
+  const Eigen::VectorXd x = some_point(formulation, 5, kSequence);
   ScenarioEvaluation all, one;
   formulation.evaluate_scenarios(x, scenarios, true, all);
   const Eigen::MatrixXd values = formulation.evaluate_points({x}, scenarios);
@@ -144,7 +143,7 @@ TEST_CASE("the worst case over a cone counts what is simulated") {
   problem.uncertainty.cone_half_angle = 0.1;
   const Formulation formulation(problem);
   for (int i = 0; i < 3; ++i) {
-    const Eigen::VectorXd x = some_point(formulation, i);
+    const Eigen::VectorXd x = some_point(formulation, i, kSequence);
     const Configuration at = formulation.configuration(x);
     const double nominal = nominal_value(problem, formulation, at);
     const double worst = worst_case(problem, formulation, at).value;

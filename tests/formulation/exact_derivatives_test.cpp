@@ -2,6 +2,7 @@
 
 #include "formulation/formulation_parts.hpp"
 #include "formulation/objectives/jump_objective_kernel.hpp"
+#include "formulation/some_point.hpp"
 #include "support/capture_problems.hpp"
 
 namespace stillbase {
@@ -73,10 +74,6 @@ CaptureProblem rich_problem(Random& random, int trial, ContactLaw law) {
   if (trial % 2 == 1) problem.uncertainty.joint_position = JointVectord::Constant(6, 0.1);
   problem.measure.samples = 5;
   return problem;
-}
-
-Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 3));
 }
 
 /// By contact law; a sticking contact may be with a point mass.

@@ -3,6 +3,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
+#include "formulation/some_point.hpp"
 #include "support/capture_problems.hpp"
 
 namespace stillbase {
@@ -33,10 +34,6 @@ void check_derivatives(const Formulation& formulation, const Eigen::VectorXd& x)
       CHECK(std::abs(at_x.jacobian(j, i) - dg) / row < 1e-7);
     }
   }
-}
-
-Eigen::VectorXd some_point(const Formulation& formulation, int index) {
-  return formulation.start_point(low_discrepancy_point(index, formulation.num_variables(), 3));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "impact/batch_kernels.hpp"
+#include "impact/random_resistance.hpp"
 #include "support/dense.hpp"
 #include "support/random_robot.hpp"
 
@@ -34,16 +35,6 @@ ImpactBatch random_batch(Random& random, int n, int count, bool with_law) {
     batch.target_inverse_mass = Eigen::VectorXd::LinSpaced(count, 0.01, 0.5);
   }
   return batch;
-}
-
-ImpactResistance random_resistance(Random& random, int n) {
-  ImpactResistance resistance{JointVectord::Zero(n), {}};
-  const int kind = random.index(3);
-  for (int k = 0; k < n; ++k) {
-    if (kind == 1) resistance.added_inertia[k] = random.uniform(0, 1);
-    if (kind == 2) resistance.locked.push_back(random.index(2) == 1);
-  }
-  return resistance;
 }
 
 /// What rounding in another order may change, relative: 1e-13, or what the condition number of the

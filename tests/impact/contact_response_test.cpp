@@ -6,9 +6,10 @@
 #include <stillbase/impact/contact_response.hpp>
 
 #include "impact/contact_response_kernel.hpp"
+#include "impact/random_resistance.hpp"
 #include "support/autodiff_kernel.hpp"
 #include "support/coupled_robot.hpp"
-#include "support/random_robot.hpp"
+#include "support/random_capture.hpp"
 
 namespace stillbase {
 namespace {
@@ -19,16 +20,6 @@ JointVectord joints_at_random(Random& random, int n) {
   JointVectord phi(n);
   for (int k = 0; k < n; ++k) phi[k] = random.uniform(-2, 2);
   return phi;
-}
-
-ImpactResistance resistance_at_random(Random& random, int n) {
-  ImpactResistance resistance{JointVectord::Zero(n), {}};
-  const int kind = random.index(3);
-  for (int k = 0; k < n; ++k) {
-    if (kind == 1) resistance.added_inertia[k] = random.uniform(0, 1);
-    if (kind == 2) resistance.locked.push_back(random.index(2) == 1);
-  }
-  return resistance;
 }
 
 TargetAtHand<double> target_at_random(Random& random) {
@@ -87,6 +78,13 @@ S weighted_parts(const PostureImpact<S>& posture, const ImpactResponse<S>& respo
          Vector3<S>(response.F.template head<3>()).dot(weights.force.template cast<S>());
 }
 
+/// x + x x theta, theta three variables from `first` on.
+Matrix3<Dual> small_rotation(int first, int size) {
+  Vector3<Dual> theta;
+  for (int i = 0; i < 3; ++i) theta[i] = Dual(0, size, first + i);
+  return Matrix3<Dual>::Identity() - skew<Dual>(theta);
+}
+
 /// The target as numbers with derivatives: in the axes of B turned by a small rotation (three
 /// variables from `first` on), its velocities changed by the six variables after these.
 TargetAtHand<Dual> varied(const TargetAtHand<double>& target, int first, int size) {
@@ -95,9 +93,7 @@ TargetAtHand<Dual> varied(const TargetAtHand<double>& target, int first, int siz
     for (int i = 0; i < 3; ++i) out[i] = Dual(value[i], size, from + i);
     return out;
   };
-  // x + x x theta
-  const Matrix3<Dual> R =
-      Matrix3<Dual>::Identity() - skew<Dual>(variables(first, Vector3d::Zero()));
+  const Matrix3<Dual> R = small_rotation(first, size);
   TargetAtHand<Dual> out;
   out.inverse_mass = Dual(target.inverse_mass, Eigen::VectorXd::Zero(size));
   out.inertia = R * target.inertia.cast<Dual>() * R.transpose();
@@ -108,21 +104,39 @@ TargetAtHand<Dual> varied(const TargetAtHand<double>& target, int first, int siz
   return out;
 }
 
-double worst_gradient_error(const RobotModel& robot, Random& random, ContactLaw law) {
-  const int n = robot.n(), size = n + 9;
-  const JointVectord phi = joints_at_random(random, n);
-  const ImpactResistance resistance = resistance_at_random(random, n);
-  const ResponseWeights<double> weights = weights_at_random(random, n);
+/// A hand that moves, for arms of six joints and more.
+struct MovingHand {
+  MatchedPart part = MatchedPart::None;
+  ArrivalRates rates = ArrivalRates::LeastJointRate;
+};
+
+double worst_gradient_error(const RobotModel& robot, Random& random, ContactLaw law,
+                            const MovingHand& hand = {}) {
+  const int joints = robot.n(), size = joints + 9;
+  const JointVectord phi = joints_at_random(random, joints);
+  const ImpactResistance resistance = random_resistance(random, joints);
+  const ResponseWeights<double> weights = weights_at_random(random, joints);
   RigidContact<double> contact = contact_at_random(random, law);
+  const Vector3d n = random.unit_vector();
+  contact.matched = hand.part;
+  contact.rates = hand.rates;
+  contact.n = n;
+  contact.apart << 0.01 * random.unit_vector(), 0.02 * random.unit_vector();
   const auto posture = evaluate_posture<double>(robot, resistance, phi);
   const auto response = respond_to_contact(posture, contact);
   const auto gradient = contact_gradient(robot, posture, contact, response, weights);
 
-  JointVector<Dual> variables(n);
-  for (int k = 0; k < n; ++k) variables[k] = Dual(phi[k], size, k);
+  JointVector<Dual> variables(joints);
+  for (int k = 0; k < joints; ++k) variables[k] = Dual(phi[k], size, k);
   RigidContact<Dual> dual_contact;
   dual_contact.law = law;
-  dual_contact.target = varied(contact.target, n, size);
+  dual_contact.target = varied(contact.target, joints, size);
+  const Matrix3<Dual> R = small_rotation(joints, size);
+  dual_contact.matched = hand.part;
+  dual_contact.rates = hand.rates;
+  dual_contact.n = R * n.cast<Dual>();
+  dual_contact.apart.head<3>() = R * Vector3d(contact.apart.head<3>()).cast<Dual>();
+  dual_contact.apart.tail<3>() = R * Vector3d(contact.apart.tail<3>()).cast<Dual>();
   const auto dual_posture = evaluate_posture<Dual>(robot, resistance, variables);
   const Dual psi =
       weighted_parts(dual_posture, respond_to_contact(dual_posture, dual_contact), weights);
@@ -140,8 +154,8 @@ TEST_CASE("a sticking contact and a latch give the impulse of their contact law"
   for (int trial = 0; trial < 60; ++trial) {
     const int n = 2 + random.index(9);
     const RobotModel robot = robot_at_random(random, n, trial % 2 == 0);
-    const auto posture = evaluate_posture<double>(robot, resistance_at_random(random, n),
-                                                  joints_at_random(random, n));
+    const auto posture =
+        evaluate_posture<double>(robot, random_resistance(random, n), joints_at_random(random, n));
     const Matrix6d W_h = extended_inverse_inertia(posture.factor, posture.jacobian);
     for (const ContactLaw law : kLaws) {
       RigidContact<double> contact = contact_at_random(random, law);
@@ -176,6 +190,21 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the gradient of a contact with a moving hand agrees with automatic differentiation") {
+  const MatchedPart part =
+      GENERATE(MatchedPart::Normal, MatchedPart::Linear, MatchedPart::Angular, MatchedPart::All);
+  const ArrivalRates rates = GENERATE(ArrivalRates::LeastJointRate, ArrivalRates::LeastBaseRate);
+  Random random(75);
+  for (int trial = 0; trial < 6; ++trial) {
+    const RobotModel robot = random_arm(random, 7 + random.index(3));
+    for (const ContactLaw law : kLaws) {
+      INFO("trial " << trial << ", part " << static_cast<int>(part) << ", rates "
+                    << static_cast<int>(rates));
+      CHECK(worst_gradient_error(robot, random, law, {part, rates}) < 1e-8);
+    }
+  }
+}
+
 TEST_CASE("the gradient of a latch holds for robots with coupled joints") {
   Random random(73);
   for (int trial = 0; trial < 20; ++trial) {
@@ -191,7 +220,7 @@ TEST_CASE("after a latch base part, total and received momentum are those of rob
     const int n = 2 + random.index(9);
     const RobotModel robot = robot_at_random(random, n, trial % 2 == 0);
     const JointVectord phi = joints_at_random(random, n);
-    const ImpactResistance resistance = resistance_at_random(random, n);
+    const ImpactResistance resistance = random_resistance(random, n);
     const auto posture = evaluate_posture<double>(robot, resistance, phi);
     RigidContact<double> contact = contact_at_random(random, ContactLaw::Latch);
     const auto response = respond_to_contact(posture, contact);

@@ -3,6 +3,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/impact/gradient.hpp>
 
+#include "impact/random_resistance.hpp"
 #include "support/autodiff_kernel.hpp"
 #include "support/coupled_robot.hpp"
 #include "support/random_robot.hpp"
@@ -45,17 +46,6 @@ ResponseWeights<double> random_weights(Random& random) {
   weights.total = random.unit_vector();
   weights.hand_inverse_mass = random.uniform(-1, 1);
   return weights;
-}
-
-ImpactResistance random_resistance(Random& random, int n) {
-  ImpactResistance resistance{JointVectord::Zero(n), {}};
-  const int kind = random.index(3);
-  if (kind == 1) {
-    for (int k = 0; k < n; ++k) resistance.added_inertia[k] = random.uniform(0, 1);
-  } else if (kind == 2) {
-    for (int k = 0; k < n; ++k) resistance.locked.push_back(random.index(2) == 1);
-  }
-  return resistance;
 }
 
 }  // namespace

@@ -118,3 +118,79 @@ TEST_CASE("samples of mass, inertia, place and time are for every contact") {
         "0.5}\napproach:\n"}});
   CHECK(problem.measure.kind == RiskMeasure::Expectation);
 }
+
+TEST_CASE("the motion of the hand is read, at rest without a word, and the copy says the same") {
+  CHECK_FALSE(contact_problem("deos_latch", {}).hand_motion.moves());
+  CHECK(problem_to_json(contact_problem("deos_latch", {})).find("hand_velocity") ==
+        std::string::npos);
+  const CaptureProblem matched = contact_problem("matched_medium", {});
+  CHECK(matched.hand_motion.velocity == HandVelocity::MatchAll);
+  CHECK(matched.hand_motion.rates == ArrivalRates::LeastBaseRate);
+  CHECK(matched.approach.abort);
+  const CaptureProblem stated = contact_problem(
+      "matched_medium", {{"hand_velocity: match_all",
+                          "hand_velocity: {linear: [1 cm/s, 0, 0], angular: [0, 0, 0.1 deg/s]}"},
+                         {"  wait: 3 s", "  wait: 3 s\n  abort: false"}});
+  CHECK(stated.hand_motion.velocity == HandVelocity::Stated);
+  CHECK(stated.hand_motion.linear->isApprox(Vector3d(0.01, 0, 0)));
+  const CaptureProblem copy = read_problem_text(problem_to_json(stated), "copy", stated.urdf);
+  CHECK(copy.hand_motion.velocity == HandVelocity::Stated);
+  CHECK(*copy.hand_motion.linear == *stated.hand_motion.linear);
+  CHECK(*copy.hand_motion.angular == *stated.hand_motion.angular);
+  CHECK(copy.hand_motion.rates == ArrivalRates::LeastBaseRate);
+  CHECK_FALSE(copy.approach.abort);
+}
+
+TEST_CASE("a motion of the hand that nothing can follow is refused with the reason") {
+  const auto refusal = [](const Changes& changes) {
+    return contact_refusal("matched_medium", changes);
+  };
+  const auto velocity = [](const std::string& value) -> Changes {
+    return {{"hand_velocity: match_all", "hand_velocity: " + value}};
+  };
+  CHECK_THAT(refusal(velocity("{linear: [-1 cm/s, 0, 0]}")),
+             Catch::Contains("separates") && Catch::Contains("moves the target away"));
+  CHECK_THAT(refusal(velocity("{}")), Catch::Contains("'linear', 'angular' or both"));
+  CHECK_THAT(refusal({{"contact: latch", "contact: normal"}}),
+             Catch::Contains("needs impact.contact 'latch' or 'sticking'"));
+  CHECK_THAT(refusal({{"contact: latch", "contact: sticking"}}),
+             Catch::Contains("points that move together along the normal"));
+  const auto sticking = [&](const std::string& value) {
+    Changes changes = velocity(value);
+    changes.push_back({"contact: latch", "contact: sticking"});
+    return refusal(changes);
+  };
+  CHECK_THAT(sticking("match_normal"), Catch::Contains("points that move together"));
+  CHECK_THAT(sticking("{linear: [0, 0, 0]}"), Catch::Contains("nothing pushes"));
+  CHECK_THAT(sticking("{angular: [0, 0, 0.1 deg/s]}"), Catch::Contains("state 'linear'"));
+  CHECK_THAT(refusal({{"base: floating", "base: held"}}), Catch::Contains("needs 'floating'"));
+  CHECK_THAT(refusal({{"objective: base_angular_momentum", "objective: impulse_magnitude"}}),
+             Catch::Contains("the impulse is zero in every posture"));
+  CHECK_THAT(refusal({{"hand_velocity: match_all",
+                       "hand_velocity: {linear: [0, 0, 0], angular: [0, 0, 0]}"},
+                      {"objective: base_angular_momentum", "objective: impulse_magnitude"}}),
+             Catch::Contains("stated zeros included"));
+  CHECK_THAT(refusal(velocity("{linear: [1 cm/s, 0, 0]}")),
+             Catch::Contains("closes in along the normal of 'handle' at 0.01 m/s") &&
+                 Catch::Contains("approach.abort: false (the default is true)"));
+  CHECK_THAT(refusal({{"hand_velocity: match_all", "hand_velocity: {linear: [-1 cm/s, 0, 0]}"},
+                      {"  features:\n",
+                       "  features:\n    - {name: knob, point: [0, 0, 0.5], normal: [0, 0, 1]}\n"},
+                      {"  feature: handle", "  feature: [knob, handle]"},
+                      {"  wait: 3 s", "  wait: 3 s\n  abort: false"}}),
+             Catch::Contains("moves the target away from the hand along the normal of 'handle'"));
+  CHECK_THAT(refusal({{"joints: all", "joints: [joint_1, joint_2]"}}),
+             Catch::Contains("all joints move"));
+  CHECK_THAT(refusal({{"post_impact:\n",
+                       "post_impact:\n  wheels: {torque: 1, capacity: 4, preset: [1, 0, 0]}\n"}}),
+             Catch::Contains("preset: momentum in the wheels"));
+  CHECK_THAT(refusal({{"  hand_velocity: match_all\n", ""}}),
+             Catch::Contains("a hand at rest has none"));
+  CHECK_THAT(contact_refusal("spart_sticking", {{"variables:",
+                                                 "contact: {hand_velocity: "
+                                                 "match_linear}\nvariables:"}}),
+             Catch::Contains("contact.hand_velocity"));
+  CHECK_THAT(contact_refusal("planar_three_link_client",
+                             {{"variables:", "contact: {hand_velocity: match_all}\nvariables:"}}),
+             Catch::Contains("6 components") && Catch::Contains("3 joints"));
+}

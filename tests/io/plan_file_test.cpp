@@ -147,23 +147,36 @@ TEST_CASE("the keys of a plan file stand in their documented order") {
   const auto json = nlohmann::ordered_json::parse(plan_to_json(random_plan(), kTool, "{}"));
   std::vector<std::string> keys;
   for (const auto& item : json.items()) keys.push_back(item.key());
-  CHECK(keys ==
-        std::vector<std::string>{"format",         "version",      "tool",          "inputs",
-                                 "problem",        "robot",        "status",        "optimizer",
-                                 "configuration",  "impact",       "objective",     "constraints",
-                                 "certificate",    "candidates",   "choice",        "binding",
-                                 "families",       "approach",     "after_horizon", "solver_calls",
-                                 "content_sha256", "verification", "timing"});
+  CHECK(keys == std::vector<std::string>{
+                    "format",        "version",        "tool",          "inputs",
+                    "problem",       "robot",          "status",        "optimizer",
+                    "configuration", "impact",         "objective",     "constraints",
+                    "certificate",   "candidates",     "choice",        "binding",
+                    "families",      "approach",       "after_horizon", "managed_momentum",
+                    "solver_calls",  "content_sha256", "verification",  "timing"});
+}
+
+TEST_CASE("a limit's margin is what its value leaves") {
+  auto json = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
+  const Plan plan = read_plan(json.dump(), "plan.json").plan;
+  REQUIRE(plan.managed_momentum);
+  REQUIRE(plan.managed_momentum->limits.size() == 2);
+  CHECK(plan.managed_momentum->limits[1].place == "hand");
+  CHECK_FALSE(plan.managed_momentum->rest_time.has_value());
+  json["managed_momentum"]["limits"][1]["margin"] = 0.5;
+  CHECK(refusal(json.dump()) == "inconsistent");
 }
 
 TEST_CASE("a plan without choice, binding limits and time after the horizon is read as before") {
   auto json = nlohmann::json::parse(plan_to_json(random_plan(), kTool));
-  for (const char* key : {"choice", "binding", "after_horizon"}) json.erase(key);
+  for (const char* key : {"choice", "binding", "after_horizon", "managed_momentum"})
+    json.erase(key);
   json["candidates"][0].erase("excluded");
   const Plan old = read_plan(json.dump(), "plan.json").plan;
   CHECK(old.choice.better == -1);  // not stated
   CHECK(old.binding.empty());
   CHECK_FALSE(old.after_horizon.has_value());
+  CHECK_FALSE(old.managed_momentum.has_value());
   const auto again = nlohmann::json::parse(plan_to_json(old, kTool));
   CHECK_FALSE(again.contains("choice"));
   CHECK_FALSE(again["candidates"][0].contains("excluded"));

@@ -51,7 +51,7 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   impact.resistance = plan.problem.resistance;
   plan.objective = {"base_angular_momentum", "N m s",   0.1 + 0.2, 0.5,
                     random.unit_vector(),    0.1 + 0.2, true,      {{"base_angular_momentum", 0.3}},
-                    {"term of a user"}};
+                    {"term of a user"},      {}};
   plan.nominal_optimum = {{random_joints(random, n), random_pose(random), 0.7}, 1e-17, 0.9, 0.8};
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},
@@ -79,6 +79,10 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   plan.binding = {{"joint_1", true, 1.0 / 3, 1e-9, 0.1 + 0.7, "rad"},
                   {"closing_speed", false, 0.01, 0, 1e-3, "m/s"}};
   plan.after_horizon = AfterHorizon{0.1 / 3, true, 8.2 / 3, "joint_2"};
+  plan.managed_momentum = ManagedMomentum{
+      Vector3d(0.1, -0.2, 1.0 / 3), Vector3d(1, 2, -0.7), 0.1 + 0.2, 1e-17 / 3, {}, {}};
+  plan.managed_momentum->limits = {{CaptureLimit::WheelTorque, "x", 0.2, 0.2, "N m"},
+                                   {CaptureLimit::Reach, "hand", 1.0 / 3, 0.7, "m"}};
   Approach& approach = plan.approach;
   approach.status = ApproachStatus::Found;
   approach.detail = "a \"quoted\" detail\nwith <two> lines";

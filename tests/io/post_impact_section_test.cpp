@@ -81,6 +81,30 @@ TEST_CASE("contact, sensors, model and thrusters are read, and the normalised co
   CHECK(problem_to_json(again) == copy);
 }
 
+TEST_CASE("wheels are stated alike by two keys or per axis by a map, and come back the same") {
+  const auto wheels = [](const CaptureProblem& problem) { return problem.post_impact.wheels; };
+  const auto but_for_name = [](const CaptureProblem& problem) {
+    const std::string text = problem_to_json(problem);
+    return text.substr(text.find("\"purpose\""));
+  };
+  const CaptureProblem alike = read_with("  wheel_torque: 0.2 N m\n  wheel_momentum: 4 N m s\n");
+  CHECK(wheels(alike).torque == Vector3d::Constant(0.2));
+  CHECK(wheels(alike).momentum == Vector3d::Constant(4));
+  const CaptureProblem full = read_with("  wheels: {torque: 0.2 N m, capacity: 4 N m s}\n");
+  CHECK(but_for_name(full) == but_for_name(alike));
+  CHECK(problem_to_json(full).find("\"wheels\"") == std::string::npos);
+  const CaptureProblem uneven =
+      read_with("  wheels: {torque: [1, 0, 2], capacity: [4, 1, 5], preset: [-2, 0, 5]}\n");
+  CHECK(wheels(uneven).torque == Vector3d(1, 0, 2));
+  CHECK(wheels(uneven).momentum == Vector3d(4, 1, 5));
+  CHECK(wheels(uneven).preset == Vector3d(-2, 0, 5));
+  const std::string copy = problem_to_json(uneven);
+  CHECK(copy.find("wheel_torque") == std::string::npos);
+  const CaptureProblem again = read_problem_text(copy, "copy", uneven.urdf);
+  CHECK(but_for_name(again) == but_for_name(uneven));
+  CHECK(wheels(again).preset == Vector3d(-2, 0, 5));
+}
+
 TEST_CASE("a contact is named by a word alone, and damping follows from the restitution") {
   CHECK(read_with("  contact: compliant\n").post_impact.contact.model == ContactModel::Compliant);
   CHECK_FALSE(read_with("  contact: compliant\n").post_impact.contact.damping);
@@ -117,6 +141,24 @@ TEST_CASE("a section that makes no sense is refused with its key") {
        "not-used: post_impact.thrusters.dead_band"},
       {"  model: {target_mass_scale: 2}\n", "0.1", "free",
        "not-used: post_impact.model.target_mass_scale"},
+      {"  wheels: {torque: [1, 1]}\n", "0.1", "free", "post_impact.wheels.torque"},
+      {"  wheels: {capacity: 4}\n", "0.1", "free", "post_impact.wheels.torque"},
+      {"  wheels: {torque: 0}\n", "0.1", "free", "leave `wheels` out"},
+      {"  wheels: {torque: 1 kg}\n", "0.1", "free", "post_impact.wheels.torque"},
+      {"  wheels: {torque: 1, capacity: -4}\n", "0.1", "free", "post_impact.wheels.capacity"},
+      {"  wheels: {torque: 1, capacity: 4, preset: [0, -5, 0]}\n", "0.1", "free",
+       "is -5 N m s about y, above the capacity of 4 N m s"},
+      {"  wheels: {torque: 1, capacity: 4, preset: [0, -3.5, 0]}\n", "0.1", "free",
+       "is -3.5 N m s about y; a wheel of 1 N m takes at most 3 N m s"},
+      {"  wheels: {torque: [1, 0, 1], capacity: [1, 1, 0]}\n", "0.1", "free",
+       "is zero about z, where a wheel is"},
+      {"  wheel_torque: 1\n  wheel_momentum: 0\n", "0.1", "free", "wheel_momentum"},
+      {"  wheels: {torque: [1, 0, 1], preset: [0, 1, 0]}\n", "0.1", "free", "where no wheel is"},
+      {"  wheels: {torque: 1}\n  wheel_torque: 1\n", "0.1", "free", "wheel_torque"},
+      {"  controllers: [detumble]\n", "0.1", "free", "controllers"},
+      {"  grip: {force: 10 N}\n", "0.1", "free", "not-used: post_impact.grip"},
+      {"  grip: {force: 0}\n", "0.1", "free", "post_impact.grip.force"},
+      {"  grip: {moment: 1 N}\n", "0.1", "free", "post_impact.grip.moment"},
       {"  contact: compliant\n  model: {target_mass_scale: 0}\n", "0.1", "free",
        "not-used: post_impact.model.target_mass_scale"},
   };

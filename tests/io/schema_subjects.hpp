@@ -110,6 +110,56 @@ uncertainty: {cone_half_angle: from_covariance, confidence: 0.9}
 post_impact: {controllers: [none], residual_base_rate_max: 1, attitude_change_max: 1}
 )";
 
+/// @param between the target's section and the objective
+inline std::string latch_text(const std::string& between) {
+  return R"(
+format: stillbase.problem
+version: 1
+purpose: A target that is latched.
+robot: {file: robots/deos.urdf, hand: hand, start: [80 deg, 100 deg, -20 deg, -80 deg, 0, 115 deg, 0]}
+target:
+  file: targets/client_224.yaml
+  state: {linear_velocity: [-0.015, 0, 0], covariance: {orientation: 0.1}}
+impact: {source: rigid_body, contact: latch, joint_resistance: free}
+variables:
+  base_attitude: {freedom: free}
+  contact_time: {lower: 55 s, upper: 65 s}
+  feature: upper_edge
+objective: base_angular_momentum
+hand: {constraint: axis}
+)" + between;
+}
+const std::string kMatched = latch_text(R"(
+contact: {hand_velocity: {linear: [0, 1 mm/s, 0], angular: [0, 0, 0]}, arrival_rates: least_base_rate}
+approach: {base: floating, station_free: true, abort: false, wait: 10 s}
+post_impact:
+  controllers: [rns_damped]
+  wheels: {torque: [0.1, 0.1, 0.2], capacity: 4}
+  grip: {force: 10, moment: 10}
+  residual_base_rate_max: 1
+  attitude_change_max: 1
+)");
+const std::string kResidual = latch_text(R"(
+uncertainty: {residual_velocity: from_covariance, residual_deviations: 2, hand_tracking: {linear: 1 mm/s, angular: 0}}
+post_impact:
+  controllers: [rns_damped]
+  wheels: {torque: 0.1, capacity: 4, preset: [0.1, 0, 0]}
+  residual_base_rate_max: 1
+  attitude_change_max: 1
+)");
+
+const std::string kStatedResidual = latch_text(R"(
+uncertainty:
+  residual_frame: inertial
+  residual_velocity:
+    - [1e-6, 0, 0, 0, 0, 0]
+    - [0, 1e-6, 0, 0, 0, 0]
+    - [0, 0, 1e-6, 0, 0, 0]
+    - [0, 0, 0, 1e-8, 0, 0]
+    - [0, 0, 0, 0, 1e-8, 0]
+    - [0, 0, 0, 0, 0, 1e-8]
+)");
+
 constexpr const char* kParts = R"(
 format: stillbase.problem
 version: 1
@@ -128,6 +178,7 @@ robot:
       hand: grasp
       hand_frame: {position: [0, 0, 0.1]}
   package_path: [arms]
+  collision: decompose
   locked: {finger_1: 0.02}
   limits: {joint_4: {rate: 0.1, torque: 12}}
   rotors: {joint_4: {inertia: 1e-4, gear_ratio: 100}}
@@ -137,7 +188,10 @@ objective: base_angular_velocity
 )";
 
 inline Subject problem_subject() {
-  Subject subject{"problem", read_problem_here, {yaml(kPlanar), yaml(kTumbling), yaml(kParts)}};
+  Subject subject{"problem",
+                  read_problem_here,
+                  {yaml(kPlanar), yaml(kTumbling), yaml(kMatched), yaml(kResidual),
+                   yaml(kStatedResidual), yaml(kParts)}};
   for (const char* name :
        {"planar_two_link_c2_a", "planar_two_link_post_impact_a", "iiwa_cone", "deos_features"}) {
     const std::string path = source_path(std::string("problems/") + name + ".yaml");
@@ -177,8 +231,17 @@ inline Subject plan_subject() {
   for (auto* boxes : {&locked.certificate.proof.solutions, &locked.certificate.proof.undecided}) {
     for (JointBox& box : *boxes) box.base_angle = Ends{-0.1, 0.1};
   }
+  locked.warnings = {{"narrow-cone", "the cone is narrow"}};
+  MotionBefore& before = locked.impact.before.emplace();
+  before.phidot = JointVectord::Constant(2, 0.1);
+  ResidualSummary& residual = locked.objective.residual.emplace();
+  residual.covariance.setIdentity();
+  residual.deviations = 3;
+  AbortPath& abort = locked.approach.abort.emplace();
+  abort.times = {1, 2};
+  abort.joint_positions = abort.joint_velocities = {JointVectord::Zero(2), JointVectord::Zero(2)};
+  abort.base_poses.resize(2);
   locked.problem.robot.remarks = {{"robots/r.urdf", 3, "not-used", "<gazebo>: for a simulator"}};
-  collision: decompose
   add(locked);
   Plan choice = random_plan("problems/deos_features.yaml");
   choice.problem.resistance = choice.impact.resistance =

@@ -53,9 +53,10 @@ TEST_CASE("outcomes of trials read back, and what is no such list is refused") {
   CHECK(trial_outcomes_to_text(trial_outcomes_from_text(text)) == text);
   CHECK(trial_outcomes_from_text("[]").empty());
   const std::string row = trial_outcomes_to_text({outcome});
-  const std::string begin = row.substr(0, row.size() - 3);  // without "3]]"
-  REQUIRE(trial_outcomes_from_text(begin + "3]]").size() == 1);
-  for (const char* end : {"1e300]]", "4294967299]]", "3.5]]", "\"3\"]]", "3,4]]"}) {
+  const std::string begin = row.substr(0, row.rfind("3,"));  // without the rest of the row
+  REQUIRE(trial_outcomes_from_text(begin + "3,0,0,false]]").size() == 1);
+  for (const char* end : {"1e300,0,0,false]]", "4294967299,0,0,false]]", "3.5,0,0,false]]",
+                          "\"3\",0,0,false]]", "3,0,0,1]]", "3,0,0]]", "3,0,0,false,4]]"}) {
     INFO(end);
     CHECK_THROWS_AS(trial_outcomes_from_text(begin + end), InputError);
   }

@@ -32,6 +32,14 @@ Plan second_of_three() {
   return plan;
 }
 
+/// From few starts and without proofs.
+Plan quick_plan(CaptureProblem problem) {
+  problem.search.starts = 8;
+  PlannerOptions options;
+  options.prover = nullptr;
+  return make_plan(problem, options);
+}
+
 }  // namespace
 
 TEST_CASE("a chosen candidate that is not the best one is feasible, with its loss") {
@@ -84,11 +92,8 @@ TEST_CASE("every candidate that ranks before the chosen one says what excluded i
 
 TEST_CASE("the multiplier of a binding limit is how fast the least value falls beyond it") {
   const std::string name = GENERATE("iiwa_client_50", "servicer_6dof_held");
-  CaptureProblem problem = test::without_path(name);
-  problem.search.starts = 8;
-  PlannerOptions options;
-  options.prover = nullptr;
-  const Plan plan = make_plan(problem, options);
+  const CaptureProblem problem = test::without_path(name);
+  const Plan plan = quick_plan(problem);
   INFO(name);
   const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
   const auto least = [&](const CaptureProblem& moved) {
@@ -130,11 +135,7 @@ TEST_CASE("the multiplier of a binding limit is how fast the least value falls b
 }
 
 TEST_CASE("a binding limit with another multiplier is found") {
-  CaptureProblem problem = test::without_path("iiwa_client_50");
-  problem.search.starts = 8;
-  PlannerOptions options;
-  options.prover = nullptr;
-  Plan plan = make_plan(problem, options);
+  Plan plan = quick_plan(test::without_path("iiwa_client_50"));
   REQUIRE_FALSE(plan.binding.empty());
   CHECK(failures(plan).find("binding") == std::string::npos);
   plan.binding.front().multiplier *= 1.2;
@@ -144,11 +145,7 @@ TEST_CASE("a binding limit with another multiplier is found") {
 }
 
 TEST_CASE("a plan that hides its loss is found") {
-  CaptureProblem problem = test::without_path("iiwa_client_50");
-  problem.search.starts = 8;
-  PlannerOptions options;
-  options.prover = nullptr;
-  Plan plan = make_plan(problem, options);
+  Plan plan = quick_plan(test::without_path("iiwa_client_50"));
   const auto fails = [&] { return failures(plan).find("choice") != std::string::npos; };
   const auto worse =
       std::find_if(plan.candidates.begin(), plan.candidates.end(),

@@ -15,6 +15,7 @@ namespace {
 
 /// Contacts that the problem's target allows.
 std::vector<ContactLaw> contacts_of(const CaptureProblem& problem) {
+  if (problem.hand_motion.moves()) return {problem.impulse.contact};
   std::vector<ContactLaw> out = {ContactLaw::Frictionless};
   if (problem.impulse.source != ImpulseSource::Given) out.push_back(ContactLaw::Sticking);
   if (problem.impulse.source == ImpulseSource::RigidBody) out.push_back(ContactLaw::Latch);
@@ -27,13 +28,15 @@ double first_instant_error(const CaptureProblem& problem, const Configuration& a
   const TraceSample& first = run.simulation.trace.front();
   // Sizes of what cancels: the impulse with a lever of 1 m, what the target brings, and the parts.
   const double momentum = impact.Fbar.norm() + impact.base.norm() + impact.coupling.norm();
-  const double rate = std::max(impact.Delta_Omega.norm(), impact.Delta_phidot.norm());
+  const Vector6d Omega = impact.Omega_after();
+  const JointVectord phidot = impact.phidot_after();
+  const double rate = std::max(Omega.norm(), phidot.norm());
   double worst = 0;
-  for (const double error : {(impact.base - first.base).norm() / momentum,
-                             (impact.coupling - first.coupling).norm() / momentum,
-                             (impact.total - first.total).norm() / momentum,
-                             (impact.Delta_Omega - first.state.Omega).norm() / rate,
-                             (impact.Delta_phidot - first.state.phidot).norm() / rate}) {
+  for (const double error :
+       {(impact.base - first.base).norm() / momentum,
+        (impact.coupling - first.coupling).norm() / momentum,
+        (impact.total - first.total).norm() / momentum, (Omega - first.state.Omega).norm() / rate,
+        (phidot - first.state.phidot).norm() / rate}) {
     worst = std::isnan(error) ? kInfinity : std::max(worst, error);
   }
   return worst;

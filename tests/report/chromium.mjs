@@ -24,7 +24,8 @@ function inTime(promise, what) {
   let timer;
   const late = new Promise((resolve, reject) => {
     timer = setTimeout(
-        () => reject(new Error(`no answer from Chromium in ${kPatience / 1000} s: ${what}`)), kPatience);
+        () => reject(new Error(`no answer from Chromium in ${kPatience / 1000} s: ${what}`)),
+        kPatience);
   });
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
@@ -74,8 +75,7 @@ export class Chromium {
   send(method, params = {}, sessionId = undefined) {
     if (this.ended) return Promise.reject(new Error(this.ended));
     const id = ++this.count;
-    const answer =
-        new Promise((resolve, reject) => this.pending.set(id, {resolve, reject}));
+    const answer = new Promise((resolve, reject) => this.pending.set(id, {resolve, reject}));
     this.process.stdio[3].write(JSON.stringify({id, method, params, sessionId}) + '\0');
     return inTime(answer, method);
   }
@@ -92,7 +92,8 @@ export class Chromium {
   }
 
   async close() {
-    const exit = new Promise(resolve => this.ended ? resolve() : this.process.once('exit', resolve));
+    const exit =
+        new Promise(resolve => this.ended ? resolve() : this.process.once('exit', resolve));
     await this.send('Browser.close').catch(() => {});
     const kill = setTimeout(() => this.process.kill('SIGKILL'), 5000);
     await exit;

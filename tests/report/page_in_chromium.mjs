@@ -16,11 +16,13 @@ const tool = resolve(process.env.STILLBASE_TOOL);
 const source = resolve(process.env.STILLBASE_SOURCE_DIR);
 const folder = mkdtempSync(join(tmpdir(), 'stillbase-report-'));
 const path = name => join(folder, name);
-const run = (...words) => execFileSync(
-    tool, words, {cwd: folder, stdio: ['ignore', 'pipe', 'pipe'], timeout: 120_000});
+const run = (...words) =>
+    execFileSync(tool, words, {cwd: folder, stdio: ['ignore', 'pipe', 'pipe'], timeout: 120_000});
 const json = name => JSON.parse(readFileSync(path(name), 'utf8'));
 
-const limit = {timeout: 120_000};
+const limit = {
+  timeout: 120_000
+};
 const test = (name, use) => unlimited(name, limit, use);
 
 let browser;
@@ -176,8 +178,8 @@ function ball(n) {
     for (let k = 0; k < 2 * n; ++k) {
       const polar = Math.PI * i / n;
       const azimuth = Math.PI * k / n;
-      lines.push(`v ${Math.sin(polar) * Math.cos(azimuth)} ${
-          Math.sin(polar) * Math.sin(azimuth)} ${Math.cos(polar)}`);
+      lines.push(`v ${Math.sin(polar) * Math.cos(azimuth)} ${Math.sin(polar) * Math.sin(azimuth)} ${
+          Math.cos(polar)}`);
     }
   }
   for (let i = 0; i < n; ++i) {
@@ -194,9 +196,8 @@ test('what a robot has for drawings is drawn where its files are, and thinned', 
   cpSync(join(source, 'problems/planar_two_link_c2_a.yaml'), path('drawn/problem.yaml'));
   cpSync(join(source, 'problems/targets'), path('drawn/targets'), {recursive: true});
   const robot = readFileSync(join(source, 'problems/robots/planar_two_link_a.urdf'), 'utf8');
-  const visual = (geometry, color) =>
-      `<visual><geometry>${geometry}</geometry><material name="m"><color rgba="${
-          color} 1"/></material></visual>`;
+  const visual = (geometry, color) => `<visual><geometry>${
+      geometry}</geometry><material name="m"><color rgba="${color} 1"/></material></visual>`;
   const ballInside = visual('<mesh filename="../meshes/ball.obj" scale="0.5 0.5 -0.2"/>', '1 0 0');
   const boxInside = visual('<box size="1 0.1 0.2"/>', '0 0 1') +
       visual('<mesh filename="../meshes/none.stl"/>', '0 1 0');
@@ -253,15 +254,16 @@ test('plots of joints say which one comes closest to its limit', async () => {
     })()`);
     const words = await text(page);
     for (const [column, limit, unit, factor] of [
-             ['rates', 'max_velocity', 'deg/s', 180 / Math.PI], ['torques', 'max_effort', 'N m', 1]]) {
+             ['rates', 'max_velocity', 'deg/s', 180 / Math.PI],
+             ['torques', 'max_effort', 'N m', 1]]) {
       let most = {part: 0};
       robot.joints.forEach((joint, k) => {
         const least = Math.max(...parts.flatMap(each => each[column]).map(row => Math.abs(row[k])));
         const part = least / joint[limit];
         if (part > most.part) most = {part, joint};
       });
-      const shown = words.match(
-          new RegExp(`closest to its limit: (\\S+), (\\S+) of (\\S+) ${unit}\n`));
+      const shown =
+          words.match(new RegExp(`closest to its limit: (\\S+), (\\S+) of (\\S+) ${unit}\n`));
       assert.equal(shown[1], most.joint.name);
       const [value, bound] = shown.slice(2).map(each => Number(each.replace('−', '-')));
       assert.ok(Math.abs(Math.abs(bound) / (factor * most.joint[limit]) - 1) < 0.01, shown[0]);

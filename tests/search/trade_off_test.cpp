@@ -164,4 +164,29 @@ TEST_CASE("a front with a simulated quantity ends with what is known when it is 
   }
 }
 
+TEST_CASE("a front does not depend on the number of threads") {
+  const CaptureProblem problem = test::shipped("planar_three_link_null");
+  const auto front_by = [&](int jobs) {
+    TradeOffOptions options;
+    options.starts = 12;
+    options.levels = 6;
+    options.jobs = jobs;
+    return trade_off(problem, ObjectiveQuantity::BaseAngularMomentum,
+                     ObjectiveQuantity::JointRateNorm, options);
+  };
+  const TradeOff alone = front_by(1);
+  REQUIRE(alone.points.size() > 3);
+  for (const int jobs : {2, 5}) {
+    const TradeOff other = front_by(jobs);
+    CHECK(other.solver_calls == alone.solver_calls);
+    REQUIRE(other.points.size() == alone.points.size());
+    for (std::size_t i = 0; i < alone.points.size(); ++i) {
+      CHECK(other.points[i].configuration.phi == alone.points[i].configuration.phi);
+      CHECK(other.points[i].first == alone.points[i].first);
+      CHECK(other.points[i].second == alone.points[i].second);
+      CHECK(other.points[i].kkt_residual == alone.points[i].kkt_residual);
+    }
+  }
+}
+
 }  // namespace stillbase

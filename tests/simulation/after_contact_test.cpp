@@ -131,6 +131,25 @@ TEST_CASE("a latch holds the target, and a controller without it in its model do
   CHECK(unknown.simulation.summary.attitude_turned > 1.5 * held.simulation.summary.attitude_turned);
 }
 
+TEST_CASE("controllers know the target that the case states for them", "[simulation]") {
+  ContactCase subject = random_case(0);
+  subject.law = ContactLaw::Latch;
+  Controller rns;
+  rns.kind = ControllerKind::RnsDamped;
+  rns.joint_rate_edge = 100;
+  PostImpactSpec spec;
+  spec.model.target_mass_scale = 0.5;
+  const AfterContact scaled = simulate_after_contact(subject, spec, rns, short_run(1));
+  spec.model.target_mass_scale = 1;
+  subject.known_target = subject.target->body;
+  const AfterContact exact = simulate_after_contact(subject, spec, rns, short_run(1));
+  subject.known_target->mass *= 0.5;
+  subject.known_target->inertia *= 0.5;
+  const AfterContact stated = simulate_after_contact(subject, spec, rns, short_run(1));
+  CHECK(stated.simulation.summary.attitude_turned == scaled.simulation.summary.attitude_turned);
+  CHECK(stated.simulation.summary.attitude_turned != exact.simulation.summary.attitude_turned);
+}
+
 TEST_CASE("a compliant contact neither sticks nor latches", "[simulation]") {
   ContactCase subject = random_case(0.5);
   PostImpactSpec spec;

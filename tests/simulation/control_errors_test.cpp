@@ -42,7 +42,7 @@ TEST_CASE("rns_handback gives the momentum to the wheels and the arm stops", "[s
   const RobotModel robot = planar_two_link('A');
   const PlantState state = struck(robot);
   SimulationOptions options = options_for(40);
-  options.wheels.torque = 2;
+  options.wheels.torque.setConstant(2);
   const SimulationResult result =
       simulate_post_impact(robot, {}, state, controller(ControllerKind::RnsHandback), options);
   REQUIRE(result.status == SimulationStatus::Finished);
@@ -77,7 +77,7 @@ TEST_CASE("full wheels take no more, the remaining momentum stays in the arm", "
   const RobotModel robot = planar_two_link('A');
   const PlantState state = struck(robot);
   SimulationOptions options = options_for(30);
-  options.wheels = {2, 5};
+  options.wheels = {Vector3d::Constant(2), Vector3d::Constant(5)};
   const SimulationResult result =
       simulate_post_impact(robot, {}, state, controller(ControllerKind::RnsHandback), options);
   const double total = result.trace.front().total.norm();
@@ -92,7 +92,7 @@ TEST_CASE("the SPART arm under every controller keeps its torques finite", "[sim
   const PlantState state = struck(robot);
   for (const std::string& name : controller_names()) {
     SimulationOptions options = options_for(5);
-    options.wheels.torque = 0.5;
+    options.wheels.torque.setConstant(0.5);
     const SimulationResult result =
         simulate_post_impact(robot, {}, state, controller(*controller_from_name(name)), options);
     INFO(name);

@@ -46,7 +46,7 @@ PlantState struck(const RobotModel& robot, Random& random, double impulse) {
 TEST_CASE("controllers have the names of the interface", "[simulation]") {
   CHECK(controller_names() == std::vector<std::string>{"none", "joint_damping",
                                                        "joint_damping_literal", "rns", "rns_damped",
-                                                       "rns_handback"});
+                                                       "rns_handback", "detumble"});
   for (const std::string& name : controller_names()) {
     REQUIRE(controller_from_name(name).has_value());
     CHECK(to_string(*controller_from_name(name)) == name);

@@ -244,10 +244,10 @@ TEST_CASE("the trace's text has units in its header and reads back exactly", "[s
     for (std::string field; std::getline(fields, field, ',');) {
       numbers.push_back(std::stod(field));
     }
-    REQUIRE(numbers.size() == 1 + 3 + 4 + 6 + 6 * 3 + 5 * 3 + 1 + 4 * 3);
+    REQUIRE(numbers.size() == 1 + 3 + 4 + 6 + 6 * 3 + 5 * 3 + 1 + 6 * 3);
     CHECK(numbers[0] == result.trace[rows].time);
     CHECK(numbers[14] == result.trace[rows].state.phi[0]);
-    CHECK(numbers[numbers.size() - 13] == result.trace[rows].kinetic_energy);
+    CHECK(numbers[numbers.size() - 19] == result.trace[rows].kinetic_energy);
     ++rows;
   }
   CHECK(rows == 3);

@@ -15,13 +15,6 @@ using namespace stillbase::verification_test;
 
 namespace {
 
-VerifyOptions quick() {
-  VerifyOptions options;
-  options.post_impact = false;
-  options.cone_samples = 200;
-  return options;
-}
-
 std::vector<BaseTrack> tracks_of(const Plan& plan) {
   std::vector<BaseTrack> tracks;
   for (std::size_t i = 0; i + 1 < plan.approach.times.size(); ++i) {

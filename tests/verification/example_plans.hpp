@@ -5,6 +5,7 @@
 #pragma once
 
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/verification/verification.hpp>
 
 namespace stillbase::verification_test {
 
@@ -26,6 +27,14 @@ Plan arm_plan(Flip flip = Flip::None, BaseMode base_mode = BaseMode::Floating);
 
 /// Reading A of the paper's robot, straight, hit by the point mass along the arm: case C2.
 Plan straight_plan();
+
+/// Without the time after the impact, over few directions.
+inline VerifyOptions quick() {
+  VerifyOptions options;
+  options.post_impact = false;
+  options.cone_samples = 200;
+  return options;
+}
 
 /// Length of the path by eight chords per segment.
 double chord_length(const Approach& approach);

@@ -11,13 +11,6 @@ using namespace stillbase::verification_test;
 
 namespace {
 
-VerifyOptions quick() {
-  VerifyOptions options;
-  options.post_impact = false;
-  options.cone_samples = 200;
-  return options;
-}
-
 bool holds(const Plan& plan, const std::string& name) {
   for (const Claim& claim : judge_plan(plan, quick()).claims) {
     if (claim.name == name) return claim.pass;

@@ -40,7 +40,8 @@ TEST_CASE("planner and reference agree on every term and on every measure over s
                            .target_inertia = 0.3,
                            .contact_point = 0.05,
                            .contact_time = 2,
-                           .joint_position = {}};
+                           .joint_position = {},
+                           .residual_velocity = std::nullopt};
     if (trial % 2 == 1) {
       problem.uncertainty.joint_position = JointVectord::Constant(problem.robot.n(), 0.1);
     }

@@ -110,6 +110,7 @@ TEST_CASE("random robots move alike by two codes under every law, sampled and co
 
 TEST_CASE("a motion after the contact that is wrong anywhere fails against the second one") {
   Plan plan = verification_test::arm_plan();
+  int checked = 0;  // the checks of a plan that is not complete would not run
   for (const char* controller : {"rns_damped", "joint_damping", "none"}) {
     plan.problem.post_impact.controllers = {controller};
     plan.problem.post_impact.horizon = 2;
@@ -126,6 +127,7 @@ TEST_CASE("a motion after the contact that is wrong anywhere fails against the s
         return claims.all_pass();
       };
       INFO(controller);
+      ++checked;
       CHECK(passes([](AfterContact&) {}));
       const auto at = [](AfterContact& x) -> PlantState& { return x.simulation.trace[3].state; };
       CHECK_FALSE(passes([&](AfterContact& x) { at(x).phi(2) += 1e-5; }));
@@ -146,11 +148,11 @@ TEST_CASE("a motion that the second code lacks is not verified, with the reason"
   Plan plan = verification_test::arm_plan();
   plan.problem.post_impact.horizon = 0.2;
   plan.problem.post_impact.controllers = {"rns_handback"};
+  ClaimList claims;
   (void)check_plan(plan, {}, [&](const Context& context, ClaimList&) {
-    ClaimList claims;
     check_own_motion(context, "rns_handback", run_of(context, "rns_handback"), claims);
-    REQUIRE(claims.claims().size() == 1);
-    CHECK_FALSE(claims.claims().front().is_checked);
-    CHECK_THAT(claims.claims().front().detail, Catch::Contains("wheels"));
   });
+  REQUIRE(claims.claims().size() == 1);
+  CHECK_FALSE(claims.claims().front().is_checked);
+  CHECK_THAT(claims.claims().front().detail, Catch::Contains("wheels"));
 }

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include <stillbase/core/random.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/trials.hpp>
 
+#include "formulation/measures/measure.hpp"
 #include "support/shipped_problem.hpp"
 
 using namespace stillbase;
@@ -204,4 +206,77 @@ TEST_CASE("Wilson's interval: published values, edges, and coverage") {
   }
   CHECK(covered > 920);
   CHECK(covered < 990);
+}
+
+TEST_CASE("a residual velocity is drawn as stated, and the mean is the closed form's") {
+  Plan plan = planar_plan("servicer_latch");
+  CaptureProblem& problem = plan.problem;
+  problem.post_impact.controllers.clear();
+  ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+  Matrix6d root = Matrix6d::Zero();
+  root.diagonal() << 1e-3, 2e-3, 1e-3, 2e-3, 1e-3, 3e-3;
+  root(3, 1) = 1e-3;
+  residual.covariance = root * root.transpose();
+  const Perturbations sizes = stated_alone(problem);
+  CHECK(perturbations_for(problem).closing_speed == 0);  // a part of the residual velocity
+  constexpr int kTrials = 4000;
+  double linear = 0, angular = 0, mean = 0, squares = 0;
+  int hits = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, sizes, 7, 0, kTrials, 2)) {
+    const std::size_t last = outcome.inputs.size() - 1;
+    linear += std::pow(outcome.inputs[last - 1], 2) / kTrials;
+    angular += std::pow(outcome.inputs[last], 2) / kTrials;
+    const double square = std::pow(outcome.objective, 2);
+    mean += square / kTrials;
+    squares += square * square / kTrials;
+    hits += outcome.hit;
+  }
+  CHECK(trial_input_names().back() == "rate_error");
+  CHECK(linear == Approx(residual.covariance->topLeftCorner<3, 3>().trace()).epsilon(0.1));
+  CHECK(angular == Approx(residual.covariance->bottomRightCorner<3, 3>().trace()).epsilon(0.1));
+  REQUIRE(hits == kTrials);  // no velocity separates
+  problem.measure.kind = RiskMeasure::Expectation;
+  const Formulation formulation(problem);
+  const double expectation =
+      Measure(problem, formulation).reported(formulation.variables(plan.configuration));
+  const double error = std::sqrt((squares - mean * mean) / kTrials);
+  CHECK(std::abs(expectation * expectation - mean) < 5 * error);
+}
+
+TEST_CASE("a latch off the hand's origin is simulated with the velocities that were drawn") {
+  Plan plan = planar_plan("servicer_latch");
+  CaptureProblem& problem = plan.problem;
+  problem.post_impact.controllers = {"none"};
+  problem.post_impact.horizon = 1e-6;
+  ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+  residual.covariance = Matrix6d::Zero();
+  residual.covariance->bottomRightCorner<3, 3>().setIdentity();
+  *residual.covariance *= 1e-2;  // 6 deg/s, far more than the target's own rate
+  Perturbations sizes = stated_alone(problem);
+  sizes.contact_point = 0.1;
+  for (const TrialOutcome& outcome : run_trials(plan, sizes, 3, 0, 20, 2)) {
+    REQUIRE(outcome.finished);
+    CHECK(outcome.residual_base_rate == Approx(outcome.base_rate_jump).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("an estimate whose normal is unknown makes trials fail, and the plan says why") {
+  CaptureProblem problem = test::without_path("iiwa_client_50");
+  EstimateDeviations& sigma = problem.target_deviations.emplace();
+  sigma.angular_velocity.setConstant(2.5 / 180 * kPi);
+  const auto narrow = narrow_cone(problem);
+  REQUIRE(narrow);
+  // Turned at random, a direction is within 154 deg with the probability of 0.95.
+  CHECK(narrow->implied > 140 * kPi / 180);
+  CHECK(narrow->stated == problem.uncertainty.cone_half_angle);
+  problem.search.starts = 4;
+  Plan plan = make_plan(problem);
+  REQUIRE(plan.warnings.size() == 1);
+  CHECK(plan.warnings[0].code == kNarrowConeRule);
+  CHECK_THAT(plan.warnings[0].message, Catch::Contains("no cone holds it"));
+  int successes = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, perturbations_for(problem), 1, 0, 100, 2)) {
+    successes += outcome.success;
+  }
+  CHECK(successes < 90);
 }

@@ -116,7 +116,12 @@ export class Plot {
               bands:
                   options.bands?.map(
                       ([upper, lower]) => ({series: [upper, lower], fill: `${css('--accent')}22`})),
-              hooks: {drawAxes: [u => this.drawBands(u)], draw: [u => this.drawLines(u)], ready: [() => this.begin()]},
+              hooks:
+                  {
+                    drawAxes: [u => this.drawBands(u)],
+                    draw: [u => this.drawLines(u)],
+                    ready: [() => this.begin()]
+                  },
             },
             [options.x, ...options.series.map(series => series.y)], this.holder);
   }
@@ -153,7 +158,8 @@ export class Plot {
     ctx.globalAlpha = 0.13;
     series.forEach(({band, color}, i) => {
       if (!band || !u.series[i + 1].show) return;
-      const to = values => values.map((y, k) => [u.valToPos(x[k], 'x', true), u.valToPos(y, 'y', true)]);
+      const to = values =>
+          values.map((y, k) => [u.valToPos(x[k], 'x', true), u.valToPos(y, 'y', true)]);
       ctx.fillStyle = color ? css(color) : seriesColor(i);
       ctx.beginPath();
       for (const [px, py] of [...to(band.low), ...to(band.high).reverse()]) ctx.lineTo(px, py);

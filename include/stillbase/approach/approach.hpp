@@ -12,6 +12,11 @@
 // not only at the samples. Joints that the search may not change, and that already have their final
 // value, stay still. Continuous joints end at the configuration's angle; the start angle is
 // problem.start plus the whole turns that make the path shortest.
+//
+// A hand that moves at the contact (CaptureProblem::hand_motion, base floating): the approach leads
+// to the posture from which a last run, evenly accelerated, arrives at the contact with the joint
+// rates that the contact asks for; the robot waits before that run. Approach::abort is the path to
+// rest if the grasp does not close.
 #pragma once
 
 #include <cstdint>

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include <stillbase/core/phase_clock.hpp>
+
 namespace stillbase {
 
 /// Geometric path by OMPL.
@@ -129,8 +131,24 @@ struct MotionCheckOptions {
   /// Largest motion within an interval that is not split any further, over the resolution (rad, or
   /// m per metre): the clearance is checked eight times as finely as the path was planned.
   double finest = 1.0 / 8;
+  /// Resolution (rad, or m per metre) above which `approach.resolution` no longer counts here: the
+  /// smallest bodies do not grow with the steps that a path is planned in.
+  double coarsest = 0.02;
   /// Factor on the largest of three base velocities of an interval: there may be more in between.
   double velocity_margin = 1.5;
+};
+
+/// The run to a contact with a hand that moves, and the stop after it, see arrival.hpp.
+struct ArrivalOptions {
+  /// Tries in order, parts of the least time that the acceleration limits allow. A longer run
+  /// begins further away.
+  std::array<double, 5> run_factors{1.02, 1.5, 2.2, 3.3, 5};
+  std::array<double, 8> retreats{0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6};  ///< m
+  std::array<double, 3> abort_factors{1.02, 1.6, 2.5};                        ///< as run_factors
+  double shortest = 0.5;       ///< s: slow hands need no longer
+  int samples = 16;            ///< intervals of either
+  double rate_slack = 1e-7;    ///< relative: the search leaves rates as far beyond their limits
+  double gap_rounding = 1e-7;  ///< m that the hand may be within the target's surface
 };
 
 struct ApproachOptions {
@@ -150,6 +168,9 @@ struct ApproachOptions {
   ClosureOptions closure;
   NullSpaceOptions null_space;
   PolishOptions polish;
+  ArrivalOptions arrival;
+  int jobs = 1;  ///< threads of curves in the reaction null space; the path does not depend on it
+  PhaseClock* clock = nullptr;  ///< takes the seconds of each phase; may be null
 };
 
 }  // namespace stillbase

@@ -1,6 +1,9 @@
 // The direction cone of a problem that states how well its target is known.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <stillbase/plan/problem.hpp>
 #include <stillbase/target/prediction.hpp>
 
@@ -29,5 +32,22 @@ struct DirectionCone {
 /// @throws std::invalid_argument when the target rotates by more than 300 rad until then or the
 ///   deviations allow for it
 DirectionCone direction_cone(const CaptureProblem& problem, double probability);
+
+/// A stated cone, or none, in a problem whose target is known less well.
+struct NarrowCone {
+  double stated = 0;       ///< half-angle, rad; 0: the direction counts as exactly known
+  double implied = 0;      ///< that of direction_cone() at the probability, rad
+  double probability = 0;  ///< 0.95
+  bool is_wedge = false;   ///< both are angles in a plane
+};
+inline constexpr const char* kNarrowConeRule = "narrow-cone";
+std::string to_string(const NarrowCone& cone);
+
+/// Empty where the cone holds 95 % of the directions that the covariance of the target's estimate
+/// gives, where no covariance is stated, and where the contact has no cone: it sticks or latches,
+/// or the problem states a residual velocity. A target whose contact cannot be predicted has an
+/// implied angle of pi.
+/// @pre the problem is consistent
+std::optional<NarrowCone> narrow_cone(const CaptureProblem& problem);
 
 }  // namespace stillbase

@@ -47,6 +47,11 @@ struct EncounterModel {
   double restitution = 0;    ///< e
   double closing_speed = 0;  ///< m/s, with a stated direction
 
+  // Motion of the hand before a rigid contact.
+  MatchedPart matched = MatchedPart::None;
+  ArrivalRates arrival_rates = ArrivalRates::LeastJointRate;
+  Vector6d apart = Vector6d::Zero();  ///< decided velocity of the target less the hand's, in T
+
   // Target.
   /// Nominal motion, where the direction follows from the contact feature: E is T then.
   std::optional<TargetMotion> motion;
@@ -67,6 +72,8 @@ struct EncounterModel {
   /// Whether the whole impulse follows from the relative velocity (a sticking contact, a latch),
   /// and not its magnitude along a direction alone.
   bool is_rigid_contact() const { return law != ContactLaw::Frictionless; }
+  /// Whether the hand moves right before the contact.
+  bool hand_moves() const { return matched != MatchedPart::None; }
   /// Whether the target answers the impulse as a rigid body instead of a point mass.
   bool is_rigid() const { return source == ImpulseSource::RigidBody; }
   /// Whether direction and closing speed follow from the motion of the target.
@@ -172,6 +179,12 @@ TargetAtHandRates<S> target_at_hand_rates(const EncounterModel& model,
 template <class S>
 S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& contact,
                      const ContactRates<S>& rates, const Scenario& scenario);
+
+/// Law, target and motion of the hand of a sticking contact or a latch. What the hand does is
+/// decided for the nominal target: @pre of a hand that moves the scenario is the nominal one.
+template <class S>
+void set_rigid_contact(const EncounterModel& model, const ContactKinematics<S>& contact,
+                       const Scenario& scenario, RigidContact<S>& out);
 
 /// Axes in B that a hand with HandConstraint::Pose must have, one per column.
 template <class S>

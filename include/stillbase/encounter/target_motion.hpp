@@ -7,6 +7,9 @@
 
 namespace stillbase {
 
+/// How long after the contact a hand that moved may take to stop, s.
+inline constexpr double kLongestAbort = 60;
+
 /// How long before and after its estimate a target is asked for whose motion decides the impulse,
 /// s.
 double motion_horizon(const CaptureProblem& problem);

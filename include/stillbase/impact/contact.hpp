@@ -15,6 +15,25 @@ enum class ContactLaw {
   Latch          ///< all six relative velocities become zero: a grasp that closes at once
 };
 
+/// How the hand moves right before the contact, the robot being without momentum.
+enum class HandVelocity {
+  Rest,         ///< not at all: it waits
+  MatchNormal,  ///< as the target's point does along the normal
+  MatchLinear,  ///< as the target's point does
+  MatchAll,     ///< as the target's point does, with the target's angular velocity
+  Stated        ///< the target's velocity seen from the hand is stated
+};
+
+/// Which of the joint rates that move the hand so.
+enum class ArrivalRates {
+  LeastJointRate,  ///< least |phidot|
+  LeastBaseRate    ///< least |omega|^2 + kJointRateWeight |phidot|^2, omega of the base
+};
+
+/// A hundredth of a joint's rate counts as much as the base's: small, so that the self-motion
+/// serves the base, and positive, so that the rates are unique where it leaves more freedom.
+inline constexpr double kJointRateWeight = 1e-4;
+
 /// How a simulation resolves the contact of hand and target.
 enum class ContactModel {
   Instantaneous,  ///< the impact of the contact law; after a latch the target stays attached

@@ -20,6 +20,9 @@ struct Contact {
   double restitution = 0;          ///< e in [0, 1]; Frictionless only
   Vector3d n = Vector3d::UnitX();  ///< unit; direction of the impulse on the hand = outward
                                    ///< normal of the target
+  /// Latch: the hand moves with the target and its grasp closes, whether the points close in or
+  /// not.
+  bool is_grasped = false;
 };
 
 /// The target at the instant of contact.
@@ -64,7 +67,8 @@ struct ContactImpulse {
 ///   Sticking:     f = (W_h3 + W_t3)^-1 v_rel, no moment,
 ///   Latch:        Fbar = (W_h6 + W_t6)^-1 V_rel.
 /// Frictionless and sticking contacts need a closing speed > 0. A latch also holds at closing speed
-/// zero (the target may still rotate or slide); where the points separate there is no impulse.
+/// zero (the target may still rotate or slide); where the points separate there is no impulse,
+/// unless the contact is grasped.
 /// @param W_h extended_inverse_inertia() with the joint resistance of the impact, 6x6
 /// @param hand_velocity [v_h; omega_h] before
 /// @throws std::invalid_argument for a latch onto a point mass

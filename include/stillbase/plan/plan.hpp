@@ -22,11 +22,23 @@ struct Configuration {
   std::string feature = {};  ///< name of the contact feature; empty: the problem's own
 };
 
+/// The residual velocity of a problem at the contact, [v; omega] of target minus hand, in B.
+struct ResidualSummary {
+  Vector6d velocity = Vector6d::Zero();        ///< Vbar, nominal, m/s, rad/s
+  Matrix6d covariance = Matrix6d::Zero();      ///< m^2/s^2, m rad/s^2, rad^2/s^2
+  double deviations = 0;                       ///< k of the ellipsoid of the worst case
+  Vector6d worst_velocity = Vector6d::Zero();  ///< where in it the worst case is
+  /// Probability that target and hand separate along the normal, so that there is no contact. The
+  /// measures count these velocities as if the contact held: they are upper bounds.
+  double separating = 0;
+};
+
 struct ObjectiveValue {
-  std::string name;                             ///< e.g. "base_angular_momentum"
-  std::string unit;                             ///< e.g. "N m s"
-  double nominal = 0;                           ///< at the nominal direction
-  double worst_case = 0;                        ///< over the direction cone; = nominal without one
+  std::string name;    ///< e.g. "base_angular_momentum"
+  std::string unit;    ///< e.g. "N m s"
+  double nominal = 0;  ///< at the nominal direction
+  /// Over the direction cone, or the ellipsoid of the residual velocity; = nominal without both.
+  double worst_case = 0;
   Vector3d worst_direction = Vector3d::Zero();  ///< unit, in B
   double value = 0;                             ///< of the measure that was minimised
   /// False: a limit came before worst case and measure were worked out. Then worst_case is the
@@ -36,6 +48,7 @@ struct ObjectiveValue {
   std::map<std::string, double> terms;  ///< nominal |y_i|, each in its own unit
   /// Names of the user's terms, of which `verify` knows no function.
   std::vector<std::string> user_terms;
+  std::optional<ResidualSummary> residual;  ///< where the problem states a residual velocity
 };
 
 /// The configuration with the lowest nominal value; among equal ones (exact zeros) the one with the
@@ -141,6 +154,18 @@ enum class ApproachStatus {
 };
 std::string to_string(ApproachStatus status);
 
+/// The robot comes to rest after a contact that did not close. Samples as those of an approach,
+/// beginning with the state at the contact; the target keeps its predicted motion.
+struct AbortPath {
+  std::vector<double> times;  ///< s; the first one is the contact time
+  std::vector<JointVectord> joint_positions;
+  std::vector<JointVectord> joint_velocities;  ///< zero at the last one
+  std::vector<Pose> base_poses;                ///< T_NB
+  double retreat = 0;  ///< m along the normal, away from where the target's point was, asked for
+  double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
+  double effort_used = 0;    ///< largest part of a joint's effort limit, 0 without limits
+};
+
 struct Approach {
   ApproachStatus status = ApproachStatus::NotRequested;
   std::string detail;         ///< what failed, by how much
@@ -155,7 +180,7 @@ struct Approach {
   std::vector<JointVectord> joint_torques;
   std::vector<Pose> base_poses;           ///< T_NB
   std::vector<Vector6d> base_velocities;  ///< Omega in B
-  double duration = 0;                    ///< s of motion
+  double duration = 0;                    ///< s of motion, the wait not counted
   double path_length = 0;                 ///< rad, by eight chords per segment
   double attitude_excursion = 0;  ///< rad, largest rotation angle from the base's final attitude
   double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
@@ -166,6 +191,8 @@ struct Approach {
   PathPolish polish = PathPolish::None;  ///< what was made smaller
   double before_polish = 0;              ///< s of motion or rad of excursion, as OMPL's path has it
   double after_polish = 0;               ///< the same of the path as it is; never larger
+  /// Of a hand that moves at the contact, where the problem asks for it.
+  std::optional<AbortPath> abort = std::nullopt;
 };
 
 /// Where the chosen configuration stands among the candidates.
@@ -198,6 +225,55 @@ struct AfterHorizon {
   std::string joint;  ///< that reaches it
 };
 
+/// What limits the capture from the contact to the horizon.
+enum class CaptureLimit {
+  Reach,          ///< of the arm, from its first joint to the hand
+  JointRate,      ///< after the contact
+  JointTorque,    ///< that the controller demands
+  JointStop,      ///< distance of a joint from the middle of its range
+  GripForce,      ///< through the hand, on the latched target
+  GripMoment,     ///< the same, about the hand's origin
+  WheelTorque,    ///< of one axis
+  WheelMomentum,  ///< that one axis holds, or has to take
+  TimeWindow      ///< of the contact; under detumble also the horizon
+};
+std::string to_string(CaptureLimit limit);
+
+/// How much of a limit is used.
+struct LimitUse {
+  CaptureLimit limit = CaptureLimit::Reach;
+  std::string place;  ///< joint, axis of B ("x"), hand link, "contact_time" or "horizon"
+  double value = 0;   ///< largest, in `unit`
+  double most = 0;    ///< that is allowed, in `unit`, >= 0
+  std::string unit;
+
+  double margin() const { return most - value; }
+  /// Of a limit that allows nothing: 0 where nothing is used, else infinite.
+  double part() const { return most > 0 ? value / most : value > 0 ? kInfinity : 0; }
+};
+
+/// The angular momentum that has to go somewhere after the contact, and what that takes. Of a
+/// latched target it is that of robot and target, else what the impact leaves in the robot.
+struct ManagedMomentum {
+  Vector3d angular = Vector3d::Zero();  ///< about the common centroid, in B, N m s
+  Vector3d linear = Vector3d::Zero();   ///< in B, N s; no wheel takes it
+  /// Wheels: max_i |angular_i| / torque_i, s; no wheels take it sooner while the base keeps its
+  /// attitude. Empty: there are none, or none of an axis that would need one.
+  std::optional<double> least_time;
+  // Under the problem's first controller; empty: it names none, or the simulation did not finish.
+  std::optional<double> remaining;  ///< |angular momentum| outside the wheels at the horizon, N m s
+  /// s after the contact: from then on at most 1 % of the angular momentum is outside the wheels
+  /// and at most 1 % of the joints' largest rate is left. Empty: not within the horizon.
+  std::optional<double> rest_time;
+  std::vector<LimitUse> limits;  ///< the one of which most is used first: it binds
+};
+
+/// What a plan leaves out of what its own problem says.
+struct PlanWarning {
+  std::string code;     ///< short name of the rule, as of a Finding
+  std::string message;  ///< in words
+};
+
 struct Plan {
   CaptureProblem problem;
   PlanStatus status = PlanStatus::Infeasible;
@@ -215,6 +291,8 @@ struct Plan {
   Approach approach;
   /// Under the problem's first controller; empty: it names none, or the simulation did not finish.
   std::optional<AfterHorizon> after_horizon;
+  std::optional<ManagedMomentum> managed_momentum;  ///< empty: the problem has no target
+  std::vector<PlanWarning> warnings;
   std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
   std::map<std::string, double> timing;      ///< s
 };

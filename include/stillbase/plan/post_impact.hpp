@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/types.hpp>
 #include <stillbase/impact/contact.hpp>
 
 namespace stillbase {
@@ -42,11 +43,29 @@ struct ControllerModelSpec {
   double friction_scale = 0;     ///< fraction of the robot file's joint friction to compensate
 };
 
+/// Capacity of wheels of which none is stated, N m s: from here on it is no limit.
+inline constexpr double kAnyWheelMomentum = 1e6;
+
 /// Reaction wheels of the base, one per axis of B. Off by default: the paper has none.
 struct WheelSpec {
-  double torque = 0;            ///< N m per axis; 0: there are none
-  double momentum = kInfinity;  ///< N m s per axis; a full wheel takes no more
-  bool exist() const { return torque > 0; }
+  Vector3d torque = Vector3d::Zero();  ///< N m per axis; 0: there is none
+  /// Capacity: N m s per axis; a full wheel takes no more.
+  Vector3d momentum = Vector3d::Constant(kInfinity);
+  /// Momentum right before the contact, relative to B, in B, N m s: given while the robot waits.
+  Vector3d preset = Vector3d::Zero();
+  bool exist() const { return (torque.array() > 0).any(); }
+  /// Whether one number says torque, one says capacity, and nothing is preset.
+  bool are_alike() const {
+    return (torque.array() == torque.x()).all() && (momentum.array() == momentum.x()).all() &&
+           preset.isZero(0);
+  }
+};
+
+/// What the grip of a latched target can bear. Off by default.
+struct GripSpec {
+  std::optional<double> force;   ///< N; empty: any
+  std::optional<double> moment;  ///< N m, about the hand's origin; empty: any
+  bool is_limited() const { return force || moment; }
 };
 
 /// Attitude thrusters of the base, one pair per axis of B: moment -gain Htilde_omega omega, cut at
@@ -67,7 +86,8 @@ struct PostImpactSpec {
   double horizon = 10;                   ///< s after the impact
   bool joint_friction = false;           ///< the plant has the robot file's joint friction
   double stop_restitution = 0;           ///< of the joint stops, [0, 1)
-  WheelSpec wheels{.torque = 0, .momentum = 1e6};
+  WheelSpec wheels{.momentum = Vector3d::Constant(kAnyWheelMomentum)};
+  GripSpec grip;
   double handback_start = 2;  ///< s after the impact; rns_handback
   double handback_gain = 1;   ///< 1/s; rns_handback
   ContactSpec contact;

@@ -44,6 +44,17 @@ struct ImpulseSpec {
   double restitution = 0;              ///< e in [0, 1]; Frictionless
 };
 
+/// The motion of the hand right before a sticking contact or a latch. The robot has no momentum
+/// then: Omega = -H_b^-1 H_bphi phidot, and the hand moves with Jhat_phi phidot.
+struct HandMotionSpec {
+  HandVelocity velocity = HandVelocity::Rest;
+  /// Stated: velocity of the target's point and angular velocity of the target as the hand sees
+  /// them, in T, m/s, rad/s; what is empty follows from the joint rates.
+  std::optional<Vector3d> linear, angular;
+  ArrivalRates rates = ArrivalRates::LeastJointRate;
+  bool moves() const { return velocity != HandVelocity::Rest; }
+};
+
 enum class AttitudeFreedom {
   Fixed,
   Axis,  ///< about one axis
@@ -124,6 +135,23 @@ struct ConstraintSpec {
   std::optional<double> clearance;
 };
 
+/// Axes in which the covariance of a residual velocity is stated: those of the target, which rotate
+/// with it, or those of N.
+enum class ResidualFrame { Target, Inertial };
+
+/// What remains unknown of the relative velocity V = [v; omega] of target and hand at the contact:
+/// V = Vbar + error, Vbar the nominal one, the error Gaussian of mean zero.
+struct ResidualVelocity {
+  /// Stated: 6 x 6, m^2/s^2, m rad/s^2, rad^2/s^2, positive semidefinite. Empty: that of the
+  /// target's estimate (`target_deviations`) carried to the contact, plus the hand's tracking.
+  std::optional<Matrix6d> covariance;
+  ResidualFrame frame = ResidualFrame::Target;  ///< of the stated covariance
+  /// Standard deviations of the hand's velocity along and about every axis; covariance not stated.
+  double linear_tracking = 0, angular_tracking = 0;  ///< m/s, rad/s
+  /// k: the worst case is over the ellipsoid of k standard deviations.
+  double deviations = 3;
+};
+
 struct UncertaintySpec {
   double cone_half_angle = 0;  ///< rad; 0: the direction is exactly known
   /// The half-angle is the one that follows from `target_deviations` with this probability
@@ -139,6 +167,8 @@ struct UncertaintySpec {
   double contact_point = 0;     ///< m: radius of a disc normal to the direction
   double contact_time = 0;      ///< s
   JointVectord joint_position;  ///< rad (m), n or empty: of the posture at the impact
+  /// In place of a cone: worst case and expectation are those over the relative velocity then.
+  std::optional<ResidualVelocity> residual_velocity;
 };
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
@@ -199,6 +229,8 @@ struct ApproachSpec {
   /// Candidates whose approach is tried one by one before giving up. Every try may cost a second.
   int max_approaches = 8;
   ApproachEffort effort = ApproachEffort::First;
+  /// Of a hand that moves at the contact: a path on which it stops if the grasp does not close.
+  bool abort = true;
 };
 
 struct CaptureProblem {
@@ -219,6 +251,7 @@ struct CaptureProblem {
   std::optional<EstimateDeviations> target_deviations;  ///< of the estimate, when stated
   std::vector<Obstacle> obstacles;
   ImpulseSpec impulse;
+  HandMotionSpec hand_motion;
   VariableSpec variables;
   /// One term of size 1: that quantity alone, in its own unit.
   std::vector<ObjectiveTerm> objective = {ObjectiveTerm{}};

@@ -42,6 +42,7 @@ struct MinimumOptions {
   /// configuration. Asked for where the bound over the known ones stays below its goal. May be
   /// empty, and so may the list.
   std::function<std::vector<Scenario>(const Configuration&)> worst_at = {};
+  int jobs = 0;  ///< threads; 0: one per processor. The bound does not depend on it
 };
 
 /// What a bound says, in words and numbers.

@@ -20,6 +20,11 @@ struct Scenario {
   Vector3d contact_offset = Vector3d::Zero();  ///< of the contact point, m
   double time_offset = 0;        ///< s by which the target is ahead of its nominal motion
   Eigen::VectorXd joint_offset;  ///< added to the joint positions, n or empty
+  /// s: the relative velocity is Vbar + L s, L L' the covariance of the residual velocity. The
+  /// impulse is then the law's formula even where hand and target separate, linear in s.
+  Vector6d velocity_error = Vector6d::Zero();
+
+  bool has_velocity_error() const { return !velocity_error.isZero(0); }
 };
 
 /// The samples of the problem's uncertainty set, of equal weight: sample k depends on seed and k

@@ -6,6 +6,7 @@
 
 #include <stillbase/approach/options.hpp>
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/core/phase_clock.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/plan/prover.hpp>
 
@@ -51,7 +52,13 @@ struct BoundOptions {
 
 struct PlannerOptions {
   StopCondition stop;
-  /// Called as work goes on with (what is being done, done, total); may be empty.
+  /// Threads of the search, the judgements and the bound; 0: one per processor. The plan does not
+  /// depend on it. With functions of the user one: they need not stand several calls at once.
+  int jobs = 0;
+  /// Takes the seconds of each phase; null: a clock of the plan's own. Plan::timing has them too.
+  PhaseClock* clock = nullptr;
+  /// Called as work goes on with (what is being done, done, total), one call at a time, on any
+  /// thread that works; may be empty.
   std::function<void(const std::string&, int, int)> on_progress;
   /// Proves what the search found; null: plans say that nothing was proven.
   const Prover* prover = default_prover();
@@ -79,10 +86,10 @@ struct PlannerOptions {
 /// objective's typical size by their worst case over the direction cone. A candidate is free of
 /// collision when nothing touches but the hand and the contact feature, at the contact and while
 /// the target comes in during the wait. Goals of the approach, in this order:
-/// 1. all good candidates (`approach.goal_factor`) that are free of collision and keep the problem's
-///    post-impact limits under its first controller, at once;
-/// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`). A sample
-///    that is reached is certified and becomes the last candidate, reached by no start;
+/// 1. all good candidates (`approach.goal_factor`) that are free of collision and keep the
+///    problem's post-impact limits under its first controller, at once;
+/// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`).
+///    A sample that is reached is certified and becomes the last candidate, reached by no start;
 /// 3. candidates one by one: those that keep the limits, then the other ones (`verify` says which
 ///    limit fails);
 /// 4. none: the best candidate stands with the reason of its failure.

@@ -29,9 +29,18 @@ namespace stillbase {
                                                                const std::string& controller,
                                                                const StopCondition& stop = {});
 
+/// The momentum after the contact, what it takes to manage it under the problem's first controller,
+/// and how much of each limit is used.
+/// @return nothing for a problem without a target
+[[nodiscard]] std::optional<ManagedMomentum> managed_momentum(const CaptureProblem& problem,
+                                                              const Configuration& configuration,
+                                                              const ImpactSummary& impact,
+                                                              const StopCondition& stop = {});
+
 /// The first limit of the problem that is exceeded after the impact under its first controller:
-/// base rate at the horizon, attitude change, joint stops, rates and torques. Empty: none, or the
-/// problem names no controller.
+/// grip and momentum of the wheels, joint stops, base rate at the horizon, attitude change, joint
+/// rates and torques, and under detumble the horizon. Empty: none, or the problem names no
+/// controller.
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop);
 

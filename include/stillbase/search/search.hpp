@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
+#include <stillbase/core/phase_clock.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 
@@ -69,7 +70,7 @@ struct MeasureSearchOptions {
                               ///< fifty
   int rough_evaluations = 120;  ///< of a rough solve: with half of it two hard problems of forty
                                 ///< are missed more often, at the same time of the whole search
-  double same_value = 1.02;   ///< of |y|^2: ends that are one value; rough solves leave a percent
+  double same_value = 1.02;     ///< of |y|^2: ends that are one value; rough solves leave a percent
   double shortest_hop = 0.3, longest_hop = 4;  ///< rad: to the next valley, to anywhere
   int draws_per_hop = 3;                       ///< until one can be projected onto the constraints
   double on_constraints = 1e-3;                ///< violation from which a local solver can go on
@@ -94,9 +95,13 @@ struct SearchOptions {
   /// Whether a configuration touches nothing; may be empty. Where solutions form a curve, the best
   /// of those that touch nothing are listed as well.
   std::function<bool(const Configuration&)> is_free;
-  /// Called after every start with (done, total); may be empty.
+  /// Called after every start with (done, total), one call at a time, on any thread that works; may
+  /// be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;
+  int jobs = 1;  ///< threads; 0: one per processor. The result does not depend on it,
+                 ///< but for the count of evaluations
+  PhaseClock* clock = nullptr;  ///< takes the seconds of each phase; may be null
 
   std::string rescuer = "ipopt";  ///< goes on where the optimizer stopped short of a minimum:
                                   ///< equations whose gradients nearly depend on each other stop
@@ -120,8 +125,8 @@ struct SearchOptions {
 struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
   /// Distinct local minima of the problem's measure and of the nominal value that satisfy all
-  /// constraints, ordered by the measure (nominal values that are equal to `equal_nominal`: by their
-  /// worst case); when there is none, the single least violated point. Where the zeros of the
+  /// constraints, ordered by the measure (nominal values that are equal to `equal_nominal`: by
+  /// their worst case); when there is none, the single least violated point. Where the zeros of the
   /// nominal value form a curve: the local minima of the worst case along it.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate

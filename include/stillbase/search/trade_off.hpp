@@ -24,6 +24,7 @@ struct TradeOffOptions {
   /// Called after every level with (done, total); may be empty.
   std::function<void(int, int)> on_progress;
   StopCondition stop;
+  int jobs = 1;  ///< threads; 0: one per processor. The front does not depend on it
 
   std::size_t solves_per_kind = 6;  ///< per level: from points that keep it, and from beyond it
   int draws_per_start = 8;          ///< postures drawn per start of the search

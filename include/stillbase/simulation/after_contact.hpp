@@ -1,9 +1,11 @@
 // The motion from the contact of hand and target on: by the contact's law at once, or through a
 // compliant contact.
 //
-// Assumptions: the robot waits in its posture; the contact point is the origin of the hand frame. A
-// compliant contact begins one control period (10 ms at most) before time zero, on which the target
-// moves uniformly, so that both bodies touch at time zero. A latch closes at time zero.
+// Assumptions: the robot waits in its posture, or moves without momentum where a rigid contact
+// finds its hand moving (`closing_speed` is that of a hand at rest there too); the contact point is
+// the origin of the hand frame. A compliant contact begins one control period (10 ms at most)
+// before time zero, on which the target moves uniformly, so that both bodies touch at time zero. A
+// latch closes at time zero.
 #pragma once
 
 #include <stillbase/impact/attach_target.hpp>
@@ -22,7 +24,7 @@ struct TargetAtContact {
 struct ContactCase {
   RobotModel robot;
   JointResistance resistance;
-  PlantState before;         ///< of the robot that waits
+  PlantState before;         ///< of the robot
   PlantState after;          ///< right after the instantaneous impact
   double impulse = 0;        ///< force part, by the contact law with the stated resistance, N s
   double closing_speed = 0;  ///< m/s
@@ -30,6 +32,8 @@ struct ContactCase {
   double restitution = 0;                 ///< Frictionless
   Vector3d normal_N = Vector3d::UnitX();  ///< of the contact, towards the hand; unit
   std::optional<TargetAtContact> target;  ///< needed by a latch and a compliant contact
+  /// The target as the controllers know it after a latch; empty: as it is.
+  std::optional<TargetBody> known_target = std::nullopt;
 };
 
 struct AfterContact {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <stillbase/plan/post_impact.hpp>
-#include <stillbase/simulation/plant.hpp>
+#include <stillbase/simulation/grip.hpp>
 
 namespace stillbase {
 
@@ -21,10 +21,12 @@ enum class ControllerKind {
   JointDampingLiteral,  ///< (19) as printed
   Rns,                  ///< (24) without its last term
   RnsDamped,            ///< (24)
-  RnsHandback           ///< (24), then the momentum is transferred to the base's wheels
+  RnsHandback,          ///< (24), then the momentum is transferred to the base's wheels
+  Detumble              ///< joints and base to rest in least time, the momentum to the wheels
 };
 
-/// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped", "rns_handback".
+/// "none", "joint_damping", "joint_damping_literal", "rns", "rns_damped", "rns_handback",
+/// "detumble".
 std::string to_string(ControllerKind kind);
 
 /// The controller with this name; empty: there is none.
@@ -48,6 +50,10 @@ struct Controller {
   /// rns_handback, 1/s: the wheels take L_g K_handback, as far as they can. The end of the transfer
   /// is an exponential with this rate, so it has to be slow beside K_omega.
   double K_handback = 1;
+  double K_detumble = 10;  ///< detumble, 1/s: of the momentum that is left for the last instants
+  /// detumble: part of grip and joint torque limits that is kept back. Commands are held for a
+  /// control period, in which the loads change, and the controller knows masses to some percent.
+  double reserve = 0.05;
   /// Adds the torque that the model's joint friction takes: viscous phidot + coulomb
   /// tanh(phidot / friction_transition_rate). The tanh avoids chattering about zero rate.
   bool friction_compensation = false;
@@ -120,7 +126,7 @@ struct ControlCommand {
   Vector3d thruster_torque = Vector3d::Zero();  ///< on the base, in B, N m
 };
 
-/// control_torque(), and for rns_handback the wheels as well.
+/// control_torque(), and for rns_handback and detumble the wheels as well.
 ///
 /// rns_handback: "The impact momentum, conserved now in manipulator motion with the lowest possible
 /// velocity, can be gradually re-transfered to the base to be then managed by the additional base
@@ -131,9 +137,27 @@ struct ControlCommand {
 ///   (9) with the moment t_b on the base, so that the base stays as still as under rns_damped while
 ///   A phidot and with it the joint rates run out. A full wheel leaves the remaining momentum in
 ///   the arm.
+/// detumble: see detumble_command(). Without wheels it stops the joints alone.
 /// @param elapsed s since the impact
+/// @param period s for which the command is held; 0: for none
 ControlCommand control_command(const Controller& controller, const WheelSpec& wheels,
                                const RobotModel& robot, const PlantTerms& terms,
-                               const PlantState& state, double elapsed);
+                               const PlantState& state, double elapsed, const Grasp& grasp = {},
+                               double period = 0);
+
+/// The law of detumble: joint accelerations phi'' = -a K_phi phidot and wheel torque
+///   u = -b k L_g, k = min(K_detumble, min_i tau_i / |L_g,i|),
+/// a and b in [0, 1], chosen one after the other as large as the loads allow. All axes of the
+/// momentum vanish at one instant, after max_i |L_g,i| / tau_i while b = 1 and the base keeps its
+/// attitude: no wheels need less.
+///
+/// Joint torques and grip wrench are affine in a and b. None exceeds its limit (less
+/// Controller::reserve), nor, where coasting itself (a = b = 0) does, what coasting takes.
+/// Axes whose wheel is full are left out of u, and no wheel is driven beyond its capacity within
+/// a control period.
+/// @param period s between commands; 0: none is held
+ControlCommand detumble_command(const Controller& controller, const WheelSpec& wheels,
+                                const Grasp& grasp, const RobotModel& robot,
+                                const PlantTerms& terms, const PlantState& state, double period);
 
 }  // namespace stillbase

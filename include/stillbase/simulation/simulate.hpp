@@ -56,6 +56,7 @@ struct SimulationOptions {
   bool friction = false;        ///< viscous and Coulomb friction of the model
   WheelSpec wheels;             ///< off by default
   ThrusterSpec thrusters;       ///< off by default
+  Grasp grasp;                  ///< nothing is held by default
   BaseWrench base_wrench;       ///< empty: none
   SensorSpec sensors;           ///< exact by default
   /// The controller's model of the robot (same joints); empty: the robot itself. It knows the
@@ -95,7 +96,9 @@ struct TraceSample {
   Vector3d thruster_torque = Vector3d::Zero();  ///< on the base, in B, N m
   double kinetic_energy = 0;                    ///< J, of the robot
   std::optional<TargetPlantState> target;       ///< in runs with one
-  Vector3d contact_force = Vector3d::Zero();    ///< on the hand, in N, N
+  /// On the held target at the hand's origin, [f; t] in B, N, N m; zero without one.
+  Vector6d grip_wrench = Vector6d::Zero();
+  Vector3d contact_force = Vector3d::Zero();  ///< on the hand, in N, N
 };
 
 enum class LimitKind { Torque, Rate, LowerStop, UpperStop };
@@ -109,6 +112,9 @@ struct LimitEvent {
   /// cubic through the step's ends
   double time = 0;
 };
+
+inline constexpr double kAtRest = 0.01;        ///< of momentum and joint rates
+inline constexpr double kJointsAtRest = 1e-6;  ///< rad/s: slower joints rest whatever they did
 
 /// Result of the run. Extremes are taken over the integrator's steps.
 struct SimulationSummary {
@@ -141,7 +147,17 @@ struct SimulationSummary {
   int stop_hits = 0;               ///< times that a joint ran into an enforced stop
   double hardest_stop = 0;         ///< largest rate at which one did, rad/s (m/s)
   double peak_wheel_torque = 0;    ///< largest |u_i|, N m
-  double peak_contact_force = 0;   ///< N
+  Vector3d peak_wheel_torques = Vector3d::Zero();  ///< the same per axis of B
+  Vector3d peak_wheel_momenta = Vector3d::Zero();  ///< largest |h_w| per axis of B, N m s
+  double peak_grip_force = 0;                      ///< through the hand on a held target, N
+  double peak_grip_moment = 0;                     ///< about the hand's origin, N m
+  JointVectord lowest_positions;                   ///< n, min phi_k, rad or m
+  JointVectord highest_positions;                  ///< n, max phi_k
+  /// From then on at most kAtRest of the first |L_g| is outside the wheels, of that after the last
+  /// contact where one takes time, and no more than that part of the largest joint rate is left, s;
+  /// empty: not at the end.
+  std::optional<double> rest_time;
+  double peak_contact_force = 0;               ///< N
   Vector3d wheel_momentum = Vector3d::Zero();  ///< at the end, in B, N m s
   long steps = 0;                              ///< of the integrator
 };

@@ -102,6 +102,14 @@ std::vector<ContactPrediction> predict_contact(const TargetEstimate& estimate,
                                                const ContactFeature& feature,
                                                const std::vector<double>& times);
 
+/// Second moments about the estimate's value of the velocity [v; omega] of a contact feature's
+/// material point, in N, at several instants: by the same transform.
+/// @throws std::invalid_argument as predict_contact()
+std::vector<Matrix6d> predict_velocity(const TargetEstimate& estimate,
+                                       const EstimateCovariance& covariance,
+                                       const ContactFeature& feature,
+                                       const std::vector<double>& times);
+
 /// Half-angle about the estimate's normal within which the true normal lies with a probability.
 ///
 /// The normal's rotation vector is taken as a Gaussian of mean zero in the plane perpendicular to

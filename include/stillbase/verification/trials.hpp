@@ -8,8 +8,11 @@
 // that time. Where the problem states the covariance of a predicted target's estimate, the errors
 // of the estimate are drawn as well, normal and not cut, and the target moves on from there; a cone
 // that follows from this covariance is not drawn beside it. The feature then touches the hand off
-// its origin, by the error of its place across the direction. A contact that closes in more slowly
-// than the problem's closing_speed_min is a miss. The
+// its origin, by the error of its place across the direction. A stated residual velocity is drawn
+// as well, normal and not cut, on top of the estimate's errors; one carried from the covariance is
+// the sum of those errors and the hand's tracking, of which the latter is drawn. Contacts whose
+// points separate have no impulse. A contact that closes in more slowly than the problem's
+// closing_speed_min is a miss. The
 // impulse follows from the contact law with the drawn values, by `reference`. The plant after it is
 // the robot as drawn, while the controller is made for the robot of the plan. All numbers are drawn
 // from the stream (seed, trial), so that results depend on neither order nor workers.
@@ -42,6 +45,9 @@ struct Perturbations {
   JointVectord joint_position;     ///< rad (m), n or empty
   /// Standard deviations of a predicted target's estimate.
   std::optional<EstimateDeviations> estimate;
+  /// Of the relative velocity at the contact, beside the errors of the estimate: where no
+  /// covariance is stated they are in it, and the hand's tracking alone is drawn.
+  std::optional<ResidualVelocity> residual_velocity;
 };
 
 /// Sizes for a problem: those that its `uncertainty` states; where it states none, 5 % of the
@@ -62,6 +68,9 @@ struct TrialOutcome {
   double peak_rate_part = 0;      ///< largest part of a joint's rate limit; 0 without limits
   double peak_torque_part = 0;    ///< the same of a torque limit, as the controller demands
   int stop_hits = 0;
+  double peak_grip_part = 0;   ///< largest part of the grip's force or moment limit
+  double peak_wheel_part = 0;  ///< largest part of a wheel's capacity
+  bool rests = false;          ///< robot and target at the horizon, asked for under detumble
 };
 
 std::vector<std::string> trial_input_names();

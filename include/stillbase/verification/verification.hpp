@@ -91,8 +91,10 @@ struct VerifyOptions {
   /// steps may each be wrong by the other number.
   double second_integration_tolerance = 1e-6;
   double second_integration_step_error = 1e-10;
-  double limit_slack = 1e-6;              ///< relative excess of rate and acceleration limits
-  double cone_tolerance = 1e-6;           ///< relative, excess of a sampled worst case
+  /// Relative, per radian turned: the target's predicted motion against its second integration.
+  double prediction_tolerance = 1e-9;
+  double limit_slack = 1e-6;     ///< relative excess of rate and acceleration limits
+  double cone_tolerance = 1e-6;  ///< relative, excess of a sampled worst case
   /// Relative, worst cases stated without a direction against maxima that were searched for.
   double worst_case_tolerance = 1e-8;
   int cone_samples = 4000;  ///< directions before the local refinement

@@ -31,6 +31,7 @@ std::optional<ClearanceShape> shape_of(int body, const std::string& name, const 
   } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
     out.radius = cylinder->radius;
     out.half.z() = cylinder->length / 2;
+    out.is_longer = true;
   } else if (const auto* box = std::get_if<Box>(&geometry)) {
     out.is_box = true;
     out.half = box->size / 2;
@@ -47,9 +48,10 @@ bool reaches(const ClearanceShape& shape, const Vector3d& point) {
   return (p - nearest).norm() - shape.radius <= kReachesJoint;
 }
 
-/// The shapes of a joint's child and parent overlap wherever the joint stands, looked at in 64
-/// positions of its range.
-bool overlap_always(const Joint& joint, const ClearanceShape& child, const ClearanceShape& parent) {
+/// The shapes of a joint's child and parent are no farther apart than `distance` wherever the joint
+/// stands, looked at in 64 positions of its range.
+bool are_always_within(double distance, const Joint& joint, const ClearanceShape& child,
+                       const ClearanceShape& parent) {
   constexpr int kPositions = 64;
   const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
   const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
@@ -63,19 +65,23 @@ bool overlap_always(const Joint& joint, const ClearanceShape& child, const Clear
         joint.p + (joint.is_prismatic() ? Vector3d(joint.R * along) : Vector3d(Vector3d::Zero()));
     const PlacedShape<double> a{&child, R * child.R, o + R * child.p};
     const PlacedShape<double> b{&parent, parent.R, parent.p};
-    if (separate<double>(a, b).distance > 0) return false;
+    if (separate<double>(a, b).distance > distance) return false;
   }
   return true;
 }
 
-bool overlap_at_joint(const RobotModel& robot, const ClearanceShape& a, const ClearanceShape& b) {
+/// @param clearance that is asked for, m: no posture has it between neighbours whose closed form is
+/// too small by the ends of a cylinder
+bool overlap_at_joint(const RobotModel& robot, double clearance, const ClearanceShape& a,
+                      const ClearanceShape& b) {
   const ClearanceShape& child = a.body > b.body ? a : b;
   const ClearanceShape& parent = a.body > b.body ? b : a;
   if (child.body < 0 || parent.body == kTargetBody) return false;
   const Joint& joint = robot.tree()[static_cast<std::size_t>(child.body)];
   if (joint.parent != parent.body) return false;
   const bool both_reach = reaches(child, Vector3d::Zero()) && reaches(parent, joint.p);
-  return both_reach || overlap_always(joint, child, parent);
+  const double least = child.is_longer || parent.is_longer ? clearance : 0;
+  return both_reach || are_always_within(least, joint, child, parent);
 }
 
 }  // namespace
@@ -120,7 +126,8 @@ std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem) {
       const ClearanceShape& b = shapes[j].shape;
       const bool hand_meets_target = b.body == kTargetBody && a.body == robot.hand_body;
       if (a.body == b.body || hand_meets_target || is_allowed(a.name, b.name)) continue;
-      if (!shapes[i].is_obstacle && !shapes[j].is_obstacle && overlap_at_joint(robot, a, b)) {
+      if (!shapes[i].is_obstacle && !shapes[j].is_obstacle &&
+          overlap_at_joint(robot, problem.constraints.clearance.value_or(0), a, b)) {
         continue;
       }
       out.push_back({a, b,

@@ -22,6 +22,7 @@ struct ClearanceShape {
   Matrix3d R = Matrix3d::Identity();  ///< axes of the shape in its body's frame
   Vector3d p = Vector3d::Zero();      ///< origin there, m
   bool is_box = false;
+  bool is_longer = false;            ///< than what it stands for: the capsule about a cylinder
   Vector3d half = Vector3d::Zero();  ///< half edges of the box; z: half length of the segment, m
   double radius = 0;                 ///< m
 };
@@ -33,7 +34,8 @@ struct ClearancePair {
 
 /// The pairs that may not touch at the contact: shapes of different bodies, without those named in
 /// allowed_contacts, the hand's body with the target, and neighbours that overlap at their joint by
-/// construction. Shapes are numbered from 1: the robot's, the obstacles, the target's.
+/// construction or, counted as capsules, are closer than the clearance wherever it stands. Shapes
+/// are numbered from 1: the robot's, the obstacles, the target's.
 std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem);
 
 }  // namespace stillbase

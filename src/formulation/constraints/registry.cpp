@@ -5,8 +5,9 @@ namespace stillbase {
 using AddConstraints = void(const CaptureModel&, ConstraintSet&);
 
 AddConstraints add_hand_position, add_station_box, add_hand_axis, add_hand_pose, add_case_total,
-    add_case_base, add_case_coupling, add_joint_rate, add_coupling_margin, add_jacobian_margin,
-    add_clearance, add_closing_speed, add_contact_push, add_attitude_cone, add_attitude_angle;
+    add_case_base, add_case_coupling, add_joint_rate, add_arrival_rate, add_coupling_margin,
+    add_jacobian_margin, add_clearance, add_closing_speed, add_contact_push, add_attitude_cone,
+    add_attitude_angle;
 
 ConstraintSet constraints_of(const CaptureModel& model) {
   static constexpr AddConstraints* kConstraints[] = {
@@ -18,6 +19,7 @@ ConstraintSet constraints_of(const CaptureModel& model) {
       add_case_base,        // case G2: none of the base
       add_case_coupling,    // cases G3, C2: no coupling angular momentum
       add_joint_rate,       // joint rates right after the impact
+      add_arrival_rate,     // joint rates right before a contact with a hand that moves
       add_coupling_margin,  // least singular value of the coupling matrix
       add_jacobian_margin,  // least singular value of the generalized Jacobian
       add_clearance,        // distances between bodies

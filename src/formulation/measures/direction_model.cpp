@@ -31,8 +31,7 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
   const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
   if (model.is_rigid_contact()) {
     RigidContact<double> contact;
-    contact.law = model.law;
-    contact.target = target_at_hand<double>(model, encounter.contact, nominal_scenario(model));
+    set_rigid_contact<double>(model, encounter.contact, nominal_scenario(model), contact);
     const auto response = respond_to_contact<double>(posture, contact);
     whole_square = 0;
     for (const JumpObjective::Term& term : jump.terms()) {

@@ -7,6 +7,7 @@
 #include <stillbase/formulation/measures/robust.hpp>
 
 #include "formulation/formulation_parts.hpp"
+#include "formulation/measures/residual.hpp"
 #include "formulation/measures/scenario_program.hpp"
 
 namespace stillbase {
@@ -28,7 +29,7 @@ Measure::Measure(const CaptureProblem& problem, const Formulation& formulation,
     : problem_(problem), formulation_(formulation), options_(options) {
   const RiskMeasure kind = problem.measure.kind;
   if (kind == RiskMeasure::Expectation || kind == RiskMeasure::Cvar) {
-    samples_ = draw_scenarios(problem);
+    samples_ = mean_scenarios(problem);
   }
   weights_.resize(static_cast<Eigen::Index>(samples_.size()));
   for (std::size_t k = 0; k < samples_.size(); ++k) {
@@ -56,13 +57,10 @@ double Measure::value(const Eigen::VectorXd& x) {
     const WorstCase worst = worst_at(x);
     return worst.is_complete ? half_square(worst.value) : kUnknown;
   }
-  Known& here = known(x);
-  if (!here.sampled) {
-    const double value = sampled_value(x);
-    if (!std::isfinite(value)) return value;
-    here.sampled = value;
-  }
-  return *here.sampled;
+  if (const Known here = known(x); here.sampled) return *here.sampled;
+  const double value = sampled_value(x);
+  if (std::isfinite(value)) remember(x, [&](Known& here) { here.sampled = value; });
+  return value;
 }
 
 double Measure::sampled_value(const Eigen::VectorXd& x) {
@@ -73,24 +71,38 @@ double Measure::sampled_value(const Eigen::VectorXd& x) {
 }
 
 WorstCase Measure::worst_at(const Eigen::VectorXd& x) {
-  Known& here = known(x);
-  if (here.worst) return *here.worst;
+  if (const Known here = known(x); here.worst) return *here.worst;
   const WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
-  if (worst.is_complete) here.worst = worst;
+  if (worst.is_complete) remember(x, [&](Known& here) { here.worst = worst; });
   return worst;
 }
 
 bool Measure::knows(const Eigen::VectorXd& x) {
-  const Known& here = known(x);
+  const Known here = known(x);
   return here.worst && (samples_.empty() || here.sampled);
 }
 
-Measure::Known& Measure::known(const Eigen::VectorXd& x) {
+Measure::Known Measure::known(const Eigen::VectorXd& x) {
+  const std::lock_guard lock(mutex_);
   const auto at =
       std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
-  if (at != known_.end()) return *at;
-  known_.push_back({x, std::nullopt, std::nullopt});
-  return known_.back();
+  return at != known_.end() ? *at : Known{};
+}
+
+template <class Add>
+void Measure::remember(const Eigen::VectorXd& x, const Add& add) {
+  const std::lock_guard lock(mutex_);
+  auto at =
+      std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
+  if (at == known_.end()) at = known_.insert(at, {x, std::nullopt, std::nullopt});
+  add(*at);
+}
+
+MeasureSolution RoughSolution::given_up_at(double hopeless) const {
+  const auto at = std::find_if(rounds.begin(), rounds.end(),
+                               [&](const Round& round) { return round.reached > hopeless; });
+  if (at != rounds.end()) return *at;
+  return *this;
 }
 
 double Measure::reported(const Eigen::VectorXd& x) {
@@ -104,13 +116,13 @@ double Measure::reported(const Eigen::VectorXd& x) {
                                               std::sqrt(2 * value(x)));
 }
 
-MeasureSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
-                                          const nlp::OptimizeOptions& options,
-                                          const Eigen::VectorXd& x0, const RoughLimits& limits) {
+RoughSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
+                                        const nlp::OptimizeOptions& options,
+                                        const Eigen::VectorXd& x0, const RoughLimits& limits) {
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     return exchange(optimizer, options, x0, limits);
   }
-  return {x0, 0};
+  return {{x0, 0}, {}};
 }
 
 MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
@@ -141,17 +153,17 @@ std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& 
   // Where each direction is simulated the worst ones alone have to do.
   const bool is_cheap = formulation_.parts().differenced.empty();
   std::vector<Scenario> out;
-  if (is_cheap) out = rim_scenarios(problem_, options_.rim_directions);
+  if (is_cheap) out = outer_scenarios(problem_, options_.rim_directions);
   for (const Scenario& scenario : scenarios_of(worst)) out.push_back(scenario);
   return out;
 }
 
-MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
-                                  const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
-                                  const RoughLimits& limits) {
+RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
+                                const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
+                                const RoughLimits& limits) {
   nlp::OptimizeOptions rough = options;
   rough.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
-  MeasureSolution out{x0, 0};
+  RoughSolution out{{x0, 0}, {}};
   std::vector<ConeMaximum> worst = maxima_at(x0);
   std::vector<Scenario> active = first_directions(worst);
   Eigen::VectorXd x = x0;
@@ -170,6 +182,7 @@ MeasureSolution Measure::exchange(const nlp::Optimizer& optimizer,
       out.x = x;
     }
     const double reached = program.lifted(x)[x0.size()] * scale;
+    out.rounds.push_back({out, reached});
     if (half_square(worst.front().value) <= reached * (1 + options_.near)) break;
     if (reached > limits.hopeless) break;
     for (const ConeMaximum& maximum : worst) {
@@ -195,6 +208,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
     ++out.solver_calls;
     const Eigen::VectorXd x = result.x.head(x0.size());
+    if (x == out.x) break;  // another round would repeat this one
     worst = maxima_at(x);
     // A maximum that was left out may have taken over: then x0 stays better.
     if (!result.feasible || half_square(worst.front().value) > scale * (1 + 1e-12)) break;

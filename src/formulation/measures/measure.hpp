@@ -2,6 +2,7 @@
 // certificate. Values are 1/2 |y|^2 / unit^2, as the nominal objective's.
 #pragma once
 
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,18 @@ namespace stillbase {
 struct MeasureSolution {
   Eigen::VectorXd x;
   int solver_calls = 0;
+};
+
+/// A rough solve, and what it would have been, had it been given up.
+struct RoughSolution : MeasureSolution {
+  /// After a round over fixed directions.
+  struct Round : MeasureSolution {
+    double reached = 0;  ///< the minimum over these directions, see RoughLimits::hopeless
+  };
+  std::vector<Round> rounds;
+
+  /// The same solve with a lower RoughLimits::hopeless.
+  MeasureSolution given_up_at(double hopeless) const;
 };
 
 /// What ends a rough solve over fixed directions of the cone early.
@@ -37,6 +50,7 @@ struct MeasureOptions {
                        ///< left
 };
 
+/// Several threads may use one object: what is known of a point does not depend on who asked first.
 class Measure {
  public:
   Measure(const CaptureProblem& problem, const Formulation& formulation,
@@ -58,9 +72,9 @@ class Measure {
   /// Worst case by an exchange method: minimise the worst of the active directions (epigraph), add
   /// the worst directions of the cone at the solution, until none is much worse than the active
   /// ones. Samples: nothing, one solve is all that they need.
-  MeasureSolution minimize_roughly(const nlp::Optimizer& optimizer,
-                                   const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
-                                   const RoughLimits& limits = {});
+  RoughSolution minimize_roughly(const nlp::Optimizer& optimizer,
+                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
+                                 const RoughLimits& limits = {});
 
   /// Local minimisation from x0 until KKT holds. Worst case: with directions that follow the maxima
   /// of the cone, so x0 should be near.
@@ -72,8 +86,8 @@ class Measure {
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
  private:
-  MeasureSolution exchange(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
-                           const Eigen::VectorXd& x0, const RoughLimits& limits = {});
+  RoughSolution exchange(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
+                         const Eigen::VectorXd& x0, const RoughLimits& limits = {});
   MeasureSolution follow(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0);
   /// Directions from which exchange() begins.
@@ -90,13 +104,17 @@ class Measure {
     std::optional<WorstCase> worst;
     std::optional<double> sampled;
   };
-  Known& known(const Eigen::VectorXd& x);
+  Known known(const Eigen::VectorXd& x);
+  /// Adds to what is known of a point. @param add called with it
+  template <class Add>
+  void remember(const Eigen::VectorXd& x, const Add& add);
 
   const CaptureProblem& problem_;
   const Formulation& formulation_;
   const MeasureOptions options_;
   std::vector<Scenario> samples_;  ///< Expectation, Cvar
   Eigen::VectorXd weights_;
+  std::mutex mutex_;  // of what follows
   std::vector<Known> known_;
 };
 

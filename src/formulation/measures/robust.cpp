@@ -10,6 +10,7 @@
 #include <stillbase/core/constants.hpp>
 
 #include "formulation/measures/direction_model.hpp"
+#include "formulation/measures/residual.hpp"
 
 namespace stillbase {
 
@@ -266,6 +267,10 @@ std::vector<Place> maxima(const DirectionModel& model) {
 
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration) {
+  if (has_residual(problem)) {
+    const double value = ellipsoid_maxima(problem, formulation, configuration).front().value;
+    return {value, formulation.encounter(configuration).F.head<3>(), true};
+  }
   const DirectionModel model(problem, formulation, configuration);
   const Place worst = maxima(model).front();
   return {formulation.objective_power().value(worst.value), model.direction(worst.c),
@@ -274,6 +279,7 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
 
 std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formulation& formulation,
                                      const Configuration& configuration) {
+  if (has_residual(problem)) return ellipsoid_maxima(problem, formulation, configuration);
   const DirectionModel model(problem, formulation, configuration);
   std::vector<ConeMaximum> out;
   for (const Place& place : maxima(model)) {
@@ -289,6 +295,7 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
 std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation& formulation,
                                const Configuration& configuration,
                                const std::vector<Scenario>& from) {
+  if (has_residual(problem)) return climb_ellipsoid(problem, formulation, configuration, from);
   const DirectionModel model(problem, formulation, configuration);
   const Matrix3d& R_EB = model.encounter.contact.R_EB;
   std::vector<ConeMaximum> out;

@@ -88,7 +88,7 @@ double DifferencedTerms::square(const Configuration& configuration, const Impact
                                 const StopCondition& stop) const {
   double sum = 0;
   for (const AttitudeTurned& term : simulated_) {
-    sum += term(configuration.phi, impact.Delta_Omega, impact.Delta_phidot, stop).squaredNorm();
+    sum += term(configuration.phi, impact.Omega_after(), impact.phidot_after(), stop).squaredNorm();
   }
   for (const UserTerm& term : users_) {
     sum += std::pow(term.value(configuration, impact) / term.size, 2);

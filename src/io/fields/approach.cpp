@@ -86,6 +86,11 @@ void approach_fields(Table& t, CaptureProblem& problem) {
   t("effort", Word(approach.effort, kApproachEffortNames),
     "`first`: the first path that was found stands; `best`: it goes on to the better candidates, "
     "best first, while time is left");
+  t("abort", WrittenIf(Flag(approach.abort), !approach.abort),
+    "with a `contact.hand_velocity`: plan a path on which the robot stops, away from the target, "
+    "if "
+    "the grasp does not close",
+    {.without = "true"});
   if (t.reader() != nullptr) check_approach(*t.reader(), problem);
 }
 

@@ -102,4 +102,34 @@ void impact_fields(Table& t, CaptureProblem& problem) {
   if (t.reader() != nullptr) refuse_second_rotors(*t.reader(), problem);
 }
 
+void contact_fields(Table& t, CaptureProblem& problem) {
+  HandMotionSpec& hand = problem.hand_motion;
+  const auto velocity = [&hand](const char* word, HandVelocity value) {
+    return Instead(word, hand.velocity == value, [&hand, value] { hand.velocity = value; });
+  };
+  t("hand_velocity",
+    Either({velocity("rest", HandVelocity::Rest),
+            velocity("match_normal", HandVelocity::MatchNormal),
+            velocity("match_linear", HandVelocity::MatchLinear),
+            velocity("match_all", HandVelocity::MatchAll),
+            Map(
+                [&hand](Table& m) {
+                  m("linear", Vector(hand.linear, Dimension::Velocity, kVelocity),
+                    "of the target's point", {.frame = "target"});
+                  m("angular", Vector(hand.angular, Dimension::AngularVelocity, kSpin),
+                    "of the target", {.frame = "target"});
+                  if (m.reader() != nullptr) hand.velocity = HandVelocity::Stated;
+                },
+                {.is_written = hand.velocity == HandVelocity::Stated})}),
+    "of the hand right before a `latch`: `rest` (it waits), `match_normal` (with the target's "
+    "point along the normal), `match_linear` (with the point), `match_all` (with the point and the "
+    "target's rotation), or what the target's velocity is to be as the hand sees it, also before a "
+    "`sticking` contact; the base floats without momentum. Then the objective is that of the "
+    "motion right after the contact",
+    {.without = "`rest`"});
+  t("arrival_rates", Word(hand.rates, kArrivalRatesNames),
+    "among the joint rates that move the hand so: `least_joint_rate`, or `least_base_rate` (the "
+    "least angular velocity of the base, joint rates counting a hundredth)");
+}
+
 }  // namespace stillbase::io

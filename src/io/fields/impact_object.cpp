@@ -24,6 +24,27 @@ Map momentum_split(Vector3d& total, Vector3d& base, Vector3d& coupling) {
       {.name = "momentum_split"});
 }
 
+namespace {
+
+void motion_before_fields(Table& t, MotionBefore& before, int n) {
+  const About momentum = needed("N m s", "B");
+  t("base_velocity", halves(before.Omega, "linear", "m/s", "angular", "rad/s"),
+    "that leaves the robot without momentum", kNeeded);
+  t("joint_velocities", Numbers(before.phidot, n), "", needed("rad/s (m/s)"));
+  t("hand_velocity", halves(before.hand_velocity, "linear", "m/s", "angular", "rad/s"), "",
+    kNeeded);
+  t("relative_velocity", halves(before.relative_velocity, "linear", "m/s", "angular", "rad/s"),
+    "of the target's point and of the target, less those of the hand", kNeeded);
+  t("base_momentum", Vector(before.base), "angular momentum of the base part", momentum);
+  t("at_rest", Map([&](Table& m) {
+      m("impulse", halves(before.Fbar_at_rest, "force", "N s", "moment", "N m s"), "", kNeeded);
+      m("base_momentum", Vector(before.base_at_rest), "right after the impact", momentum);
+    }),
+    "with a hand at rest in the same posture", kNeeded);
+}
+
+}  // namespace
+
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot) {
   const int n = robot.n();
   const About rates = needed("rad/s (m/s)");
@@ -37,7 +58,7 @@ void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& rob
   t("joint_velocity_orthogonal", Numbers(impact.Delta_phidot_orthogonal, n),
     "its part orthogonal to that", rates);
   t("momentum", momentum_split(impact.total, impact.base, impact.coupling),
-    "angular momentum gained, and its parts", kNeeded);
+    "angular momentum right after the impact, gained by a robot at rest, and its parts", kNeeded);
   t("case", Word(judgement.impact_case, impact_case_names()), "of the paper's classification",
     kNeeded);
   t("case_tolerance", Number(judgement.tolerance, kNonNegative),
@@ -58,6 +79,12 @@ void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& rob
   t("joint_resistance_values",
     Map([&](Table& m) { resistance_values(m, impact.resistance, robot); }),
     "its values, as in `impact.joint_resistance` of a problem", kNeeded);
+  MotionBefore before = impact.before.value_or(MotionBefore{});
+  t("before",
+    Map([&](Table& m) { motion_before_fields(m, before, n); },
+        {.name = "motion_before", .is_written = impact.before.has_value()}),
+    "the robot right before a contact with a hand that moves", {.without = "at rest"});
+  if (t.reader() != nullptr && t.reader()->has("before")) impact.before = before;
 }
 
 }  // namespace stillbase::io

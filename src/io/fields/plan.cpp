@@ -111,6 +111,22 @@ void chosen_fields(Table& t, Plan& plan) {
   }
 }
 
+void residual_summary_fields(Table& t, ResidualSummary& residual) {
+  const std::string velocity = "m/s, rad/s";
+  t("velocity", Numbers(residual.velocity, 6), "nominal relative velocity, target minus hand",
+    needed(velocity, "B"));
+  t("covariance", Covariance(residual.covariance), "of its error",
+    needed("m^2/s^2, m rad/s^2, rad^2/s^2", "B"));
+  t("deviations", Number(residual.deviations, {.lower = 0, .is_lower_open = true}),
+    "size of the ellipsoid in standard deviations", kNeeded);
+  t("worst_velocity", Numbers(residual.worst_velocity, 6),
+    "of the ellipsoid, at which the worst case is", needed(velocity, "B"));
+  t("separating", Number(residual.separating, {.lower = 0, .upper = 1}),
+    "probability that target and hand separate, so that there is no contact; the measures count "
+    "these velocities as if it held, and are upper bounds",
+    kNeeded);
+}
+
 void objective_value_fields(Table& t, Plan& plan) {
   ObjectiveValue& objective = plan.objective;
   RiskMeasure measure = plan.problem.measure.kind;
@@ -136,9 +152,17 @@ void objective_value_fields(Table& t, Plan& plan) {
     "terms that a user's program added to the objective; they are not recomputed",
     {.without = "none"});
   t("nominal", Number(objective.nominal), "at the nominal direction", needed("`unit`"));
-  t("worst_case", Number(objective.worst_case), "worst case over the cone", needed("`unit`"));
-  t("worst_direction", Vector(objective.worst_direction), "of the impulse, norm 1",
-    needed("1", "B"));
+  t("worst_case", Number(objective.worst_case),
+    "worst case over the cone, or over the residual velocity", needed("`unit`"));
+  t("worst_direction", Vector(objective.worst_direction),
+    "of the impulse, norm 1; without a cone the normal", needed("1", "B"));
+  ResidualSummary residual = objective.residual.value_or(ResidualSummary{});
+  t("residual",
+    Map([&](Table& m) { residual_summary_fields(m, residual); },
+        {.is_written = objective.residual.has_value()}),
+    "relative velocity at the contact, of problems that state a residual_velocity",
+    {.without = "none"});
+  if (t.reader() != nullptr && t.reader()->has("residual")) objective.residual = residual;
   t("judged", Flag(objective.is_judged),
     "false: a limit came before worst case and measure were computed", kNeeded);
   NominalOptimum optimum = plan.nominal_optimum.value_or(NominalOptimum{});
@@ -169,6 +193,11 @@ void objective_value_fields(Table& t, Plan& plan) {
 const About kOwnUnit = needed("its own");
 
 }  // namespace
+
+static void fields(Table& t, PlanWarning& warning) {
+  t("code", Text(warning.code), "short name of the rule", kNeeded);
+  t("message", Text(warning.message), "", kNeeded);
+}
 
 static void fields(Table& t, ConstraintValue& constraint) {
   t("name", Text(constraint.name), "of the constraint", kNeeded);
@@ -304,11 +333,36 @@ void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& fami
     "along the curve in order, at most 0.1 apart; a closed one ends with its first point", kNeeded);
 }
 
+/// A list of vectors of one size.
+template <class V>
+List<V> vectors(std::vector<V>& list, int size) {
+  return List<V>(
+      list, [size](V& v) { return Numbers(v, size); }, {}, V::Zero(size));
+}
+
+/// A least distance; none where nothing is near.
+Value clearance_of(double& distance) {
+  return OrNull(Number(distance), std::isinf(distance), [&distance] { distance = kInfinity; });
+}
+
+void abort_fields(Table& t, const CaptureProblem& problem, AbortPath& abort) {
+  const int n = problem.robot.n();
+  t("times", Numbers(abort.times), "of the samples; the first one is the contact time",
+    needed("s"));
+  t("joint_positions", vectors(abort.joint_positions, n), "", kJoints);
+  t("joint_velocities", vectors(abort.joint_velocities, n), "zero at the last sample",
+    needed("rad/s (m/s)"));
+  t("base_poses", List(abort.base_poses, [](Pose& pose) { return written_pose(pose); }),
+    "poses of B", needed("m", "N"));
+  t("retreat", Number(abort.retreat, kNonNegative), "along the normal that was asked for",
+    needed("m"));
+  t("min_clearance", clearance_of(abort.min_clearance),
+    "minimum distance between bodies; null: nothing is near", needed("m"));
+  t("effort_used", Number(abort.effort_used, kNonNegative),
+    "largest part of a joint's torque limit", kNeeded);
+}
+
 void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
-  const auto vectors = []<class V>(std::vector<V>& list, int size) {
-    return List<V>(
-        list, [size](V& v) { return Numbers(v, size); }, {}, V::Zero(size));
-  };
   const int n = problem.robot.n();
   t("status", Word(approach.status, approach_status_names()), "", kNeeded);
   t("detail", Text(approach.detail), "what failed, by how much", kNeeded);
@@ -327,9 +381,7 @@ void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& a
   t("path_length", Number(approach.path_length), "in joint space", needed("rad"));
   t("attitude_excursion", Number(approach.attitude_excursion),
     "largest rotation angle of the base from its final attitude", needed("rad"));
-  t("min_clearance",
-    OrNull(Number(approach.min_clearance), std::isinf(approach.min_clearance),
-           [&] { approach.min_clearance = kInfinity; }),
+  t("min_clearance", clearance_of(approach.min_clearance),
     "minimum distance between bodies; null: nothing is near", needed("m"));
   t("effort_used", Number(approach.effort_used, kNonNegative),
     "largest part of a joint's torque limit", kNeeded);
@@ -345,8 +397,21 @@ void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& a
       m("after", Number(approach.after_polish, kNonNegative), "", needed("rad or s"));
     }),
     "", kNeeded);
+  AbortPath abort = approach.abort.value_or(AbortPath{});
+  t("abort",
+    Map([&](Table& m) { abort_fields(m, problem, abort); },
+        {.name = "abort", .is_written = approach.abort.has_value()}),
+    "path to rest if the grasp of a hand that moves does not close", {.without = "none"});
   MapReader* map = t.reader();
+  if (map != nullptr && map->has("abort")) approach.abort = abort;
   if (map == nullptr || !map->context().findings.empty()) return;
+  if (abort.joint_positions.size() != abort.times.size() ||
+      abort.joint_velocities.size() != abort.times.size() ||
+      abort.base_poses.size() != abort.times.size()) {
+    map->context().add(map->line(), "wrong-length",
+                       "approach.abort: times, joint_positions, joint_velocities and base_poses "
+                       "must have the same number of samples");
+  }
   const std::size_t samples = approach.times.size();
   if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
       approach.joint_accelerations.size() != samples || approach.joint_torques.size() != samples ||
@@ -382,6 +447,35 @@ void after_horizon_fields(Table& t, AfterHorizon& after) {
     "of the first joint that reaches a stop, after the impact; null: none within ten horizons",
     needed("s"));
   t("joint", Text(after.joint), "that reaches it; empty: none", kNeeded);
+}
+
+static void fields(Table& t, LimitUse& use) {
+  double margin = use.margin();
+  t("limit", Word(use.limit, capture_limit_names()), "", kNeeded);
+  t("place", Text(use.place),
+    "joint, axis of B, hand link, `contact_time` or `horizon` where most of it is used", kNeeded);
+  t("value", Number(use.value, kNonNegative), "largest one", needed("`unit`"));
+  t("most", Number(use.most, kNonNegative), "that is allowed", needed("`unit`"));
+  t("margin", Number(margin), "most - value", needed("`unit`"));
+  t("unit", Text(use.unit), "of value, most and margin", kNeeded);
+  MapReader* map = t.reader();
+  if (map == nullptr || !map->context().findings.empty() || margin == use.margin()) return;
+  map->refuse("margin", "inconsistent", "is not most - value");
+}
+
+void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
+  t("angular", Vector(managed.angular), "about the common centroid", needed("N m s", "B"));
+  t("linear", Vector(managed.linear), "", needed("N s", "B"));
+  t("least_time", OrNull(Number(managed.least_time, kNonNegative), !managed.least_time),
+    "max_i |angular_i| / torque_i of the wheels; null: no wheels that could take it", needed("s"));
+  t("remaining", OrNull(Number(managed.remaining, kNonNegative), !managed.remaining),
+    "angular momentum outside the wheels at the horizon; null: not simulated", needed("N m s"));
+  t("rest_time", OrNull(Number(managed.rest_time, kNonNegative), !managed.rest_time),
+    "after the contact, from which on at most 1 % of the angular momentum is outside the wheels "
+    "and joints have at most 1 % of their largest rate; null: not within the horizon",
+    needed("s"));
+  t("limits", maps_of(managed.limits),
+    "how much of each limit is used from the contact to the horizon; the first one binds", kNeeded);
 }
 
 namespace {
@@ -475,6 +569,15 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
     "what the joints do after the horizon of the simulation under the first controller",
     {.without = "no controller, or a simulation that did not finish"});
   if (map != nullptr && map->has("after_horizon")) plan.after_horizon = after;
+  ManagedMomentum managed = plan.managed_momentum.value_or(ManagedMomentum{});
+  t("managed_momentum",
+    Map([&](Table& m) { managed_momentum_fields(m, managed); },
+        {.name = "managed_momentum", .is_written = plan.managed_momentum.has_value()}),
+    "the momentum that has to go somewhere after the contact, and which limit binds",
+    {.without = "no target"});
+  if (map != nullptr && map->has("managed_momentum")) plan.managed_momentum = managed;
+  t("warnings", WrittenIf(maps_of(plan.warnings), !plan.warnings.empty()),
+    "what the plan leaves out of what its own problem says", {.without = "none"});
   t("solver_calls", Dictionary(plan.solver_calls, [](long& n) { return Integer(n, 0, kMany); }),
     "optimizer or planner and how often it was called", kNeeded);
   t("content_sha256", Text(file.stated_sha256),

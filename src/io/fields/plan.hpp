@@ -20,6 +20,7 @@ void posture_fields(Table& t, const RobotModel& robot, Configuration& configurat
 
 /// What joints do after the horizon of a simulation.
 void after_horizon_fields(Table& t, AfterHorizon& after);
+void managed_momentum_fields(Table& t, ManagedMomentum& managed);
 
 /// The impact object of plans, `inspect` and `analyze`, in B.
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot);

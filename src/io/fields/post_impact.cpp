@@ -96,6 +96,73 @@ void thruster_fields(Table& t, ThrusterSpec& thrusters) {
   }
 }
 
+void wheel_fields(Table& t, WheelSpec& wheels) {
+  t("torque", Deviation(wheels.torque, Dimension::Moment, kLarge),
+    "largest one per axis of B, three numbers or one for all; 0: there is no wheel", kNeeded);
+  t("capacity", Deviation(wheels.momentum, Dimension::AngularImpulse, kLarge),
+    "momentum that they can hold, per axis");
+  t("preset", Vector(wheels.preset, Dimension::AngularImpulse, kLargeVector),
+    "momentum that they hold right before the contact, relative to the base; given while the robot "
+    "waits, e.g. half of what is to come, with the other sign",
+    {.frame = "B"});
+  MapReader* map = t.reader();
+  if (map == nullptr || !map->context().findings.empty()) return;
+  if (!wheels.exist()) {
+    map->refuse("torque", "out-of-range", "is zero on every axis; leave `wheels` out");
+  }
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    const double preset = std::abs(wheels.preset[i]);
+    if (preset > 0 && !(wheels.torque[i] > 0)) {
+      map->refuse(
+          "preset", "contradiction",
+          fmt::format("is {} N m s about {}, where no wheel is", wheels.preset[i], kAxes[i]));
+    } else if (wheels.torque[i] > 0 && !(wheels.momentum[i] > 0)) {
+      map->refuse("capacity", "out-of-range",
+                  fmt::format("is zero about {}, where a wheel is; must be positive, or state "
+                              "torque 0 about this axis",
+                              kAxes[i]));
+    } else if (preset > wheels.momentum[i]) {
+      map->refuse("preset", "out-of-range",
+                  fmt::format("is {} N m s about {}, above the capacity of {} N m s",
+                              wheels.preset[i], kAxes[i], wheels.momentum[i]));
+    }
+  }
+}
+
+void grip_fields(Table& t, GripSpec& grip) {
+  const auto limit = [](std::optional<double>& x, Dimension dimension) {
+    return WrittenIf(Number(x, dimension, kLargePositive), x.has_value());
+  };
+  t("force", limit(grip.force, Dimension::Force), "largest one through the hand",
+    {.without = "any"});
+  t("moment", limit(grip.moment, Dimension::Moment), "largest one about the hand's origin",
+    {.without = "any"});
+}
+
+/// Wheels that are alike have two keys of their own, other ones a map.
+void wheels_of(Table& t, WheelSpec& wheels) {
+  const bool are_alike = wheels.are_alike();
+  t.not_both("wheel_torque", "wheels");
+  t.not_both("wheel_momentum", "wheels");
+  double torque = wheels.torque.x(), momentum = wheels.momentum.x();
+  t("wheel_torque", WrittenIf(Number(torque, Dimension::Moment, kLarge), are_alike),
+    "of the base's reaction wheels, per axis of B; 0: there are none");
+  t("wheel_momentum", WrittenIf(Number(momentum, Dimension::AngularImpulse, kLarge), are_alike),
+    "that they can hold, per axis");
+  if (t.reader() != nullptr) {
+    wheels.torque.setConstant(torque);
+    wheels.momentum.setConstant(momentum);
+    if (torque > 0 && !(momentum > 0)) {
+      t.reader()->refuse("wheel_momentum", "out-of-range",
+                         "is zero, so that the wheels take nothing; must be positive, or leave "
+                         "`wheel_torque` out");
+    }
+  }
+  t("wheels", WrittenIf(Map([&](Table& m) { wheel_fields(m, wheels); }), !are_alike),
+    "the same in full, in place of `wheel_torque` and `wheel_momentum`", {.without = "those two"});
+}
+
 }  // namespace
 
 void post_impact_fields(Table& t, PostImpactSpec& spec) {
@@ -104,7 +171,8 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
          [](std::string& name) { return Text(name, controller_names(), "controllers"); },
          {.is_unique = true, .of = "names"}),
     "simulated after the impact; the first is the plan's choice and has to keep the two limits: "
-    "`none`, `joint_damping`, `joint_damping_literal`, `rns`, `rns_damped`, `rns_handback`");
+    "`none`, `joint_damping`, `joint_damping_literal`, `rns`, `rns_damped`, `rns_handback`, "
+    "`detumble`");
   t("base_rate_gain", Number(spec.K_omega, Dimension::Rate, kGain), "K_omega");
   t("joint_rate_gain", Number(spec.K_phi, Dimension::Rate, kGain), "K_phi");
   // Bounds that keep a simulation within minutes.
@@ -117,10 +185,11 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "`model.friction_scale` says what the controllers know of it");
   t("stop_restitution", Number(spec.stop_restitution, {.lower = 0, .upper = 0.99}),
     "part of its rate that a joint keeps, reversed, at its stop");
-  t("wheel_torque", Number(spec.wheels.torque, Dimension::Moment, kLarge),
-    "of the base's reaction wheels, per axis of B; 0: there are none");
-  t("wheel_momentum", Number(spec.wheels.momentum, Dimension::AngularImpulse, kLarge),
-    "that they can hold, per axis");
+  wheels_of(t, spec.wheels);
+  t("grip", WrittenIf(Map([&](Table& m) { grip_fields(m, spec.grip); }), spec.grip.is_limited()),
+    "what the grip of a latched target bears: the wrench is the rate of its momentum; `detumble` "
+    "keeps it",
+    {.without = "any load"});
   t("handback_start", Number(spec.handback_start, Dimension::Time, kWait),
     "`rns_handback`: after the impact; `rns_damped` until then");
   t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kGain),

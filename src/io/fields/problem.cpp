@@ -86,6 +86,10 @@ void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sou
         {.is_written = problem.target.has_value()}),
     "the body that is captured; left out for a given impulse without body", {.without = "none"});
   t("impact", section(impact_fields), "", kNeeded);
+  t("contact",
+    Map([&problem](Table& m) { contact_fields(m, problem); },
+        {.is_written = problem.hand_motion.moves(), .is_section = true}),
+    "how the hand moves right before the contact");
   t("variables", section(variables_fields), "what the search may change; all else stays as stated");
   t("objective",
     Map([&](Table& m) { objective_fields(m, problem); }, {.alone = "quantity", .is_section = true}),

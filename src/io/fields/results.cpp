@@ -227,6 +227,13 @@ void run_fields(Table& t, const RobotModel& robot, ControllerRun& run) {
   t("stop_hits", Integer(summary.stop_hits, 0, kMany), "times that a joint reached its stop",
     kNeeded);
   t("wheel_momentum", Vector(summary.wheel_momentum), "at the end", needed("N m s", "B"));
+  t("peak_grip_force", Number(summary.peak_grip_force), "on a held target", needed("N"));
+  t("peak_grip_moment", Number(summary.peak_grip_moment), "the same about the hand's origin",
+    needed("N m"));
+  t("rest_time", OrNull(Number(summary.rest_time), !summary.rest_time),
+    "from which on at most 1 % of the angular momentum is outside the wheels and joints have at "
+    "most 1 % of their largest rate; null: not within the horizon",
+    needed("s"));
   t("thruster_impulse_inertial", Vector(last.state.thruster_impulse), "angular impulse",
     needed("N m s", "N"));
   t("contact",

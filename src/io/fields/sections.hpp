@@ -30,6 +30,8 @@ void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sou
 void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
 void target_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
 void impact_fields(Table& t, CaptureProblem& problem);
+/// The motion of the hand before the contact.
+void contact_fields(Table& t, CaptureProblem& problem);
 void variables_fields(Table& t, CaptureProblem& problem);
 void objective_fields(Table& t, CaptureProblem& problem);
 void uncertainty_fields(Table& t, CaptureProblem& problem);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/rotation.hpp>
 
 #include "io/field_reader.hpp"
@@ -222,6 +223,99 @@ Numbers::Numbers(int size, const std::function<std::vector<double>()>& get,
     Json schema{{"type", "array"}, {"items", {{"type", "number"}}}};
     if (size > 0) schema.update({{"minItems", size}, {"maxItems", size}});
     return {schema, {}, {}, {}, size < 0 ? "k" : extent_text(size)};
+  };
+  fits = is_list;
+}
+
+namespace {
+
+constexpr double kSymmetric = 1e-9, kSemidefinite = 1e-9;
+const Range kCovarianceRange{.lower = -kFastest * kFastest, .upper = kFastest * kFastest};
+
+/// What keeps a matrix from being a covariance; empty: nothing. @param row set to where
+std::string covariance_objection(const Matrix6d& A, int& row) {
+  for (int i = 0; i < 6; ++i) {
+    row = i;
+    if (A(i, i) < 0)
+      return fmt::format("[{0}][{0}]: is {1}; a variance is not negative", i, A(i, i));
+  }
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < i; ++j) {
+      row = i;
+      const double size = std::sqrt(A(i, i) * A(j, j));
+      if (!(std::abs(A(i, j) - A(j, i)) <= kSymmetric * size)) {
+        return fmt::format("[{0}][{1}]: is {2}, but [{1}][{0}] is {3}; a covariance is symmetric",
+                           i, j, A(i, j), A(j, i));
+      }
+      if (!(std::abs(A(i, j)) <= (1 + kSemidefinite) * size)) {
+        return fmt::format(
+            "[{0}][{1}]: is {2}; must be at most {3:.6g} in size, the product of the deviations "
+            "{0} "
+            "and {1}, or the covariance is not positive semidefinite",
+            i, j, A(i, j), size);
+      }
+    }
+  }
+  row = 0;
+  Matrix6d correlations = A;
+  for (int i = 0; i < 6; ++i) {
+    const double scale = A(i, i) > 0 ? 1 / std::sqrt(A(i, i)) : 0;
+    correlations.row(i) *= scale;
+    correlations.col(i) *= scale;
+  }
+  const double least = symmetric_eigenvalues(correlations)[0];
+  if (least >= -kSemidefinite) return "";
+  return fmt::format(
+      ": is not positive semidefinite: the least eigenvalue of its correlations is {:.4g}", least);
+}
+
+}  // namespace
+
+Covariance::Covariance(Matrix6d& x) {
+  read = [&x](ReadContext& context, const Node& node, const std::string& path) {
+    if (node.kind != Node::Kind::Sequence) {
+      context.add(node.line, "wrong-type",
+                  fmt::format("{}: {} is not a list of 6 rows of 6 numbers", path, describe(node)));
+      return false;
+    }
+    if (node.items.size() != 6) {
+      context.add(
+          node.line, "wrong-length",
+          fmt::format("{}: has {} rows; must have 6 of 6 numbers", path, node.items.size()));
+      return false;
+    }
+    Matrix6d A;
+    bool is_read = true;
+    for (int i = 0; i < 6; ++i) {
+      const auto row =
+          read_numbers(context, node.items[static_cast<std::size_t>(i)],
+                       fmt::format("{}[{}]", path, i), Dimension::None, 6, kCovarianceRange);
+      is_read = is_read && row.has_value();
+      if (row) A.row(i) = Eigen::Map<const Vector6d>(row->data()).transpose();
+    }
+    if (!is_read) return false;
+    int row = 0;
+    const std::string objection = covariance_objection(A, row);
+    if (!objection.empty()) {
+      context.add(node.items[static_cast<std::size_t>(row)].line, "not-a-covariance",
+                  path + objection);
+      return false;
+    }
+    x = (A + A.transpose()) / 2;
+    return true;
+  };
+  write = [&x] {
+    Json rows = Json::array();
+    for (const auto& row : x.rowwise()) rows.push_back(array_json(row.transpose()));
+    return rows;
+  };
+  shape = [](Definitions& definitions) -> Shape {
+    const Json row{{"type", "array"},
+                   {"items", number_schema(Dimension::None, kCovarianceRange, definitions)},
+                   {"minItems", 6},
+                   {"maxItems", 6}};
+    return {
+        {{"type", "array"}, {"items", row}, {"minItems", 6}, {"maxItems", 6}}, {}, {}, {}, "6 x 6"};
   };
   fits = is_list;
 }

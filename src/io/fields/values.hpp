@@ -136,6 +136,12 @@ struct Rows : Value {
   explicit Rows(const Eigen::MatrixXd& matrix);
 };
 
+/// A covariance of six numbers in SI as a list of its rows: symmetric to 1e-9 of the deviations,
+/// and positive semidefinite to 1e-9 of its correlations.
+struct Covariance : Value {
+  explicit Covariance(Matrix6d& x);
+};
+
 struct JointOptions {
   bool for_all = true;
   std::optional<double> without = {};  ///< of every joint, when the field is not stated

@@ -74,6 +74,21 @@ static void fields(Table& t, Perturbations& sizes) {
   t("estimate",
     Map([&](Table& m) { fields(m, estimate); }, {.is_written = sizes.estimate.has_value()}),
     "standard deviations of the target's estimate");
+  ResidualVelocity residual = sizes.residual_velocity.value_or(ResidualVelocity{});
+  Matrix6d covariance = residual.covariance.value_or(Matrix6d::Zero());
+  t("residual_velocity",
+    Map(
+        [&](Table& m) {
+          m("covariance", WrittenIf(Covariance(covariance), residual.covariance.has_value()),
+            "as stated, linear and angular", {.unit = "m^2/s^2, m rad/s^2, rad^2/s^2"});
+          m("frame", Word(residual.frame, kResidualFrameNames), "of the covariance");
+          m("linear_tracking", Number(residual.linear_tracking, kNonNegative),
+            "standard deviation of the hand's velocity", {.unit = "m/s"});
+          m("angular_tracking", Number(residual.angular_tracking, kNonNegative), "",
+            {.unit = "rad/s"});
+        },
+        {.is_written = sizes.residual_velocity.has_value()}),
+    "of the relative velocity beside what the estimate's errors make of it");
 }
 
 static void fields(Table& t, Spread& spread) {
@@ -169,7 +184,7 @@ std::string trial_outcomes_to_text(const std::vector<TrialOutcome>& outcomes) {
   for (const TrialOutcome& o : outcomes) {
     list.push_back({io::Json(o.inputs), o.hit, o.finished, o.success, o.impulse, o.objective,
                     o.base_rate_jump, o.residual_base_rate, o.attitude_turned, o.peak_rate_part,
-                    o.peak_torque_part, o.stop_hits});
+                    o.peak_torque_part, o.stop_hits, o.peak_grip_part, o.peak_wheel_part, o.rests});
   }
   return list.dump();
 }
@@ -181,8 +196,8 @@ std::vector<TrialOutcome> trial_outcomes_from_text(const std::string& text) {
     if (!rows.is_array()) throw io::JsonError("the outcomes are not a list");
     for (const io::Json& row : rows) {
       const auto number = [&row](std::size_t i) { return row.at(i).get<double>(); };
-      if (!row.is_array() || row.size() != 12) {
-        throw io::JsonError("an outcome is not a list of 12 values");
+      if (!row.is_array() || row.size() != 15) {
+        throw io::JsonError("an outcome is not a list of 15 values");
       }
       if (row.at(0).size() != trial_input_names().size()) {
         throw InputError({{"trials", 0, "not-trials", "drawn by another version of stillbase"}});
@@ -190,7 +205,7 @@ std::vector<TrialOutcome> trial_outcomes_from_text(const std::string& text) {
       outcomes.push_back({row.at(0).get<std::vector<double>>(), row.at(1).get<bool>(),
                           row.at(2).get<bool>(), row.at(3).get<bool>(), number(4), number(5),
                           number(6), number(7), number(8), number(9), number(10),
-                          row.at(11).get<int>()});
+                          row.at(11).get<int>(), number(12), number(13), row.at(14).get<bool>()});
     }
   } catch (const io::JsonError& error) {
     throw InputError({{"trials", 0, "not-trials", error.what()}});

@@ -3,6 +3,9 @@
 // Hand and posture fixed; the direction varies within the cone about the nominal one, and the
 // impulse is recomputed by the contact law for every direction. The maximum can lie inside the
 // cone.
+//
+// Of a problem with a residual velocity the worst case is that over its ellipsoid instead, with all
+// functions of this header; its scenarios have velocity errors and the nominal direction.
 #pragma once
 
 #include <map>
@@ -10,6 +13,7 @@
 #include <vector>
 
 #include <stillbase/formulation/formulation.hpp>
+#include <stillbase/plan/plan.hpp>
 
 namespace stillbase {
 
@@ -24,7 +28,7 @@ inline constexpr ConeScan kSimulatedScan{3, 12, 17, 3};
 
 struct WorstCase {
   double value = 0;                       ///< the objective's largest value over the cone
-  Vector3d direction = Vector3d::Zero();  ///< where, unit, in B
+  Vector3d direction = Vector3d::Zero();  ///< where, unit, in B; the normal without a cone
   /// False: simulations were given up before (Formulation::give_up_simulations_at); the largest
   /// over the directions seen, the nominal one among them.
   bool is_complete = true;
@@ -48,6 +52,11 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
 std::vector<ConeMaximum> climb(const CaptureProblem& problem, const Formulation& formulation,
                                const Configuration& configuration,
                                const std::vector<Scenario>& from);
+
+/// The residual velocity at a configuration, and where in its ellipsoid the worst case is.
+/// @pre the problem states one
+ResidualSummary summarize_residual(const CaptureProblem& problem, const Formulation& formulation,
+                                   const Configuration& configuration);
 
 /// Nominal size of each term of the objective, by name, in its own unit. Its simulations are
 /// never given up.

@@ -1,0 +1,25 @@
+// The momentum that a capture has to manage, and how much of each limit that takes.
+#pragma once
+
+#include <string>
+
+#include <stillbase/plan/plan.hpp>
+#include <stillbase/simulation/after_contact.hpp>
+
+namespace stillbase {
+
+/// @param subject the contact of this configuration
+/// @param run under the first controller, finished; null: what takes no simulation
+ManagedMomentum account_for_momentum(const CaptureProblem& problem,
+                                     const Configuration& configuration,
+                                     const ImpactSummary& impact, const ContactCase& subject,
+                                     const AfterContact* run);
+
+/// Limits of grip and wheels: a capture that exceeds one is none. The other ones have criteria of
+/// their own.
+bool is_demand_on_grasp(const LimitUse& use);
+
+/// "wheel momentum of y: 12.3 N m s of 10 N m s".
+std::string limit_words(const LimitUse& use);
+
+}  // namespace stillbase

@@ -1,0 +1,105 @@
+// The motion before a contact with a hand that moves, by `reference`: the joint rates from the null
+// space of the Jacobian, where the planner has multipliers.
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include <stillbase/core/linear_algebra.hpp>
+
+#include "verification/recomputation.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kFullRank = 1e-12;  ///< of the largest singular value
+
+}  // namespace
+
+double DecidedVelocity::error(const Vector6d& hand) const {
+  const Eigen::VectorXd apart = rows * hand - values;
+  return apart.size() > 0 ? apart.cwiseAbs().maxCoeff() : 0;
+}
+
+DecidedVelocity decided_velocity(const CaptureProblem& problem, const ContactEvent& event,
+                                 const Configuration& at) {
+  const HandMotionSpec& hand = problem.hand_motion;
+  const Matrix6d all = Matrix6d::Identity();
+  Vector6d V;
+  V << *event.velocity, event.omega;
+  DecidedVelocity out;
+  switch (hand.velocity) {
+    case HandVelocity::Rest:
+      break;
+    case HandVelocity::MatchNormal:
+      out.rows = event.n.transpose() * all.topRows(3);
+      break;
+    case HandVelocity::MatchLinear:
+      out.rows = all.topRows(3);
+      break;
+    case HandVelocity::MatchAll:
+      out.rows = all;
+      break;
+    case HandVelocity::Stated: {
+      const Eigen::Quaterniond R_BT = at.base.orientation.conjugate() * event.R_NT;
+      if (hand.linear) V.head<3>() -= R_BT * *hand.linear;
+      if (hand.angular) V.tail<3>() -= R_BT * *hand.angular;
+      const Eigen::Index first = hand.linear ? 0 : 3, last = hand.angular ? 6 : 3;
+      out.rows = all.middleRows(first, last - first);
+      break;
+    }
+  }
+  out.values = out.rows * V;
+  return out;
+}
+
+void PostureResponse::move(const Eigen::VectorXd& phidot) {
+  const Eigen::Index n = phidot.size();
+  MotionOfRobot motion;
+  motion.phidot = phidot;
+  motion.Omega = -reference::solve_definite(dynamics.H.topLeftCorner(6, 6),
+                                            dynamics.H.topRightCorner(6, n) * phidot);
+  Eigen::VectorXd x(6 + n);
+  x << motion.Omega, phidot;
+  motion.hand = dynamics.J * x;
+  before = motion;
+}
+
+void move_hand(const CaptureProblem& problem, const ContactEvent& event, const Configuration& at,
+               PostureResponse& response) {
+  if (!problem.hand_motion.moves()) return;
+  const reference::Dynamics& d = response.dynamics;
+  const Eigen::Index n = d.H.cols() - 6;
+  const Eigen::MatrixXd base =
+      -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, n));
+  const DecidedVelocity wanted = decided_velocity(problem, event, at);
+  const Eigen::MatrixXd G = wanted.rows * (d.J.leftCols(6) * base + d.J.rightCols(n));
+  const Svd svd = right_svd(G);
+  const int rank = numerical_rank(svd.sigma, kFullRank);
+  const Eigen::MatrixXd row_space = svd.V.leftCols(rank), free = svd.V.rightCols(n - rank);
+  // Within the row space the equations have one solution.
+  const Eigen::MatrixXd reduced = G * row_space;
+  Eigen::VectorXd phidot = row_space * reduced.colPivHouseholderQr().solve(wanted.values);
+  if (problem.hand_motion.rates == ArrivalRates::LeastBaseRate && free.cols() > 0) {
+    const double weight = std::sqrt(kJointRateWeight);
+    const Eigen::MatrixXd turning = base.bottomRows(3);
+    Eigen::MatrixXd A(3 + n, free.cols());
+    A << turning * free, weight * free;
+    Eigen::VectorXd b(3 + n);
+    b << turning * phidot, weight * phidot;
+    phidot -= free * A.colPivHouseholderQr().solve(b);
+  }
+  response.move(phidot);
+}
+
+void prepare_contact(const CaptureProblem& problem, const ContactEvent& event,
+                     const Configuration& at, PostureResponse& response) {
+  move_hand(problem, event, at, response);
+  hold_latched(problem, event, response);
+}
+
+double arrival_rate_limit(const CaptureProblem& problem, int joint) {
+  return problem.approach.velocity_scale *
+         problem.robot.joints[static_cast<std::size_t>(joint)].max_velocity;
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+#include "verification/clearance.hpp"
+#include "verification/path_checks.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kCopied = 1e-9;         ///< rad, m, s: copied numbers differ by rounding only
+constexpr double kInside = 1e-6;         ///< m that the hand may be within the target's surface
+constexpr double kAbortDistance = 1e-5;  ///< m: as of the approach
+constexpr double kAbortTorque = 1e-8;    ///< relative: as of the approach
+constexpr double kAbortRetreat = 1e-6;   ///< rad (m): joint travel by two codes
+constexpr int kLooksPerSegment = 8;      ///< at torques and gaps
+
+/// The samples in the form of an approach.
+Approach as_path(const AbortPath& abort) {
+  Approach path;
+  path.status = ApproachStatus::Found;
+  path.times = abort.times;
+  path.joint_positions = abort.joint_positions;
+  path.joint_velocities = abort.joint_velocities;
+  path.base_poses = abort.base_poses;
+  return path;
+}
+
+void check_ends(const Context& context, const Approach& path, ClaimList& claims) {
+  const Configuration& contact = context.situation.at;
+  const std::optional<MotionOfRobot>& before = context.situation.response.before;
+  const double rates =
+      before ? (path.joint_velocities.front() - before->phidot).cwiseAbs().maxCoeff() : kInfinity;
+  claims.at_most("abort_start",
+                 std::max({largest_difference(context.problem.robot, path.joint_positions.front(),
+                                              contact.phi, false),
+                           pose_error(path.base_poses.front(), contact.base).largest(),
+                           std::abs(path.times.front() - contact.contact_time), rates}),
+                 kCopied, "rad, m, s or rad/s",
+                 "first sample from posture, base pose, time and joint rates at the contact");
+  claims.at_most("abort_rest", path.joint_velocities.back().cwiseAbs().maxCoeff(), kCopied, "rad/s",
+                 "joint rates at the end");
+}
+
+void check_torques(const Context& context, const Approach& path, ClaimList& claims) {
+  Largest used;
+  for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
+    const HermiteSegment segment(path, i);
+    for (int look = 0; look <= kLooksPerSegment; ++look) {
+      const double s = segment.duration() * look / kLooksPerSegment;
+      const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
+                                               segment.velocity(s), segment.acceleration(s));
+      for (int k = 0; k < context.problem.robot.n(); ++k) {
+        const Joint& joint = context.problem.robot.joints[static_cast<std::size_t>(k)];
+        used.take(std::abs(tau[k]) / joint.max_effort,
+                  fmt::format("{} at {:.3f} s", joint.name, path.times[i] + s));
+      }
+    }
+  }
+  claims.at_most("abort_joint_torques", used.value, 1 + context.options.limit_slack, "1",
+                 "largest fraction of a torque limit: " + used.place);
+  claims.same("abort_effort_used",
+              relative_error(context.plan.approach.abort->effort_used, used.value), kAbortTorque,
+              fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
+}
+
+/// The stated retreat: the joints come to rest evenly, and meanwhile travel what takes the hand by
+/// this much along the normal, to first order and without turning it.
+void check_retreat(const Context& context, const Approach& path, ClaimList& claims) {
+  const Eigen::Index n = context.problem.robot.n();
+  const auto d = reference::compute(context.problem.robot, {context.situation.at.phi, {}, {}});
+  const Eigen::MatrixXd base =
+      -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, n));
+  const Eigen::MatrixXd J = d.J.leftCols(6) * base + d.J.rightCols(n);
+  Vector6d along = Vector6d::Zero();
+  along.head<3>() = context.situation.event.n;
+  const Eigen::VectorXd per_metre = J.completeOrthogonalDecomposition().solve(along);
+  const double duration = path.times.back() - path.times.front();
+  const Eigen::VectorXd travel = path.joint_positions.back() - path.joint_positions.front() -
+                                 duration / 2 * path.joint_velocities.front();
+  const double stated = context.plan.approach.abort->retreat;
+  claims.at_most("abort_retreat", (travel - stated * per_metre).cwiseAbs().maxCoeff(),
+                 kAbortRetreat, "rad or m",
+                 fmt::format("joint travel from that of the stated retreat, {:.6g} m", stated));
+}
+
+/// The stated clearance lies between the proven one and that at the planner's instants.
+void check_stated_clearance(const Context& context, const PathClearance& found, ClaimList& claims) {
+  const double stated = context.plan.approach.abort->min_clearance;
+  const bool is_none = found.of_path.found == kInfinity;
+  const double fine = is_none ? 0 : found.of_path.proven;
+  const double coarse = found.distance_as_stated.value_or(0);
+  const double difference =
+      is_none && std::isinf(stated) ? 0 : std::max(fine - stated, stated - coarse);
+  claims.at_most("abort_stated_clearance", difference, kAbortDistance, "m",
+                 fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
+                             "from [{:.9g}, {:.9g}], proven and at the planner's steps",
+                             stated, fine, std::max(fine, coarse)));
+}
+
+void check_base(const Context& context, const Approach& path, const std::vector<BaseTrack>& tracks,
+                ClaimList& claims) {
+  double worst = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const Pose found = tracks[i].pose(path.times[i + 1] - path.times[i]);
+    worst = std::max(worst, pose_error(found, path.base_poses[i + 1]).largest());
+  }
+  claims.at_most("abort_base_steps", worst, context.options.base_step_tolerance, "m or rad",
+                 "stored poses from those integrated from the sample before, without momentum");
+}
+
+/// The hand is off the feature's plane all along.
+void check_gap(const Context& context, const Approach& path, const std::vector<BaseTrack>& tracks,
+               const TargetMotion& target, ClaimList& claims) {
+  const auto feature = feature_of(context.problem);
+  if (!feature) return;
+  double least = kInfinity, gap = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const HermiteSegment segment(path, i);
+    for (int look = 1; look <= kLooksPerSegment; ++look) {
+      const double s = segment.duration() * look / kLooksPerSegment;
+      const auto d = reference::compute(context.problem.robot, {segment.position(s), {}, {}});
+      const Vector3d hand = tracks[i].pose(s) * Vector3d(d.hand_position);
+      const ContactState contact = target.contact(*feature, path.times[i] + s);
+      gap = contact.normal.dot(hand - contact.point);
+      least = std::min(least, gap);
+    }
+  }
+  claims.at_least("abort_gap", least, 0, kInside, "m",
+                  "smallest distance of the hand from the feature's plane");
+  claims.at_least("abort_distance", gap, context.problem.approach.clearance, kInside, "m",
+                  "the same where the robot is at rest");
+}
+
+}  // namespace
+
+void check_abort(const Context& context, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  if (!problem.hand_motion.moves() || !problem.approach.abort) return;
+  const std::optional<AbortPath>& abort = context.plan.approach.abort;
+  Objections missing;
+  missing.demand(abort && abort->times.size() > 1, "no path");
+  claims.none_wrong("abort_found", missing,
+                    "a path to rest if the grasp does not close, as the problem demands");
+  if (!missing.none()) return;
+  const Approach path = as_path(*abort);
+  check_ends(context, path, claims);
+  check_path_limits(context, path, "abort", claims);
+  check_torques(context, path, claims);
+  check_retreat(context, path, claims);
+  const std::vector<BaseTrack> tracks = base_tracks(problem, path);
+  check_base(context, path, tracks, claims);
+  const auto target =
+      target_motion(problem, context.situation.at, context.situation.hand_N, path.times.back());
+  if (!target) return;
+  check_gap(context, path, tracks, *target, claims);
+  const PathClearance found = path_clearance(context, path, &*target, tracks);
+  if (!found.complete) {
+    claims.not_evaluated("abort_clearance", problem.approach.clearance, "m", found.detail);
+    return;
+  }
+  if (found.least.found == kInfinity) {
+    claims.at_most("abort_clearance", 0, 0, "m", "no pair of bodies could collide");
+    return;
+  }
+  claims.at_least(
+      "abort_clearance", found.least.proven, problem.approach.clearance,
+      std::min(problem.approach.clearance, kDistanceError), "m",
+      fmt::format("no distance is smaller between the samples, proven with {} "
+                  "instants; smallest found {:.6g} m, {} at {:.3f} s",
+                  found.instants, found.least.found, found.least.pair, found.least.time));
+  check_stated_clearance(context, found, claims);
+}
+
+}  // namespace stillbase::verification

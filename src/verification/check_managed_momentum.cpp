@@ -1,0 +1,314 @@
+// The momentum that a plan has to manage, and the limits that this takes up, recomputed.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "verification/checks.hpp"
+#include "verification/contact_case.hpp"
+#include "verification/grip_load.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+/// Relative: between two integrations, which see their extremes at different instants.
+constexpr double kSameExtreme = 1e-3;
+constexpr double kNegligible = 1e-9;  ///< of the momentum: an axis without any
+constexpr double kNoRotation = 1e-6;  ///< of the momenta that cancel: by the planner's integration
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+bool is_latched(const Context& context, const Vector6d& Fbar) {
+  return context.problem.impulse.contact == ContactLaw::Latch && !Fbar.isZero(0);
+}
+
+/// Of a latched target its spin and both masses' motion about their common centroid, else the
+/// impulse's moment about the robot's centroid; the robot rests before the contact.
+Vector3d angular_momentum(const Context& context, const Vector6d& Fbar) {
+  const Situation& at = context.situation;
+  const Vector3d hand = at.response.dynamics.hand_position;
+  // A response that holds the target has the common centroid.
+  const Vector3d centroid =
+      reference::compute(context.problem.robot, {at.at.phi, {}, Vector6d::Zero()}).centroid;
+  if (!is_latched(context, Fbar)) {
+    const Vector3d f = Fbar.head<3>();
+    return (hand - centroid).cross(f) + Fbar.tail<3>();
+  }
+  const reference::MetBody body = met_body(context.problem, at.event);
+  const double m = body.mass, M = context.problem.robot.total_mass();
+  const Vector3d apart = hand - body.r - centroid;
+  return body.inertia * body.omega + (M * m / (M + m)) * apart.cross(body.velocity);
+}
+
+/// What the second code finds of every limit: its largest use by place.
+using Uses = std::map<CaptureLimit, std::vector<LimitUse>>;
+
+void add_joints(const RobotModel& robot, const Eigen::VectorXd& sizes, CaptureLimit limit,
+                double Joint::*most, const char* unit, const char* prismatic_unit, Uses& uses) {
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[k];
+    if (!std::isfinite(joint.*most) || joint.*most <= 0) continue;
+    uses[limit].push_back({limit, joint.name, std::abs(sizes(k)), joint.*most,
+                           joint.is_prismatic() ? prismatic_unit : unit});
+  }
+}
+
+void add_reach(const Context& context, Uses& uses) {
+  const RobotModel& robot = context.problem.robot;
+  const std::vector<Pose> bodies = reference::body_poses(robot, context.situation.at.phi);
+  const Vector3d hand = context.situation.response.dynamics.hand_position;
+  std::vector<int> way;  // bodies from the hand inwards
+  for (int b = robot.hand_body; b != kBase; b = robot.tree()[b].parent) way.push_back(b);
+  if (way.empty()) return;
+  double longest = robot.p_hand.norm();
+  for (const int b : way) {
+    const Joint& joint = robot.tree()[b];
+    if (b != way.back()) longest += joint.p.norm();
+    if (joint.is_prismatic()) longest += std::max(-joint.lower, joint.upper);
+  }
+  if (!std::isfinite(longest)) return;
+  const double apart = (hand - bodies[way.back()].position).norm();
+  uses[CaptureLimit::Reach].push_back({CaptureLimit::Reach, robot.hand, apart, longest, "m"});
+}
+
+void add_wheels(const Context& context, const Vector3d& angular, const AfterContact* run,
+                Uses& uses) {
+  const PostImpactSpec& spec = context.problem.post_impact;
+  const std::string first = spec.controllers.empty() ? "" : spec.controllers.front();
+  const bool take_all =
+      (first == "rns_handback" || first == "detumble") && !(spec.thrusters.torque > 0);
+  for (int i = 0; i < 3 && spec.wheels.exist(); ++i) {
+    const double torque = spec.wheels.torque(i);
+    double held = std::abs(spec.wheels.preset(i));
+    if (take_all) held = std::max(held, std::abs(spec.wheels.preset(i) + angular(i)));
+    if (run != nullptr && torque > 0) {
+      const SimulationSummary& summary = run->simulation.summary;
+      held = std::max(held, summary.peak_wheel_momenta(i));
+      uses[CaptureLimit::WheelTorque].push_back(
+          {CaptureLimit::WheelTorque, kAxes[i], summary.peak_wheel_torques(i), torque, "N m"});
+    }
+    if (torque <= 0 && held <= kNegligible * angular.norm()) continue;
+    const double capacity = torque > 0 ? spec.wheels.momentum(i) : 0;
+    if (capacity >= kAnyWheelMomentum) continue;
+    uses[CaptureLimit::WheelMomentum].push_back(
+        {CaptureLimit::WheelMomentum, kAxes[i], held, capacity, "N m s"});
+  }
+}
+
+/// max_i |h_i| / tau_i.
+std::optional<double> least_time(const WheelSpec& wheels, const Vector3d& angular) {
+  if (!wheels.exist()) return std::nullopt;
+  double time = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double h = std::abs(angular(i));
+    if (h <= kNegligible * angular.norm()) continue;
+    if (wheels.torque(i) <= 0) return std::nullopt;
+    time = std::max(time, h / wheels.torque(i));
+  }
+  return time;
+}
+
+Uses all_uses(const Context& context, const Vector3d& angular, const AfterContact* run) {
+  const CaptureProblem& problem = context.problem;
+  const RobotModel& robot = problem.robot;
+  const Configuration& at = context.situation.at;
+  Uses uses;
+  add_reach(context, uses);
+  const Eigen::VectorXd after =
+      context.situation.response.impact(context.situation.impulse()).Delta_phidot;
+  const SimulationSummary none;
+  const SimulationSummary& summary = run == nullptr ? none : run->simulation.summary;
+  const Eigen::VectorXd rates = run == nullptr ? after : Eigen::VectorXd(summary.peak_joint_rates);
+  add_joints(robot, rates, CaptureLimit::JointRate, &Joint::max_velocity, "rad/s", "m/s", uses);
+  if (run != nullptr) {
+    add_joints(robot, summary.peak_demanded_torques, CaptureLimit::JointTorque, &Joint::max_effort,
+               "N m", "N", uses);
+  }
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[k];
+    const double range = joint.upper - joint.lower;
+    if (!std::isfinite(range) || range <= 0) continue;
+    const double low = run == nullptr ? at.phi(k) : summary.lowest_positions(k);
+    const double high = run == nullptr ? at.phi(k) : summary.highest_positions(k);
+    // The nearer of both stops.
+    const double margin = std::min(low - joint.lower, joint.upper - high);
+    uses[CaptureLimit::JointStop].push_back({CaptureLimit::JointStop, joint.name,
+                                             range / 2 - margin, range / 2,
+                                             joint.is_prismatic() ? "m" : "rad"});
+  }
+  const GripSpec& grip = problem.post_impact.grip;
+  if (run != nullptr && run->is_held && grip.force) {
+    uses[CaptureLimit::GripForce].push_back(
+        {CaptureLimit::GripForce, robot.hand, summary.peak_grip_force, *grip.force, "N"});
+  }
+  if (run != nullptr && run->is_held && grip.moment) {
+    uses[CaptureLimit::GripMoment].push_back(
+        {CaptureLimit::GripMoment, robot.hand, summary.peak_grip_moment, *grip.moment, "N m"});
+  }
+  add_wheels(context, angular, run, uses);
+
+  const VariableSpec& variables = problem.variables;
+  const double window = variables.contact_time_upper - variables.contact_time_lower;
+  if (window > 0) {
+    const double edge = std::min(at.contact_time - variables.contact_time_lower,
+                                 variables.contact_time_upper - at.contact_time);
+    uses[CaptureLimit::TimeWindow].push_back(
+        {CaptureLimit::TimeWindow, "contact_time", window / 2 - edge, window / 2, "s"});
+  }
+  const PostImpactSpec& spec = problem.post_impact;
+  if (run != nullptr && spec.controllers.front() == "detumble") {
+    const auto least = least_time(spec.wheels, angular);
+    double left = kAtRest;  // of momentum or joint rates, at least
+    if (angular.norm() > 0) {
+      left = std::max(left, run->simulation.trace.back().total.norm() / angular.norm());
+    }
+    const bool takes_time = least && *least > 0;
+    const double beyond = spec.horizon + left * (takes_time ? *least : spec.horizon);
+    uses[CaptureLimit::TimeWindow].push_back({CaptureLimit::TimeWindow, "horizon",
+                                              summary.rest_time.value_or(beyond), spec.horizon,
+                                              "s"});
+  }
+  return uses;
+}
+
+const LimitUse& largest_of(const std::vector<LimitUse>& uses) {
+  return *std::max_element(uses.begin(), uses.end(), [](const LimitUse& a, const LimitUse& b) {
+    return a.part() < b.part();
+  });
+}
+
+std::string words(const LimitUse& use) {
+  return fmt::format("{} of {}: {:.6g} of {:.6g} {}", to_string(use.limit), use.place, use.value,
+                     use.most, use.unit);
+}
+
+/// Difference of a value that is rounding or integration, by its natural size and not by its limit,
+/// which may be out of reach: of momentum the one that is managed, of positions a range or 1 rad
+/// (m), else 1e-6 of a unit.
+double floor_of(const LimitUse& use, const Vector3d& angular) {
+  if (use.limit == CaptureLimit::WheelMomentum) return kSameExtreme * angular.norm();
+  if (use.limit == CaptureLimit::JointStop) return kSameExtreme * std::min(use.most, 1.0);
+  return kNoRotation * std::min(use.most, 1.0);
+}
+
+/// Stated limits against the recomputed ones, and whether the first one binds.
+void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vector3d& angular,
+                    double time_step, Objections& objections) {
+  std::map<CaptureLimit, int> times;
+  for (const LimitUse& use : stated.limits) {
+    const auto known = uses.find(use.limit);
+    ++times[use.limit];
+    if (known == uses.end()) {
+      objections.add(words(use) + ", of which nothing is known");
+      continue;
+    }
+    const LimitUse& own = largest_of(known->second);
+    const double apart = own.unit == "s" ? time_step : kSameExtreme * std::abs(own.value);
+    const double same = kSameExtreme * std::abs(own.value) + apart + floor_of(own, angular);
+    // Of what is all but zero, rounding decides which one is the largest.
+    const bool is_nothing = std::abs(own.value) <= floor_of(own, angular);
+    objections.demand((use.place == own.place || is_nothing) && use.unit == own.unit &&
+                          std::abs(use.most - own.most) <= kNegligible * own.most &&
+                          std::abs(use.value - own.value) <= same,
+                      words(use) + " stated, " + words(own) + " found");
+  }
+  for (const auto& [limit, list] : uses) {
+    objections.demand(times[limit] == 1,
+                      fmt::format("{} is stated {} times", to_string(limit), times[limit]));
+  }
+  for (std::size_t i = 1; i < stated.limits.size(); ++i) {
+    objections.demand(stated.limits[i].part() <= stated.limits[i - 1].part(),
+                      to_string(stated.limits[i].limit) + " is used more than the one before it");
+  }
+}
+
+void check_account(const Context& context, const Vector6d& Fbar, const Vector3d& angular,
+                   const AfterContact* run, ClaimList& claims) {
+  const auto& stated = context.plan.managed_momentum;
+  if (!stated) {
+    Objections missing;
+    missing.demand(context.plan.status == PlanStatus::Infeasible,
+                   "missing from a plan with a target and a solution");
+    claims.none_wrong("managed_momentum_stated", missing, "the momentum that has to be managed");
+    return;
+  }
+  // A limit may have come before the planner simulated the motion after the contact.
+  if (context.plan.status == PlanStatus::Limit && !stated->remaining) run = nullptr;
+  const Situation& at = context.situation;
+  const PostImpactSpec& spec = context.problem.post_impact;
+  Vector3d linear = Fbar.head<3>();
+  if (is_latched(context, Fbar)) {
+    const reference::MetBody body = met_body(context.problem, at.event);
+    linear = body.mass * body.velocity;
+  }
+  const double scale = at.response.rounding_scale(Fbar);
+  const double error = std::max(relative_error(stated->angular, angular, scale),
+                                relative_error(stated->linear, linear, linear.norm()));
+  claims.same("managed_momentum", error, 100 * context.options.recompute_tolerance,
+              fmt::format("{:.6g} N m s about the common centroid, {:.6g} N s", angular.norm(),
+                          linear.norm()));
+
+  Objections objections;
+  const double step = 2 * spec.control_period;
+  const auto times_agree = [&](const char* name, const std::optional<double>& said,
+                               const std::optional<double>& found, double slack) {
+    const bool both = said && found;
+    objections.demand(
+        said.has_value() == found.has_value() && (!both || std::abs(*said - *found) <= slack),
+        fmt::format("{} {} stated, {} found", name, said ? fmt::format("{:.6g}", *said) : "null",
+                    found ? fmt::format("{:.6g}", *found) : "null"));
+  };
+  const auto least = least_time(spec.wheels, angular);
+  times_agree("least_time", stated->least_time, least, kNegligible * least.value_or(0) + 1e-12);
+  std::optional<double> remaining, rest;
+  if (run != nullptr) {
+    remaining = run->simulation.trace.back().total.norm();
+    rest = run->simulation.summary.rest_time;
+  }
+  times_agree("remaining", stated->remaining, remaining,
+              kSameExtreme * angular.norm() + kNoRotation * scale);
+  times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
+  const Uses uses = all_uses(context, angular, run);
+  compare_limits(*stated, uses, angular, step, objections);
+  claims.none_wrong("capture_limits", objections,
+                    stated->limits.empty() ? "no limit" : words(stated->limits.front()) + " binds");
+}
+
+/// Demands of the problem that hold or not, whatever the plan says.
+void check_demands(const Context& context, const Vector3d& angular, const AfterContact& run,
+                   ClaimList& claims) {
+  const Uses uses = all_uses(context, angular, &run);
+  const double slack = context.options.limit_slack;
+  const auto demand = [&](CaptureLimit limit, const char* name, const std::string& detail) {
+    const auto found = uses.find(limit);
+    if (found == uses.end()) return;
+    const LimitUse& most = largest_of(found->second);
+    claims.at_most(name, most.value, most.most * (1 + slack), most.unit,
+                   fmt::format("{} {}", detail, most.place));
+  };
+  demand(CaptureLimit::GripForce, "grip_force", "largest force on the target at the");
+  demand(CaptureLimit::GripMoment, "grip_moment", "largest moment on the target about the");
+  demand(CaptureLimit::WheelTorque, "wheel_torque", "largest torque of the wheel about");
+  demand(CaptureLimit::WheelMomentum, "wheel_momentum",
+         "largest momentum that the wheel holds or has to take, about");
+  const PostImpactSpec& spec = context.problem.post_impact;
+  if (spec.controllers.front() != "detumble") return;
+  const auto& rest = run.simulation.summary.rest_time;
+  claims.at_most("detumbled", rest.value_or(2 * spec.horizon), spec.horizon, "s",
+                 rest ? "the time until robot and target rest, against the horizon"
+                      : "robot and target do not rest at the horizon");
+}
+
+}  // namespace
+
+void check_managed_momentum(const Context& context, const AfterContact* run, ClaimList& claims) {
+  if (!context.problem.target) return;
+  const Vector6d Fbar = context.situation.impulse();
+  const Vector3d angular = angular_momentum(context, Fbar);
+  check_account(context, Fbar, angular, run, claims);
+  if (run == nullptr) return;
+  check_demands(context, angular, *run, claims);
+  check_grip_load(context, *run, claims);
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,233 @@
+#include "verification/residual_velocity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include <stillbase/core/linear_algebra.hpp>
+
+#include "verification/free_body.hpp"
+#include "verification/objective.hpp"
+
+namespace stillbase::verification {
+namespace {
+
+constexpr double kAnglePerFineStep = 0.01;  ///< rad; an error below 1e-9 rad after 1000 steps
+
+/// [v; omega] in N of a contact feature at a time, for an estimate with one of its errors.
+class FeatureVelocity {
+ public:
+  FeatureVelocity(const CaptureProblem& problem, const ContactFeature& feature, double time)
+      : state_(problem.target_state),
+        duration_(time - problem.target_state.time),
+        rotates_(!problem.target->is_point_mass) {
+    if (!rotates_) return;
+    const SymmetricEigen3 principal = symmetric_eigen3(problem.target->inertia);
+    Matrix3d axes = principal.vectors;
+    if (axes.determinant() < 0) axes.col(2) *= -1;
+    moments_ = principal.values;
+    R_TP_ = Eigen::Quaterniond(axes);
+    point_P_ = R_TP_.conjugate() * feature.point;
+  }
+
+  Vector6d with(const Vector3d& orientation, const Vector3d& rate, const Vector3d& moments) const {
+    Vector6d out;
+    out << state_.linear_velocity, Vector3d::Zero();
+    if (!rotates_) return out;
+    FreeBody body{moments_.cwiseProduct(moments.array().exp().matrix()),
+                  state_.pose.orientation * rotation_exp(orientation) * R_TP_, Vector3d::Zero()};
+    body.w = body.q.conjugate() * (state_.angular_velocity + rate);
+    body.advance(duration_, kAnglePerFineStep);
+    const Vector3d omega = body.q * body.w;
+    out.head<3>() += omega.cross(body.q * point_P_);
+    out.tail<3>() = omega;
+    return out;
+  }
+  bool rotates() const { return rotates_; }
+
+ private:
+  TargetState state_;
+  double duration_;
+  bool rotates_;
+  Vector3d moments_ = Vector3d::Ones(), point_P_ = Vector3d::Zero();
+  Eigen::Quaterniond R_TP_ = Eigen::Quaterniond::Identity();
+};
+
+/// In N: of independent errors, each at sqrt(3) of its deviation to both sides.
+Matrix6d carried_covariance(const CaptureProblem& problem, const ContactFeature& feature,
+                            double time) {
+  const EstimateDeviations& sigma = *problem.target_deviations;
+  Matrix6d out = Matrix6d::Zero();
+  out.diagonal().head<3>() = sigma.linear_velocity.cwiseAbs2();
+  const FeatureVelocity velocity(problem, feature, time);
+  if (!velocity.rotates()) return out;
+  const Vector3d none = Vector3d::Zero();
+  const Vector6d nominal = velocity.with(none, none, none);
+  for (int kind = 0; kind < 3; ++kind) {
+    for (int i = 0; i < 3; ++i) {
+      for (const double side : {-std::sqrt(3.0), std::sqrt(3.0)}) {
+        const auto error = [&](int of, const Vector3d& deviation) -> Vector3d {
+          return of == kind ? Vector3d(side * deviation[i] * Vector3d::Unit(i))
+                            : Vector3d(Vector3d::Zero());
+        };
+        const Vector6d d =
+            velocity.with(error(0, sigma.orientation), error(1, sigma.angular_velocity),
+                          error(2, sigma.moments)) -
+            nominal;
+        out += d * d.transpose() / 6;
+      }
+    }
+  }
+  return out;
+}
+
+/// R A R' of the two halves.
+Matrix6d rotated(const Matrix3d& R, const Matrix6d& A) {
+  Matrix6d both = Matrix6d::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = R;
+  return both * A * both.transpose();
+}
+
+/// |y|^2 of the impulse that a relative velocity gives by the contact law, as a linear one: what
+/// separates pulls.
+double square_at(const Situation& at, const Vector6d& V) {
+  const CaptureProblem& problem = at.problem;
+  ContactEvent event = at.event;
+  event.velocity = V.head<3>();
+  event.omega = V.tail<3>();
+  if (problem.impulse.contact == ContactLaw::Frictionless) {
+    // The square does not know the sign.
+    if (event.n.dot(*event.velocity) < 0) *event.velocity *= -1;
+    return square_of(problem, at.response, impulse_along(problem, event, at.response, event.n));
+  }
+  PostureResponse response = at.response;
+  hold_latched(problem, event, response);
+  const Vector6d Fbar = reference::impulse_that_joins(response.dynamics, response.added_inertia,
+                                                      response.locked, met_body(problem, event),
+                                                      problem.impulse.contact == ContactLaw::Latch);
+  return square_of(problem, response, Fbar);
+}
+
+}  // namespace
+
+ResidualCase residual_case(const Situation& at) {
+  const CaptureProblem& problem = at.problem;
+  const ResidualVelocity& stated = *problem.uncertainty.residual_velocity;
+  const ContactEvent& event = at.event;
+  ResidualCase out;
+  out.velocity << *event.velocity, event.omega;
+  out.deviations = stated.deviations;
+  const Matrix3d R_BN = at.at.base.orientation.conjugate().toRotationMatrix();
+  if (stated.covariance) {
+    const bool in_target = stated.frame == ResidualFrame::Target;
+    out.covariance = rotated(in_target ? Matrix3d(R_BN * event.R_NT.toRotationMatrix()) : R_BN,
+                             *stated.covariance);
+  } else {
+    out.covariance =
+        rotated(R_BN, carried_covariance(problem, *feature_of(problem), at.at.contact_time));
+    out.covariance.diagonal().head<3>().array() += std::pow(stated.linear_tracking, 2);
+    out.covariance.diagonal().tail<3>().array() += std::pow(stated.angular_tracking, 2);
+  }
+  const double speed = event.n.dot(*event.velocity);
+  const double variance = event.n.dot(out.covariance.topLeftCorner<3, 3>() * event.n);
+  out.separating = variance > 0 ? std::erfc(speed / std::sqrt(2 * variance)) / 2 : speed <= 0;
+
+  Vector6d alone;
+  for (int i = 0; i < 6; ++i) alone[i] = square_at(at, Vector6d::Unit(i));
+  for (int i = 0; i < 6; ++i) {
+    out.form(i, i) = alone[i];
+    for (int j = 0; j < i; ++j) {
+      const double both = square_at(at, Vector6d::Unit(i) + Vector6d::Unit(j));
+      out.form(i, j) = out.form(j, i) = (both - alone[i] - alone[j]) / 2;
+    }
+  }
+  return out;
+}
+
+double ResidualCase::distance(const Vector6d& V) const {
+  constexpr double kNoVariance = 1e-14, kNoDistance = 1e-9;
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  const Eigen::VectorXd d = eigen.vectors.transpose() * (V - velocity);
+  double sum = 0;
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.values[i] > kNoVariance * eigen.values[5]) {
+      sum += d[i] * d[i] / eigen.values[i];
+    } else if (std::abs(d[i]) > kNoDistance * (V.norm() + velocity.norm())) {
+      return kInfinity;
+    }
+  }
+  return std::sqrt(sum) / deviations;
+}
+
+/// Over |s| <= 1 with V = Vbar + k L s: c + 2 q's + s'P s.
+LargestSquare largest_square(const ResidualCase& residual) {
+  const SymmetricEigen eigen = symmetric_eigen(residual.covariance);
+  const Matrix6d L =
+      residual.deviations * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Matrix6d P = L.transpose() * residual.form * L;
+  const Vector6d q = L.transpose() * residual.form * residual.velocity;
+  const double c = residual.square(residual.velocity);
+  const SymmetricEigen axes = symmetric_eigen(P);
+
+  LargestSquare out{residual.velocity, c, c};
+  // The value rises with s -> (P s + q) / |P s + q|.
+  const auto ascend = [&](Vector6d s) {
+    for (int i = 0; i < 5000; ++i) {
+      const Vector6d next = P * s + q;
+      if (!(next.norm() > 0)) break;
+      const Vector6d before = s;
+      s = next.normalized();
+      if ((s - before).norm() < 1e-12) break;
+    }
+    const Vector6d V = residual.velocity + L * s;
+    const double value = residual.square(V);
+    if (value > out.value) out = {V, value, value};
+  };
+  for (int i = 0; i < 6; ++i) {
+    ascend(axes.vectors.col(i));
+    ascend(-axes.vectors.col(i));
+  }
+  // For every mu >= lambda_max(P): value <= c + mu + q' (mu E - P)^-1 q, convex in mu.
+  const Vector6d along = axes.vectors.transpose() * q;
+  const double largest = std::max(axes.values[5], 0.0), reach = along.norm();
+  const auto dual = [&](double mu) {
+    double sum = c + mu;
+    for (int i = 0; i < 6; ++i) {
+      if (along[i] != 0) sum += along[i] * along[i] / (mu - axes.values[i]);
+    }
+    return sum;
+  };
+  double low = largest, high = largest + reach;
+  for (int i = 0; i < 300 && high > low; ++i) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    if (dual(a) < dual(b)) {
+      high = b;
+    } else {
+      low = a;
+    }
+  }
+  const double bound = high > largest ? dual(high) : c + largest;
+  out.bound = std::max(out.value, std::isfinite(bound) ? bound : c + largest + reach);
+  return out;
+}
+
+bool is_largest_unique(const ResidualCase& residual) {
+  constexpr double kApart = 1e-2;  // relative
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> spread(residual.covariance);
+  const Vector6d sizes = spread.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const Matrix6d root = spread.eigenvectors() * sizes.asDiagonal();
+  // |y|^2 = k^2 s' G s + 2 k b' s + const, |s| = 1.
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> G(root.transpose() * residual.form * root);
+  const Vector6d b =
+      G.eigenvectors().transpose() * (root.transpose() * residual.form * residual.velocity);
+  const double largest = G.eigenvalues()[5], second = G.eigenvalues()[4];
+  if (!(largest > 0)) return true;
+  const double linear = 2 * b.norm() / (residual.deviations * largest);
+  if (largest - second < kApart * largest && linear < 1) return false;
+  // With a linear part that is felt, one side of the longest axis must win clearly.
+  const bool is_felt = linear > 1e-9;
+  return !is_felt || 4 * std::abs(b[5]) > kApart * residual.deviations * largest;
+}
+
+}  // namespace stillbase::verification

@@ -1,0 +1,41 @@
+// Measures over the residual velocity by this room's formulas: the quadratic form |y|^2 in the
+// relative velocity by polarisation, the covariance by integrations of its own, the worst case with
+// a bound that proves it.
+#pragma once
+
+#include "verification/recomputation.hpp"
+
+namespace stillbase::verification {
+
+/// The residual velocity at a configuration, and the objective as a function of the velocity.
+struct ResidualCase {
+  Vector6d velocity = Vector6d::Zero();    ///< Vbar, nominal, [v; omega] at the hand, in B
+  Matrix6d covariance = Matrix6d::Zero();  ///< in B
+  double deviations = 0;                   ///< k
+  double separating = 0;                   ///< probability of a negative closing speed
+  /// |y|^2 = V' form V, y the terms of the objective below each other, for any V, also one that
+  /// separates.
+  Matrix6d form = Matrix6d::Zero();
+
+  double square(const Vector6d& V) const { return V.dot(form * V); }
+  /// E|y|^2 = Vbar' form Vbar + tr(form Sigma).
+  double mean_square() const { return square(velocity) + (form * covariance).trace(); }
+  /// Of V within the ellipsoid: at most 1. Directions without variance have none.
+  double distance(const Vector6d& V) const;
+};
+/// @pre the problem states a residual velocity, and the event is complete
+ResidualCase residual_case(const Situation& situation);
+
+/// The largest |y|^2 over the ellipsoid: a place, and what no place exceeds.
+struct LargestSquare {
+  Vector6d velocity = Vector6d::Zero();  ///< where, in B
+  double value = 0;                      ///< there
+  double bound = 0;                      ///< of all others, by duality
+};
+LargestSquare largest_square(const ResidualCase& residual);
+
+/// Whether one place alone, or one and its opposite by symmetry, is that far from all others that
+/// the largest square is smooth there.
+bool is_largest_unique(const ResidualCase& residual);
+
+}  // namespace stillbase::verification

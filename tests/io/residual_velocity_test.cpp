@@ -1,0 +1,147 @@
+// uncertainty.residual_velocity: what is read, what is refused and where.
+#include <catch2/catch.hpp>
+
+#include <stillbase/core/error.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/io/problem_file.hpp>
+
+#include "io/io_support.hpp"
+#include "io/problem_text.hpp"
+
+using namespace stillbase;
+using namespace stillbase::io_test;
+
+namespace {
+
+const std::string kCone = "  cone_half_angle: 10 deg\n";
+const std::string kDiagonal = R"(  residual_velocity:
+    - [4e-6, 1e-6, 0, 0, 0, 0]
+    - [1e-6, 4e-6, 0, 0, 0, 0]
+    - [0, 0, 4e-6, 0, 0, 0]
+    - [0, 0, 0, 1e-6, 0, 0]
+    - [0, 0, 0, 0, 1e-6, 0]
+    - [0, 0, 0, 0, 0, 1e-6]
+)";
+const std::string kCarried = "  residual_velocity: from_covariance\n";
+const std::string kSpin = "    angular_velocity: {axis: [1, 2, 2], rate: 5 deg/s}\n";
+const std::string kCovariance =
+    "    covariance: {linear_velocity: 1 mm/s, angular_velocity: 0.1 deg/s, orientation: 1 deg}\n";
+
+std::string with(const std::string& uncertainty, const std::string& target = "") {
+  return replaced(replaced(kProblem, kCone, uncertainty), kSpin, kSpin + target);
+}
+
+/// Refused at the line of the section, or so many lines below its first key.
+void refuses_residual(const std::string& text, const std::string& at, const std::string& rule,
+                      const std::vector<std::string>& parts, int below = 0) {
+  refuses(text, line_of(text, at) + below, rule, parts);
+}
+
+}  // namespace
+
+TEST_CASE("a residual velocity is read as a matrix or carried, and the copy says the same") {
+  const CaptureProblem stated =
+      read(with(kDiagonal + "  residual_frame: inertial\n  residual_deviations: 2\n"));
+  REQUIRE(stated.uncertainty.residual_velocity);
+  const ResidualVelocity& residual = *stated.uncertainty.residual_velocity;
+  REQUIRE(residual.covariance);
+  CHECK((*residual.covariance)(0, 1) == 1e-6);
+  CHECK((*residual.covariance)(3, 3) == 1e-6);
+  CHECK(residual.frame == ResidualFrame::Inertial);
+  CHECK(residual.deviations == 2);
+  const CaptureProblem carried =
+      read(with(kCarried + "  hand_tracking: {linear: 2 mm/s, angular: 0.1 deg/s}\n", kCovariance));
+  REQUIRE(carried.uncertainty.residual_velocity);
+  CHECK_FALSE(carried.uncertainty.residual_velocity->covariance);
+  CHECK(carried.uncertainty.residual_velocity->linear_tracking == Approx(2e-3));
+  CHECK(carried.uncertainty.residual_velocity->angular_tracking == Approx(0.1 * kPi / 180));
+  CHECK(carried.uncertainty.residual_velocity->deviations == 3);
+  for (const CaptureProblem* problem : {&stated, &carried}) {
+    const std::string copy = problem_to_json(*problem);
+    const CaptureProblem again = read_problem_text(copy, "copy", problem->urdf);
+    CHECK(problem_to_json(again) == copy);
+    REQUIRE(again.uncertainty.residual_velocity);
+    CHECK(again.uncertainty.residual_velocity->covariance ==
+          problem->uncertainty.residual_velocity->covariance);
+    CHECK(again.uncertainty.residual_velocity->deviations ==
+          problem->uncertainty.residual_velocity->deviations);
+  }
+  CHECK_FALSE(read(kProblem).uncertainty.residual_velocity);
+}
+
+TEST_CASE("what is no covariance is refused at its row") {
+  const auto changed = [](const std::string& from, const std::string& to) {
+    return with(replaced(kDiagonal, from, to));
+  };
+  const std::string key = "residual_velocity:";
+  refuses_residual(changed("[1e-6, 4e-6, 0", "[2e-6, 4e-6, 0"), key, "not-a-covariance",
+                   {"uncertainty.residual_velocity[1][0]", "symmetric"}, 2);
+  refuses_residual(changed("[0, 0, 4e-6", "[0, 0, -4e-6"), key, "not-a-covariance",
+                   {"residual_velocity[2][2]", "not negative"}, 3);
+  refuses_residual(with(replaced(replaced(kDiagonal, "4e-6, 1e-6, 0", "4e-6, 5e-6, 0"),
+                                 "[1e-6, 4e-6, 0", "[5e-6, 4e-6, 0")),
+                   key, "not-a-covariance",
+                   {"residual_velocity[1][0]", "positive semidefinite", "4e-06"}, 2);
+  // Every pair is possible, all three are not.
+  std::string three = replaced(kDiagonal, "4e-6, 1e-6, 0, 0", "4e-6, 3e-6, -3e-6, 0");
+  three = replaced(three, "1e-6, 4e-6, 0, 0", "3e-6, 4e-6, 3e-6, 0");
+  three = replaced(three, "0, 0, 4e-6, 0", "-3e-6, 3e-6, 4e-6, 0");
+  refuses_residual(with(three), key, "not-a-covariance",
+                   {"positive semidefinite", "least eigenvalue"}, 1);
+  refuses_residual(changed("    - [0, 0, 0, 0, 0, 1e-6]\n", ""), key, "wrong-length",
+                   {"residual_velocity", "5 rows", "6"}, 1);
+  refuses_residual(changed("[0, 0, 4e-6, 0, 0, 0]", "[0, 0, 4e-6, 0, 0]"), key, "wrong-length",
+                   {"residual_velocity[2]", "5"}, 3);
+  refuses_residual(changed("[0, 0, 4e-6,", "[0, 0, 2 mm/s,"), key, "wrong-unit",
+                   {"residual_velocity[2][2]"}, 3);
+  refuses_residual(changed("[0, 0, 4e-6,", "[0, 0, 1e30,"), key, "out-of-range",
+                   {"residual_velocity[2][2]"}, 3);
+}
+
+TEST_CASE("what cannot stand beside a residual velocity is refused with the reason") {
+  const std::string section = "uncertainty:";
+  refuses_residual(with(kCarried), section, "missing-key",
+                   {"residual_velocity", "target.state.covariance"});
+  refuses_residual(with(kCone + kDiagonal), section, "contradiction",
+                   {"residual_velocity", "cone_half_angle"});
+  refuses_residual(with(kDiagonal + "  hand_tracking: {linear: 1 mm/s}\n"), "hand_tracking",
+                   "not-used", {"from_covariance"});
+  refuses_residual(with(kCarried + "  residual_frame: target\n", kCovariance), "residual_frame",
+                   "not-used", {"matrix"});
+  refuses_residual(with("  residual_deviations: 2\n"), "residual_deviations", "not-used",
+                   {"residual_velocity"});
+  refuses_residual(with(kDiagonal + "  residual_deviations: 0\n"), "residual_deviations",
+                   "out-of-range", {"residual_deviations"});
+  const std::string cvar = replaced(with(kDiagonal), "objective: base_angular_momentum",
+                                    "objective: {quantity: base_angular_momentum, measure: cvar}");
+  refuses_residual(cvar, "objective:", "not-supported", {"cvar", "closed form"});
+}
+
+TEST_CASE("a cone that is narrower than its own covariance is remarked") {
+  const auto remarks_of = [](const std::string& text) {
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / "stillbase_narrow_cone.yaml";
+    std::ofstream(path) << replaced(text, "robots/", source_path("problems/robots/"));
+    std::vector<Finding> remarks;
+    const CaptureProblem problem = read_problem(path.string(), &remarks);
+    std::filesystem::remove(path);
+    std::string out;
+    for (const Finding& remark : remarks) {
+      if (remark.rule == kNarrowConeRule) out += to_string(remark);
+    }
+    return out;
+  };
+  // 60 s at 0.1 deg/s: 6 deg along every axis.
+  const std::string said = remarks_of(with(kCone, kCovariance));
+  CHECK_THAT(said, Catch::Contains("uncertainty.cone_half_angle: the cone of 10 deg"));
+  CHECK_THAT(said, Catch::Contains("with probability 0.95"));
+  CHECK_THAT(remarks_of(with("  target_mass: 0.1\n", kCovariance)),
+             Catch::Contains("exactly known"));
+  CHECK(remarks_of(with("  cone_half_angle: 45 deg\n", kCovariance)).empty());
+  CHECK(remarks_of(with("  cone_half_angle: from_covariance\n", kCovariance)).empty());
+  CHECK(remarks_of(with(kCarried, kCovariance)).empty());
+  CHECK(remarks_of(kProblem).empty());
+  // Nothing is known of the direction.
+  const std::string lost = remarks_of(with(kCone, replaced(kCovariance, "0.1 deg/s", "1 deg/s")));
+  CHECK_THAT(lost, Catch::Contains("no cone holds it"));
+}

@@ -1,0 +1,135 @@
+// The momentum that a capture has to manage, and which limit binds.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include <stillbase/encounter/encounter.hpp>
+#include <stillbase/planner/post_impact.hpp>
+
+#include "planner/capture_limits.hpp"
+#include "support/shipped_problem.hpp"
+
+namespace stillbase {
+namespace {
+
+const LimitUse* find(const ManagedMomentum& managed, CaptureLimit limit) {
+  for (const LimitUse& use : managed.limits) {
+    if (use.limit == limit) return &use;
+  }
+  return nullptr;
+}
+
+struct Latched {
+  CaptureProblem problem = test::shipped("servicer_latch");
+  Configuration at = start_configuration(problem);
+  ImpactSummary impact = impact_at(problem, at);
+};
+
+}  // namespace
+
+TEST_CASE("11114.4678 N m s take wheels of 176 N m 63.150 s at least") {
+  Latched x;
+  x.problem.post_impact.wheels.torque.setConstant(176);
+  x.problem.post_impact.controllers.clear();
+  x.impact.total = Vector3d(-11114.4678, 300, 11000);
+  const auto managed = managed_momentum(x.problem, x.at, x.impact);
+  REQUIRE(managed);
+  REQUIRE(managed->least_time);
+  CHECK(*managed->least_time == Approx(63.150).margin(5e-4));
+  // Without a wheel about an axis that needs one there is no time.
+  x.problem.post_impact.wheels.torque.y() = 0;
+  CHECK_FALSE(managed_momentum(x.problem, x.at, x.impact)->least_time.has_value());
+  x.impact.total.y() = 0;
+  CHECK(managed_momentum(x.problem, x.at, x.impact)->least_time.has_value());
+}
+
+TEST_CASE("after a latch the managed momentum is that of robot and target, else the robot's") {
+  Latched x;
+  const auto managed = managed_momentum(x.problem, x.at, x.impact);
+  REQUIRE(managed);
+  CHECK(managed->angular == x.impact.total);
+  CHECK(managed->linear.norm() == Approx(224 * 0.015).epsilon(1e-12));
+  // The latch that the simulation makes has it.
+  const AfterContact run = simulate_post_impact(x.problem, x.at, x.impact, "none");
+  const TraceSample& first = run.simulation.trace.front();
+  CHECK((first.total - managed->angular).norm() < 1e-9 * first.total.norm());
+  const Vector3d P_B = first.state.base.orientation.conjugate() * first.P_N;
+  CHECK((P_B - managed->linear).norm() < 1e-9 * P_B.norm());
+
+  CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
+  const Configuration at{problem.start, problem.base};
+  const ImpactSummary impact = impact_at(problem, at);
+  const auto bounced = managed_momentum(problem, at, impact);
+  REQUIRE(bounced);
+  CHECK(bounced->linear.norm() == Approx(impact.Fbar.head<3>().norm()));
+  CHECK_FALSE(bounced->least_time.has_value());
+  CHECK_FALSE(managed_momentum(test::shipped("spart_given_push"), at, impact).has_value());
+}
+
+TEST_CASE("the limit that is used most stands first, and every limit is there once") {
+  Latched x;
+  PostImpactSpec& spec = x.problem.post_impact;
+  spec.controllers = {"detumble"};
+  spec.wheels.torque.setConstant(1);
+  spec.wheels.momentum.setConstant(50);
+  spec.grip.force = 1e4;
+  spec.grip.moment = 1e4;
+  const auto managed = managed_momentum(x.problem, x.at, x.impact);
+  REQUIRE(managed);
+  CHECK(managed->limits.size() == 9);
+  for (std::size_t i = 1; i < managed->limits.size(); ++i) {
+    CHECK(managed->limits[i].part() <= managed->limits[i - 1].part());
+  }
+  for (int i = 0; i < 9; ++i) CHECK(find(*managed, static_cast<CaptureLimit>(i)) != nullptr);
+  REQUIRE(managed->remaining);
+}
+
+TEST_CASE("wheels that are too small and a grip that is too weak break the limits by name") {
+  Latched x;
+  PostImpactSpec& spec = x.problem.post_impact;
+  spec.controllers = {"detumble"};
+  spec.residual_base_rate_max = 10;
+  spec.attitude_change_max = 3;
+  spec.horizon = 30;
+  for (Joint& joint : x.problem.robot.joints) {
+    joint.lower = -20;
+    joint.upper = 20;
+    joint.max_velocity = 20;
+  }
+  const double h = x.impact.total.lpNorm<Eigen::Infinity>();
+  spec.wheels.torque.setConstant(h / 5);
+  spec.wheels.momentum.setConstant(2 * h);
+  CHECK(post_impact_failure(x.problem, x.at, x.impact, {}) == "");
+  const auto enough = managed_momentum(x.problem, x.at, x.impact);
+  REQUIRE(find(*enough, CaptureLimit::WheelMomentum) != nullptr);
+  CHECK(find(*enough, CaptureLimit::WheelMomentum)->margin() > 0);
+
+  spec.wheels.momentum.setConstant(0.5 * h);
+  CHECK(post_impact_failure(x.problem, x.at, x.impact, {}).find("wheel momentum of ") == 0);
+  const auto full = managed_momentum(x.problem, x.at, x.impact);
+  CHECK(find(*full, CaptureLimit::WheelMomentum)->value == Approx(h).epsilon(1e-3));
+  CHECK(find(*full, CaptureLimit::WheelMomentum)->margin() < 0);
+  spec.wheels.preset = -0.5 * x.impact.total;
+  CHECK(find(*managed_momentum(x.problem, x.at, x.impact), CaptureLimit::WheelMomentum)->part() ==
+        Approx(1).epsilon(0.02));
+  spec.wheels.preset.setZero();
+  // Thrusters take what the wheels do not.
+  spec.thrusters.torque = 1;
+  CHECK(find(*managed_momentum(x.problem, x.at, x.impact), CaptureLimit::WheelMomentum)->part() <=
+        1 + 1e-6);
+  spec.thrusters.torque = 0;
+  spec.wheels.momentum.setConstant(2 * h);
+
+  spec.horizon = 3;
+  CHECK(post_impact_failure(x.problem, x.at, x.impact, {}) ==
+        "robot and target do not rest within the horizon of 3 s");
+  const auto late = managed_momentum(x.problem, x.at, x.impact);
+  CHECK_FALSE(late->rest_time.has_value());
+  CHECK(find(*late, CaptureLimit::TimeWindow)->place == "horizon");
+  CHECK(find(*late, CaptureLimit::TimeWindow)->part() > 1);
+  spec.horizon = 30;
+  spec.grip.force = 1e-6;  // what coasting takes is more
+  CHECK(post_impact_failure(x.problem, x.at, x.impact, {}).find("grip force of hand") == 0);
+}
+
+}  // namespace stillbase

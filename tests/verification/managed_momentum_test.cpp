@@ -1,0 +1,181 @@
+// What a plan says of the momentum after the contact, against the verifier's own account.
+#include <catch2/catch.hpp>
+
+#include <functional>
+
+#include <stillbase/encounter/encounter.hpp>
+#include <stillbase/planner/post_impact.hpp>
+
+#include "support/shipped_problem.hpp"
+#include "verification/checks.hpp"
+#include "verification/contact_case.hpp"
+#include "verification/grip_load.hpp"
+
+using namespace stillbase;
+using namespace stillbase::verification;
+
+namespace {
+
+/// A latch in the start posture, the hand at the feature, taken over by detumble.
+Plan latched_plan(const std::string& controller = "detumble") {
+  Plan plan;
+  plan.problem = test::shipped("servicer_latch");
+  PostImpactSpec& spec = plan.problem.post_impact;
+  spec.controllers = {controller};
+  spec.horizon = 12;
+  spec.wheels.torque = Vector3d(0.8, 1, 1.2);
+  spec.wheels.momentum.setConstant(50);
+  spec.grip.force = 500;
+  spec.grip.moment = 300;
+  Configuration& at = plan.configuration;
+  at = start_configuration(plan.problem);
+  const Situation there(plan.problem, at);
+  at.base.position += there.event.feature->point - there.hand_N;
+  plan.impact = impact_at(plan.problem, at);
+  plan.managed_momentum = managed_momentum(plan.problem, at, plan.impact);
+  plan.status = PlanStatus::Feasible;
+  return plan;
+}
+
+/// The run that the verification judges.
+AfterContact run_of(const Context& context) {
+  const Situation& at = context.situation;
+  const PostImpactSpec& spec = context.problem.post_impact;
+  SimulationOptions options = plant_options_of(spec, context.problem.robot);
+  options.integrator = IntegratorKind::Fehlberg78;
+  options.relative_tolerance = 1e-11;
+  options.absolute_tolerance = 1e-13;
+  options.output_period = spec.horizon / 20;
+  return simulate_after_contact(contact_case(context.problem, at.target(), at.event, at.response,
+                                             at.at, at.event.n, at.impulse()),
+                                spec, *controller_of(spec, spec.controllers.front()), options);
+}
+
+std::string failing(const ClaimList& claims) {
+  std::string names;
+  for (const Claim& claim : claims.claims()) {
+    if (claim.fails()) names += claim.name + " ";
+  }
+  return names;
+}
+
+/// Names of the checks of the account that fail.
+std::string failures_of(const Plan& plan, const AfterContact& run) {
+  const VerifyOptions options;
+  const Situation situation(plan.problem, plan.configuration);
+  const Context context{plan, options, situation, situation.problem};
+  ClaimList claims;
+  check_managed_momentum(context, &run, claims);
+  CHECK_FALSE(claims.claims().empty());
+  return failing(claims);
+}
+
+AfterContact run_of(const Plan& plan) {
+  const VerifyOptions options;
+  const Situation situation(plan.problem, plan.configuration);
+  return run_of(Context{plan, options, situation, situation.problem});
+}
+
+}  // namespace
+
+TEST_CASE("an account of the momentum holds, and fails with any number of it altered") {
+  const Plan plan = latched_plan();
+  REQUIRE(plan.managed_momentum);
+  REQUIRE(plan.managed_momentum->limits.size() >= 8);
+  const AfterContact run = run_of(plan);
+  CHECK(failures_of(plan, run) == "");
+
+  const auto altered = [&](const std::function<void(ManagedMomentum&)>& change) {
+    Plan other = plan;
+    change(*other.managed_momentum);
+    return failures_of(other, run);
+  };
+  for (int i = 0; i < 3; ++i) {
+    CHECK(altered([i](ManagedMomentum& m) { m.angular(i) *= 1 + 1e-6; }) == "managed_momentum ");
+    CHECK(altered([i](ManagedMomentum& m) { m.linear(i) += 1e-6 * m.linear.norm(); }) ==
+          "managed_momentum ");
+  }
+  CHECK(altered([](ManagedMomentum& m) { *m.least_time *= 1 + 1e-6; }) == "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) { m.least_time.reset(); }) == "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) { m.remaining.reset(); }) == "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) { *m.remaining += 0.01 * m.angular.norm(); }) ==
+        "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) {
+          m.rest_time = m.rest_time ? std::optional<double>() : std::optional<double>(3);
+        }) == "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) { std::swap(m.limits.front(), m.limits.back()); }) ==
+        "capture_limits ");
+  CHECK(altered([](ManagedMomentum& m) { m.limits.push_back(m.limits.back()); }) ==
+        "capture_limits ");
+  for (std::size_t i = 0; i < plan.managed_momentum->limits.size(); ++i) {
+    INFO(to_string(plan.managed_momentum->limits[i].limit));
+    const auto limit = [&](const std::function<void(LimitUse&)>& change) {
+      return altered([&](ManagedMomentum& m) { change(m.limits[i]); });
+    };
+    CHECK(limit([](LimitUse& use) { use.value += 0.005 * use.most; }) == "capture_limits ");
+    CHECK(limit([](LimitUse& use) { use.most *= 1 + 1e-6; }) == "capture_limits ");
+    CHECK(limit([](LimitUse& use) { use.place += "_"; }) == "capture_limits ");
+    CHECK(limit([](LimitUse& use) { use.unit += "s"; }) == "capture_limits ");
+    CHECK(altered([&](ManagedMomentum& m) {
+            m.limits.erase(m.limits.begin() + static_cast<std::ptrdiff_t>(i));
+          }) == "capture_limits ");
+  }
+}
+
+TEST_CASE("demands on grip, wheels and time fail by name whatever the plan says") {
+  const Plan plan = latched_plan();
+  const AfterContact run = run_of(plan);
+  const auto with = [&](const std::function<void(PostImpactSpec&)>& change) {
+    Plan other = plan;
+    change(other.problem.post_impact);
+    other.managed_momentum.reset();
+    other.status = PlanStatus::Infeasible;  // whose account may be missing
+    return failures_of(other, run);
+  };
+  const SimulationSummary& summary = run.simulation.summary;
+  CHECK(with([](PostImpactSpec&) {}) == "");
+  CHECK(with([&](PostImpactSpec& s) { s.grip.force = 0.99 * summary.peak_grip_force; }) ==
+        "grip_force ");
+  CHECK(with([&](PostImpactSpec& s) { s.grip.moment = 0.99 * summary.peak_grip_moment; }) ==
+        "grip_moment ");
+  CHECK(with([&](PostImpactSpec& s) { s.wheels.torque *= 0.9; }) == "wheel_torque ");
+  CHECK(with([&](PostImpactSpec& s) {
+          s.wheels.momentum.setConstant(0.9 * summary.peak_wheel_momenta.maxCoeff());
+        }) == "wheel_momentum ");
+  AfterContact restless = run;
+  restless.simulation.summary.rest_time.reset();
+  Plan other = plan;
+  other.managed_momentum.reset();
+  CHECK(failures_of(other, restless) == "managed_momentum_stated detumbled ");
+}
+
+TEST_CASE("a grip's wrench that is not the rate of the target's momentum is found") {
+  for (const char* controller : {"detumble", "rns_damped", "none"}) {
+    const Plan plan = latched_plan(controller);
+    const VerifyOptions options;
+    const Situation situation(plan.problem, plan.configuration);
+    const Context context{plan, options, situation, situation.problem};
+    const AfterContact run = run_of(context);
+    const auto passes = [&](const std::function<void(AfterContact&)>& spoil) {
+      AfterContact other = run;
+      spoil(other);
+      ClaimList claims;
+      check_grip_load(context, other, claims);
+      REQUIRE(claims.claims().size() == 1);
+      REQUIRE(claims.claims().front().is_checked);
+      return claims.all_pass();
+    };
+    INFO(controller);
+    CHECK(passes([](AfterContact&) {}));
+    Vector6d largest = Vector6d::Zero();
+    for (const TraceSample& sample : run.simulation.trace) {
+      largest = largest.cwiseMax(sample.grip_wrench.cwiseAbs());
+    }
+    for (int i = 0; i < 6; ++i) {
+      const double size = i < 3 ? largest.head<3>().norm() : largest.tail<3>().norm();
+      CHECK_FALSE(
+          passes([&](AfterContact& x) { x.simulation.trace[2].grip_wrench(i) += 1e-5 * size; }));
+    }
+    CHECK_FALSE(passes([](AfterContact& x) { x.simulation.trace[0].wheel_torque.x() += 0.1; }));
+  }
+}

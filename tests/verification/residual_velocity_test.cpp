@@ -1,0 +1,148 @@
+// The measures over the residual velocity: planner against reference, and plans that state them
+// wrong.
+#include <catch2/catch.hpp>
+
+#include <stillbase/formulation/measures/robust.hpp>
+#include <stillbase/planner/planner.hpp>
+
+#include "formulation/measures/measure.hpp"
+#include "support/capture_problems.hpp"
+#include "support/shipped_problem.hpp"
+#include "verification/failed_claims.hpp"
+#include "verification/objective.hpp"
+
+namespace stillbase {
+namespace {
+
+Matrix6d random_covariance(Random& random, double linear, double angular) {
+  Matrix6d root;
+  for (double& x : root.reshaped()) x = random.normal();
+  root.topRows<3>() *= linear;
+  root.bottomRows<3>() *= angular;
+  return root * root.transpose();
+}
+
+/// A latch, planned over its residual velocity.
+Plan latch_plan(RiskMeasure measure) {
+  CaptureProblem problem = test::without_path("servicer_latch");
+  Random random(91);
+  problem.uncertainty = {};
+  problem.uncertainty.residual_velocity.emplace();
+  problem.uncertainty.residual_velocity->covariance = random_covariance(random, 1e-3, 2e-3);
+  problem.measure = {};
+  problem.measure.kind = measure;
+  problem.search.starts = 8;
+  return make_plan(problem);
+}
+
+}  // namespace
+
+TEST_CASE("planner and reference agree on the measures over the residual velocity") {
+  const ContactLaw law =
+      GENERATE(ContactLaw::Frictionless, ContactLaw::Sticking, ContactLaw::Latch);
+  Random random(92);
+  for (int source = 0; source < 3; ++source) {
+    CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, source == 1));
+    problem.variables.base_position = PositionFreedom::Free;
+    problem.impulse.contact = law;
+    if (law != ContactLaw::Frictionless) problem.impulse.restitution = 0;
+    problem.objective = {
+        {ObjectiveQuantity::BaseAngularMomentum, 0.7}, {ObjectiveQuantity::TotalAngularMomentum, 2},
+        {ObjectiveQuantity::BaseMomentum, 3, 0.5},     {ObjectiveQuantity::ImpulseMagnitude, 5},
+        {ObjectiveQuantity::BaseEnergy, 0.1},          {ObjectiveQuantity::JointRateNorm, 0.2}};
+    ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+    residual.deviations = 2;
+    if (source < 2) {
+      residual.covariance = random_covariance(random, 5e-3, 0.01);
+      residual.frame = source == 0 ? ResidualFrame::Target : ResidualFrame::Inertial;
+    } else {
+      problem.target_deviations.emplace();
+      problem.target_deviations->orientation = {0.02, 0.03, 0.01};
+      problem.target_deviations->linear_velocity.setConstant(2e-3);
+      problem.target_deviations->angular_velocity = {4e-3, 6e-3, 2e-3};
+      problem.target_deviations->moments = {0.01, 0.02, 0.01};
+      residual.linear_tracking = 1e-3;
+      residual.angular_tracking = 2e-3;
+    }
+    const Formulation formulation(problem);
+    const Eigen::VectorXd x =
+        formulation.start_point(low_discrepancy_point(source, formulation.num_variables(), 3));
+    const Configuration at = formulation.configuration(x);
+    const verification::Situation situation(problem, at);
+    const verification::ResidualCase found = verification::residual_case(situation);
+    const ResidualSummary stated = summarize_residual(problem, formulation, at);
+    INFO("contact law " << static_cast<int>(law) << ", source " << source);
+    CHECK((stated.velocity - found.velocity).norm() < 1e-9 * found.velocity.norm());
+    CHECK((stated.covariance - found.covariance).norm() < 1e-8 * found.covariance.norm());
+    CHECK(stated.separating == Approx(found.separating).margin(1e-9));
+    CHECK(found.distance(stated.worst_velocity) == Approx(1).epsilon(1e-6));
+    const double tolerance = verification::objective_tolerance(problem, 1e-9);
+    for (const RiskMeasure kind : {RiskMeasure::Expectation, RiskMeasure::WorstCase}) {
+      problem.measure.kind = kind;
+      CHECK(verification::measure_value(situation, 0) ==
+            Approx(Measure(problem, formulation).reported(x)).epsilon(tolerance));
+    }
+    const auto largest = verification::largest_square(found);
+    CHECK(largest.bound >= largest.value);
+    CHECK(largest.bound == Approx(largest.value).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("the largest square over an ellipsoid and its bound are one, in the hard case too") {
+  Random random(93);
+  for (int trial = 0; trial < 50; ++trial) {
+    verification::ResidualCase residual;
+    residual.form = random_covariance(random, 1, 1);
+    residual.covariance = random_covariance(random, 1e-3, 2e-3);
+    residual.deviations = 3;
+    if (trial % 2 == 1) residual.velocity = 0.01 * Vector6d::Unit(trial % 6);
+    const auto largest = verification::largest_square(residual);
+    CHECK(largest.bound == Approx(largest.value).epsilon(1e-8));
+    CHECK(residual.distance(largest.velocity) == Approx(1));
+    if (trial % 2 == 1) continue;
+    // Vbar = 0: k^2 times the largest eigenvalue of form Sigma.
+    const double eigenvalue = (residual.form * residual.covariance).eigenvalues().real().maxCoeff();
+    CHECK(largest.value == Approx(9 * eigenvalue).epsilon(1e-8));
+  }
+}
+
+TEST_CASE("a plan that states its residual velocity or its measure wrong fails") {
+  const RiskMeasure measure = GENERATE(RiskMeasure::Expectation, RiskMeasure::WorstCase);
+  const Plan plan = latch_plan(measure);
+  REQUIRE(plan.objective.residual);
+  CHECK(plan.objective.value > plan.objective.nominal);
+  CHECK(plan.certificate.proof.status == ProofStatus::NotApplicable);
+  REQUIRE(failures(plan) == "");
+
+  const auto failing = [&plan](auto&& change) {
+    Plan other = plan;
+    change(other, *other.objective.residual);
+    return failures(other);
+  };
+  using Catch::Contains;
+  CHECK_THAT(failing([](Plan&, ResidualSummary& r) { r.covariance *= 1.001; }),
+             Contains("residual_covariance"));
+  CHECK_THAT(failing([](Plan&, ResidualSummary& r) { r.velocity[0] += 1e-5; }),
+             Contains("residual_mean"));
+  CHECK_THAT(failing([](Plan&, ResidualSummary& r) { r.deviations = 2; }),
+             Contains("residual_deviations"));
+  CHECK_THAT(failing([](Plan&, ResidualSummary& r) { r.separating += 1e-3; }),
+             Contains("residual_separating"));
+  CHECK_THAT(failing([](Plan&, ResidualSummary& r) { r.worst_velocity *= 1.1; }),
+             Contains("worst_velocity") && Contains("objective_worst_case"));
+  CHECK_THAT(failing([](Plan& p, ResidualSummary& r) {
+               r.worst_velocity = r.velocity;
+               p.objective.worst_case = p.objective.nominal;
+             }),
+             Contains("worst_case_bound"));
+  CHECK_THAT(failing([](Plan& p, ResidualSummary&) { p.objective.residual.reset(); }),
+             Contains("residual_velocity"));
+  CHECK_THAT(failing([](Plan& p, ResidualSummary&) { p.objective.value *= 1 - 1e-5; }),
+             Contains("objective_value"));
+  CHECK_THAT(failing([](Plan& p, ResidualSummary&) {
+               for (Candidate& candidate : p.candidates) candidate.value *= 1 - 1e-4;
+             }),
+             Contains("candidates_value"));
+}
+
+}  // namespace stillbase
