@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "support/temporary_folder.hpp"
+
 namespace stillbase::cli_test {
 
 inline std::string source_path(const std::string& relative) {
@@ -31,30 +33,17 @@ struct Outcome {
   bool says(const std::string& part) const { return err.find(part) != std::string::npos; }
 };
 
-/// A temporary folder with copies of the shipped robots and targets, gone at the end.
-class Workshop {
+/// A temporary folder with copies of the shipped robots and targets.
+class Workshop : public TemporaryFolder {
  public:
   Workshop() {
-    std::string name = (std::filesystem::temp_directory_path() / "stillbase_cli_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder_ = name;
     for (const char* part : {"robots", "targets"}) {
-      std::filesystem::copy(source_path(std::string("problems/") + part), folder_ / part);
+      std::filesystem::copy(source_path(std::string("problems/") + part), folder() / part);
     }
   }
-  ~Workshop() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  bool has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+  bool has(const std::string& name) const { return std::filesystem::exists(folder() / name); }
   std::string text(const std::string& name) const { return file_text(path(name)); }
-  void write(const std::string& name, const std::string& content) const {
-    std::ofstream(path(name), std::ios::binary) << content;
-  }
 
   /// Writes a shipped file with its first occurrence of `from` replaced, and gives the 1-based line
   /// of the change. A test that replaces nothing is wrong.
@@ -77,7 +66,7 @@ class Workshop {
   /// Runs a shell script in the folder.
   Outcome run_script(const std::string& script) const {
     write(".script", script);
-    const std::string command = "cd '" + folder_.string() + "' && sh .script >.out 2>.err";
+    const std::string command = "cd '" + folder().string() + "' && sh .script >.out 2>.err";
     const int status = std::system(command.c_str());
     Outcome outcome;
     if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
@@ -85,9 +74,6 @@ class Workshop {
     outcome.err = text(".err");
     return outcome;
   }
-
- private:
-  std::filesystem::path folder_;
 };
 
 }  // namespace stillbase::cli_test

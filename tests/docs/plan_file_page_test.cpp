@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <set>
 #include <sstream>
 #include <string>
@@ -12,6 +11,8 @@
 
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/schema.hpp>
+
+#include "support/temporary_folder.hpp"
 
 namespace stillbase {
 namespace {
@@ -94,11 +95,10 @@ TEST_CASE("the page of the plan file and the schema list the same members") {
 }
 
 TEST_CASE("the page of the plan file lists every member of a written plan") {
-  std::string folder = (std::filesystem::temp_directory_path() / "stillbase-page-XXXXXX").string();
-  REQUIRE(mkdtemp(folder.data()) != nullptr);
+  const TemporaryFolder folder;
   const Members documented = documented_members();
   for (const char* problem : {"planar_two_link_c2_a", "planar_three_link_client"}) {
-    const std::string plan = folder + "/" + problem + ".json";
+    const std::string plan = folder.path(std::string(problem) + ".json");
     const std::string command = STILLBASE_TOOL " plan " STILLBASE_SOURCE_DIR "/problems/" +
                                 std::string(problem) + ".yaml -o " + plan + " 2>/dev/null";
     REQUIRE(std::system(command.c_str()) == 0);
@@ -110,7 +110,6 @@ TEST_CASE("the page of the plan file lists every member of a written plan") {
       CHECK(documented.count(member) == 1);
     }
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace stillbase

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <regex>
 #include <sstream>
@@ -14,6 +13,8 @@
 #include <vector>
 
 #include <stillbase/core/file.hpp>
+
+#include "support/temporary_folder.hpp"
 
 namespace stillbase {
 namespace {
@@ -112,19 +113,14 @@ std::string run(const std::string& command, const fs::path& folder, int& code) {
   return printed;
 }
 
-fs::path scratch_folder() {
-  std::string name = (fs::temp_directory_path() / "stillbase-readme-XXXXXX").string();
-  REQUIRE(mkdtemp(name.data()) != nullptr);
-  return name;
-}
-
 }  // namespace
 
 TEST_CASE("every command in the READMEs runs and prints what is shown", "[proofs]") {
   int commands = 0, pictures = 0;
   for (const fs::path& readme : pages()) {
     if (console_snippets(readme).empty()) continue;
-    const fs::path folder = scratch_folder();
+    const TemporaryFolder scratch;
+    const fs::path& folder = scratch.folder();
     fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
     for (const Snippet& snippet : console_snippets(readme)) {
       if (!snippet.file.empty()) {
@@ -150,7 +146,6 @@ TEST_CASE("every command in the READMEs runs and prints what is shown", "[proofs
       CHECK(read_text_file(picture.string()) ==
             read_text_file((kRoot / "problems" / picture.filename()).string()));
     }
-    fs::remove_all(folder);
   }
   CHECK(commands >= 4);
   CHECK(pictures == 1);
@@ -249,7 +244,8 @@ TEST_CASE("MkDocs builds static pages of everything, with every link good") {
     std::cout << "skipped: no mkdocs\n";
     return;
   }
-  const fs::path folder = scratch_folder();
+  const TemporaryFolder scratch;
+  const fs::path& folder = scratch.folder();
   int code = 0;
   INFO(run("'" + script + "' site", folder, code));
   CHECK(code == 0);
@@ -268,7 +264,6 @@ TEST_CASE("MkDocs builds static pages of everything, with every link good") {
     }
   }
   CHECK(uses > 50);
-  fs::remove_all(folder);
 }
 
 TEST_CASE("Doxygen writes the reference of the public headers without a warning") {
@@ -276,13 +271,13 @@ TEST_CASE("Doxygen writes the reference of the public headers without a warning"
     std::cout << "skipped: no doxygen\n";
     return;
   }
-  const fs::path folder = scratch_folder();
+  const TemporaryFolder scratch;
+  const fs::path& folder = scratch.folder();
   int code = 0;
   INFO(run("'" + (kRoot / "tools/docs").string() + "' --api api", folder, code));
   CHECK(code == 0);
   CHECK(fs::exists(folder / "api/index.html"));
   CHECK(fs::exists(folder / "api/jump_8hpp.html"));
-  fs::remove_all(folder);
 }
 
 TEST_CASE("the annotated problem of problems/README.md is a problem that can be planned") {
@@ -290,14 +285,14 @@ TEST_CASE("the annotated problem of problems/README.md is a problem that can be 
   const std::size_t begin = page.find("```yaml\n");
   REQUIRE(begin != std::string::npos);
   const std::string text = page.substr(begin + 8, page.find("```", begin + 8) - begin - 8);
-  const fs::path folder = scratch_folder();
+  const TemporaryFolder scratch;
+  const fs::path& folder = scratch.folder();
   fs::copy(kRoot / "problems", folder / "problems", fs::copy_options::recursive);
   write_file_atomically((folder / "problems/annotated.yaml").string(), text, false);
   int code = 0;
   INFO(run(std::string(STILLBASE_TOOL) + " plan problems/annotated.yaml -o plan.json", folder,
            code));
   CHECK(code == 0);
-  fs::remove_all(folder);
 }
 
 }  // namespace stillbase

@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <regex>
 
@@ -11,6 +10,7 @@
 #include "export/mat_reader.hpp"
 #include "export/mat_writer.hpp"
 #include "export/support.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::export_test;
@@ -116,19 +116,16 @@ TEST_CASE("scipy reads the MAT-file") {
     return;
   }
   const Plan& plan = client_plan();
-  std::string folder = (std::filesystem::temp_directory_path() / "stillbase-mat-XXXXXX").string();
-  REQUIRE(mkdtemp(folder.data()) != nullptr);
-  write_file_atomically(folder + "/plan.mat", matlab_file(plan), false);
+  const TemporaryFolder folder;
+  write_file_atomically(folder.path("plan.mat"), matlab_file(plan), false);
   const std::string check =
       "import scipy.io\n"
       "f = scipy.io.loadmat('" +
-      folder +
-      "/plan.mat', squeeze_me=True, struct_as_record=False)\n"
+      folder.path("plan.mat") +
+      "', squeeze_me=True, struct_as_record=False)\n"
       "assert f['plan'].status == 'optimal', f['plan'].status\n"
       "assert f['plan'].approach.joint_positions.shape == f['trajectory'].joint_position.shape\n"
       "assert (f['plan'].approach.times == f['trajectory'].time).all()\n"
       "assert any(m.path == 'approach.times' and m.unit == 's' for m in f['members'])\n";
-  write_file_atomically(folder + "/check.py", check, false);
-  CHECK(std::system(("python3 " + folder + "/check.py").c_str()) == 0);
-  std::filesystem::remove_all(folder);
+  CHECK(std::system(("python3 " + folder.write("check.py", check)).c_str()) == 0);
 }

@@ -3,7 +3,6 @@
 // not finite, a copy that does not read back.
 #pragma once
 
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -30,6 +29,7 @@
 #include "robot/mesh_file.hpp"
 #include "robot/mesh_parts.hpp"
 #include "robot/srdf_reader.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace stillbase::fuzz {
 
@@ -109,26 +109,10 @@ inline std::string mesh_ending(std::string_view text) {
   return ".obj";
 }
 
-/// A folder of this process alone, removed at its end.
-class MeshFolder {
- public:
-  MeshFolder() { require(::mkdtemp(path_.data()) != nullptr, "no folder for meshes"); }
-  MeshFolder(const MeshFolder&) = delete;
-  MeshFolder& operator=(const MeshFolder&) = delete;
-  ~MeshFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_ = (std::filesystem::temp_directory_path() / "stillbase_mesh_XXXXXX").string();
-};
-
 /// Meshes are read from files. The reader says what is wrong without naming the file.
 inline bool mesh(std::string_view text) {
-  static const MeshFolder folder;
-  const std::string path = folder.path() + "/mesh" + mesh_ending(text);
+  static const TemporaryFolder folder;
+  const std::string path = folder.path("mesh" + mesh_ending(text));
   std::ofstream(path, std::ios::binary) << text;
   Mesh mesh;
   EnclosingHull hull;

@@ -6,6 +6,7 @@
 #include <stillbase/io/benchmark_file.hpp>
 
 #include "io/io_support.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace stillbase {
 namespace {
@@ -109,11 +110,9 @@ TEST_CASE("a suite with mistakes is refused with all of them") {
       "  - name: a\n    problem: " STILLBASE_SOURCE_DIR
       "/problems/spart_3dof_point.yaml\n    goals: [nominal, worst_case, best]\n"
       "    vary: [impulse_direction, impulse_direction]\n    instances: 0\n    colour: red\n";
-  const std::string path =
-      (std::filesystem::temp_directory_path() / "stillbase_suite_test.yaml").string();
-  write_file_atomically(path, text, true);
+  const TemporaryFolder folder;
   try {
-    (void)read_suite(path);
+    (void)read_suite(folder.write("suite.yaml", text));
     FAIL("accepted");
   } catch (const InputError& error) {
     const std::string what = error.what();
@@ -122,7 +121,6 @@ TEST_CASE("a suite with mistakes is refused with all of them") {
       CHECK(what.find(part) != std::string::npos);
     }
   }
-  std::filesystem::remove(path);
 }
 
 }  // namespace stillbase

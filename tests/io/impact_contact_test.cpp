@@ -1,13 +1,13 @@
 // impact.contact: what a problem may ask of a contact, and what it may not.
 #include <catch2/catch.hpp>
 
-#include <unistd.h>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/io/problem_file.hpp>
 
 #include "io/io_support.hpp"
 #include "io/problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -27,14 +27,7 @@ CaptureProblem contact_problem(const std::string& name, const Changes& changes) 
   if (text.find("targets/") != std::string::npos) {
     text = replaced(text, "targets/", source_path("problems/targets/"));
   }
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("stillbase_" + std::to_string(getpid()) + ".yaml");
-  std::ofstream(path) << text;
-  struct Removal {
-    std::filesystem::path path;
-    ~Removal() { std::filesystem::remove(path); }
-  } removal{path};
-  return read_problem(path.string());
+  return read_problem(TemporaryFolder().write("problem.yaml", text));
 }
 
 std::string contact_refusal(const std::string& name, const Changes& changes) {

@@ -2,12 +2,12 @@
 #include <catch2/catch.hpp>
 
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/io/problem_file.hpp>
 
 #include "io/io_support.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -23,16 +23,7 @@ CaptureProblem read_with(
                   "joint_resistance: " + resistance);
   text = replaced(text, "robots/", source_path("problems/robots/"));
   text = replaced(text, "targets/", source_path("problems/targets/"));
-  std::string path = (std::filesystem::temp_directory_path() / "stillbase_io_XXXXXX").string();
-  const int file = mkstemp(path.data());
-  REQUIRE(file >= 0);
-  close(file);
-  std::ofstream(path) << text << lines;
-  struct Removal {
-    std::string path;
-    ~Removal() { std::filesystem::remove(path); }
-  } removal{path};
-  return read_problem(path);
+  return read_problem(TemporaryFolder().write("problem.yaml", text + lines));
 }
 
 /// The findings of a problem with these lines at the end of its last section.

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include <catch2/catch.hpp>
 
 #include "io/problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -410,13 +410,12 @@ TEST_CASE(
   const std::string folder = source_path("problems/");
   CHECK(findings_of([&] { read_problem(folder + "no_such_problem.yaml"); })[0].rule ==
         "missing-file");
-  const auto temporary = std::filesystem::temp_directory_path() / "stillbase_io_test.yaml";
-  std::ofstream(temporary) << kProblem;
-  const auto findings = findings_of([&] { read_problem(temporary.string()); });
-  std::filesystem::remove(temporary);
+  const TemporaryFolder elsewhere;
+  const std::string file = elsewhere.write("problem.yaml", kProblem);
+  const auto findings = findings_of([&] { read_problem(file); });
   INFO(text_of(findings));
   REQUIRE(findings.size() == 1);
-  CHECK(findings[0].file == temporary.string());
+  CHECK(findings[0].file == file);
   CHECK(findings[0].line == 5);
   CHECK(findings[0].rule == "missing-file");
   CHECK_THAT(findings[0].message, Catch::Contains("robot.file"));

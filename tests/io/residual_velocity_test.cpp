@@ -7,6 +7,7 @@
 
 #include "io/io_support.hpp"
 #include "io/problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -119,12 +120,11 @@ TEST_CASE("what cannot stand beside a residual velocity is refused with the reas
 
 TEST_CASE("a cone that is narrower than its own covariance is remarked") {
   const auto remarks_of = [](const std::string& text) {
-    const std::filesystem::path path =
-        std::filesystem::temp_directory_path() / "stillbase_narrow_cone.yaml";
-    std::ofstream(path) << replaced(text, "robots/", source_path("problems/robots/"));
+    const TemporaryFolder folder;
     std::vector<Finding> remarks;
-    const CaptureProblem problem = read_problem(path.string(), &remarks);
-    std::filesystem::remove(path);
+    (void)read_problem(
+        folder.write("problem.yaml", replaced(text, "robots/", source_path("problems/robots/"))),
+        &remarks);
     std::string out;
     for (const Finding& remark : remarks) {
       if (remark.rule == kNarrowConeRule) out += to_string(remark);

@@ -1,8 +1,7 @@
 // The key `robot.rotors`.
 #include "io/problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
-#include <filesystem>
-#include <fstream>
 
 using namespace stillbase;
 using namespace stillbase::io_test;
@@ -14,9 +13,7 @@ CaptureProblem read_with_rotors(const std::string& rotors, const std::string& re
   std::string text = replaced(kProblem, "robots/", source_path("problems/robots/"));
   text = replaced(text, "  hand: hand\n", "  hand: hand\n" + rotors);
   text = replaced(text, "{model: rotor_inertia, rotor_inertia: [0.5, 0.25]}", resistance);
-  const auto path = std::filesystem::temp_directory_path() / "stillbase_rotors_test.yaml";
-  std::ofstream(path) << text;
-  return read_problem(path.string());
+  return read_problem(TemporaryFolder().write("problem.yaml", text));
 }
 
 std::string refusal_of_rotors(const std::string& rotors, const std::string& resistance = "free") {

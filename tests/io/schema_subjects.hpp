@@ -1,9 +1,7 @@
 // Every format that has a strict reader, with documents that between them use every key.
 #pragma once
 
-#include <unistd.h>
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -21,6 +19,7 @@
 #include "io/plan_samples.hpp"
 #include "io/problem_reader.hpp"
 #include "io/schema_support.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace stillbase::io_test {
 
@@ -270,13 +269,7 @@ inline Subject suite_subject() {
   }
   while (suite["families"].size() > 1) suite["families"].erase(1);
   const auto read = [](const std::string& text) {
-    struct File {
-      std::string path = (std::filesystem::temp_directory_path() / "stillbase_suite_").string() +
-                         std::to_string(getpid()) + ".yaml";
-      ~File() { std::filesystem::remove(path); }
-    } file;
-    write_file_atomically(file.path, text, true);
-    read_suite(file.path);
+    read_suite(TemporaryFolder().write("suite.yaml", text));
   };
   return {"suite", read, {suite}};
 }

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 
 #include <fmt/format.h>
@@ -15,31 +14,12 @@
 
 #include "robot/assembly.hpp"
 #include "robot/mesh_file.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A folder of its own that is removed in the end.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "stillbase_mesh_XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folder_ = name;
-  }
-  ~Scratch() { fs::remove_all(folder_); }
-  fs::path path(const std::string& name) const { return folder_ / name; }
-  std::string write(const std::string& name, const std::string& text) const {
-    fs::create_directories(path(name).parent_path());
-    std::ofstream(path(name), std::ios::binary) << text;
-    return path(name).string();
-  }
-
- private:
-  fs::path folder_;
-};
 
 /// Corners of the triangles of a box from (0, 0, 0) to `size`.
 std::vector<Vector3d> box_triangles(const Vector3d& size) {
@@ -148,7 +128,7 @@ Vector3d size_of(const RobotModel& robot) {
 }  // namespace
 
 TEST_CASE("meshes of every format become the same hull") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const Vector3d size(0.25, 0.5, 1);
   const std::vector<Vector3d> box = box_triangles(size);
   scratch.write("a.stl", ascii_stl(box));
@@ -167,7 +147,7 @@ TEST_CASE("meshes of every format become the same hull") {
 }
 
 TEST_CASE("packages are found upwards from the file and where the user says") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const std::string stl = ascii_stl(box_triangles(Vector3d::Ones()));
   scratch.write("ws/arm_description/meshes/link.stl", stl);
   scratch.write("elsewhere/tool_description/link.stl", stl);
@@ -178,9 +158,8 @@ TEST_CASE("packages are found upwards from the file and where the user says") {
   CHECK(read_robot(scratch.write("ws/other/urdf/r.urdf", urdf_with(own))).shapes.size() == 1);
   const std::string up = urdf_with("<mesh filename=\"../meshes/link.stl\"/>");
   CHECK(read_robot(scratch.write("ws/arm_description/urdf/u.urdf", up)).shapes.size() == 1);
-  const std::string file =
-      urdf_with(fmt::format("<mesh filename=\"file://{}\"/>",
-                            scratch.path("elsewhere/tool_description/link.stl").string()));
+  const std::string file = urdf_with(fmt::format(
+      "<mesh filename=\"file://{}\"/>", scratch.path("elsewhere/tool_description/link.stl")));
   CHECK(read_robot(scratch.write("f.urdf", file)).shapes.size() == 1);
 
   const std::string tool = scratch.write(
@@ -192,9 +171,7 @@ TEST_CASE("packages are found upwards from the file and where the user says") {
   CHECK(without.remarks[0].line == 5);
   CHECK(without.remarks[0].message.find("base (package://tool_description/link.stl)") !=
         std::string::npos);
-  CHECK(
-      read_robot(tool, "", {.package_path = {scratch.path("elsewhere").string()}}).shapes.size() ==
-      1);
+  CHECK(read_robot(tool, "", {.package_path = {scratch.path("elsewhere")}}).shapes.size() == 1);
 }
 
 namespace {
@@ -212,7 +189,7 @@ std::vector<Vector3d> two_plates() {
 }  // namespace
 
 TEST_CASE("a mesh that is much smaller than its hull is remarked upon") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const std::vector<Vector3d> corners = two_plates();
   scratch.write("l.stl", ascii_stl(corners));
   const RobotModel robot =
@@ -224,7 +201,7 @@ TEST_CASE("a mesh that is much smaller than its hull is remarked upon") {
 }
 
 TEST_CASE("a concave mesh becomes parts where that is asked for, and its text carries them") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const std::vector<Vector3d> corners = two_plates();
   scratch.write("l.stl", ascii_stl(corners));
   const std::string file =
@@ -249,7 +226,7 @@ TEST_CASE("a concave mesh becomes parts where that is asked for, and its text ca
 }
 
 TEST_CASE("a mesh is read through a symbolic link, as workspaces have them") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   scratch.write("source/box.stl", ascii_stl(box_triangles(Vector3d::Ones())));
   fs::create_directories(scratch.path("install/meshes"));
   fs::create_symlink(scratch.path("source/box.stl"), scratch.path("install/meshes/box.stl"));
@@ -259,7 +236,7 @@ TEST_CASE("a mesh is read through a symbolic link, as workspaces have them") {
 }
 
 TEST_CASE("hostile meshes are refused within a second, at their line") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   std::string huge(80, 'h');
   const std::uint32_t count = 0xffffffff;
   huge.append(reinterpret_cast<const char*>(&count), 4);
@@ -292,7 +269,7 @@ TEST_CASE("hostile meshes are refused within a second, at their line") {
 }
 
 TEST_CASE("paths that leave the robot's package or go in circles are refused") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   scratch.write("secret.stl", ascii_stl(box_triangles(Vector3d::Ones())));
   scratch.write("arm/package.xml", "<package/>");
   fs::create_directories(scratch.path("arm/meshes"));
@@ -309,7 +286,7 @@ TEST_CASE("paths that leave the robot's package or go in circles are refused") {
 }
 
 TEST_CASE("a COLLADA or glTF file names no file outside of its own folder") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const std::vector<Vector3d> box = box_triangles(Vector3d::Ones());
   std::string buffer;
   for (const Vector3d& v : box) {

@@ -1,12 +1,12 @@
 // What a robot file has for drawings: nothing of it is refused.
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "robot/visual_shapes.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace stillbase;
 using namespace stillbase::urdf;
@@ -14,20 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class DrawingFolder {
+class DrawingFolder : public TemporaryFolder {
  public:
-  DrawingFolder() {
-    std::string name = (fs::temp_directory_path() / "stillbase_visual_XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folder_ = name;
-  }
-  ~DrawingFolder() { fs::remove_all(folder_); }
-  void write(const std::string& name, const std::string& text) const {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  fs::path path(const std::string& name) const { return folder_ / name; }
-
   /// The shapes of a link with these <visual>, and what is said of them.
   std::pair<Visuals, std::string> read(const std::string& inside, std::size_t most = 1000) const {
     Findings findings("robot.urdf");
@@ -35,8 +23,7 @@ class DrawingFolder {
         "<robot name=\"r\">\n<material name=\"red\"><color rgba=\"1 0 0 1\"/>"
         "</material>\n<link name=\"arm\">\n" +
         inside + "</link>\n</robot>\n";
-    Visuals visuals =
-        read_visual_shapes(text, {path("robot/urdf/robot.urdf").string(), {}}, most, findings);
+    Visuals visuals = read_visual_shapes(text, {path("robot/urdf/robot.urdf"), {}}, most, findings);
     std::string remarks;
     for (const Finding& finding : findings.remarks()) remarks += to_string(finding) + '\n';
     CHECK_NOTHROW(findings.raise());

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <string>
 
 #include <stillbase/audit/audit.hpp>
@@ -11,6 +10,8 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/planner/planner.hpp>
+
+#include "support/temporary_folder.hpp"
 
 namespace stillbase {
 namespace {
@@ -33,9 +34,8 @@ std::string failures(const Verification& verification) {
 // away to that planner itself.
 TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused") {
   for (const char* name : {"planar_three_link_null", "iiwa_client_50"}) {
-    const std::string path =
-        (std::filesystem::temp_directory_path() / (std::string("flipped_") + name + ".json"))
-            .string();
+    const TemporaryFolder folder;
+    const std::string path = folder.path("flipped.json");
     const std::string command =
         std::string(STILLBASE_FLIPPED_PLANNER) + " '" + problem_path(name) + "' '" + path + "'";
     REQUIRE(std::system(command.c_str()) == 0);
@@ -46,7 +46,6 @@ TEST_CASE("plans of a planner with one sign flipped in its dynamics are refused"
     const Verification verification = judge_plan(file.plan);
     INFO(name);
     CHECK_FALSE(verification.pass);
-    std::filesystem::remove(path);
   }
 }
 
