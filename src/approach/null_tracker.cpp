@@ -37,8 +37,14 @@ Reference reference_at(const Knots& knots, double s) {
 }  // namespace
 
 NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
-                         std::vector<Eigen::Index> free, const NullSpaceOptions& options, int jobs)
-    : robot_(robot), start_(start), free_(std::move(free)), options_(options), jobs_(jobs) {
+                         std::vector<Eigen::Index> free, const NullSpaceOptions& options, int jobs,
+                         StopCondition stop)
+    : robot_(robot),
+      start_(start),
+      free_(std::move(free)),
+      options_(options),
+      jobs_(jobs),
+      stop_(std::move(stop)) {
   lower_ = upper_ = start(free_);
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Joint& joint = robot.joints[free_[i]];
@@ -95,8 +101,8 @@ Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& c
   const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
   const auto total = static_cast<int>(count) * steps;
   const Eigen::VectorXd end = free_part(curve.phi.back());
-  Eigen::MatrixXd J(m, m * count);
-  for_each_index(jobs_, static_cast<int>(m * count), {}, [&](int column) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(m, m * count);
+  for_each_index(jobs_, static_cast<int>(m * count), stop_, [&](int column) {
     const Eigen::Index k = 1 + column / m, row = column % m;
     Knots beside = knots;
     beside(row, k) += options_.difference;
@@ -109,6 +115,7 @@ Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& c
     }
     J.col(column) = (free_part(phi) - end) / options_.difference;
   });
+  if (stop_.reached()) J.setZero();
   return J;
 }
 
@@ -181,7 +188,7 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, Knots& kno
                               end_jacobian(knots, coarse, options_.coarse_steps);
     const Eigen::MatrixXd square = J * J.transpose();
     bool better = false;
-    for (int trial = 0; trial < options_.dampings && !better; ++trial) {
+    for (int trial = 0; trial < options_.dampings && !better && !stop_.reached(); ++trial) {
       const Eigen::MatrixXd damped = square + damping * Eigen::MatrixXd::Identity(m, m);
       const Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
       Knots there = shifted_knots(knots, shift);

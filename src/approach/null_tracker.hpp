@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stillbase/approach/options.hpp>
+#include <stillbase/core/interrupt.hpp>
 #include <stillbase/plan/plan.hpp>
 
 #include "approach/joint_path.hpp"
@@ -20,8 +21,9 @@ class NullTracker {
  public:
   /// @param start n; the first column of all knots is its free part
   /// @param jobs threads
+  /// @param stop reached: no curve gets to a goal any more
   NullTracker(const RobotModel& robot, const JointVectord& start, std::vector<Eigen::Index> free,
-              const NullSpaceOptions& options = {}, int jobs = 1);
+              const NullSpaceOptions& options = {}, int jobs = 1, StopCondition stop = {});
 
   /// The velocity of the free joints (m) in the reaction null space that is nearest to `wanted`.
   Eigen::VectorXd projected(const JointVectord& phi, const Eigen::VectorXd& wanted) const;
@@ -49,7 +51,7 @@ class NullTracker {
   JointVectord slope(const Knots& knots, double s, const JointVectord& phi) const;
   JointVectord step(const Knots& knots, double s, double h, const JointVectord& phi,
                     const JointVectord& slope_here) const;
-  /// d(end) / d(knots after the first, column by column), by differences.
+  /// d(end) / d(knots after the first, column by column), by differences; zero when stopped.
   Eigen::MatrixXd end_jacobian(const Knots& knots, const JointPath& curve, int steps) const;
 
   Knots shifted_knots(const Knots& knots, const Eigen::VectorXd& shift) const;
@@ -60,6 +62,7 @@ class NullTracker {
   std::vector<Eigen::Index> free_;
   NullSpaceOptions options_;
   int jobs_;
+  StopCondition stop_;
   Eigen::VectorXd lower_, upper_;  ///< of knots (m)
 };
 

@@ -225,7 +225,7 @@ JointPath plan_null_path(const std::vector<const AttemptGoal*>& goals,
   const ApproachTask& first = goals.front()->task;
   const NullSpaceOptions& options = first.options.null_space;
   const NullTracker tracker(first.problem.robot, first.start, first.free, options,
-                            first.options.jobs);
+                            first.options.jobs, stop);
   Random random(seed);
   Search search(tracker, options, stop);
   const std::size_t count = goals.size();

@@ -44,7 +44,7 @@ class Stage {
         options_(options),
         path_options_(options.approach),
         solver_calls_(solver_calls),
-        order_(candidates_to_try(problem, found.candidates, after, options.stop)) {
+        order_(candidates_to_try(problem, found.candidates, after)) {
     path_options_.clock = options.clock;
     path_options_.jobs = jobs_or_processors(options.jobs);
     chosen_.candidate = order_.order.front();

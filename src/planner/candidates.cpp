@@ -17,6 +17,8 @@ namespace stillbase {
 
 namespace {
 
+constexpr const char* kNotJudged = "not judged";  ///< of what comes after a stop
+
 /// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
 /// none. A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
@@ -52,8 +54,12 @@ void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene
 }
 
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
-                      std::vector<Candidate>& candidates) {
-  for_each_index(jobs, static_cast<int>(candidates.size()), {}, [&](int i) {
+                      const StopCondition& stop, std::vector<Candidate>& candidates) {
+  for (Candidate& candidate : candidates) {
+    candidate.collision = kNotJudged;
+    candidate.collision_free = false;
+  }
+  for_each_index(jobs, static_cast<int>(candidates.size()), stop, [&](int i) {
     judge_collisions(problem, scene, candidates[static_cast<std::size_t>(i)]);
   });
 }
@@ -92,6 +98,7 @@ std::string AfterImpactJudge::simulated(const Configuration& configuration) {
 
 std::string AfterImpactJudge::failure(const Configuration& configuration) {
   if (auto failure = known(configuration)) return *failure;
+  if (stop_.reached()) return kNotJudged;
   const PhaseClock::Phase phase(clock_, "after_impact");
   return simulated(configuration);
 }
@@ -105,8 +112,8 @@ void AfterImpactJudge::judge_all(const std::vector<Configuration>& configuration
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after,
-                                 const StopCondition& stop) {
+                                 const std::vector<Candidate>& candidates,
+                                 AfterImpactJudge& after) {
   CandidateOrder out;
   std::vector<Configuration> to_judge;
   for (const Candidate& candidate : candidates) {
@@ -119,10 +126,7 @@ CandidateOrder candidates_to_try(const CaptureProblem& problem,
       out.excluded[i] = "at the contact: " + candidates[i].collision;
       continue;
     }
-    // What was judged before a stop stays known.
-    const Configuration& at = candidates[i].configuration;
-    const std::string failure =
-        !after.is_known(at) && stop.reached() ? "not judged" : after.failure(at);
+    const std::string failure = after.failure(candidates[i].configuration);
     if (!failure.empty()) out.excluded[i] = "after the impact: " + failure;
     (failure.empty() ? out.order : others).push_back(i);
   }

@@ -21,8 +21,9 @@ namespace stillbase {
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate);
 /// The same for all of them. @param jobs threads
+/// @param stop reached: the others are not judged, and not free of collision
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
-                      std::vector<Candidate>& candidates);
+                      const StopCondition& stop, std::vector<Candidate>& candidates);
 
 /// Whether the base's pose at the contact follows from the path instead of the search.
 bool base_follows_path(const CaptureProblem& problem);
@@ -44,12 +45,12 @@ class AfterImpactJudge {
                    PhaseClock* clock)
       : problem_(problem), stop_(stop), jobs_(jobs), clock_(clock) {}
 
-  /// The first limit that is exceeded; empty: none.
+  /// The first limit that is exceeded; empty: none. What is not known when the stop is reached is
+  /// not judged, and keeps no limits.
   std::string failure(const Configuration& configuration);
   bool keeps_limits(const Configuration& configuration) { return failure(configuration).empty(); }
   /// Simulates those that nothing is known of yet, several at a time, until the stop is reached.
   void judge_all(const std::vector<Configuration>& configurations);
-  bool is_known(const Configuration& configuration) { return known(configuration).has_value(); }
 
  private:
   std::optional<std::string> known(const Configuration& configuration);
@@ -74,8 +75,7 @@ struct CandidateOrder {
   std::map<std::size_t, std::string> excluded = {};
 };
 CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after,
-                                 const StopCondition& stop);
+                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after);
 
 /// A configuration beside those that the search found, with everything that a plan states about it.
 struct CertifiedCandidate {

@@ -258,7 +258,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
   {
     const PhaseClock::Phase phase(options.clock, "collision");
-    judge_collisions(problem, scene, jobs_of(problem, options), found.candidates);
+    judge_collisions(problem, scene, jobs_of(problem, options), options.stop, found.candidates);
   }
   AfterImpactJudge after(problem, options.stop, jobs_of(problem, options), options.clock);
   // Where every solution is enclosed there is nothing to search for.

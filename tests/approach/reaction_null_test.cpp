@@ -1,6 +1,8 @@
 // Approaches that leave the base's attitude alone.
 #include <catch2/catch.hpp>
 
+#include <atomic>
+
 #include <stillbase/reference/reference.hpp>
 
 #include "approach/null_tracker.hpp"
@@ -70,6 +72,30 @@ TEST_CASE("a seven-joint arm reaches a set of postures without turning the base"
   CHECK(rotation_angle(problem.robot, still) < 0.01 * kDegree);
   CHECK(still.attitude_excursion < 0.01 * kDegree);
   CHECK(plan_still().joint_positions == still.joint_positions);
+}
+
+TEST_CASE("a curve that is stopped gets to no goal") {
+  const CaptureProblem problem = arm_problem();
+  std::atomic<bool> interrupted{false};
+  StopCondition stop;
+  stop.interrupted = &interrupted;
+  const std::vector<Eigen::Index> all{0, 1, 2, 3, 4, 5, 6};
+  const NullTracker tracker(problem.robot, problem.start, all, {}, 1, stop);
+  // Somewhere beside the end of the straight reference, which itself does not get there.
+  Configuration goal;
+  Knots straight(7, 5);
+  for (int k = 0; k < 5; ++k) {
+    straight.col(k) = problem.start + k / 4.0 * posture({10, 5, 5, 5, 0, 5, 5});
+  }
+  goal.phi = tracker.follow(straight, 20).phi.back() + JointVectord::Constant(7, 0.002);
+  const auto there = [&](const JointVectord&) { return std::optional<Configuration>(goal); };
+  JointPath curve;
+  Knots knots = straight;
+  REQUIRE(tracker.reach(there, knots, curve));
+  interrupted = true;
+  knots = straight;
+  CHECK_FALSE(tracker.reach(there, knots, curve));
+  CHECK(knots == straight);
 }
 
 TEST_CASE("velocities projected into the reaction null space carry no angular momentum") {

@@ -2,9 +2,11 @@
 
 #include <atomic>
 
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/planner/planner.hpp>
 
+#include "planner/candidates.hpp"
 #include "support/shipped_problem.hpp"
 
 using namespace stillbase;
@@ -22,4 +24,31 @@ TEST_CASE("an approach that a signal ends is interrupted, not out of time") {
   const std::string text = plan_to_json(plan, {});
   CHECK(text.find("\"interrupted\"") != std::string::npos);
   CHECK(read_plan(text, "plan.json").plan.approach.status == ApproachStatus::Interrupted);
+}
+
+TEST_CASE("what comes after a stop is not judged") {
+  const CaptureProblem problem = test::shipped("iiwa_client_50");
+  const CollisionScene scene(problem);
+  Candidate candidate;
+  candidate.configuration = start_configuration(problem);
+  std::vector<Candidate> candidates(3, candidate);
+  std::atomic<bool> interrupted{false};
+  StopCondition stop;
+  stop.interrupted = &interrupted;
+
+  judge_collisions(problem, scene, 1, stop, candidates);
+  CHECK(candidates.front().collision != "not judged");
+  AfterImpactJudge after(problem, stop, 1, nullptr);
+  const std::string before = after.failure(candidate.configuration);
+  CHECK(before != "not judged");
+
+  interrupted = true;
+  judge_collisions(problem, scene, 1, stop, candidates);
+  for (const Candidate& one : candidates) {
+    CHECK(one.collision == "not judged");
+    CHECK_FALSE(one.collision_free);
+  }
+  CHECK(after.failure(candidate.configuration) == before);
+  candidate.configuration.phi[0] += 0.1;
+  CHECK(after.failure(candidate.configuration) == "not judged");
 }
