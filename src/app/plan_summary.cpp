@@ -374,7 +374,10 @@ std::string managed_words(const ManagedMomentum& managed) {
                   size_words(managed.linear.norm()));
   if (!managed.least_time) return text;
   text += fmt::format("; the wheels need at least {:.4g} s", *managed.least_time);
-  if (managed.rest_time) return text + fmt::format(", at rest after {:.4g} s", *managed.rest_time);
+  if (managed.rest_time) {
+    return text + fmt::format(", all but {:.4g} % is in them after {:.4g} s", 100 * kAtRest,
+                              *managed.rest_time);
+  }
   if (!managed.remaining) return text;
   return text + fmt::format(", {} N m s are left at the horizon", size_words(*managed.remaining));
 }

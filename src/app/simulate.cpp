@@ -110,8 +110,10 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
     text +=
         fmt::format("  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
                     summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
-                    summary.rest_time ? fmt::format("at rest after {:.4g} s", *summary.rest_time)
-                                      : "not at rest at the horizon");
+                    summary.rest_time
+                        ? fmt::format("all but {:.4g} % of the momentum is in them after {:.4g} s",
+                                      100 * kAtRest, *summary.rest_time)
+                        : "not at rest at the horizon");
   }
   // A contact that takes time changes the momentum of the robot: that of the pair stays.
   text += fmt::format("  momentum drift  {:.2g} (relative)\n",
