@@ -89,8 +89,8 @@ test(
         const words = await text(page);
         const order = [
           'iiwa_client_50', 'Verified: ', 'What was decided', 'How good it is', 'How sure it is',
-          'The capture', 'Joint torques', 'What could go wrong', 'What binds', 'Better candidates',
-          'Verification', 'Inputs'
+          'The capture', 'Joint torques', 'What could go wrong', 'What binds', 'After the contact',
+          'Better candidates', 'Verification', 'Inputs'
         ];
         order.reduce((from, part) => {
           const at = words.indexOf(part, from);

@@ -1,7 +1,7 @@
 // The page of a plan: words first, then scene and plots, then what the words rest on.
 import {digits, fixed, h, section} from './dom.js';
 import {Motion} from './motion.js';
-import {binding, candidateTable, inputs, risks, spreads} from './plan_sections.js';
+import {binding, candidateTable, grasp, inputs, risks, spreads} from './plan_sections.js';
 import {approachFails, figures, standing} from './standing.js';
 import {TimePlots} from './time_plots.js';
 import {verificationParts} from './verification.js';
@@ -68,7 +68,8 @@ export function planPage(document) {
         h('div', {class: 'answers'},
           kQuestions.map(([title, topics]) => section(title, words(topics)))),
         h('section', {class: 'wide'}, h('h2', {}, 'The capture'), viewer.element), plots.element,
-        risks(document), spreads(document), binding(document), candidateTable(document),
+        risks(document), spreads(document), binding(document),
+        grasp(document), candidateTable(document),
         verificationParts(document.verification), inputs(document));
   element.viewer = viewer;
   return {

@@ -65,6 +65,27 @@ export function binding(document) {
             {rowClass: i => plan.constraints[i].violation > 1e-6 ? 'fails' : null})));
 }
 
+/// What has to go somewhere after the contact, and how much of each limit that takes.
+export function grasp(document) {
+  const managed = document.content.managed_momentum;
+  if (!managed) return null;
+  const [angular, linear] = [managed.angular, managed.linear].map(each => Math.hypot(...each));
+  const time = managed.least_time === null ?
+      '' :
+      ` The wheels need at least ${digits(managed.least_time)} s for it.`;
+  return section(
+      'After the contact',
+      h('p', {},
+        `${digits(angular, 3)} N m s and ${digits(linear, 3)} N s have to be managed.${time}`),
+      table(
+          ['limit', 'of', 'value', 'limit', 'used', 'unit'],
+          managed.limits.map(
+              use =>
+                  [spaced(use.limit), spaced(use.place), use.value, use.most,
+                   `${fixed(100 * use.value / use.most, 1)} %`, use.unit]),
+          {rowClass: i => managed.limits[i].value > managed.limits[i].most ? 'fails' : null}));
+}
+
 export function risks(document) {
   const {content: plan, scene, verification} = document;
   const out = [];
@@ -86,7 +107,8 @@ export function risks(document) {
         digits(degrees(scene.cone_half_angle))} deg off its nominal direction leaves up to ${
         digits(objective.worst_case, 3)} ${objective.unit}${times}.`);
   }
-  if (scene.cone_half_angle === 0)
+  out.push(...(plan.warnings ?? []).map(each => each.message));
+  if (scene.cone_half_angle === 0 && !objective.residual)
     out.push(
         'No uncertainty of the direction is stated: the value holds for the exact nominal direction alone.');
   if (approach.status === 'found' && approach.min_clearance !== null) {
