@@ -90,11 +90,10 @@ EstimateVector drawn_error(const EstimateDeviations& deviations, Random& random)
   return error;
 }
 
-/// [v; omega] in B by which the relative velocity is off, beside what the estimate's errors make of
-/// it: Gaussian, not cut.
-/// @param R_BT axes of the target at the contact
-Vector6d drawn_velocity_error(const ResidualVelocity& residual, const Pose& base,
-                              const Matrix3d& R_BT, Random& random) {
+/// [v; omega] in B by which the relative velocity is off: all of it where its covariance is stated,
+/// else the hand's tracking alone. Gaussian, not cut.
+Vector6d drawn_velocity_error(const ResidualVelocity& residual, const Situation& nominal,
+                              Random& random) {
   Vector6d z;
   for (double& x : z) x = random.normal();
   if (!residual.covariance) {
@@ -104,11 +103,18 @@ Vector6d drawn_velocity_error(const ResidualVelocity& residual, const Pose& base
   }
   const SymmetricEigen eigen = symmetric_eigen(*residual.covariance);
   const Vector6d error = eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().cwiseProduct(z);
-  const Matrix3d R = residual.frame == ResidualFrame::Target
-                         ? R_BT
-                         : Matrix3d(base.orientation.conjugate().toRotationMatrix());
+  const Matrix3d R_BN = nominal.at.base.orientation.conjugate().toRotationMatrix();
+  const bool in_target = residual.frame == ResidualFrame::Target;
+  const Matrix3d R = in_target ? Matrix3d(R_BN * nominal.event.R_NT.toRotationMatrix()) : R_BN;
   Vector6d out;
   out << R * error.head<3>(), R * error.tail<3>();
+  return out;
+}
+
+/// [v; omega] of the target at the hand's origin, in B.
+Vector6d velocity_of(const ContactEvent& event) {
+  Vector6d out;
+  out << *event.velocity, event.omega;
   return out;
 }
 
@@ -192,16 +198,20 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   truth.impulse.magnitude *= 1 + faster;
   if (event.velocity) *event.velocity *= 1 + faster;
   event.omega *= 1 + faster;
-  Vector6d velocity_error = Vector6d::Zero();
+  Vector6d off = Vector6d::Zero(), velocity_error = Vector6d::Zero();
   if (sizes.residual_velocity && event.velocity) {
-    const Matrix3d R_BT =
-        at.base.orientation.conjugate().toRotationMatrix() * event.R_NT.toRotationMatrix();
-    velocity_error = drawn_velocity_error(*sizes.residual_velocity, at.base, R_BT, random);
+    off = drawn_velocity_error(*sizes.residual_velocity, nominal, random);
+    velocity_error = off;
+    // A stated covariance is about the nominal velocity, wherever the drawn motion has led.
+    if (sizes.residual_velocity->covariance) {
+      velocity_error += (1 + faster) * velocity_of(nominal.event) - velocity_of(event);
+    }
     *event.velocity += velocity_error.head<3>();
     event.omega += velocity_error.tail<3>();
   }
-  outcome.inputs.push_back(velocity_error.head<3>().norm());
-  outcome.inputs.push_back(velocity_error.tail<3>().norm());
+  outcome.inputs.push_back(off.head<3>().norm());
+  outcome.inputs.push_back(off.tail<3>().norm());
+  if (event.velocity) outcome.target_velocity = velocity_of(event);
 
   // The contact is off the hand's origin: its point on the hand is where the impulse acts.
   const Vector3d e1 = d.unitOrthogonal(), e2 = d.cross(e1);
@@ -270,8 +280,7 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   sizes.joint_position = stated.joint_position;
   if (is_predicted && stated.residual_velocity) {
     sizes.residual_velocity = stated.residual_velocity;
-    // The speed's error is a part of it.
-    if (!(stated.closing_speed > 0)) sizes.closing_speed = 0;
+    sizes.closing_speed = sizes.closing_speed_error = 0;  // a part of it
   }
   if (is_predicted) sizes.estimate = problem.target_deviations;
   take(stated.restitution, sizes.restitution);

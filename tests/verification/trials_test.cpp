@@ -3,8 +3,13 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 #include <stillbase/core/random.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/residual_velocity.hpp>
+#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/verification/trials.hpp>
 
@@ -38,6 +43,49 @@ Perturbations stated_alone(const CaptureProblem& problem) {
 bool same(const TrialOutcome& a, const TrialOutcome& b) {
   return a.inputs == b.inputs && a.objective == b.objective && a.impulse == b.impulse &&
          a.residual_base_rate == b.residual_base_rate && a.success == b.success;
+}
+
+/// [v; omega] in B over the trials.
+struct SampledVelocity {
+  Vector6d mean = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+SampledVelocity sampled_velocity(const std::vector<TrialOutcome>& outcomes) {
+  SampledVelocity out;
+  const auto count = static_cast<double>(outcomes.size());
+  for (const TrialOutcome& outcome : outcomes) out.mean += outcome.target_velocity / count;
+  for (const TrialOutcome& outcome : outcomes) {
+    const Vector6d d = outcome.target_velocity - out.mean;
+    out.covariance += d * d.transpose() / (count - 1);
+  }
+  return out;
+}
+
+/// The sample is that of a covariance (in T) and of the nominal velocity, within five standard
+/// errors of every eigenvalue and of every component.
+void check_sample(const Plan& plan, const SampledVelocity& sample, const Matrix6d& covariance_T,
+                  int count) {
+  const Configuration& at = plan.configuration;
+  const auto motion = encounter_motion(plan.problem, at);
+  const Eigen::Quaterniond R_BT =
+      at.base.orientation.conjugate() * motion->state(at.contact_time).pose.orientation;
+  Matrix6d R = Matrix6d::Zero();
+  R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = R_BT.toRotationMatrix();
+  const Matrix6d expected = R * covariance_T * R.transpose();
+  const Eigen::LLT<Matrix6d> root(expected);
+  const auto white = [&root](const Matrix6d& A) -> Matrix6d { return root.matrixL().solve(A); };
+  const Matrix6d ratio = white(white(sample.covariance).transpose());
+  // 5 sqrt(2 / N) of a variance; the extreme eigenvalues of six lie within 2 sqrt(6 / N) as well.
+  const double apart = (5 * std::sqrt(2.0) + 2 * std::sqrt(6.0)) / std::sqrt(count);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(ratio);
+  INFO(eigen.eigenvalues().transpose());
+  CHECK(eigen.eigenvalues().minCoeff() > 1 - apart);
+  CHECK(eigen.eigenvalues().maxCoeff() < 1 + apart);
+  const Vector6d nominal = run_trials(plan, nothing(), 1, 0, 1, 1)[0].target_velocity;
+  const Vector6d off = root.matrixL().solve(Vector6d(sample.mean - nominal));
+  INFO(off.transpose());
+  CHECK(off.cwiseAbs().maxCoeff() < 5 / std::sqrt(count));
 }
 
 const Spread& spread_of(const TrialReport& report, std::string_view name) {
@@ -241,6 +289,49 @@ TEST_CASE("a residual velocity is drawn as stated, and the mean is the closed fo
       Measure(problem, formulation).reported(formulation.variables(plan.configuration));
   const double error = std::sqrt((squares - mean * mean) / kTrials);
   CHECK(std::abs(expectation * expectation - mean) < 5 * error);
+}
+
+TEST_CASE("the relative velocity of trials has the stated covariance, whatever the estimate has") {
+  Plan plan = planar_plan("servicer_latch");
+  CaptureProblem& problem = plan.problem;
+  problem.post_impact.controllers.clear();
+  EstimateDeviations& estimate = problem.target_deviations.emplace();
+  estimate.position.setConstant(0.01);
+  estimate.orientation.setConstant(0.02);
+  estimate.linear_velocity.setConstant(2e-3);
+  estimate.angular_velocity.setConstant(1e-3);
+  estimate.moments.setConstant(0.05);
+  ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+  Matrix6d root = Matrix6d::Zero();
+  root.diagonal() << 1e-3, 2e-3, 1e-3, 2e-3, 1e-3, 3e-3;
+  root(3, 1) = 1e-3;
+  residual.covariance = root * root.transpose();
+  problem.uncertainty.contact_time = 5;  // the target rotates by some degrees meanwhile
+  Perturbations sizes = stated_alone(problem);
+  sizes.contact_time = problem.uncertainty.contact_time;
+  constexpr int kTrials = 4000;
+  const auto outcomes = run_trials(plan, sizes, 7, 0, kTrials, 2);
+  check_sample(plan, sampled_velocity(outcomes), *residual.covariance, kTrials);
+  // Place and attitude are those of the estimate: the direction of the contact varies.
+  double widest = 0;
+  for (const TrialOutcome& outcome : outcomes) widest = std::max(widest, outcome.inputs.at(0));
+  CHECK(widest > 0.02);
+}
+
+TEST_CASE("a residual velocity carried from the estimate is drawn once") {
+  Plan plan = planar_plan("servicer_latch");
+  CaptureProblem& problem = plan.problem;
+  problem.post_impact.controllers.clear();
+  EstimateDeviations& estimate = problem.target_deviations.emplace();
+  estimate.linear_velocity.setConstant(1e-3);
+  estimate.angular_velocity.setConstant(2e-4);
+  ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+  residual.linear_tracking = 5e-4;
+  residual.angular_tracking = 3e-4;
+  constexpr int kTrials = 4000;
+  const auto outcomes = run_trials(plan, stated_alone(problem), 7, 0, kTrials, 2);
+  check_sample(plan, sampled_velocity(outcomes),
+               ResidualRoot(problem).covariance(plan.configuration.contact_time), kTrials);
 }
 
 TEST_CASE("a latch off the hand's origin is simulated with the velocities that were drawn") {

@@ -8,14 +8,16 @@
 // that time. Where the problem states the covariance of a predicted target's estimate, the errors
 // of the estimate are drawn as well, normal and not cut, and the target moves on from there; a cone
 // that follows from this covariance is not drawn beside it. The feature then touches the hand off
-// its origin, by the error of its place across the direction. A stated residual velocity is drawn
-// as well, normal and not cut, on top of the estimate's errors; one carried from the covariance is
-// the sum of those errors and the hand's tracking, of which the latter is drawn. Contacts whose
-// points separate have no impulse. A contact that closes in more slowly than the problem's
-// closing_speed_min is a miss. The
-// impulse follows from the contact law with the drawn values, by `reference`. The plant after it is
-// the robot as drawn, while the controller is made for the robot of the plan. All numbers are drawn
-// from the stream (seed, trial), so that results depend on neither order nor workers.
+// its origin, by the error of its place across the direction. A residual velocity is drawn once:
+// a stated covariance is all that the relative velocity is off by, so that velocity is the nominal
+// one plus its error, while the errors of the estimate decide place and attitude of the target
+// alone; one that is carried from the estimate's covariance is the sum of the estimate's errors and
+// the hand's tracking, and both are drawn. Normal as well, not cut. Contacts whose points separate
+// have no impulse. A contact that closes in more slowly than the problem's closing_speed_min is a
+// miss. The impulse follows from the contact law with the drawn values, by `reference`. The plant
+// after it is the robot as drawn, while the controller is made for the robot of the plan. All
+// numbers are drawn from the stream (seed, trial), so that results depend on neither order nor
+// workers.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +47,8 @@ struct Perturbations {
   JointVectord joint_position;     ///< rad (m), n or empty
   /// Standard deviations of a predicted target's estimate.
   std::optional<EstimateDeviations> estimate;
-  /// Of the relative velocity at the contact, beside the errors of the estimate: where no
-  /// covariance is stated they are in it, and the hand's tracking alone is drawn.
+  /// Of the relative velocity at the contact: its covariance in place of what the errors of the
+  /// estimate make of the velocity, or without one the hand's tracking beside them.
   std::optional<ResidualVelocity> residual_velocity;
 };
 
@@ -71,6 +73,9 @@ struct TrialOutcome {
   double peak_grip_part = 0;   ///< largest part of the grip's force or moment limit
   double peak_wheel_part = 0;  ///< largest part of a wheel's capacity
   bool rests = false;          ///< robot and target at the horizon, asked for under detumble
+  /// [v; omega] of the target at the hand's origin right before the contact, in B; zero where no
+  /// motion is predicted. In no text.
+  Vector6d target_velocity = Vector6d::Zero();
 };
 
 std::vector<std::string> trial_input_names();
