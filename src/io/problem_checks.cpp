@@ -7,6 +7,7 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/left_out.hpp>
 #include <stillbase/encounter/residual_velocity.hpp>
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
@@ -74,6 +75,13 @@ void check_measure(MapReader& map, const CaptureProblem& problem) {
   }
 }
 
+/// Line of a key of a section, or of the section where the key is absent or further inside.
+int line_of(MapReader& map, const std::string& section, const std::string& key) {
+  const Node* const node = map.find(section);
+  const Node* const value = node != nullptr ? node->find(key) : nullptr;
+  return value != nullptr ? value->line : map.line_of(section);
+}
+
 /// What stands beside a residual velocity, and whether it can be predicted.
 void check_residual(MapReader& map, const CaptureProblem& problem) {
   const UncertaintySpec& spread = problem.uncertainty;
@@ -102,6 +110,12 @@ void check_residual(MapReader& map, const CaptureProblem& problem) {
     refuse("uncertainty", "contradiction",
            "residual_velocity: a worst case is that over the velocity or over a cone of "
            "directions; leave residual_velocity or cone_half_angle out");
+  }
+  if (spread.closing_speed > 0) {
+    map.context().add(line_of(map, "uncertainty", "closing_speed"), "contradiction",
+                      fmt::format("{}.closing_speed: is a part of residual_velocity, and would "
+                                  "count twice; leave one of them out",
+                                  map.path_of("uncertainty")));
   }
   if (problem.measure.kind == RiskMeasure::Cvar) {
     refuse("objective", "not-supported",
@@ -461,10 +475,10 @@ void check_sections(MapReader& map, CaptureProblem& problem) {
   if (findings.size() == before) check_measure(map, problem);
   if (findings.empty()) look_at_cone(map, problem);
   if (!findings.empty()) return;
-  if (const auto narrow = narrow_cone(problem)) {
+  for (const LeftOut& one : left_out(problem)) {
     map.context().remarks.push_back(
-        {map.context().source, map.line_of("uncertainty"), kNarrowConeRule,
-         fmt::format("{}.cone_half_angle: {}", map.path_of("uncertainty"), to_string(*narrow))});
+        {map.context().source, line_of(map, one.section, one.key), one.code,
+         fmt::format("{}.{}: {}", map.path_of(one.section), one.key, one.message)});
   }
 }
 

@@ -10,7 +10,7 @@
 
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/parallel.hpp>
-#include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/left_out.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
 #include <stillbase/planner/post_impact.hpp>
@@ -205,8 +205,8 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   if (at.uncertainty.residual_velocity) {
     plan.objective.residual = summarize_residual(at, there, best.configuration);
   }
-  if (const auto narrow = narrow_cone(at)) {
-    plan.warnings.push_back({kNarrowConeRule, to_string(*narrow)});
+  for (const LeftOut& one : left_out(at)) {
+    plan.warnings.push_back({one.code, one.path() + ": " + one.message});
   }
 }
 

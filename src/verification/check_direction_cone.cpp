@@ -127,14 +127,50 @@ double fraction_tolerance(double fraction, int count) {
   return 4 * std::sqrt(fraction * (1 - fraction) / count) + 0.01;
 }
 
+/// How often.
+long warns_of(const Plan& plan, const std::string& code) {
+  return std::count_if(plan.warnings.begin(), plan.warnings.end(),
+                       [&](const PlanWarning& warning) { return warning.code == code; });
+}
+
+/// What the problem states of the uncertainty and the measure does not count: the plan says so.
+void check_unused(const Context& context, bool has_covariance, ClaimList& claims) {
+  const CaptureProblem& problem = context.problem;
+  const UncertaintySpec& spread = problem.uncertainty;
+  const bool has_residual = spread.residual_velocity.has_value();
+  long unused = 0;
+  if (has_residual && problem.measure.kind == RiskMeasure::Expectation) {
+    for (const double half_range : {spread.restitution, spread.target_mass, spread.target_inertia,
+                                    spread.contact_point, spread.contact_time}) {
+      unused += half_range > 0 ? 1 : 0;
+    }
+    unused += (spread.joint_position.array() > 0).any() ? 1 : 0;
+    unused += problem.measure.samples != MeasureSpec{}.samples ? 1 : 0;
+    unused += problem.measure.seed != MeasureSpec{}.seed ? 1 : 0;
+  }
+  const bool is_unused_covariance = has_covariance && !has_residual &&
+                                    problem.impulse.source != ImpulseSource::Given &&
+                                    problem.impulse.contact != ContactLaw::Frictionless;
+  const long said = warns_of(context.plan, "not-in-measure");
+  const long covariances = warns_of(context.plan, "unused-covariance");
+  if (unused + said + covariances == 0 && !is_unused_covariance) return;
+  Objections objections;
+  objections.demand(
+      said == unused,
+      fmt::format("{} stated things are not in the measure, the plan says {}", unused, said));
+  objections.demand(covariances == (is_unused_covariance ? 1 : 0),
+                    is_unused_covariance ? "the plan does not say that it leaves the covariance out"
+                                         : "the plan says that it leaves a covariance out");
+  claims.none_wrong("unused_uncertainty", objections,
+                    "the plan names what its problem states as uncertain and its measure does not "
+                    "count");
+}
+
 /// A cone stated beside a covariance: the plan warns exactly where the cone does not hold 95 % of
 /// the directions.
 void check_warning(const Context& context, const ContactFeature& feature, ClaimList& claims) {
   constexpr double kProbability = 0.95;
-  const auto& warnings = context.plan.warnings;
-  const bool warns = std::any_of(warnings.begin(), warnings.end(), [](const PlanWarning& warning) {
-    return warning.code == "narrow-cone";
-  });
+  const bool warns = warns_of(context.plan, "narrow-cone") > 0;
   const Sampled sampled = sample_normals(context, feature);
   const double margin = fraction_tolerance(kProbability, sampled.count);
   Objections objections;
@@ -155,6 +191,7 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
   const std::optional<ContactFeature> feature = feature_of(problem);
   const bool follows = problem.target_deviations && feature && !problem.impulse.direction;
+  check_unused(context, follows, claims);
   if (!problem.uncertainty.cone_confidence) {
     const bool has_cone = problem.impulse.contact == ContactLaw::Frictionless &&
                           problem.impulse.source != ImpulseSource::Given &&

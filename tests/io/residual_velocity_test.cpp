@@ -1,8 +1,11 @@
 // uncertainty.residual_velocity: what is read, what is refused and where.
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
 #include <stillbase/core/error.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/left_out.hpp>
 #include <stillbase/io/problem_file.hpp>
 
 #include "io/io_support.hpp"
@@ -30,6 +33,20 @@ const std::string kCovariance =
 
 std::string with(const std::string& uncertainty, const std::string& target = "") {
   return replaced(replaced(kProblem, kCone, uncertainty), kSpin, kSpin + target);
+}
+
+/// What is remarked by one rule, one per line.
+std::string remarks_of(const std::string& text, const std::string& rule) {
+  const TemporaryFolder folder;
+  std::vector<Finding> remarks;
+  (void)read_problem(
+      folder.write("problem.yaml", replaced(text, "robots/", source_path("problems/robots/"))),
+      &remarks);
+  std::string out;
+  for (const Finding& remark : remarks) {
+    if (remark.rule == rule) out += fmt::format("{}: {}\n", remark.line, remark.message);
+  }
+  return out;
 }
 
 /// Refused at the line of the section, or so many lines below its first key.
@@ -113,35 +130,57 @@ TEST_CASE("what cannot stand beside a residual velocity is refused with the reas
                    {"residual_velocity"});
   refuses_residual(with(kDiagonal + "  residual_deviations: 0\n"), "residual_deviations",
                    "out-of-range", {"residual_deviations"});
+  refuses_residual(with(kDiagonal + "  closing_speed: 1 mm/s\n"), "  closing_speed: 1 mm/s",
+                   "contradiction", {"uncertainty.closing_speed", "count twice"});
   const std::string cvar = replaced(with(kDiagonal), "objective: base_angular_momentum",
                                     "objective: {quantity: base_angular_momentum, measure: cvar}");
   refuses_residual(cvar, "objective:", "not-supported", {"cvar", "closed form"});
 }
 
 TEST_CASE("a cone that is narrower than its own covariance is remarked") {
-  const auto remarks_of = [](const std::string& text) {
-    const TemporaryFolder folder;
-    std::vector<Finding> remarks;
-    (void)read_problem(
-        folder.write("problem.yaml", replaced(text, "robots/", source_path("problems/robots/"))),
-        &remarks);
-    std::string out;
-    for (const Finding& remark : remarks) {
-      if (remark.rule == kNarrowConeRule) out += to_string(remark);
-    }
-    return out;
-  };
+  const auto narrow = [](const std::string& text) { return remarks_of(text, kNarrowConeRule); };
   // 60 s at 0.1 deg/s: 6 deg along every axis.
-  const std::string said = remarks_of(with(kCone, kCovariance));
+  const std::string said = narrow(with(kCone, kCovariance));
   CHECK_THAT(said, Catch::Contains("uncertainty.cone_half_angle: the cone of 10 deg"));
   CHECK_THAT(said, Catch::Contains("with probability 0.95"));
-  CHECK_THAT(remarks_of(with("  target_mass: 0.1\n", kCovariance)),
-             Catch::Contains("exactly known"));
-  CHECK(remarks_of(with("  cone_half_angle: 45 deg\n", kCovariance)).empty());
-  CHECK(remarks_of(with("  cone_half_angle: from_covariance\n", kCovariance)).empty());
-  CHECK(remarks_of(with(kCarried, kCovariance)).empty());
-  CHECK(remarks_of(kProblem).empty());
+  CHECK_THAT(narrow(with("  target_mass: 0.1\n", kCovariance)), Catch::Contains("exactly known"));
+  CHECK(narrow(with("  cone_half_angle: 45 deg\n", kCovariance)).empty());
+  CHECK(narrow(with("  cone_half_angle: from_covariance\n", kCovariance)).empty());
+  CHECK(narrow(with(kCarried, kCovariance)).empty());
+  CHECK(narrow(kProblem).empty());
   // Nothing is known of the direction.
-  const std::string lost = remarks_of(with(kCone, replaced(kCovariance, "0.1 deg/s", "1 deg/s")));
+  const std::string lost = narrow(with(kCone, replaced(kCovariance, "0.1 deg/s", "1 deg/s")));
   CHECK_THAT(lost, Catch::Contains("no cone holds it"));
+}
+
+TEST_CASE("what a measure leaves out of the stated uncertainty is remarked at its line") {
+  const auto latched = [](const std::string& text) {
+    return replaced(text, "  restitution: 0.5\n", "  contact: latch\n");
+  };
+  const std::string covariance = latched(with("  target_mass: 0.1\n", kCovariance));
+  const std::string unused = remarks_of(covariance, kUnusedCovarianceRule);
+  CHECK_THAT(unused, Catch::Contains(fmt::format("{}: target.state.covariance: the impulse",
+                                                 line_of(covariance, "target:"))));
+  CHECK_THAT(unused, Catch::Contains("state uncertainty.residual_velocity"));
+  CHECK(remarks_of(latched(with(kCarried, kCovariance)), kUnusedCovarianceRule).empty());
+  CHECK(remarks_of(latched(with("  target_mass: 0.1\n")), kUnusedCovarianceRule).empty());
+  CHECK(remarks_of(with(kCone, kCovariance), kUnusedCovarianceRule).empty());
+
+  const auto mean = [](const std::string& uncertainty) {
+    return replaced(with(kCarried + uncertainty, kCovariance), "objective: base_angular_momentum",
+                    "objective: {quantity: base_angular_momentum, measure: expectation}");
+  };
+  CHECK(remarks_of(mean(""), kNotInMeasureRule).empty());
+  const std::string mass = mean("  target_mass: 0.1\n  contact_time: 2 s\n");
+  const std::string said = remarks_of(mass, kNotInMeasureRule);
+  CHECK_THAT(said, Catch::Contains(fmt::format("{}: uncertainty.target_mass: is drawn by trials",
+                                               line_of(mass, "target_mass"))));
+  CHECK_THAT(said, Catch::Contains("uncertainty.contact_time: is drawn by trials"));
+  const std::string sampled = replaced(mean(""), "expectation}", "expectation, samples: 32}");
+  CHECK_THAT(remarks_of(sampled, kNotInMeasureRule),
+             Catch::Contains(fmt::format("{}: objective.samples: is not used",
+                                         line_of(sampled, "samples: 32"))));
+  // Without a residual velocity the samples have it all.
+  const std::string samples = replaced(mean("  target_mass: 0.1\n"), kCarried, "");
+  CHECK(remarks_of(samples, kNotInMeasureRule).empty());
 }

@@ -106,6 +106,43 @@ TEST_CASE("the largest square over an ellipsoid and its bound are one, in the ha
   }
 }
 
+TEST_CASE("a plan says what of its stated uncertainty the measure does not count") {
+  CaptureProblem problem = test::without_path("servicer_latch");
+  problem.uncertainty = {};
+  problem.search.starts = 4;
+  problem.target_deviations.emplace().linear_velocity.setConstant(1e-3);
+  const auto codes = [](const Plan& plan) {
+    std::string out;
+    for (const PlanWarning& warning : plan.warnings) {
+      out += warning.code + " " + warning.message.substr(0, warning.message.find(':')) + "\n";
+    }
+    return out;
+  };
+  const Plan unused = make_plan(problem);
+  CHECK(codes(unused) == "unused-covariance target.state.covariance\n");
+  CHECK(failures(unused) == "");
+
+  problem.uncertainty.residual_velocity.emplace().angular_tracking = 1e-3;
+  problem.uncertainty.target_mass = 0.1;
+  problem.uncertainty.joint_position = JointVectord::Constant(problem.robot.n(), 0.01);
+  CHECK(codes(make_plan(problem)).empty());  // the measure is the nominal one
+  problem.measure.kind = RiskMeasure::Expectation;
+  problem.measure.samples = 100;
+  const Plan mean = make_plan(problem);
+  CHECK(codes(mean) ==
+        "not-in-measure uncertainty.target_mass\nnot-in-measure uncertainty.joint_position\n"
+        "not-in-measure objective.samples\n");
+  CHECK(failures(mean) == "");
+
+  for (Plan silent : {unused, mean}) {
+    silent.warnings.erase(silent.warnings.begin());
+    CHECK(failures(silent) == "unused_uncertainty ");
+  }
+  Plan loud = mean;
+  loud.warnings.push_back(unused.warnings.front());
+  CHECK(failures(loud) == "unused_uncertainty ");
+}
+
 TEST_CASE("a plan that states its residual velocity or its measure wrong fails") {
   const RiskMeasure measure = GENERATE(RiskMeasure::Expectation, RiskMeasure::WorstCase);
   const Plan plan = latch_plan(measure);

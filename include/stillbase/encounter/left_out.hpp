@@ -1,0 +1,31 @@
+// What a problem states and its search leaves out: remarks of a check, warnings of a plan.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <stillbase/plan/problem.hpp>
+
+namespace stillbase {
+
+/// A covariance of the target's estimate that a sticking contact or a latch does not use.
+inline constexpr const char* kUnusedCovarianceRule = "unused-covariance";
+/// Something uncertain that the mean over the residual velocity does not count.
+inline constexpr const char* kNotInMeasureRule = "not-in-measure";
+
+struct LeftOut {
+  std::string code;          ///< the rule: one of these two, or kNarrowConeRule
+  std::string section, key;  ///< that the message is about: "uncertainty", "target_mass"
+  std::string message;       ///< in words, with numbers
+
+  std::string path() const { return section + "." + key; }
+};
+
+/// What the problem states of the uncertainty and its measure does not count:
+/// - a cone that is narrower than the covariance of the target's estimate implies (narrow_cone());
+/// - that covariance, where the contact has no cone and no residual velocity is stated;
+/// - beside a residual velocity whose expectation is minimised: half ranges and samples.
+/// @pre the problem is consistent
+std::vector<LeftOut> left_out(const CaptureProblem& problem);
+
+}  // namespace stillbase
