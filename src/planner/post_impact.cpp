@@ -26,6 +26,30 @@ bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*
   return false;
 }
 
+bool is_grip_open(const GripSpec& grip, const SimulationSummary& summary) {
+  const double most = 1 + kRounding;
+  return summary.peak_grip_force > most * grip.force.value_or(kInfinity) ||
+         summary.peak_grip_moment > most * grip.moment.value_or(kInfinity);
+}
+
+/// Of stops, attitude, joint rates and torques up to any instant; empty: none.
+std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummary& summary) {
+  for (const LimitEvent& event : summary.limits) {
+    if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
+      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
+    }
+  }
+  if (summary.attitude_turned > problem.post_impact.attitude_change_max) {
+    return "attitude change of the base";
+  }
+  if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity)) return "joint rates";
+  // The plant gives no more than the limit, so what the controller asks for is judged.
+  if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort)) {
+    return "joint torques";
+  }
+  return "";
+}
+
 /// As precise as limits are judged by.
 SimulationOptions judging_options(const CaptureProblem& problem, const StopCondition& stop) {
   SimulationOptions options = plant_options_of(problem.post_impact, problem.robot);
@@ -136,31 +160,35 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
   if (spec.controllers.empty()) return "";
   const auto controller = chosen_controller(spec);
   if (!controller) return "no controller " + spec.controllers.front();
-  const SimulationOptions options = judging_options(problem, stop);
   const ContactCase subject = contact_case(problem, configuration, impact);
+  // Full wheels and an open grip are causes of what else is exceeded then. What the wheels have to
+  // take is known without a simulation.
+  const auto demand_on_grasp = [&](const AfterContact* run) -> std::string {
+    for (const LimitUse& use :
+         account_for_momentum(problem, configuration, impact, subject, run).limits) {
+      if (is_demand_on_grasp(use) && use.part() > 1 + kRounding) return limit_words(use);
+    }
+    return "";
+  };
+  if (std::string full = demand_on_grasp(nullptr); !full.empty()) return full;
+
+  SimulationOptions options = judging_options(problem, stop);
+  bool is_certain = false;  // nothing that follows makes a limit hold again
+  options.ends_when = [&](const SimulationSummary& so_far) {
+    is_certain = is_grip_open(spec.grip, so_far) || !exceeded_limit(problem, so_far).empty();
+    return is_certain;
+  };
   const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
   const SimulationResult& result = run.simulation;
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
-  if (run.encounter && run.encounter->contact.phase == ContactPhase::Touching) {
-    return endless_contact(subject, spec);
+  const bool touches = run.encounter && run.encounter->contact.phase == ContactPhase::Touching;
+  if (touches && !is_certain) return endless_contact(subject, spec);
+  if (std::string grasp = demand_on_grasp(&run); !grasp.empty()) {
+    return is_certain ? fmt::format("{} after {:.3g} s", grasp, result.trace.back().time) : grasp;
   }
-  // Full wheels and an open grip are causes of what else is exceeded then.
-  const auto limits = account_for_momentum(problem, configuration, impact, subject, &run).limits;
-  for (const LimitUse& use : limits) {
-    if (is_demand_on_grasp(use) && use.part() > 1 + kRounding) return limit_words(use);
-  }
-  for (const LimitEvent& event : summary.limits) {
-    if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
-      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
-    }
-  }
+  if (std::string limit = exceeded_limit(problem, summary); !limit.empty()) return limit;
   if (summary.residual_base_rate > spec.residual_base_rate_max) return "base rate";
-  if (summary.attitude_turned > spec.attitude_change_max) return "attitude change of the base";
-  if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity)) return "joint rates";
-  // The plant gives no more than the limit, so what the controller asks for is judged.
-  if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort))
-    return "joint torques";
   // Rest is judged by whether it is reached, which no number of the account decides better.
   if (controller->kind == ControllerKind::Detumble && !summary.rest_time) {
     return fmt::format("robot and target do not rest within the horizon of {:.4g} s", spec.horizon);

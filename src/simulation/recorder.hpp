@@ -21,6 +21,7 @@ class Recorder {
   void observe_grip(const Vector6d& wrench);
   /// A joint runs into an enforced stop with this rate.
   void stop_reached(double t, int joint, LimitKind kind, double rate);
+  const SimulationSummary& so_far() const { return result_.summary; }
   /// Ends the run at the last observed state and hands over its result.
   SimulationResult take(SimulationStatus status, long steps);
 

@@ -153,7 +153,10 @@ SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const Rob
   const double end = options.start_time + options.horizon;
   Ticks control(t, options.control_period), output(t, options.output_period);
   SimulationStatus status = SimulationStatus::Finished;
-  while (t < end && status == SimulationStatus::Finished && !loop.is_over()) {
+  const auto is_over = [&] {
+    return loop.is_over() || (options.ends_when && options.ends_when(recorder.so_far()));
+  };
+  while (t < end && status == SimulationStatus::Finished && !is_over()) {
     if (control.fires_at(t)) loop.sample(t, x);
     if (output.fires_at(t)) recorder.record_next();
     double next = std::min({control.next(), output.next(), end});

@@ -1,4 +1,5 @@
 // Options, limits, endings and the trace's text.
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -183,6 +184,30 @@ TEST_CASE("a stopped run states the reason and keeps its trace", "[simulation]")
     CHECK(result.summary.steps == 5);
     CHECK(result.trace.back().time == Approx(0.05));
   }
+}
+
+TEST_CASE("a run ends where what it has shown is enough", "[simulation]") {
+  const RobotModel robot = planar_three_link();
+  const PlantState state = moving(robot, 0.3);
+  const SimulationResult whole = simulate_post_impact(robot, {}, state, {}, short_run());
+  SimulationOptions options = short_run();
+  const double enough = whole.summary.attitude_turned / 4;
+  options.ends_when = [&](const SimulationSummary& so_far) {
+    return so_far.attitude_turned > enough;
+  };
+  const SimulationResult part = simulate_post_impact(robot, {}, state, {}, options);
+  CHECK(part.status == SimulationStatus::Finished);
+  CHECK(part.summary.attitude_turned > enough);
+  const double end = part.trace.back().time;
+  CHECK(end < 0.4);
+  // Up to there it is the whole run.
+  const auto there = std::find_if(whole.trace.begin(), whole.trace.end(),
+                                  [&](const TraceSample& s) { return s.time == end; });
+  REQUIRE(there != whole.trace.end());
+  CHECK(there->state.phi == part.trace.back().state.phi);
+  options.ends_when = [](const SimulationSummary&) { return false; };
+  CHECK(simulate_post_impact(robot, {}, state, {}, options).trace.back().time ==
+        whole.trace.back().time);
 }
 
 TEST_CASE("a run that diverges ends with its last good state", "[simulation]") {

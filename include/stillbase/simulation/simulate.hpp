@@ -26,6 +26,8 @@
 
 namespace stillbase {
 
+struct SimulationSummary;
+
 enum class IntegratorKind {
   Rk4,        ///< classical Runge-Kutta, fixed step; the paper's
   Dopri5,     ///< Dormand-Prince 5(4), adaptive
@@ -53,12 +55,15 @@ struct SimulationOptions {
   bool joint_stops = true;      ///< enforced; false: passing one is reported only
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
   bool ends_at_stop = false;    ///< the run ends where the first joint reaches its stop
-  bool friction = false;        ///< viscous and Coulomb friction of the model
-  WheelSpec wheels;             ///< off by default
-  ThrusterSpec thrusters;       ///< off by default
-  Grasp grasp;                  ///< nothing is held by default
-  BaseWrench base_wrench;       ///< empty: none
-  SensorSpec sensors;           ///< exact by default
+  /// The run ends where this holds of what it showed so far, asked between control instants and
+  /// samples; empty: never.
+  std::function<bool(const SimulationSummary&)> ends_when;
+  bool friction = false;   ///< viscous and Coulomb friction of the model
+  WheelSpec wheels;        ///< off by default
+  ThrusterSpec thrusters;  ///< off by default
+  Grasp grasp;             ///< nothing is held by default
+  BaseWrench base_wrench;  ///< empty: none
+  SensorSpec sensors;      ///< exact by default
   /// The controller's model of the robot (same joints); empty: the robot itself. It knows the
   /// rotor inertia.
   std::optional<RobotModel> controller_robot;
