@@ -6,6 +6,8 @@
 #include <stillbase/core/linear_algebra.hpp>
 #include <utility>
 
+#include "simulation/wheels.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -80,9 +82,8 @@ Vector3d handback_torque(const Controller& controller, const WheelSpec& wheels,
       compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
   Vector3d u = -controller.K_handback * momentum.L_g;
   for (int i = 0; i < 3; ++i) {
-    const bool is_full = std::abs(state.wheel_momentum[i]) >= wheels.momentum[i];
-    if (is_full && state.wheel_momentum[i] * u[i] < 0) u[i] = 0;  // dh_w/dt = -u
-    if (!(wheels.torque[i] > 0)) u[i] = 0;
+    if (!(wheels.torque[i] > 0) || wheel_room(wheels, state.wheel_momentum, i, -u[i]) <= 0)
+      u[i] = 0;
   }
   double share = 1;
   for (int i = 0; i < 3; ++i) {
@@ -90,13 +91,7 @@ Vector3d handback_torque(const Controller& controller, const WheelSpec& wheels,
     if (size > wheels.torque[i]) share = std::min(share, wheels.torque[i] / size);
   }
   if (share < 1) u *= share;
-  for (int i = 0; i < 3 && period > 0; ++i) {
-    // Held over a period, the command must not fill the wheel beyond its capacity.
-    const double towards = u[i] < 0 ? 1 : -1;
-    const double room = std::max(0.0, wheels.momentum[i] - towards * state.wheel_momentum[i]);
-    u[i] = std::clamp(u[i], -room / period, room / period);
-  }
-  return u;
+  return period > 0 ? within_wheel_room(wheels, state.wheel_momentum, u, period) : u;
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <stillbase/simulation/controllers.hpp>
 
+#include "simulation/wheels.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -83,23 +85,16 @@ double share_within(const Controller& controller, const GripSpec& grip, const Ro
 /// u for b = 1.
 Vector3d full_wheel_torque(const Controller& controller, const WheelSpec& wheels, Vector3d L_g,
                            const Vector3d& wheel_momentum, double period) {
-  Vector3d room;  // of a wheel in the direction in which L_g drives it, N m s
   for (int i = 0; i < 3; ++i) {
-    const double towards = L_g[i] < 0 ? -1 : 1;
-    room[i] = wheels.momentum[i] - towards * wheel_momentum[i];
-    if (!(room[i] > 0) || !(wheels.torque[i] > 0)) L_g[i] = 0;
+    if (!(wheels.torque[i] > 0) || wheel_room(wheels, wheel_momentum, i, L_g[i]) <= 0) L_g[i] = 0;
   }
   double k = controller.K_detumble;
   if (period > 0) k = std::min(k, 0.5 / period);  // a held command must not overshoot
   for (int i = 0; i < 3; ++i) {
     if (L_g[i] != 0) k = std::min(k, wheels.torque[i] / std::abs(L_g[i]));
   }
-  Vector3d u = -k * L_g;
-  for (int i = 0; i < 3 && period > 0; ++i) {
-    const double most = room[i] / period;
-    u[i] = std::clamp(u[i], -std::max(0.0, most), std::max(0.0, most));
-  }
-  return u;
+  const Vector3d u = -k * L_g;
+  return period > 0 ? within_wheel_room(wheels, wheel_momentum, u, period) : u;
 }
 
 }  // namespace

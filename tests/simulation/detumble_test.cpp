@@ -205,6 +205,36 @@ TEST_CASE("detumble fills no wheel beyond its capacity, a preset makes room", "[
   CHECK(half.summary.rest_time.has_value());
 }
 
+TEST_CASE("a wheel that was filled up is full, whatever rounding left of its room",
+          "[simulation]") {
+  const Capture capture = random_capture(2);
+  PostImpactSpec spec = wheels_for(capture, 4);
+  spec.wheels.momentum.setConstant(0.6 * capture.L_g.cwiseAbs().maxCoeff());
+  Eigen::Index axis = 0;
+  capture.L_g.cwiseAbs().maxCoeff(&axis);
+  for (const ControllerKind kind : {ControllerKind::Detumble, ControllerKind::RnsHandback}) {
+    Controller controller;
+    controller.kind = kind;
+    controller.K_handback = 10;  // beyond what the wheels give: the fullest one counts
+    const auto torque = [&](double filled) {
+      PlantState state = capture.latched.state;
+      state.wheel_momentum[axis] = std::copysign(filled, capture.L_g[axis]);
+      const PlantTerms terms(capture.latched.robot, JointVectord::Zero(6), state);
+      return control_command(controller, spec.wheels, capture.latched.robot, terms, state, 5, {},
+                             0.01)
+          .wheel_torque;
+    };
+    const double capacity = spec.wheels.momentum[axis];
+    const Vector3d full = torque(capacity);
+    INFO(to_string(kind));
+    CHECK(full[axis] == 0);
+    for (const double rest : {-1e-15, 1e-15, 1e-12}) {
+      CHECK((torque(capacity * (1 - rest)) - full).isZero(0));
+    }
+    CHECK_FALSE((torque(capacity * 0.99) - full).isZero(1e-6));
+  }
+}
+
 TEST_CASE("wheels of other torques per axis are used in proportion", "[simulation]") {
   const Capture capture = random_capture(4);
   PostImpactSpec spec;
