@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/random.hpp>
+
 namespace stillbase::reference {
 namespace {
 
@@ -17,7 +19,7 @@ Dynamics dynamics_of(const RobotModel& robot, const VectorXd& added_inertia, con
   return d;
 }
 
-// A^d of control_torque().
+// A^d of command_of().
 MatrixXd damped_inverse(const MatrixXd& A, double rank_edge, double least) {
   const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd sigma = svd.singularValues();
@@ -30,10 +32,16 @@ MatrixXd damped_inverse(const MatrixXd& A, double rank_edge, double least) {
   return svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
 }
 
-// u of control_torque().
-VectorXd wanted_acceleration(const ControlLaw& law, const Dynamics& d, const State& state) {
+// Moment of the wheels' momentum on the base as it turns.
+Vector3d gyroscopic_moment(const Wheels& wheels, const Motion& motion) {
+  if (!wheels.exist()) return Vector3d::Zero();
+  return motion.wheel_momentum.cross(Vector3d(motion.state.Omega.tail<3>()));
+}
+
+// Joint accelerations that a reaction null space law wants with the moment t_b on the base.
+VectorXd wanted_acceleration(const ControlLaw& law, const Dynamics& d, const State& state,
+                             const Vector3d& t_b) {
   const VectorXd& phidot = state.phidot;
-  if (law.kind == ControlLaw::Kind::JointDamping) return -law.K_phi * phidot;
   const MatrixXd& A = d.Htilde_omegaphi;
   const Vector3d omega = state.Omega.tail<3>();
   const Vector3d L_g = d.Htilde_omega * omega + A * phidot;
@@ -41,17 +49,156 @@ VectorXd wanted_acceleration(const ControlLaw& law, const Dynamics& d, const Sta
   const MatrixXd lever = d.H.block(3, 0, 3, 3) / d.mass;
   const Vector3d ctilde = d.c.segment<3>(3) - lever * d.c.head<3>();
   const MatrixXd inverse = damped_inverse(A, law.rank_edge, L_g.norm() / law.joint_rate_edge);
-  VectorXd u = -inverse * (ctilde - law.K_omega * d.Htilde_omega * omega);
-  if (law.kind == ControlLaw::Kind::RnsDamped) u -= law.K_phi * (phidot - inverse * (A * phidot));
+  VectorXd w = -inverse * (ctilde - law.K_omega * d.Htilde_omega * omega - t_b);
+  if (law.kind != ControlLaw::Kind::Rns) w -= law.K_phi * (phidot - inverse * (A * phidot));
+  return w;
+}
+
+// [dot Omega; w] for joint accelerations w, with the moment t_b on the base.
+VectorXd acceleration_with(const Dynamics& d, const VectorXd& w, const Vector3d& t_b) {
+  const Eigen::Index n = w.size();
+  VectorXd load = -(d.H.topRightCorner(6, n) * w + d.c.head<6>());
+  load.tail<3>() += t_b;
+  VectorXd out(6 + n);
+  out << VectorXd(solve_definite(d.H.topLeftCorner(6, 6), load)), w;
+  return out;
+}
+
+VectorXd torque_for(const Dynamics& d, const VectorXd& w, const Vector3d& t_b) {
+  const Eigen::Index n = w.size();
+  return d.H.bottomRows(n) * acceleration_with(d, w, t_b) + d.c.tail(n);
+}
+
+// What wheel i takes beyond what it holds, of a momentum with the sign of `towards`; zero when
+// full.
+double room_of(const Wheels& wheels, const Vector3d& held, int i, double towards) {
+  constexpr double kFull = 1 - 1e-9;
+  const double filled = towards < 0 ? -held(i) : held(i);
+  return filled < kFull * wheels.capacity(i) ? wheels.capacity(i) - filled : 0;
+}
+
+// u, no more than fills a wheel within a period; it takes the opposite.
+Vector3d within_room(const Wheels& wheels, const Vector3d& held, Vector3d u, double period) {
+  for (int i = 0; i < 3 && period > 0; ++i) {
+    const double size = std::min(std::abs(u(i)), room_of(wheels, held, i, -u(i)) / period);
+    u(i) = std::copysign(size, u(i));
+  }
   return u;
 }
 
-// Torques for joint accelerations u, without wrenches on base and hand.
-VectorXd torque_for(const Dynamics& d, const VectorXd& u) {
-  const Eigen::Index n = u.size();
-  const VectorXd base_load = -(d.H.topRightCorner(6, n) * u + d.c.head<6>());
-  const VectorXd base = solve_definite(d.H.topLeftCorner(6, 6), base_load);
-  return d.H.bottomLeftCorner(n, 6) * base + d.H.bottomRightCorner(n, n) * u + d.c.tail(n);
+Vector3d handback_moment(const ControlLaw& law, const Wheels& wheels, const Vector3d& L_g,
+                         const Vector3d& held) {
+  Vector3d u = -law.K_handback * L_g;
+  double excess = 1;
+  for (int i = 0; i < 3; ++i) {
+    if (wheels.torque(i) <= 0 || room_of(wheels, held, i, L_g(i)) <= 0) {
+      u(i) = 0;
+    } else {
+      excess = std::max(excess, std::abs(u(i)) / wheels.torque(i));
+    }
+  }
+  return within_room(wheels, held, u / excess, law.period);
+}
+
+Vector3d detumbling_moment(const ControlLaw& law, const Wheels& wheels, Vector3d L_g,
+                           const Vector3d& held) {
+  double time = std::max(1 / law.K_detumble, 2 * law.period);
+  for (int i = 0; i < 3; ++i) {
+    if (wheels.torque(i) <= 0 || room_of(wheels, held, i, L_g(i)) <= 0) {
+      L_g(i) = 0;
+    } else {
+      time = std::max(time, std::abs(L_g(i)) / wheels.torque(i));
+    }
+  }
+  return within_room(wheels, held, -L_g / time, law.period);
+}
+
+// The most of s in [0, 1] with |from + s (to - from)| <= max(most, |from|), by bisection: the norm
+// is convex in s.
+double part_within(const VectorXd& from, const VectorXd& to, double most) {
+  const double bound = std::max(most, from.norm());
+  if (to.norm() <= bound) return 1;
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (VectorXd(from + middle * (to - from)).norm() <= bound ? low : high) = middle;
+  }
+  return low;
+}
+
+// The law Detumble at one state.
+class Detumbling {
+ public:
+  Detumbling(const ControlledRobot& subject, const ControlLaw& law, const Motion& motion,
+             const Dynamics& d)
+      : subject_(subject), law_(law), d_(d) {
+    if (subject.known_empty != nullptr) {
+      empty_ = dynamics_of(*subject.known_empty, subject.added_inertia, motion.state);
+    }
+    const Vector3d t_b = gyroscopic_moment(subject.wheels, motion);
+    const VectorXd still = VectorXd::Zero(motion.state.phi.size());
+    const VectorXd braking = -law.K_phi * motion.state.phidot;
+    const VectorXd w = part(still, t_b, braking, t_b) * braking;
+    if (subject.wheels.exist()) {
+      const Vector3d u = detumbling_moment(law, subject.wheels, d.L_g, motion.wheel_momentum);
+      command_.wheels = part(w, t_b, w, t_b + u) * u;
+    }
+    command_.tau = torque_for(d, w, t_b + command_.wheels);
+  }
+
+  const Command& command() const { return command_; }
+
+ private:
+  // Wrench on the held target at the hand: what the equations of motion with it have more than
+  // those without. The base's rows are [f; r x f + t].
+  Eigen::Matrix<double, 6, 1> grip_load(const VectorXd& acceleration) const {
+    const Eigen::Matrix<double, 6, 1> rows =
+        (d_.H - empty_->H).topRows(6) * acceleration + (d_.c - empty_->c).head(6);
+    Eigen::Matrix<double, 6, 1> wrench = rows;
+    wrench.tail<3>() -= d_.hand_position.cross(Vector3d(rows.head<3>()));
+    return wrench;
+  }
+
+  double part(const VectorXd& w_from, const Vector3d& t_from, const VectorXd& w_to,
+              const Vector3d& t_to) const {
+    const double kept = 1 - law_.reserve;
+    const VectorXd tau_from = torque_for(d_, w_from, t_from), tau_to = torque_for(d_, w_to, t_to);
+    double least = 1;
+    for (int k = 0; k < subject_.known.n(); ++k) {
+      least = std::min(least, part_within(tau_from.segment(k, 1), tau_to.segment(k, 1),
+                                          kept * subject_.known.joints[k].max_effort));
+    }
+    if (!empty_) return least;
+    const auto load_from = grip_load(acceleration_with(d_, w_from, t_from));
+    const auto load_to = grip_load(acceleration_with(d_, w_to, t_to));
+    return std::min(
+        {least, part_within(load_from.head<3>(), load_to.head<3>(), kept * subject_.grip_force),
+         part_within(load_from.tail<3>(), load_to.tail<3>(), kept * subject_.grip_moment)});
+  }
+
+  const ControlledRobot& subject_;
+  const ControlLaw& law_;
+  const Dynamics& d_;
+  std::optional<Dynamics> empty_;
+  Command command_;
+};
+
+// Torque against the friction that a law knows of.
+VectorXd compensated_friction(const RobotModel& known, double rate, const VectorXd& phidot) {
+  VectorXd tau(phidot.size());
+  for (int k = 0; k < known.n(); ++k) {
+    const Joint& joint = known.joints[k];
+    tau(k) =
+        joint.viscous_friction * phidot(k) + joint.coulomb_friction * std::tanh(phidot(k) / rate);
+  }
+  return tau;
+}
+
+Vector3d thruster_moment(const Thrusters& thrusters, const Dynamics& d, const Vector3d& omega) {
+  if (thrusters.torque <= 0 || omega.norm() < thrusters.dead_band) return Vector3d::Zero();
+  Vector3d moment = -thrusters.gain * d.Htilde_omega * omega;
+  for (double& m : moment) m = std::clamp(m, -thrusters.torque, thrusters.torque);
+  return moment;
 }
 
 // The part of the torques that the drives give.
@@ -65,35 +212,39 @@ VectorXd limited(const RobotModel& robot, const VectorXd& demanded, const Vector
   return tau;
 }
 
-// [position; quaternion x, y, z, w; phi; Omega; phidot].
+// [position; quaternion x, y, z, w; phi; Omega; phidot; h_w].
 VectorXd packed(const Motion& motion) {
-  VectorXd x(13 + 2 * motion.state.phi.size());
+  VectorXd x(16 + 2 * motion.state.phi.size());
   x << motion.base.position, motion.base.orientation.coeffs(), motion.state.phi, motion.state.Omega,
-      motion.state.phidot;
+      motion.state.phidot, motion.wheel_momentum;
   return x;
 }
 
 Motion unpacked(const VectorXd& x) {
-  const Eigen::Index n = (x.size() - 13) / 2;
+  const Eigen::Index n = (x.size() - 16) / 2;
   Motion motion;
   motion.base.position = x.head<3>();
   motion.base.orientation.coeffs() = x.segment<4>(3).normalized();
   motion.state.phi = x.segment(7, n);
   motion.state.Omega = x.segment<6>(7 + n);
-  motion.state.phidot = x.tail(n);
+  motion.state.phidot = x.segment(13 + n, n);
+  motion.wheel_momentum = x.tail<3>();
   return motion;
 }
 
 class Run {
  public:
   Run(const ControlledRobot& subject, const ControlLaw& law, double tolerance)
-      : subject_(subject), law_(law), tolerance_(tolerance) {}
+      : subject_(subject), law_(law), tolerance_(tolerance) {
+    if (subject.sensors) random_.emplace(subject.sensors->seed, subject.sensors->stream);
+  }
 
-  void command(const State& state) {
-    const VectorXd demanded = control_torque(subject_, law_, state);
-    if (peaks_.size() == 0) peaks_ = VectorXd::Zero(demanded.size());
-    peaks_ = peaks_.cwiseMax(demanded.cwiseAbs());
-    held_ = limited(subject_.robot, demanded, state.phidot);
+  void command(const Motion& motion, double time) {
+    held_ = command_of(subject_, law_, subject_.sensors ? measured(motion) : motion, time);
+    if (peaks_.size() == 0) peaks_ = VectorXd::Zero(held_.tau.size());
+    peaks_ = peaks_.cwiseMax(held_.tau.cwiseAbs());
+    wheel_peaks_ = wheel_peaks_.cwiseMax(held_.wheels.cwiseAbs());
+    held_.tau = limited(subject_.robot, held_.tau, motion.state.phidot);
   }
 
   // Moves x from t to `end` with the torques held, or with those of every instant.
@@ -103,7 +254,7 @@ class Run {
       const bool is_last = step_ >= end - t;
       const double h = is_last ? end - t : step_;
       VectorXd next;
-      const double error = try_step(x, h, next) / tolerance_;
+      const double error = try_step(x, t, h, next) / tolerance_;
       if (!std::isfinite(error) && h < 1e-9) return false;
       const double factor =
           std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, 5.0) : 0.1;
@@ -121,39 +272,60 @@ class Run {
   }
 
   const VectorXd& peaks() const { return peaks_; }
+  const Vector3d& wheel_peaks() const { return wheel_peaks_; }
 
  private:
-  VectorXd rate(const VectorXd& x) {
+  // What the sensors say.
+  Motion measured(const Motion& motion) {
+    const Sensors& sensors = *subject_.sensors;
+    Motion told = motion;
+    for (int i = 3; i < 6; ++i) told.state.Omega(i) += sensors.base_rate_error * random_->normal();
+    for (Eigen::Index k = 0; k < told.state.phi.size(); ++k) {
+      told.state.phi(k) += sensors.joint_position_error * random_->normal();
+      told.state.phidot(k) += sensors.joint_rate_error * random_->normal();
+    }
+    told_.push_back(told);
+    return told_[told_.size() - 1 - std::min(told_.size() - 1, sensors.delay)];
+  }
+
+  VectorXd rate(const VectorXd& x, double time) {
     const Motion motion = unpacked(x);
     const State& state = motion.state;
-    if (law_.period <= 0) command(state);
+    if (law_.period <= 0) command(motion, time);
     const Eigen::Index n = state.phi.size();
     const Dynamics d = dynamics_of(subject_.robot, subject_.added_inertia, state);
     VectorXd load = -d.c;
-    load.tail(n) += held_;
+    load.segment<3>(3) +=
+        held_.wheels + held_.thrusters + gyroscopic_moment(subject_.wheels, motion);
+    load.tail(n) += held_.tau;
+    for (int k = 0; k < subject_.robot.n() && subject_.has_viscous_friction; ++k) {
+      load(6 + k) -= subject_.robot.joints[k].viscous_friction * state.phidot(k);
+    }
     const VectorXd acceleration = solve_definite(d.H, load);
     const Vector3d half = state.Omega.tail<3>() / 2;
     const Eigen::Quaterniond q(x(6), x(3), x(4), x(5));
     const Eigen::Quaterniond spin(0, half.x(), half.y(), half.z());
     VectorXd out(x.size());
     out << motion.base.orientation * Vector3d(state.Omega.head<3>()), (q * spin).coeffs(),
-        state.phidot, acceleration;
+        state.phidot, acceleration, -held_.wheels;
     return out;
   }
 
   // One step by Dormand and Prince; the error of the fourth-order solution over 1 + |x|.
-  double try_step(const VectorXd& x, double h, VectorXd& next) {
-    const VectorXd k1 = rate(x);
-    const VectorXd k2 = rate(x + h * (1. / 5 * k1));
-    const VectorXd k3 = rate(x + h * (3. / 40 * k1 + 9. / 40 * k2));
-    const VectorXd k4 = rate(x + h * (44. / 45 * k1 - 56. / 15 * k2 + 32. / 9 * k3));
+  double try_step(const VectorXd& x, double t, double h, VectorXd& next) {
+    const VectorXd k1 = rate(x, t);
+    const VectorXd k2 = rate(x + h * (1. / 5 * k1), t + h / 5);
+    const VectorXd k3 = rate(x + h * (3. / 40 * k1 + 9. / 40 * k2), t + 3 * h / 10);
+    const VectorXd k4 = rate(x + h * (44. / 45 * k1 - 56. / 15 * k2 + 32. / 9 * k3), t + 4 * h / 5);
     const VectorXd k5 = rate(
-        x + h * (19372. / 6561 * k1 - 25360. / 2187 * k2 + 64448. / 6561 * k3 - 212. / 729 * k4));
+        x + h * (19372. / 6561 * k1 - 25360. / 2187 * k2 + 64448. / 6561 * k3 - 212. / 729 * k4),
+        t + 8 * h / 9);
     const VectorXd k6 = rate(x + h * (9017. / 3168 * k1 - 355. / 33 * k2 + 46732. / 5247 * k3 +
-                                      49. / 176 * k4 - 5103. / 18656 * k5));
+                                      49. / 176 * k4 - 5103. / 18656 * k5),
+                             t + h);
     next = x + h * (35. / 384 * k1 + 500. / 1113 * k3 + 125. / 192 * k4 - 2187. / 6784 * k5 +
                     11. / 84 * k6);
-    const VectorXd k7 = rate(next);
+    const VectorXd k7 = rate(next, t + h);
     const VectorXd error = h * (71. / 57600 * k1 - 71. / 16695 * k3 + 71. / 1920 * k4 -
                                 17253. / 339200 * k5 + 22. / 525 * k6 - 1. / 40 * k7);
     return (error.array() / (1 + x.array().abs())).abs().maxCoeff();
@@ -163,20 +335,63 @@ class Run {
   const ControlLaw& law_;
   double tolerance_;
   double step_ = 0.01;
-  VectorXd held_;
+  Command held_;
   VectorXd peaks_;
+  Vector3d wheel_peaks_ = Vector3d::Zero();
+  std::optional<Random> random_;  // of the sensors
+  std::vector<Motion> told_;      // by them
 };
 
 }  // namespace
 
-VectorXd control_torque(const ControlledRobot& subject, const ControlLaw& law, const State& state) {
-  const Eigen::Index n = state.phi.size();
-  if (law.kind == ControlLaw::Kind::Free) return VectorXd::Zero(n);
+RobotModel holding(RobotModel robot, const MetBody& body) {
+  if (body.mass <= 0) return robot;
+  Body& carrier = robot.hand_body == kBase
+                      ? robot.base
+                      : robot.bodies[static_cast<std::size_t>(robot.hand_body)];
+  const Vector3d place = robot.p_hand - robot.R_hand * body.r;  // of the body's centroid
+  const double mass = carrier.mass + body.mass;
+  const Vector3d apart = place - carrier.centroid;
+  const Eigen::Matrix3d arm =
+      apart.squaredNorm() * Eigen::Matrix3d::Identity() - apart * apart.transpose();
+  carrier.inertia += robot.R_hand * body.inertia * robot.R_hand.transpose() +
+                     carrier.mass * body.mass / mass * arm;
+  carrier.centroid += body.mass / mass * apart;
+  carrier.mass = mass;
+  return robot;
+}
+
+Command command_of(const ControlledRobot& subject, const ControlLaw& law, const Motion& motion,
+                   double time) {
+  using Kind = ControlLaw::Kind;
+  const State& state = motion.state;
+  const Wheels& wheels = subject.wheels;
+  const VectorXd still = VectorXd::Zero(state.phi.size());
   const Dynamics d = dynamics_of(subject.known, subject.added_inertia, state);
-  if (law.kind == ControlLaw::Kind::JointDampingLiteral) {
-    return torque_for(d, VectorXd::Zero(n)) - law.K_phi * state.phidot;
+  Command out;
+  if (law.kind == Kind::Free) {
+    out.tau = still;
+  } else if (law.kind == Kind::Detumble) {
+    out = Detumbling(subject, law, motion, d).command();
+  } else {
+    Vector3d t_b = gyroscopic_moment(wheels, motion);
+    if (law.kind == Kind::RnsHandback && wheels.exist() && time >= law.handback_start) {
+      out.wheels = handback_moment(law, wheels, d.L_g, motion.wheel_momentum);
+      t_b += out.wheels;
+    }
+    if (law.kind == Kind::JointDampingLiteral) {
+      out.tau = torque_for(d, still, Vector3d::Zero()) - law.K_phi * state.phidot;
+    } else if (law.kind == Kind::JointDamping) {
+      out.tau = torque_for(d, -law.K_phi * state.phidot, t_b);
+    } else {
+      out.tau = torque_for(d, wanted_acceleration(law, d, state, t_b), t_b);
+    }
   }
-  return torque_for(d, wanted_acceleration(law, d, state));
+  if (law.friction_rate > 0 && law.kind != Kind::Free) {
+    out.tau += compensated_friction(subject.known, law.friction_rate, state.phidot);
+  }
+  out.thrusters = thruster_moment(subject.thrusters, d, state.Omega.tail<3>());
+  return out;
 }
 
 ControlledMotion controlled_motion(const ControlledRobot& subject, const ControlLaw& law,
@@ -187,7 +402,7 @@ ControlledMotion controlled_motion(const ControlledRobot& subject, const Control
   VectorXd x = packed(start);
   double t = 0;
   long commands = 0;
-  if (law.period <= 0) run.command(start.state);
+  if (law.period <= 0) run.command(start, 0);
   for (const double time : times) {
     while (true) {
       const double next = static_cast<double>(commands) * law.period;
@@ -196,12 +411,13 @@ ControlledMotion controlled_motion(const ControlledRobot& subject, const Control
       if (!run.advance(x, t, end, stop)) return out;
       t = end;
       if (!commands_first) break;
-      run.command(unpacked(x).state);
+      run.command(unpacked(x), next);
       ++commands;
     }
     out.samples.push_back(unpacked(x));
   }
   out.peak_demanded_torques = run.peaks();
+  out.peak_wheel_torques = run.wheel_peaks();
   out.complete = true;
   return out;
 }

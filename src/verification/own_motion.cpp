@@ -12,41 +12,107 @@ namespace {
 
 using Law = reference::ControlLaw;
 
-std::optional<Law::Kind> law_of(ControllerKind kind) {
-  switch (kind) {
-    case ControllerKind::None:
-      return Law::Kind::Free;
-    case ControllerKind::JointDamping:
-      return Law::Kind::JointDamping;
-    case ControllerKind::JointDampingLiteral:
-      return Law::Kind::JointDampingLiteral;
-    case ControllerKind::Rns:
-      return Law::Kind::Rns;
-    case ControllerKind::RnsDamped:
-      return Law::Kind::RnsDamped;
-    case ControllerKind::RnsHandback:
-    case ControllerKind::Detumble:
-      break;
+constexpr std::pair<ControllerKind, Law::Kind> kLaws[] = {
+    {ControllerKind::None, Law::Kind::Free},
+    {ControllerKind::JointDamping, Law::Kind::JointDamping},
+    {ControllerKind::JointDampingLiteral, Law::Kind::JointDampingLiteral},
+    {ControllerKind::Rns, Law::Kind::Rns},
+    {ControllerKind::RnsDamped, Law::Kind::RnsDamped},
+    {ControllerKind::RnsHandback, Law::Kind::RnsHandback},
+    {ControllerKind::Detumble, Law::Kind::Detumble},
+};
+
+Law law_of(const Controller& controller, const PostImpactSpec& spec) {
+  Law law;
+  for (const auto& [kind, law_kind] : kLaws) {
+    if (kind == controller.kind) law.kind = law_kind;
   }
-  return std::nullopt;
+  law.K_omega = spec.K_omega;
+  law.K_phi = spec.K_phi;
+  law.rank_edge = controller.rank_edge;
+  law.joint_rate_edge = controller.joint_rate_edge;
+  law.period = spec.control_period;
+  law.handback_start = spec.handback_start;
+  law.K_handback = spec.handback_gain;
+  law.K_detumble = controller.K_detumble;
+  law.reserve = controller.reserve;
+  if (spec.model.friction_scale > 0) law.friction_rate = controller.friction_transition_rate;
+  return law;
 }
 
 /// What the second code lacks of a run; empty: nothing.
-std::string missing(const PostImpactSpec& spec, const SimulationOptions& options,
-                    const Controller& controller, const AfterContact& run) {
-  if (!law_of(controller.kind)) return "the controller moves momentum to the wheels";
+std::string missing(const CaptureProblem& problem, const AfterContact& run) {
   if (run.encounter) return "the contact is compliant";
-  if (spec.joint_friction || controller.friction_compensation) return "joints have friction";
-  if (!spec.sensor.are_exact()) return "sensors have errors";
-  if (spec.thrusters.exist()) return "thrusters act";
-  if (!spec.wheels.preset.isZero(0)) return "wheels hold momentum before the contact";
-  const bool knows_another = options.controller_robot || spec.model.target_mass_scale != 1;
-  if (run.is_held && knows_another) return "the controller knows another held target";
+  if (run.is_held && problem.robot.hand_body == kBase) return "the base itself holds the target";
+  for (const Joint& joint : problem.robot.joints) {
+    if (problem.post_impact.joint_friction && joint.coulomb_friction > 0) {
+      return "joints have Coulomb friction";
+    }
+  }
   for (const LimitEvent& event : run.simulation.summary.limits) {
     if (event.kind != LimitKind::Torque) return "a joint is at its rate limit or at a stop";
   }
   return {};
 }
+
+/// The target that a latch leaves in the hand, in the hand's axes.
+reference::MetBody held_body(const Context& context) {
+  reference::MetBody body = met_body(context.problem, context.situation.event);
+  const Matrix3d R = context.situation.response.dynamics.hand_rotation;
+  body.inertia = (R.transpose() * body.inertia * R).eval();
+  body.r = (R.transpose() * body.r).eval();
+  return body;
+}
+
+/// The robots of the problem that take part, and what they are fitted with.
+struct Subject {
+  RobotModel robot, known_empty, known;
+
+  Subject(const Context& context, const AfterContact& run)
+      : robot(context.problem.robot),
+        known_empty(
+            plant_options_of(context.problem.post_impact, robot).controller_robot.value_or(robot)),
+        known(known_empty),
+        problem_(context.problem),
+        is_held_(run.is_held) {
+    if (!is_held_) return;
+    reference::MetBody body = held_body(context);
+    robot = reference::holding(robot, body);
+    body.mass *= problem_.post_impact.model.target_mass_scale;
+    body.inertia *= problem_.post_impact.model.target_mass_scale;
+    known = reference::holding(known_empty, body);
+  }
+
+  reference::ControlledRobot view() const {
+    const PostImpactSpec& spec = problem_.post_impact;
+    reference::ControlledRobot out{robot, known, {}};
+    if (problem_.resistance.model == ResistanceModel::RotorInertia) {
+      out.added_inertia = problem_.resistance.rotor_inertia;
+    }
+    if (is_held_ && spec.grip.is_limited()) {
+      out.known_empty = &known_empty;
+      out.grip_force = spec.grip.force.value_or(kInfinity);
+      out.grip_moment = spec.grip.moment.value_or(kInfinity);
+    }
+    out.wheels = {spec.wheels.torque, spec.wheels.momentum};
+    out.thrusters = {spec.thrusters.torque, spec.thrusters.gain, spec.thrusters.dead_band};
+    if (!spec.sensor.are_exact()) {
+      const auto delay = std::lround(spec.sensor.delay / spec.control_period);
+      out.sensors = reference::Sensors{spec.sensor.base_rate_error,
+                                       spec.sensor.joint_position_error,
+                                       spec.sensor.joint_rate_error,
+                                       static_cast<std::size_t>(delay),
+                                       spec.sensor.seed,
+                                       spec.sensor.stream};
+    }
+    out.has_viscous_friction = spec.joint_friction;
+    return out;
+  }
+
+ private:
+  const CaptureProblem& problem_;
+  bool is_held_;
+};
 
 /// Distance of two states: m and rad of poses and joints; velocities relative to the run's largest.
 class Deviation {
@@ -55,6 +121,8 @@ class Deviation {
     for (const TraceSample& sample : trace) {
       base_size_ = std::max(base_size_, sample.state.Omega.norm());
       joint_size_ = std::max(joint_size_, sample.state.phidot.norm());
+      momentum_size_ =
+          std::max({momentum_size_, sample.total.norm(), sample.state.wheel_momentum.norm()});
     }
   }
 
@@ -67,6 +135,8 @@ class Deviation {
     largest_.take(apart(state.phi, own.state.phi), "joint positions at " + at);
     largest_.take(apart(state.Omega, own.state.Omega) / base_size_, "base velocity at " + at);
     largest_.take(apart(state.phidot, own.state.phidot) / joint_size_, "joint rates at " + at);
+    largest_.take(apart(state.wheel_momentum, own.wheel_momentum) / momentum_size_,
+                  "momentum of the wheels at " + at);
   }
 
   const Largest& largest() const { return largest_; }
@@ -77,7 +147,7 @@ class Deviation {
   }
 
   /// Rates of rounding size stay of rounding size.
-  double base_size_ = 1e-6, joint_size_ = 1e-6;
+  double base_size_ = 1e-6, joint_size_ = 1e-6, momentum_size_ = 1e-6;
   Largest largest_;
 };
 
@@ -87,39 +157,36 @@ void check_own_motion(const Context& context, const std::string& controller,
                       const AfterContact& run, ClaimList& claims) {
   constexpr const char* kName = "post_impact_second_integration";
   const PostImpactSpec& spec = context.problem.post_impact;
-  const Controller chosen = controller_of(spec, controller).value_or(Controller{});
-  const SimulationOptions options = plant_options_of(spec, context.problem.robot);
-  const std::string lacks = missing(spec, options, chosen, run);
+  const std::string lacks = missing(context.problem, run);
   if (!lacks.empty()) return claims.not_verified(kName, lacks);
 
-  const RobotModel& known = options.controller_robot ? *options.controller_robot : run.robot;
-  const JointResistance& resistance = context.problem.resistance;
-  reference::ControlledRobot subject{run.robot, known, {}};
-  if (resistance.model == ResistanceModel::RotorInertia) {
-    subject.added_inertia = resistance.rotor_inertia;
-  }
-  const Law law{*law_of(chosen.kind), spec.K_omega,           spec.K_phi,
-                chosen.rank_edge,     chosen.joint_rate_edge, options.control_period};
-
+  const Subject subject(context, run);
+  const Law law = law_of(controller_of(spec, controller).value_or(Controller{}), spec);
   const std::vector<TraceSample>& trace = run.simulation.trace;
   const PlantState& start = trace.front().state;
   std::vector<double> times;
   for (const TraceSample& sample : trace) times.push_back(sample.time - trace.front().time);
-  const auto own = reference::controlled_motion(
-      subject, law, {start.base, {start.phi, start.phidot, start.Omega}}, times,
-      context.options.second_integration_step_error, context.options.stop);
+  const reference::Motion first{
+      start.base, {start.phi, start.phidot, start.Omega}, spec.wheels.preset};
+  const auto own = reference::controlled_motion(subject.view(), law, first, times,
+                                                context.options.second_integration_step_error,
+                                                context.options.stop);
   if (!own.complete) {
     return claims.not_verified(kName, "the second integration did not reach the horizon");
   }
   Deviation deviation(trace);
   for (std::size_t i = 0; i < trace.size(); ++i) deviation.take(trace[i], own.samples[i]);
   Largest largest = deviation.largest();
-  if (law.period > 0) {
-    const JointVectord& peaks = run.simulation.summary.peak_demanded_torques;
-    const double size = std::max(1e-6, peaks.lpNorm<Eigen::Infinity>());
-    const Eigen::VectorXd apart = peaks - own.peak_demanded_torques;
-    largest.take(apart.lpNorm<Eigen::Infinity>() / size, "largest demanded torques");
-  }
+  const auto compare_peaks = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+                                 const char* what) {
+    largest.take((a - b).lpNorm<Eigen::Infinity>() / std::max(1e-6, a.lpNorm<Eigen::Infinity>()),
+                 what);
+  };
+  const SimulationSummary& summary = run.simulation.summary;
+  compare_peaks(summary.peak_demanded_torques, own.peak_demanded_torques,
+                "largest demanded torques");
+  compare_peaks(summary.peak_wheel_torques, own.peak_wheel_torques,
+                "largest torques of the wheels");
   claims.at_most(kName, largest.value, context.options.second_integration_tolerance, "1",
                  fmt::format("the motion over {} s under {} by a second code; largest: {}",
                              spec.horizon, controller, largest.place));

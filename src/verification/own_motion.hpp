@@ -6,11 +6,12 @@
 namespace stillbase::verification {
 
 /// Integrates the motion of a run by dense dynamics, control laws and an integrator of its own, and
-/// compares base, joints, velocities and the largest demanded torques with the run's.
+/// compares base, joints, velocities, momentum of the wheels and the largest demanded torques with
+/// the run's. A held target is added to the robot by the second code, too.
 ///
-/// Not verified, with the reason, where the run has what the second code lacks: a handed back
-/// momentum, a compliant contact, friction, sensor errors, thrusters, a joint at its rate limit or
-/// at a stop, or a held target that the controller knows otherwise than it is.
+/// Not verified, with the reason, where the run has what the second code lacks: a compliant
+/// contact, Coulomb friction, a joint at its rate limit or at a stop, or a target that the base
+/// itself holds.
 /// @param run of the controller, with a trace from the contact to the horizon
 void check_own_motion(const Context& context, const std::string& controller,
                       const AfterContact& run, ClaimList& claims);
