@@ -55,6 +55,12 @@ Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::Vec
   return svd.V.rightCols(x.size() - rank);
 }
 
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
+                                  double other_turn) {
+  const Eigen::VectorXd shortest = formulation.variables(formulation.configuration(x));
+  return (shortest - x).norm() > other_turn ? shortest : x;
+}
+
 ProjectionResult project_onto_constraints(const Formulation& formulation, const Eigen::VectorXd& x0,
                                           bool zero_objective, int max_iterations,
                                           const ProjectionOptions& options) {

@@ -16,6 +16,23 @@ void evaluate_equations(const Formulation& formulation, const Eigen::VectorXd& x
 Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
                                 bool with_zero);
 
+/// The same configuration with a rotation angle of the base of at most pi. Bounds of the variables
+/// of an attitude without a limit are none of the configuration: what ends at them may go on here.
+/// @param other_turn far more than rounding, less than between two rotation vectors of one rotation
+Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
+                                  double other_turn = 1);
+
+/// The end of a local solve in shortest turns. A solve that ends in longer ones is made again from
+/// there.
+/// @param solve the point at which a solve from a given one ends
+template <class Solve>
+Eigen::VectorXd solved_in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x0,
+                                         const Solve& solve) {
+  const Eigen::VectorXd x = solve(x0);
+  const Eigen::VectorXd shortest = in_shortest_turns(formulation, x);
+  return shortest == x ? x : in_shortest_turns(formulation, solve(shortest));
+}
+
 struct ProjectionOptions {
   double longest_step = 0.5;  ///< rad: beyond it the linear model does not hold
   double exact = 1e-14;       ///< largest residual that ends the steps: the rounding of rows

@@ -5,6 +5,7 @@
 
 #include <stillbase/formulation/measures/robust.hpp>
 
+#include "formulation/projection.hpp"
 #include "search/solution_curve.hpp"
 
 namespace stillbase {
@@ -211,7 +212,7 @@ Continua follow_continua(const CaptureProblem& problem, const Formulation& formu
   std::vector<SolutionCurve> curves;
   std::vector<std::vector<ContinuumMember>> members;
   for (ContinuumMember solution : solutions) {
-    solution.x = in_shortest_turns(formulation, solution.x, options.curve);
+    solution.x = in_shortest_turns(formulation, solution.x, options.curve.other_turn);
     if (vanishes(formulation, solution.x, options.zero)) {
       for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
         if (place_on(formulation, curves[i], solution.x, options.curve))

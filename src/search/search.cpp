@@ -161,10 +161,13 @@ class Search {
 
   Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0,
                   const nlp::OptimizeOptions& solve, Calls& calls) const {
-    const nlp::OptimizeResult result = optimizer.minimize(formulation_, x0, solve);
-    ++calls[optimizer.info().name];
+    const Eigen::VectorXd x =
+        solved_in_shortest_turns(formulation_, x0, [&](const Eigen::VectorXd& from) {
+          ++calls[optimizer.info().name];
+          return optimizer.minimize(formulation_, from, solve).x;
+        });
     return polish(problem_, formulation_,
-                  judge(problem_, formulation_, formulation_.normalised(result.x)));
+                  judge(problem_, formulation_, formulation_.normalised(x)));
   }
 
   Solution local_minimum(const Eigen::VectorXd& x0, const nlp::OptimizeOptions& solve,

@@ -32,7 +32,7 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
 /// Whether the rotation angle of the base is at most pi: beyond it other variables say the same.
 bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x,
                  const CurveOptions& options) {
-  return (in_shortest_turns(formulation, x, options) - x).isZero(0);
+  return (in_shortest_turns(formulation, x, options.other_turn) - x).isZero(0);
 }
 
 bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x,
@@ -144,12 +144,6 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
 }
 
 }  // namespace
-
-Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
-                                  const CurveOptions& options) {
-  const Eigen::VectorXd shortest = formulation.variables(formulation.configuration(x));
-  return (shortest - x).norm() > options.other_turn ? shortest : x;
-}
 
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
                                          const StopCondition& stop, const CurveOptions& options) {

@@ -31,10 +31,6 @@ struct SolutionCurve {
   double length = 0;               ///< with the step back to the first point when closed
 };
 
-/// The same configuration with a rotation angle of the base of at most pi.
-Eigen::VectorXd in_shortest_turns(const Formulation& formulation, const Eigen::VectorXd& x,
-                                  const CurveOptions& options = {});
-
 /// The curve through x, in both directions, until it closes or reaches a bound or an inequality.
 /// @param x solution of the equations with vanishing objective, by in_shortest_turns()
 /// @return empty unless exactly one direction is open at x

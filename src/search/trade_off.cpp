@@ -236,8 +236,11 @@ class FrontSearch {
   void add_minima(const nlp::Problem& program, const std::vector<Eigen::VectorXd>& starts) {
     out_.solver_calls[options_.optimizer] += add_all(static_cast<int>(starts.size()), [&](int i) {
       const Eigen::VectorXd& start = starts[static_cast<std::size_t>(i)];
-      const nlp::OptimizeResult found = optimizer_->minimize(program, start, solve_);
-      return project_onto_constraints(second_, second_.normalised(found.x), false, 8);
+      const Eigen::VectorXd x =
+          solved_in_shortest_turns(second_, start, [&](const Eigen::VectorXd& from) {
+            return optimizer_->minimize(program, from, solve_).x;
+          });
+      return project_onto_constraints(second_, second_.normalised(x), false, 8);
     });
   }
 

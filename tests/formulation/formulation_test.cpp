@@ -3,6 +3,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
+#include "formulation/projection.hpp"
 #include "formulation/some_point.hpp"
 #include "support/capture_problems.hpp"
 
@@ -190,6 +191,38 @@ TEST_CASE("a cone keeps one axis of the base near its direction and leaves the r
   }
   CHECK(largest_tilt > 0.28);
   CHECK(largest_turn > 3);
+}
+
+TEST_CASE("no shortest rotation is at the bounds of an attitude without a limit") {
+  Random random(18);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));
+  VariableSpec& variables = problem.variables;
+  variables.base_attitude_axis = Vector3d::UnitX();
+  variables.base_attitude_max = kPi;
+  SECTION("any attitude") { variables.base_attitude = AttitudeFreedom::Free; }
+  SECTION("about an axis") { variables.base_attitude = AttitudeFreedom::Axis; }
+  SECTION("a cone") {
+    variables.base_attitude = AttitudeFreedom::Cone;
+    variables.base_attitude_max = 0.3;
+  }
+  const Formulation formulation(problem);
+  const Eigen::VectorXd lower = formulation.lower(), upper = formulation.upper();
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::VectorXd x = some_point(formulation, i);
+    CHECK(in_shortest_turns(formulation, x) == x);
+  }
+  // Half a turn about the axis, and a longer one: the same attitude within the bounds.
+  Eigen::VectorXd x = some_point(formulation, 0);
+  x.segment(6, x.size() - 7).setZero();
+  for (const double turn : {kPi, -kPi, 3.5}) {
+    x[6] = turn;
+    CHECK(x[6] < upper[6] - 0.05);
+    CHECK(x[6] > lower[6] + 0.05);
+    const Eigen::VectorXd shortest = in_shortest_turns(formulation, x);
+    CHECK(std::abs(shortest[6]) < kPi + 1e-12);
+    CHECK(formulation.distance(shortest, x) < 1e-12);
+  }
+  CHECK(in_shortest_turns(formulation, x) != x);
 }
 
 TEST_CASE("a free station puts the hand on the contact feature") {

@@ -9,6 +9,7 @@
 #include "formulation/formulation_parts.hpp"
 #include "formulation/measures/residual.hpp"
 #include "formulation/measures/scenario_program.hpp"
+#include "formulation/projection.hpp"
 
 namespace stillbase {
 
@@ -127,7 +128,6 @@ RoughSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
 
 MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
-  if (is_nominal()) return {optimizer.minimize(formulation_, x0, options).x, 1};
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     MeasureSolution first = follow(optimizer, options, x0);
     if (certify(first.x).kkt_residual <= options.optimality_tolerance) return first;
@@ -139,10 +139,27 @@ MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
     best.solver_calls = calls;
     return best;
   }
+  int calls = 0;
+  const auto solved = [&](const auto& solve) {
+    return solved_in_shortest_turns(formulation_, x0, [&](const Eigen::VectorXd& from) {
+      ++calls;
+      return solve(from);
+    });
+  };
+  if (is_nominal()) {
+    const Eigen::VectorXd x = solved([&](const Eigen::VectorXd& from) {
+      return optimizer.minimize(formulation_, from, options).x;
+    });
+    return {x, calls};
+  }
   const double scale = value(x0);
   if (!(scale > 0)) return {x0, 0};  // nothing left to improve
   const ScenarioProgram program(formulation_, samples_, level(), scale);
-  return {optimizer.minimize(program, program.lifted(x0), options).x.head(x0.size()), 1};
+  const Eigen::VectorXd x = solved([&](const Eigen::VectorXd& from) {
+    return Eigen::VectorXd(
+        optimizer.minimize(program, program.lifted(from), options).x.head(x0.size()));
+  });
+  return {x, calls};
 }
 
 std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
@@ -175,7 +192,7 @@ RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(x), rough);
     ++out.solver_calls;
     if (!result.feasible) break;
-    x = result.x.head(x0.size());
+    x = in_shortest_turns(formulation_, result.x.head(x0.size()));
     worst = maxima_at(x);
     if (round == 0 || worst.front().value < least) {  // x0 may break constraints
       least = worst.front().value;
@@ -207,7 +224,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     const ScenarioProgram program(formulation_, following, scale, &problem_);
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
     ++out.solver_calls;
-    const Eigen::VectorXd x = result.x.head(x0.size());
+    const Eigen::VectorXd x = in_shortest_turns(formulation_, result.x.head(x0.size()));
     if (x == out.x) break;  // another round would repeat this one
     worst = maxima_at(x);
     // A maximum that was left out may have taken over: then x0 stays better.

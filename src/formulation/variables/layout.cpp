@@ -8,6 +8,23 @@
 
 namespace stillbase {
 
+namespace {
+
+/// rad: a limit of the rotation angle beyond it is none.
+constexpr double kHalfTurn = 3.14159;
+
+/// Largest attitude variable. Without a limit of the attitude the bounds are beyond the numbers of
+/// the shortest rotations, so that no such rotation is at them. Rotation vectors whose entries are
+/// less than 3.6 rad stay shorter than 2 pi, where they would be singular.
+double largest_attitude(const VariableSpec& variables) {
+  const double limit = variables.base_attitude_max;
+  // A cone bounds no component of the rotation vector.
+  if (variables.base_attitude != AttitudeFreedom::Cone && limit < kHalfTurn) return limit;
+  return variables.base_attitude == AttitudeFreedom::Axis ? 2 * kPi : 3.6;
+}
+
+}  // namespace
+
 VariableLayout::VariableLayout(const CaptureProblem& problem) {
   const RobotModel& robot = problem.robot;
   std::vector<double> low, high;
@@ -20,10 +37,8 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
     low.push_back(joint.lower + margin);
     high.push_back(joint.upper - margin);
   }
-  // A cone bounds no component of the rotation vector.
-  const bool is_cone = problem.variables.base_attitude == AttitudeFreedom::Cone;
-  const double turn = is_cone ? kPi : problem.variables.base_attitude_max;
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
+    const double turn = largest_attitude(problem.variables);
     attitude = static_cast<int>(low.size());
     attitude_size = problem.variables.base_attitude == AttitudeFreedom::Axis ? 1 : 3;
     low.insert(low.end(), attitude_size, -turn);
@@ -81,10 +96,13 @@ Eigen::VectorXd VariableLayout::variables(const CaptureProblem& problem,
 
 Eigen::VectorXd VariableLayout::start_point(const CaptureProblem& problem,
                                             const Eigen::VectorXd& u) const {
-  constexpr double kHalfTurn = 3.14159;  // rad: a limit beyond it is none
   Eigen::VectorXd x(size);
   for (int i = 0; i < size; ++i) {
     double low = lower[i], high = upper[i];
+    if (i == attitude && attitude_size == 1) {
+      high = problem.variables.base_attitude_max;
+      low = -high;
+    }
     if (!std::isfinite(low) || !std::isfinite(high)) {
       low = std::isfinite(low) ? low : (std::isfinite(high) ? high - 2 * kPi : -kPi);
       high = std::isfinite(high) ? high : low + 2 * kPi;
