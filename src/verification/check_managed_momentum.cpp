@@ -202,15 +202,22 @@ void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vecto
       objections.add(words(use) + ", of which nothing is known");
       continue;
     }
-    const LimitUse& own = largest_of(known->second);
+    const LimitUse& largest = largest_of(known->second);
+    const auto is_there = [&use](const LimitUse& other) { return other.place == use.place; };
+    const auto place = std::find_if(known->second.begin(), known->second.end(), is_there);
+    const LimitUse& own = place == known->second.end() ? largest : *place;
     const double apart = own.unit == "s" ? time_step : kSameExtreme * std::abs(own.value);
     const double same = kSameExtreme * std::abs(own.value) + apart + floor_of(own, angular);
-    // Of what is all but zero, rounding decides which one is the largest.
-    const bool is_nothing = std::abs(own.value) <= floor_of(own, angular);
-    objections.demand((use.place == own.place || is_nothing) && use.unit == own.unit &&
+    // Of what is all but zero, and of places that are used alike, rounding decides which is
+    // largest.
+    const bool is_nothing = std::abs(largest.value) <= floor_of(largest, angular);
+    const bool is_largest =
+        own.part() >= largest.part() || own.value + same >= largest.part() * own.most;
+    objections.demand(((own.place == use.place && is_largest) || is_nothing) &&
+                          use.unit == own.unit &&
                           std::abs(use.most - own.most) <= kNegligible * own.most &&
                           std::abs(use.value - own.value) <= same,
-                      words(use) + " stated, " + words(own) + " found");
+                      words(use) + " stated, " + words(largest) + " found");
   }
   for (const auto& [limit, list] : uses) {
     objections.demand(times[limit] == 1,
