@@ -29,12 +29,23 @@ double convex_minimum(const Function& f) {
   return best;
 }
 
-/// Half the length of the axis and the radius of what is round.
-std::optional<std::pair<double, double>> round_of(const Geometry& geometry) {
-  if (const auto* s = std::get_if<Sphere>(&geometry)) return std::pair{0.0, s->radius};
-  if (const auto* c = std::get_if<Capsule>(&geometry)) return std::pair{c->length / 2, c->radius};
-  if (const auto* c = std::get_if<Cylinder>(&geometry)) return std::pair{c->length / 2, c->radius};
-  return std::nullopt;
+/// What bounds a shape: everything within a radius of a piece of its z axis, a box, or, of a
+/// cylinder, both. Where neither is there its distances have no closed form.
+struct Bounds {
+  std::optional<std::pair<double, double>> round;  ///< half the length of the axis, radius
+  std::optional<Vector3d> box;                     ///< edges
+};
+
+Bounds bounds_of(const Geometry& geometry) {
+  if (const auto* s = std::get_if<Sphere>(&geometry)) return {std::pair{0.0, s->radius}, {}};
+  if (const auto* b = std::get_if<Box>(&geometry)) return {{}, b->size};
+  if (const auto* c = std::get_if<Capsule>(&geometry)) {
+    return {std::pair{c->length / 2, c->radius}, {}};
+  }
+  if (const auto* c = std::get_if<Cylinder>(&geometry)) {
+    return {std::pair{c->length / 2, c->radius}, Vector3d(2 * c->radius, 2 * c->radius, c->length)};
+  }
+  return {};
 }
 
 double to_box(const Vector3d& point, const Vector3d& size) {
@@ -47,6 +58,23 @@ double to_box(const Vector3d& point, const Vector3d& size) {
 
 double to_axis(const Vector3d& point, double half) {
   return std::hypot(point.x(), point.y(), std::max(std::abs(point.z()) - half, 0.0));
+}
+
+/// @param round half the length of the axis, radius
+double round_to_box(const Pose& a, const std::pair<double, double>& round, const Pose& box,
+                    const Vector3d& size) {
+  return convex_minimum([&](double t) {
+           return to_box(box.inverse() * (a * Vector3d(0, 0, round.first * t)), size);
+         }) -
+         round.second;
+}
+
+double round_to_round(const Pose& a, const std::pair<double, double>& round_a, const Pose& b,
+                      const std::pair<double, double>& round_b) {
+  return convex_minimum([&](double t) {
+           return to_axis(b.inverse() * (a * Vector3d(0, 0, round_a.first * t)), round_b.first);
+         }) -
+         round_a.second - round_b.second;
 }
 
 double widest_gap(const Pose& a, const Vector3d& a_size, const Pose& b, const Vector3d& b_size) {
@@ -119,18 +147,14 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
   if (i < 1 || j < 1 || i > count() || j > count()) return std::nullopt;
   const Shape &a = shape(i), &b = shape(j);
   if (a.geometry == nullptr || b.geometry == nullptr) return std::nullopt;
-  const auto round_a = round_of(*a.geometry), round_b = round_of(*b.geometry);
-  const auto* box_a = std::get_if<Box>(a.geometry);
-  const auto* box_b = std::get_if<Box>(b.geometry);
-  if (box_a && box_b) return widest_gap(a.pose, box_a->size, b.pose, box_b->size);
-  if (box_a && round_b) return distance(j, i);
-  if (!round_a || (!round_b && !box_b)) return std::nullopt;
-  const double half = round_a->first, radius = round_a->second;
-  const double from_axis = convex_minimum([&](double t) {
-    const Vector3d point = b.pose.inverse() * (a.pose * Vector3d(0, 0, half * t));
-    return box_b ? to_box(point, box_b->size) : to_axis(point, round_b->first);
-  });
-  return from_axis - radius - (round_b ? round_b->second : 0);
+  const Bounds of_a = bounds_of(*a.geometry), of_b = bounds_of(*b.geometry);
+  std::optional<double> out;
+  const auto offer = [&out](double x) { out = std::max(out.value_or(-kInfinity), x); };
+  if (of_a.round && of_b.round) offer(round_to_round(a.pose, *of_a.round, b.pose, *of_b.round));
+  if (of_a.round && of_b.box) offer(round_to_box(a.pose, *of_a.round, b.pose, *of_b.box));
+  if (of_a.box && of_b.round) offer(round_to_box(b.pose, *of_b.round, a.pose, *of_a.box));
+  if (of_a.box && of_b.box) offer(widest_gap(a.pose, *of_a.box, b.pose, *of_b.box));
+  return out;
 }
 
 bool ContactShapes::must_be_apart(int i, int j) const {

@@ -27,6 +27,13 @@ ClearanceShape capsule(double radius, double length) {
   return shape;
 }
 
+ClearanceShape cylinder(double radius, double length) {
+  ClearanceShape shape = capsule(radius, length);
+  shape.half.x() = shape.half.y() = radius;
+  shape.is_cylinder = true;
+  return shape;
+}
+
 PlacedShape<double> at(const ClearanceShape& shape, const Pose& pose) {
   return {&shape, pose.orientation.toRotationMatrix(), pose.position};
 }
@@ -106,6 +113,48 @@ TEST_CASE("the gap of two boxes is never above their distance, and negative when
   CHECK(apart > 50);
   CHECK(overlapping > 50);
   CHECK(exact > 20);
+}
+
+TEST_CASE(
+    "a cylinder's distance is never above the true one, and exact beside it and at its ends") {
+  Random random(64);
+  const double radius = 0.2, length = 0.3;
+  const auto drum = make_fcl_shape(Cylinder{radius, length});
+  const auto ball = make_fcl_shape(Sphere{0.1});
+  int exact = 0, apart = 0, rims = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    const ClearanceShape a = cylinder(radius, length);
+    const ClearanceShape b = trial % 2 == 0 ? cylinder(radius, length) : capsule(0.1, 0);
+    const Pose pose_a = random_pose(random, random.uniform(0, 0.8)),
+               pose_b = random_pose(random, 0);
+    const double found = separate<double>(at(a, pose_a), at(b, pose_b)).distance;
+    const double distance = fcl_distance(*drum, pose_a.orientation.toRotationMatrix(),
+                                         pose_a.position, *(trial % 2 == 0 ? drum : ball),
+                                         pose_b.orientation.toRotationMatrix(), pose_b.position);
+    if (distance <= 0) {
+      CHECK(found <= 1e-9);
+      continue;
+    }
+    ++apart;
+    CHECK(found <= distance + 1e-6);
+    exact += found > distance - 1e-5;
+    // Two rims: the box is 0.41 of the radius too far out, the capsule 0.41 of it at most there.
+    CHECK(found >= distance - 2 * 0.42 * radius);
+    rims += found < 0;
+  }
+  CHECK(apart > 200);
+  CHECK(exact > apart / 5);
+  CHECK(rims < apart / 10);
+}
+
+TEST_CASE("what lies before the end of a cylinder is as far as the end is") {
+  const ClearanceShape drum = cylinder(0.12, 0.2), ball = capsule(0.05, 0);
+  for (const double height : {0.16, 0.2, 0.5}) {
+    const Pose above{Vector3d(0.03, 0.02, height), Eigen::Quaterniond::Identity()};
+    const Separation<double> found = separate<double>(at(ball, above), at(drum, Pose{}));
+    CHECK(found.distance == Approx(height - 0.1 - 0.05).margin(1e-12));
+    CHECK((found.normal - Vector3d::UnitZ()).norm() < 1e-12);
+  }
 }
 
 TEST_CASE("only bodies that may not touch are kept apart") {

@@ -3,8 +3,9 @@
 // Which features are nearest is decided on plain values; the distance between those features is
 // then written in S, so that it has exact derivatives wherever the choice does not change. The
 // distance is continuously differentiable while the shapes are apart and the nearest points are
-// unique; parallel segments, two boxes that change their separating axis, and shapes that lie deep
-// inside each other have kinks, at which the derivative is that of one side.
+// unique; parallel segments, two boxes that change their separating axis, a cylinder whose capsule
+// and box are equally far, and shapes that lie deep inside each other have kinks, at which the
+// derivative is that of one side.
 #pragma once
 
 #include <algorithm>
@@ -336,15 +337,35 @@ Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& s
 
 }  // namespace closed_form
 
+/// Two shapes, each as a box or as what is round about its segment.
 template <class S>
-Separation<S> separate(const PlacedShape<S>& first, const PlacedShape<S>& second) {
-  const bool a = first.shape->is_box, b = second.shape->is_box;
-  if (a && b) return closed_form::between_boxes(first, second);
-  if (!a && !b) return closed_form::between_segments(first, second);
-  if (b) return closed_form::segment_and_box(first, second);
+Separation<S> separate_as(const PlacedShape<S>& first, bool first_is_box,
+                          const PlacedShape<S>& second, bool second_is_box) {
+  if (first_is_box && second_is_box) return closed_form::between_boxes(first, second);
+  if (!first_is_box && !second_is_box) return closed_form::between_segments(first, second);
+  if (second_is_box) return closed_form::segment_and_box(first, second);
   Separation<S> out = closed_form::segment_and_box(second, first);
   out.normal = -out.normal;
   return out;
+}
+
+/// A cylinder is the intersection of the capsule and the box about it, so that neither of the two
+/// is farther away from anything than the cylinder: the larger distance counts.
+template <class S>
+Separation<S> separate(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  Separation<S> best;
+  bool has_best = false;
+  for (const bool a : {false, true}) {
+    if (!first.shape->may_count_as(a)) continue;
+    for (const bool b : {false, true}) {
+      if (!second.shape->may_count_as(b)) continue;
+      const Separation<S> found = separate_as<S>(first, a, second, b);
+      if (has_best && !(found.distance > best.distance)) continue;
+      best = found;
+      has_best = true;
+    }
+  }
+  return best;
 }
 
 }  // namespace stillbase

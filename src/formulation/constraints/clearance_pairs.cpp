@@ -30,8 +30,8 @@ std::optional<ClearanceShape> shape_of(int body, const std::string& name, const 
     out.half.z() = capsule->length / 2;
   } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
     out.radius = cylinder->radius;
-    out.half.z() = cylinder->length / 2;
-    out.is_longer = true;
+    out.half = Vector3d(cylinder->radius, cylinder->radius, cylinder->length / 2);
+    out.is_cylinder = true;
   } else if (const auto* box = std::get_if<Box>(&geometry)) {
     out.is_box = true;
     out.half = box->size / 2;
@@ -43,9 +43,10 @@ std::optional<ClearanceShape> shape_of(int body, const std::string& name, const 
 
 bool reaches(const ClearanceShape& shape, const Vector3d& point) {
   const Vector3d p = shape.R.transpose() * (point - shape.p);
-  if (shape.is_box) return closed_form::box_distance(p, shape.half) <= kReachesJoint;
   const Vector3d nearest(0, 0, std::clamp(p.z(), -shape.half.z(), shape.half.z()));
-  return (p - nearest).norm() - shape.radius <= kReachesJoint;
+  const bool in_box = closed_form::box_distance(p, shape.half) <= kReachesJoint;
+  const bool in_round = (p - nearest).norm() - shape.radius <= kReachesJoint;
+  return (in_box || !shape.may_count_as(true)) && (in_round || !shape.may_count_as(false));
 }
 
 /// The shapes of a joint's child and parent are no farther apart than `distance` wherever the joint
@@ -71,7 +72,7 @@ bool are_always_within(double distance, const Joint& joint, const ClearanceShape
 }
 
 /// @param clearance that is asked for, m: no posture has it between neighbours whose closed form is
-/// too small by the ends of a cylinder
+/// too small at the rim of a cylinder
 bool overlap_at_joint(const RobotModel& robot, double clearance, const ClearanceShape& a,
                       const ClearanceShape& b) {
   const ClearanceShape& child = a.body > b.body ? a : b;
@@ -80,7 +81,7 @@ bool overlap_at_joint(const RobotModel& robot, double clearance, const Clearance
   const Joint& joint = robot.tree()[static_cast<std::size_t>(child.body)];
   if (joint.parent != parent.body) return false;
   const bool both_reach = reaches(child, Vector3d::Zero()) && reaches(parent, joint.p);
-  const double least = child.is_longer || parent.is_longer ? clearance : 0;
+  const double least = child.is_cylinder || parent.is_cylinder ? clearance : 0;
   return both_reach || are_always_within(least, joint, child, parent);
 }
 
