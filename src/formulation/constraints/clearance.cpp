@@ -84,9 +84,10 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
       }
       return found.distance;
     };
-    add_constraint(out.rows,
-                   {pair.name, "m", *problem.constraints.clearance, kInfinity, false, false, true},
-                   distance);
+    add_constraint(
+        out.rows,
+        {pair.name, "m", *problem.constraints.clearance, kInfinity, false, false, true, true},
+        distance);
   }
 }
 

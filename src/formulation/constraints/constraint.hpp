@@ -35,6 +35,8 @@ struct ConstraintLabel {
   bool is_of_case = false;
   /// A limit on rates, singular values or distances, which no enclosure of solutions counts.
   bool is_limit = false;
+  /// A distance, whose gradient jumps: where it is flat at some points it may change at others.
+  bool has_kinks = false;
 };
 
 /// lower <= value <= upper.

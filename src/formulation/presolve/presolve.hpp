@@ -4,7 +4,7 @@
 // rows that are satisfied everywhere with a zero gradient (a planar robot's third direction),
 // equations that are linear combinations of others everywhere (a plane that is none of the axes'
 // planes), and equations of the case that others imply at every solution. The last two are
-// reported and judged with the others; the first are not there.
+// reported and judged with the others; of the first only distances are, which may change elsewhere.
 #pragma once
 
 #include <vector>
@@ -38,7 +38,8 @@ struct SelectedRows {
 };
 
 /// Without the rows that are zero everywhere and the equations that are combinations of others
-/// everywhere. Reported are also those constraints that hold by construction.
+/// everywhere. Reported are also those constraints that hold by construction, and distances
+/// that are flat at all samples.
 SelectedRows select_independent_rows(const CaptureModel& model, const ConstraintSet& constraints,
                                      const PresolveOptions& options = {});
 
