@@ -12,6 +12,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "collision/closed_forms.hpp"
+#include "collision/convex_gap.hpp"
 
 namespace stillbase {
 
@@ -19,6 +20,7 @@ class FclShape {
  public:
   std::shared_ptr<const fcl::CollisionGeometryd> geometry;
   std::optional<Vector3d> half;  ///< half edges of a box, m
+  Geometry shape;
 };
 
 namespace {
@@ -71,6 +73,7 @@ fcl::DistanceResultd query(const FclShape& a, const Matrix3d& R_a, const Vector3
 std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
   auto shape = std::make_shared<FclShape>();
   shape->geometry = std::visit(Convert{}, geometry);
+  shape->shape = geometry;
   if (const auto* box = std::get_if<Box>(&geometry)) shape->half = box->size / 2;
   return shape;
 }
@@ -78,8 +81,18 @@ std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b) {
   constexpr double kError = 1e-6;  // m
-  const double found = std::max(query(a, R_a, p_a, b, R_b, p_b, false).min_distance, 0.0);
-  if (!a.half || !b.half || !(found > 0)) return found;
+  const bool are_boxes = a.half && b.half;
+  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b, !are_boxes);
+  const double found = std::max(result.min_distance, 0.0);
+  if (!(found > 0)) return found;
+  if (!are_boxes) {
+    const PlacedGeometry shape_a{a.shape, R_a, p_a}, shape_b{b.shape, R_b, p_b};
+    const Vector3d apart = result.nearest_points[0] - result.nearest_points[1];
+    const double length = apart.norm();
+    const Vector3d from = length > kError ? Vector3d(apart / length) : Vector3d::UnitX();
+    if (found <= gap_along(shape_a, shape_b, from) + kError) return found;
+    return std::min(found, std::max(convex_gap(shape_a, shape_b, from), 0.0));
+  }
   const PlacedBox box_a{*a.half, R_a, p_a}, box_b{*b.half, R_b, p_b};
   const double gap = widest_gap(box_a, box_b);
   if (found <= gap + kError) return found;
