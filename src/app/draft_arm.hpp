@@ -23,6 +23,8 @@ class ArmTree {
   /// The end behind the most joints that has the name of a tool; of a gripper the link that carries
   /// its fingers.
   std::string hand() const;
+  /// The ends that joints beyond a hand carry: the tips of its fingers.
+  std::vector<std::string> tips_beyond(const std::string& hand) const;
 
  private:
   long moving_before(const std::string& link) const;

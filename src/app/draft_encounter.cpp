@@ -58,21 +58,36 @@ double reach_of_body(const RobotModel& robot, int body, const std::string& link,
   return most;
 }
 
-/// The axis of the hand's frame that points on from the arm: away from the joint of its body, or,
-/// where the hand is at the joint, along the joint's axis to where the shapes of the body are.
+/// Where a body's shapes lie about a point, or without shapes its mass, along axes of its frame; m.
+Vector3d outline(const RobotModel& robot, int body, const Vector3d& from, const Matrix3d& axes) {
+  Vector3d middle;
+  for (int i = 0; i < 3; ++i) {
+    const auto reach = [&](double side) {
+      return reach_of_body(robot, body, "", from, side * axes.col(i));
+    };
+    middle[i] = reach(1) - reach(-1);
+  }
+  if (middle.norm() > 0.005) return middle;
+  return axes.transpose() * (robot.bodies[static_cast<std::size_t>(body)].centroid - from);
+}
+
+/// The axis of the hand's frame that points on from the arm: away from the joint of its body. Where
+/// the hand is at the joint: along the joint's axis away from the joint before, else to where the
+/// shapes or the mass of the body are, else along the joint's axis.
 Vector3d approach_axis(const RobotModel& robot, const Kinematics<double>& kinematics) {
-  Vector3d out = kinematics.r_bh;
-  if (robot.hand_body != kBase) {
-    out -= kinematics.o[robot.hand_body];
-    if (out.norm() < 0.01) {
-      const auto reach = [&](double side) {
-        return reach_of_body(robot, robot.hand_body, "", Vector3d::Zero(),
-                             side * Vector3d::UnitZ());
-      };
-      out = (reach(-1) > reach(1) ? -1 : 1) * kinematics.z(robot.hand_body);
+  const Matrix3d to_hand = kinematics.R_hand.transpose();
+  Vector3d in_hand = to_hand * kinematics.r_bh;
+  if (const int body = robot.hand_body; body != kBase) {
+    const Vector3d o = kinematics.o[body], z = kinematics.z(body);
+    in_hand -= to_hand * o;
+    if (in_hand.norm() < 0.01) {
+      const int before = robot.tree()[static_cast<std::size_t>(body)].parent;
+      const double ahead = before == kBase ? 0 : z.dot(o - kinematics.o[before]);
+      in_hand = std::abs(ahead) < 0.01 ? outline(robot, body, robot.p_hand, robot.R_hand)
+                                       : Vector3d(to_hand * z * ahead);
+      if (in_hand.norm() < 0.001) in_hand = to_hand * z;
     }
   }
-  const Vector3d in_hand = kinematics.R_hand.transpose() * out;
   Eigen::Index axis = 0;
   in_hand.cwiseAbs().maxCoeff(&axis);
   return in_hand[axis] < 0 ? Vector3d(-Vector3d::Unit(axis)) : Vector3d(Vector3d::Unit(axis));

@@ -21,12 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLeastBaseMass = 10;  // kg; larger ones are out of reach for hobby arms
+
 /// Locks what does not carry the hand and gives limits to what has none.
-void choose_joints(const urdf::Tree& tree, const ArmTree& arm, RobotAssembly& assembly,
-                   DraftRobot& robot) {
+void choose_joints(const urdf::Tree& tree, const ArmTree& arm, const std::string& hand,
+                   RobotAssembly& assembly, DraftRobot& robot) {
   std::vector<std::string>& notes = robot.notes;
   std::vector<std::string> carrying;
-  for (const urdf::TreeJoint* joint : arm.way_to(robot.hand)) {
+  for (const urdf::TreeJoint* joint : arm.way_to(hand)) {
     if (!joint->is_fixed)
       carrying.push_back(joint->mimic ? joint->mimic->master : joint->joint.name);
   }
@@ -74,7 +76,8 @@ void choose_joints(const urdf::Tree& tree, const ArmTree& arm, RobotAssembly& as
 
 }  // namespace
 
-DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount) {
+DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount,
+                       const std::string& tip) {
   urdf::MeshFolders folders{request.robot, request.package_path};
   for (std::string& folder : urdf::ros_package_path())
     folders.packages.push_back(std::move(folder));
@@ -91,11 +94,12 @@ DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount) {
   const ArmTree arm(tree);
   DraftRobot robot;
   std::vector<std::string>& notes = robot.notes;
-  robot.hand = request.hand.empty() ? arm.hand() : request.hand;
-  if (!arm.has_link(robot.hand)) {
-    throw CommandLineError(
-        fmt::format("--hand {}: {} has no such link", robot.hand, request.robot));
+  const std::string hand_link = request.hand.empty() ? arm.hand() : request.hand;
+  if (!arm.has_link(hand_link)) {
+    throw CommandLineError(fmt::format("--hand {}: {} has no such link", hand_link, request.robot));
   }
+  robot.hand = tip.empty() ? hand_link : tip;
+  robot.tips = arm.tips_beyond(hand_link);
   if (request.hand.empty())
     notes.push_back("hand link: " + robot.hand + " (--hand chooses another)");
 
@@ -103,8 +107,9 @@ DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount) {
   robot.is_put_together = request.base_mass > 0 || arm.mass_on_root() < moving;
   RobotAssembly assembly;
   if (robot.is_put_together) {
-    const double base_mass =
-        request.base_mass > 0 ? request.base_mass : rounded_mass(std::max(50.0, 10 * arm.mass()));
+    const double base_mass = request.base_mass > 0
+                                 ? request.base_mass
+                                 : rounded_mass(std::max(kLeastBaseMass, 10 * arm.mass()));
     const Vector3d base_size =
         request.base_size.minCoeff() > 0
             ? request.base_size
@@ -158,7 +163,7 @@ DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount) {
         "some meshes are not there: clearance does not cover their links, which `check` lists "
         "(--package-path says where to look)");
   }
-  choose_joints(tree, arm, assembly, robot);
+  choose_joints(tree, arm, hand_link, assembly, robot);
   const std::string hand = robot.is_put_together ? assembly.hand() : robot.hand;
   try {
     robot.model = read_urdf(assembly.text(), request.robot, hand);

@@ -36,12 +36,15 @@ struct DraftRobot {
   bool is_put_together = false;           ///< from a base and the file
   Vector3d base_size = Vector3d::Zero();  ///< m; put together
   std::vector<std::string> notes;         ///< what was chosen, in words
+  std::vector<std::string> tips;          ///< links of the file that fingers of the hand carry
 };
 
 /// Reads the robot file, finds its hand, puts it on a base where it has none of its own, locks what
 /// does not carry the hand and gives limits to what has none.
+/// @param tip a link that fingers of the hand carry, in place of the hand; empty: the hand
 /// @throws InputError, AssemblyError
 /// @throws CommandLineError there is no such hand, or no joint moves it
-DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount);
+DraftRobot draft_robot(const DraftRequest& request, const DraftMount& mount,
+                       const std::string& tip = {});
 
 }  // namespace stillbase::app

@@ -94,7 +94,8 @@ struct DraftScene {
 }
 
 /// The arm stands on the base; where its hand never points away from the base it lies; where that
-/// does not help it stands and the hand points anywhere.
+/// does not help it stands and the hand points anywhere. A robot with a base of its own has no
+/// frame for its hand but its links: where none is free the tip of a finger is the hand.
 /// @throws InputError, AssemblyError, CommandLineError
 DraftScene draft_scene(const DraftRequest& request) {
   DraftRobot standing = draft_robot(request, {});
@@ -118,6 +119,10 @@ DraftScene draft_scene(const DraftRequest& request) {
     if (auto found = find(lying, kOutwards)) return {std::move(lying), target, *found};
   }
   if (auto found = find(standing, kAnyDirection)) return {std::move(standing), target, *found};
+  for (std::size_t i = 0; !standing.is_put_together && i < standing.tips.size(); ++i) {
+    DraftRobot on_tip = draft_robot(request, {}, standing.tips[i]);
+    if (auto found = find(on_tip, kOutwards)) return {std::move(on_tip), target, *found};
+  }
   refuse_arm(standing, obstruction);
 }
 
