@@ -1,5 +1,6 @@
 #include "robot/mesh_shapes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -122,7 +123,9 @@ void enclose(const Mesh& mesh, CollisionMeshes collision, const std::string& lin
 
 }  // namespace
 
-fs::path find_mesh(const std::string& name, const MeshFolders& folders) {
+fs::path find_mesh(const std::string& written, const MeshFolders& folders) {
+  std::string name = written;
+  std::replace(name.begin(), name.end(), '\\', '/');  // of exporters under Windows
   for (const char* scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
     const std::string path = name.substr(std::string(scheme).size());
@@ -181,6 +184,11 @@ bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes coll
     for (MeshUse& use : link.meshes) {
       if (!use.hulls.empty()) {
         has_hull = true;
+        if (collision == CollisionMeshes::Decompose) {
+          findings.remark(use.line, "hull",
+                          "the file gives the hulls of these meshes: `decompose` leaves them",
+                          link.name);
+        }
         continue;
       }
       try {

@@ -35,6 +35,11 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
+/// ${...} and $(...), which xacro replaces.
+bool has_macro(std::string_view text) {
+  return text.find("${") != std::string_view::npos || text.find("$(") != std::string_view::npos;
+}
+
 bool contains(const std::vector<std::string_view>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -44,6 +49,9 @@ std::string listed(const std::vector<std::string_view>& names) {
 }
 
 }  // namespace
+
+const char* const kExpandMacros =
+    "macros (xacro) must be expanded first: `xacro ROBOT.urdf.xacro > ROBOT.urdf`";
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 60;
@@ -113,6 +121,7 @@ std::string Element::text(const char* attribute, bool required) {
   const char* text = value(attribute, required);
   if (text == nullptr) return "";
   if (required && *text == '\0') find_in(attribute, "missing-attribute", "the value is empty");
+  if (has_macro(text)) find_in(attribute, "macro", in_quotes(text) + ": " + kExpandMacros);
   return text;
 }
 
@@ -132,12 +141,12 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
     return refuse("not-finite", in_quotes(part) + " does not fit into a double");
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {
+    if (has_macro(text)) return refuse("macro", in_quotes(text) + ": " + kExpandMacros);
     const char* const hint =
-        part.find(',') != std::string_view::npos    ? " (the decimal separator is a point)"
-        : part.find("${") != std::string_view::npos ? " (macros (xacro) must be expanded first)"
-                                                    : "";
+        part.find(',') != std::string_view::npos ? " (the decimal separator is a point)" : "";
     return refuse("not-a-number", in_quotes(part) + " is not a number" + hint);
   }
+  if (is_limit && std::isinf(number)) return number;
   if (!std::isfinite(number)) return refuse("not-finite", in_quotes(part) + " is not finite");
   if (is_limit && std::abs(number) >= kLargestNumber) {
     number = std::copysign(kInfinity, number);
@@ -167,12 +176,25 @@ Vector3d Element::vector(const char* attribute, Sign sign,
   const char* text = value(attribute, !otherwise);
   if (text == nullptr) return result;
   const std::vector<std::string_view> parts = split_at_blanks(text);
+  if (parts.size() != 3 && has_macro(text)) {
+    find_in(attribute, "macro", in_quotes(text) + ": " + kExpandMacros);
+    return Vector3d::Constant(kNaN);
+  }
   if (parts.size() != 3) {
     find_in(attribute, "not-a-vector", in_quotes(text) + " must be three numbers between blanks");
     return Vector3d::Constant(kNaN);
   }
   for (int i = 0; i < 3; ++i) result[i] = parse(attribute, text, parts[i], sign);
   return result;
+}
+
+Vector3d Element::scale(const char* attribute) {
+  const char* text = xml_.Attribute(attribute);
+  if (text == nullptr || split_at_blanks(text).size() != 1) {
+    return vector(attribute, Sign::Any, Vector3d::Ones());
+  }
+  remark("scale", tag() + " of one number: it scales all three axes");
+  return Vector3d::Constant(number(attribute, Sign::Any));
 }
 
 std::vector<double> Element::numbers(const char* attribute) {
@@ -210,7 +232,7 @@ void Element::finish() {
     const std::string_view name = node->Value();
     if (contains(children_, name)) continue;
     if (name.starts_with("xacro:")) {
-      findings_.add(node->GetLineNum(), "macro", "macros (xacro) must be expanded first");
+      findings_.add(node->GetLineNum(), "macro", kExpandMacros);
       continue;
     }
     findings_.remark(node->GetLineNum(), "unknown-element",

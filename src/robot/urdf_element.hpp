@@ -35,15 +35,19 @@ class Element {
   }
 
   bool has(const char* attribute) const { return xml_.Attribute(attribute) != nullptr; }
-  /// A required text must not be empty.
+  /// A required text must not be empty, and none may hold what xacro would replace.
   std::string text(const char* attribute, bool required);
   /// One finite number. NaN after a finding.
   /// @param otherwise without the attribute; nothing: it is required
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
-  /// A limit: sizes of kLargestNumber and more, as other formats write for none, are infinite.
+  /// A limit: `inf` and sizes of kLargestNumber and more, as other formats write for none, are
+  /// infinite.
   double limit(const char* attribute, Sign sign);
   /// Three finite numbers, alike.
   Vector3d vector(const char* attribute, Sign sign, const std::optional<Vector3d>& otherwise = {});
+
+  /// Factors along three axes, or one for all of them; 1 without the attribute.
+  Vector3d scale(const char* attribute);
 
   /// Any finite numbers between blanks; a required attribute.
   std::vector<double> numbers(const char* attribute);

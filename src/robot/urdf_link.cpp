@@ -98,11 +98,8 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
     });
   }
   each("mesh", [&](Element& mesh) {
-    link.meshes.push_back({mesh.line(),
-                           pose,
-                           mesh.text("filename", true),
-                           mesh.vector("scale", Sign::Any, Vector3d::Ones()),
-                           {}});
+    link.meshes.push_back(
+        {mesh.line(), pose, mesh.text("filename", true), mesh.scale("scale"), {}});
   });
   element.each("hull", 0, kAny, [&](Element& hull) {
     ConvexMesh mesh = read_hull(hull);

@@ -205,6 +205,15 @@ void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base
     check_body(body, link->line, joint, may_lack_mass, findings);
   };
   check(robot.base, "", may_lack_base);
+  const bool has_masses = std::any_of(robot.bodies.begin(), robot.bodies.end(),
+                                      [](const Body& body) { return body.mass != 0; });
+  if (!has_masses && robot.bodies.size() > 1) {
+    findings.add(
+        0, "mass",
+        "no link that a joint moves has a mass: the file states the kinematics alone; give "
+        "its links an <inertial> with mass and inertia");
+    return;
+  }
   for (std::size_t k = 0; k < robot.bodies.size(); ++k) {
     check(robot.bodies[k], robot.tree()[k].name, false);
   }

@@ -28,6 +28,14 @@ void check_text(std::string_view text, Findings& findings) {
                            static_cast<unsigned char>(text[bad])));
 }
 
+/// Whether <!DOCTYPE robot> says no more than that: it neither defines nor includes anything.
+bool names_document_alone(std::string_view declaration) {
+  return declaration.starts_with("DOCTYPE ") &&
+         declaration.find_first_not_of(" \t\r\n", 8) != std::string_view::npos &&
+         declaration.find_first_of(" \t\r\n[\"'", declaration.find_first_not_of(" \t\r\n", 8)) ==
+             std::string_view::npos;
+}
+
 // What is dangerous anywhere, also in elements that are ignored.
 void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findings) {
   if (depth > kMaxUrdfDepth) {
@@ -36,7 +44,7 @@ void check_everywhere(const tinyxml2::XMLNode& node, int depth, Findings& findin
     return;
   }
   for (const auto* n = node.FirstChild(); n != nullptr; n = n->NextSibling()) {
-    if (n->ToUnknown() != nullptr) {
+    if (n->ToUnknown() != nullptr && !names_document_alone(n->Value())) {
       findings.add(n->GetLineNum(), "doctype",
                    "document types and entity definitions are not allowed");
     }
@@ -53,8 +61,9 @@ Tree read_document(std::string_view text, Findings& findings) {
   Tree tree;
   Element robot(*document.RootElement(), findings);
   tree.name = robot.text("name", true);
-  if (robot.text("version", false) != "1.0" && robot.has("version")) {
-    robot.find("version", "<robot> version: must be 1.0");
+  const std::string version = robot.text("version", false);
+  if (robot.has("version") && version != "1" && !version.starts_with("1.")) {
+    robot.find("version", "<robot> version: must be 1.0, 1.1 or 1.2");
   }
   int movable = 0;
   robot.each("link", 1, kAny, [&](Element& link) {
@@ -235,6 +244,10 @@ void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Finding
   check_text(text, findings);
   findings.raise();
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    if (text.starts_with("version https://git-lfs")) {
+      findings.add(1, "xml", "a pointer of Git LFS, not the file: `git lfs pull` fetches it");
+      findings.raise();
+    }
     const bool deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
     findings.add(document.ErrorLineNum(), deep ? "too-deep" : "xml",
                  deep ? fmt::format("elements are nested more than {} deep", kMaxUrdfDepth)
@@ -245,7 +258,8 @@ void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Finding
   const tinyxml2::XMLElement* root = document.RootElement();
   if (root == nullptr || std::string_view(root->Name()) != "robot") {
     findings.add(root != nullptr ? root->GetLineNum() : 0, "xml",
-                 "the outermost element must be <robot>");
+                 fmt::format("the outermost element must be <robot>{}",
+                             root != nullptr ? ", not " + in_quotes(root->Name()) : ""));
   } else if (root->NextSiblingElement() != nullptr) {
     findings.add(root->NextSiblingElement()->GetLineNum(), "xml",
                  "there is an element after </robot>");

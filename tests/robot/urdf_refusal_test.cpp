@@ -125,7 +125,7 @@ TEST_CASE("files that exceed the parser's limits are refused") {
 }
 
 TEST_CASE("numbers must be plain, finite numbers") {
-  for (const char* text : {"1,5", "1.5kg", "abc", "", "0x10", "1e", "--1", "+-1", "1 2", "${m}"}) {
+  for (const char* text : {"1,5", "1.5kg", "abc", "", "0x10", "1e", "--1", "+-1", "1 2"}) {
     refused(with("value=\"2\"", std::string("value=\"") + text + "\""), 8, "not-a-number");
   }
   for (const char* text : {"nan", "inf", "-inf", "1e999", "NAN", "infinity"}) {
@@ -136,7 +136,7 @@ TEST_CASE("numbers must be plain, finite numbers") {
   refused(with("xyz=\"0 0 0.5\"", "xyz=\"0 0 0,5\""), 7, "not-a-number");
   refused(with("rpy=\"0 0 0\"", "rpy=\"0 nan 0\""), 7, "not-finite");
   refused(with("ixx=\"0.1\"", "ixx=\"x\""), 9, "not-a-number");
-  refused(with("lower=\"-1\"", "lower=\"-inf\""), 19, "not-finite");
+  refused(with("lower=\"-1\"", "lower=\"nan\""), 19, "not-finite");
   // Finite, but its square is not.
   refused(with("xyz=\"0 0 0.5\"", "xyz=\"0 0 1e200\""), 7, "out-of-range");
   for (const char* text : {"+2.e0", " 2", "2\t", "\n2\n"}) {
