@@ -242,6 +242,7 @@ uncertainty:
   cone_half_angle: 5 deg
 approach:
   base: floating
+  max_approaches: 16
   acceleration_limit: 0.2
   velocity_scale: {19:.3g}
   wait: 2 s
