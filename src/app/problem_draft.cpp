@@ -182,6 +182,10 @@ Draft draft_problem(const DraftRequest& request) {
         "allowed contacts: links closer than {:g} m in {}; their shapes are larger than they are",
         2 * kDraftClearance, often));
   }
+  const bool has_meshes =
+      std::any_of(robot.shapes.begin(), robot.shapes.end(), [](const CollisionShape& shape) {
+        return std::holds_alternative<ConvexMesh>(shape.geometry);
+      });
   const double distance = request.distance > 0 ? request.distance : draft_distance(robot);
   const double contact_time = distance / kClosingSpeed;
   const double half_window = std::min({5.0, 10 / request.spin, contact_time / 4});
@@ -240,7 +244,7 @@ constraints:
   clearance: {20:g} m
 uncertainty:
   cone_half_angle: 5 deg
-approach:
+{22}approach:
   base: floating
   max_approaches: 16
   acceleration_limit: 0.2
@@ -265,7 +269,10 @@ post_impact:
       robot.n() < kJointsToHoldBase ? "  # With few joints the arm runs into its stops where it "
                                       "moves to keep the base still.\n"
                                       "  controllers: [joint_damping, rns_damped, none]\n"
-                                    : "  controllers: [rns_damped, joint_damping, none]\n");
+                                    : "  controllers: [rns_damped, joint_damping, none]\n",
+      has_meshes ? "# Meshes are judged after the search: many of its solutions touch something.\n"
+                   "search: {max_candidates: 128}\n"
+                 : "");
   return draft;
 }
 

@@ -113,4 +113,20 @@ TEST_CASE("the base of a first problem is ten times as heavy as a light arm, and
   CHECK(base_of("0.05").find("base: 10 kg") != std::string::npos);
 }
 
+TEST_CASE("a first problem keeps more solutions of arms with meshes, which are judged afterwards") {
+  const Workshop shop;
+  std::filesystem::copy(source_path("problems/arms/meshes/six_joint_upper.obj"),
+                        shop.path("link.obj"));
+  shop.write("shapes.urdf", robot_text(arm_chain("zyyzyz", kCapsule)));
+  shop.write("meshes.urdf", robot_text(arm_chain("zyyzyz", "<mesh filename=\"link.obj\"/>")));
+  for (const std::string name : {"shapes", "meshes"}) {
+    const Outcome made = shop.run("new " + name + ".yaml --robot " + name + ".urdf");
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    const bool keeps_more =
+        shop.text(name + ".yaml").find("max_candidates: 128") != std::string::npos;
+    CHECK(keeps_more == (name == "meshes"));
+  }
+}
+
 }  // namespace stillbase::cli_test
