@@ -1,6 +1,7 @@
 #include <stillbase/target/prediction.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -8,6 +9,8 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
+
+#include "target/motion_table.hpp"
 
 namespace stillbase {
 
@@ -46,25 +49,51 @@ EstimateCovariance square_root(const EstimateCovariance& covariance) {
   return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
-/// Probability that a Gaussian of two independent variances has a norm of at most a.
-double probability_within(double a, double l1, double l2) {
-  constexpr int kSamples = 720;  // over a quarter circle: the integrand has four equal quarters
-  double sum = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const double phi = kPi / 2 * (i + 0.5) / kSamples;
-    const double c = std::cos(phi), s = std::sin(phi);
-    sum += -std::expm1(-a * a / (2 * (l1 * c * c + l2 * s * s)));
-  }
-  return sum / kSamples;
+constexpr int kQuarterSamples = 720;  ///< of a quarter circle
+
+/// cos^2 in the middles of equal parts of a quarter circle.
+const std::array<double, kQuarterSamples>& quarter_cosine_squares() {
+  static const auto squares = [] {
+    std::array<double, kQuarterSamples> out;
+    for (int i = 0; i < kQuarterSamples; ++i) {
+      const double c = std::cos(kPi / 2 * (i + 0.5) / kQuarterSamples);
+      out[static_cast<std::size_t>(i)] = c * c;
+    }
+    return out;
+  }();
+  return squares;
 }
 
-/// Argument in (0, upper] at which an increasing function takes a value.
+/// Probability that a Gaussian of two independent variances has a norm of at most a.
+double probability_within(double a, double l1, double l2) {
+  double sum = 0;  // the integrand has four equal quarters
+  for (const double c2 : quarter_cosine_squares()) {
+    sum += -std::expm1(-a * a / (2 * (l1 * c2 + l2 * (1 - c2))));
+  }
+  return sum / kQuarterSamples;
+}
+
+/// Argument in (0, upper] at which an increasing function, zero at zero, takes a value: false
+/// position, the weight of an end that stays halved (the Illinois method).
 template <class F>
-double bisect(F f, double value, double upper) {
-  double low = 0, high = upper;
+double solve_increasing(F f, double value, double upper) {
+  double low = 0, high = upper, at_low = -value, at_high = f(upper) - value;
+  int kept = 0;  // the end that stayed: -1 low, 1 high
   for (int i = 0; i < 100 && high - low > 1e-15 * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (f(middle) < value ? low : high) = middle;
+    double middle = (low * at_high - high * at_low) / (at_high - at_low);
+    if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
+    const double here = f(middle) - value;
+    if (here < 0) {
+      low = middle;
+      at_low = here;
+      if (kept == 1) at_high /= 2;
+      kept = 1;
+    } else {
+      high = middle;
+      at_high = here;
+      if (kept == -1) at_low /= 2;
+      kept = -1;
+    }
   }
   return high;
 }
@@ -73,7 +102,7 @@ double bisect(F f, double value, double upper) {
 double two_sided_quantile(double variance, double probability) {
   if (!(variance > 0)) return 0;
   const auto within = [](double x) { return std::erf(x / std::sqrt(2.0)); };
-  return std::sqrt(variance) * bisect(within, probability, 40);
+  return std::sqrt(variance) * solve_increasing(within, probability, 40);
 }
 
 }  // namespace
@@ -85,14 +114,19 @@ EstimateCovariance covariance_of(const EstimateDeviations& deviations) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-TargetEstimate with_error(const TargetEstimate& estimate, const EstimateVector& error) {
-  TargetEstimate changed = estimate;
-  TargetState& state = changed.state;
+TargetState with_error(const TargetState& estimate, const EstimateVector& error) {
+  TargetState state = estimate;
   state.pose.position += error.segment<3>(kPositionError);
   state.pose.orientation =
       (state.pose.orientation * rotation_exp(error.segment<3>(kOrientationError))).normalized();
   state.linear_velocity += error.segment<3>(kLinearVelocityError);
   state.angular_velocity += error.segment<3>(kAngularVelocityError);
+  return state;
+}
+
+TargetEstimate with_error(const TargetEstimate& estimate, const EstimateVector& error) {
+  TargetEstimate changed = estimate;
+  changed.state = with_error(estimate.state, error);
   changed.body.mass *= std::exp(error[kMassError]);
   const Vector3d moments = error.segment<3>(kMomentsError);
   if (!changed.body.is_point_mass && !moments.isZero(0)) {
@@ -225,7 +259,7 @@ double cone_half_angle(const ContactPrediction& prediction, double probability) 
   // The isotropic Gaussian of the larger variance bounds the angle from above.
   const double upper = std::sqrt(-2 * l1 * std::log1p(-probability));
   const auto within = [&](double a) { return probability_within(a, l1, l2); };
-  return bisect(within, probability, upper * (1 + 1e-9));
+  return solve_increasing(within, probability, upper * (1 + 1e-9));
 }
 
 double wedge_half_angle(const ContactPrediction& prediction, const Vector3d& plane_normal,
