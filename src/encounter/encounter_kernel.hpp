@@ -25,17 +25,22 @@ Vector3<S> free_angular_acceleration(const EncounterModel& model, const Vector3<
   return -(inverse * Vector3<S>(omega.cross(Vector3<S>(I * omega))));
 }
 
+/// @param state at the value of `time`
 template <class S>
-TargetKinematics<S> target_kinematics(const EncounterModel& model, const S& time) {
-  const double t = value_of_number(time);
-  const S dt = time - S(t);  // zero, with the derivatives of the time
-  const TargetState state = model.target_state(t);
+TargetKinematics<S> target_kinematics(const EncounterModel& model, const TargetState& state,
+                                      const S& time) {
+  const S dt = time - S(value_of_number(time));  // zero, with the derivatives of the time
   const Matrix3d R_NT = state.pose.orientation.toRotationMatrix();
   const Vector3d omega = R_NT.transpose() * state.angular_velocity;
   return {extend_in_time<S, 3, 3>(R_NT, R_NT * skew<double>(omega), dt),
           extend_in_time<S, 3, 1>(state.pose.position, state.linear_velocity, dt),
           state.linear_velocity.cast<S>(),
           extend_in_time<S, 3, 1>(omega, free_angular_acceleration<double>(model, omega), dt)};
+}
+
+template <class S>
+TargetKinematics<S> target_kinematics(const EncounterModel& model, const S& time) {
+  return target_kinematics<S>(model, model.target_state(value_of_number(time)), time);
 }
 
 template <class S>

@@ -1,6 +1,8 @@
 // The kernel on double.
 #include "formulation/capture_model.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <stillbase/core/error.hpp>
@@ -35,11 +37,16 @@ CaptureModel::CaptureModel(const CaptureProblem& p)
 
 Configuration CaptureModel::configuration(const Eigen::VectorXd& x) const {
   Configuration out;
+  out.feature = problem.variables.feature;
+  write_configuration(x, out);
+  return out;
+}
+
+void CaptureModel::write_configuration(const Eigen::VectorXd& x, Configuration& out) const {
   out.phi = layout.joint_positions(problem, x);
   out.base = problem.base;
   out.base.orientation = layout.attitude_of(problem, x);
   out.contact_time = layout.contact_time(problem, x);
-  out.feature = problem.variables.feature;
   const bool follows = problem.variables.base_position != PositionFreedom::Fixed;
   const std::optional<Vector3d>& stated = encounter.hand_point;
   const bool stated_in_N = stated && encounter.hand_frame == Frame::Inertial;
@@ -48,7 +55,26 @@ Configuration CaptureModel::configuration(const Eigen::VectorXd& x) const {
     const auto kinematics = compute_kinematics<double>(problem.robot, out.phi);
     out.base.position = point - out.base.orientation * kinematics.r_bh;
   }
-  return out;
+}
+
+double CaptureModel::horizon_from(double estimate_time) const {
+  constexpr double kRounding = 1e-6;  // s: a target needs some horizon in any case
+  const VariableSpec& variables = problem.variables;
+  const double longest = std::max(std::abs(variables.contact_time_upper - estimate_time),
+                                  std::abs(variables.contact_time_lower - estimate_time));
+  return longest + problem.uncertainty.contact_time + kRounding;
+}
+
+void CaptureModel::reserve_motion(double rotation) {
+  latest_motion.emplace();
+  latest_motion->body = *problem.target;
+  latest_motion->reserve(rotation);
+  set_target_state(problem.target_state);
+}
+
+void CaptureModel::set_target_state(const TargetState& estimate) {
+  latest_motion->restart(estimate, horizon_from(estimate.time));
+  problem.target_state = estimate;
 }
 
 }  // namespace stillbase

@@ -10,6 +10,7 @@
 #include <stillbase/impact/gradient.hpp>
 
 #include "formulation/variables/layout.hpp"
+#include "target/motion_table.hpp"
 
 namespace stillbase {
 
@@ -60,6 +61,9 @@ struct CaptureModel {
   EncounterModel encounter;
   std::optional<ResidualRoot> residual;  ///< where the problem states a residual velocity
   Scenario nominal;
+  /// The target's motion from the estimate that took the place of the problem's
+  /// (set_target_state); empty: `encounter.motion`.
+  std::optional<MotionTable> latest_motion;
 
   /// @throws InputError as encounter_model(), when nothing is free, or when the residual velocity
   ///   cannot be predicted
@@ -67,6 +71,19 @@ struct CaptureModel {
 
   int n() const { return problem.robot.n(); }
   Configuration configuration(const Eigen::VectorXd& x) const;
+  /// The same but for the name of the feature, which stays.
+  void write_configuration(const Eigen::VectorXd& x, Configuration& out) const;
+
+  /// Longest time between an estimate and what is asked of its motion, s.
+  double horizon_from(double estimate_time) const;
+  /// Room for estimates with so much rotation (rad) within horizon_from(). @pre follows_target()
+  void reserve_motion(double rotation);
+  /// @pre reserve_motion()
+  void set_target_state(const TargetState& estimate);
+
+  /// The target at a time, with its derivatives over it. @pre encounter.follows_target()
+  template <class S>
+  TargetKinematics<S> target_at(const S& time) const;
 
   template <class S>
   Placement<S> place(const VectorX<S>& x) const;

@@ -8,6 +8,12 @@
 namespace stillbase {
 
 template <class S>
+TargetKinematics<S> CaptureModel::target_at(const S& time) const {
+  if (!latest_motion) return target_kinematics<S>(encounter, time);
+  return target_kinematics<S>(encounter, latest_motion->state(value_of_number(time)), time);
+}
+
+template <class S>
 Placement<S> CaptureModel::place(const VectorX<S>& x) const {
   Placement<S> out;
   out.x = x;
@@ -28,7 +34,7 @@ Placement<S> CaptureModel::place(const VectorX<S>& x) const {
     out.attitude_rates = right_jacobian<S>(a);
   }
   if (encounter.follows_target()) {
-    const TargetKinematics<S> target = target_kinematics<S>(encounter, out.time);
+    const TargetKinematics<S> target = target_at<S>(out.time);
     out.contact = contact_kinematics<S>(encounter, out.R_NB, target);
     out.rates = contact_rates<S>(encounter, target, out.contact);
   } else {
@@ -54,7 +60,7 @@ ScenarioImpact<S> CaptureModel::encounter_of(const Placement<S>& at,
                                              const Scenario& scenario) const {
   ScenarioImpact<S> out;
   if (scenario.time_offset != 0 && encounter.follows_target()) {
-    const auto target = target_kinematics<S>(encounter, at.time + S(scenario.time_offset));
+    const auto target = target_at<S>(at.time + S(scenario.time_offset));
     const ContactKinematics<S> contact = contact_kinematics<S>(encounter, at.R_NB, target);
     out.rates = contact_rates<S>(encounter, target, contact);
     out.encounter = encounter_along<S>(encounter, contact, scenario);

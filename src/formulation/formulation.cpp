@@ -47,9 +47,8 @@ double typical_objective(const Formulation::Parts& parts) {
   return whole > 0 ? whole : 1;
 }
 
-ConstraintValue constraint_value(const std::string& name, double value, double lower,
-                                 double upper) {
-  return {name, value, lower, upper, std::max({lower - value, value - upper, 0.0})};
+double violation_of(double value, double lower, double upper) {
+  return std::max({lower - value, value - upper, 0.0});
 }
 
 }  // namespace
@@ -259,25 +258,42 @@ Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
 }
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
+  std::vector<ConstraintValue> out;
+  const auto add = [&out](const std::string& name) { out.push_back({name, 0, 0, 0, 0}); };
+  for (const Constraint* row : parts_->rows.kept) add(row->name);
+  for (const Constraint* row : parts_->rows.reported) add(row->name);
+  for (const auto& row : parts_->constraints.reported) add(row->name);
+  for (const int k : parts_->model.layout.joints) {
+    const Joint& joint = parts_->model.problem.robot.joints[static_cast<std::size_t>(k)];
+    if (joint.type != JointType::Continuous) add("joint_limit_" + joint.name);
+  }
+  update_report(x, out);
+  return out;
+}
+
+void Formulation::update_report(const Eigen::VectorXd& x, std::vector<ConstraintValue>& out) const {
   const CaptureModel& model = parts_->model;
   const NominalPoint here(model, x);
   const ConstraintPoint<double> point{model, here.at, here.posture, here.impact};
-  std::vector<ConstraintValue> out;
-  const auto add = [&](const Constraint& row) {
-    out.push_back(constraint_value(row.name, row.value(point), row.lower, row.upper));
+  std::size_t next = 0;
+  const auto set = [&](double value, double lower, double upper) {
+    ConstraintValue& entry = out[next++];
+    entry.value = value;
+    entry.lower = lower;
+    entry.upper = upper;
+    entry.violation = violation_of(value, lower, upper);
   };
-  for (const Constraint* row : parts_->rows.kept) add(*row);
-  for (const Constraint* row : parts_->rows.reported) add(*row);
-  for (const auto& row : parts_->constraints.reported) add(*row);
+  const auto set_row = [&](const Constraint& row) { set(row.value(point), row.lower, row.upper); };
+  for (const Constraint* row : parts_->rows.kept) set_row(*row);
+  for (const Constraint* row : parts_->rows.reported) set_row(*row);
+  for (const auto& row : parts_->constraints.reported) set_row(*row);
   const VariableLayout& layout = model.layout;
   for (std::size_t i = 0; i < layout.joints.size(); ++i) {
     const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
     if (joint.type == JointType::Continuous) continue;
     const auto j = static_cast<Eigen::Index>(i);
-    out.push_back(
-        constraint_value("joint_limit_" + joint.name, x[j], layout.lower[j], layout.upper[j]));
+    set(x[j], layout.lower[j], layout.upper[j]);
   }
-  return out;
 }
 
 std::vector<ConstraintValue> Formulation::report_limits(const Eigen::VectorXd& x) const {
@@ -286,9 +302,20 @@ std::vector<ConstraintValue> Formulation::report_limits(const Eigen::VectorXd& x
   for (const Constraint* row : parts_->rows.kept) {
     if (!row->is_limit) continue;
     const double value = row->value({parts_->model, here.at, here.posture, here.impact});
-    out.push_back(constraint_value(row->name, value, row->lower, row->upper));
+    out.push_back(
+        {row->name, value, row->lower, row->upper, violation_of(value, row->lower, row->upper)});
   }
   return out;
+}
+
+void Formulation::reserve_motion(double rotation) { parts_->model.reserve_motion(rotation); }
+
+void Formulation::set_cone_half_angle(double half_angle) {
+  parts_->model.problem.uncertainty.cone_half_angle = half_angle;
+}
+
+void Formulation::set_target_state(const TargetState& estimate) {
+  parts_->model.set_target_state(estimate);
 }
 
 long Formulation::evaluations() const { return parts_->evaluations; }

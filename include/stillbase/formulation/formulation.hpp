@@ -10,8 +10,9 @@
 // impact. Every evaluation with derivatives costs one evaluation of the model. A simulated term of
 // the objective takes a simulation for every value and 2 N more for its derivatives.
 //
-// A Formulation does not change after construction (but for its counter, which is atomic): several
-// threads may evaluate one object, each with its own results and workspaces.
+// A Formulation does not change after construction (but for its counter, which is atomic, and by
+// set_target_state()): several threads may evaluate one object, each with its own results and
+// workspaces.
 #pragma once
 
 #include <memory>
@@ -122,6 +123,8 @@ class Formulation final : public nlp::Problem {
 
   /// Values of all constraints in their own units, by name.
   std::vector<ConstraintValue> report(const Eigen::VectorXd& x) const;
+  /// The same again at another point, without allocation. @param out made by report()
+  void update_report(const Eigen::VectorXd& x, std::vector<ConstraintValue>& out) const;
   /// Of these the limits on rates, singular values and distances.
   std::vector<ConstraintValue> report_limits(const Eigen::VectorXd& x) const;
   /// Evaluations of the model since construction.
@@ -133,7 +136,20 @@ class Formulation final : public nlp::Problem {
   void give_up_simulations_at(const StopCondition& stop);
   const StopCondition& simulations_stop() const;
 
-  /// For the files of this room.
+  /// Takes an estimate of the target in place of the problem's: the same program with other
+  /// numbers, its scaling and presolve as they were. The motion of encounter_model() stays that of
+  /// the problem; encounter() follows the estimate. No allocation, and not while other threads
+  /// evaluate.
+  /// @pre reserve_motion(), and the target rotates by no more than that within the horizon
+  void set_target_state(const TargetState& estimate);
+  /// The half-angle (rad) of the cone that worst cases are over, in place of the problem's.
+  void set_cone_half_angle(double half_angle);
+  /// Room for the motion of estimates whose target rotates by so much (rad) between estimate and
+  /// contact; until then the target moves as stated.
+  /// @pre the impulse follows from the target's motion
+  void reserve_motion(double rotation);
+
+  /// For the files of this room, and for a replanner, which evaluates without allocation.
   struct Parts;
   const Parts& parts() const { return *parts_; }
 

@@ -23,18 +23,23 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
                                const DifferencedTerms& terms)
     : problem(p),
       model(formulation.encounter_model()),
-      encounter(formulation.encounter(at)),
       differenced(terms),
       stop(formulation.simulations_stop()),
-      configuration(at) {
+      configuration(at),
+      jump_(jump) {
   const ImpactResistance& resistance = formulation.parts().model.resistance;
-  const auto posture = evaluate_posture<double>(p.robot, resistance, configuration.phi);
+  move_to(formulation.encounter(at),
+          evaluate_posture<double>(p.robot, resistance, configuration.phi));
+}
+
+void DirectionModel::move_to(const Encounter<double>& there, const PostureImpact<double>& posture) {
+  encounter = there;
   if (model.is_rigid_contact()) {
     RigidContact<double> contact;
     set_rigid_contact<double>(model, encounter.contact, nominal_scenario(model), contact);
     const auto response = respond_to_contact<double>(posture, contact);
     whole_square = 0;
-    for (const JumpObjective::Term& term : jump.terms()) {
+    for (const JumpObjective::Term& term : jump_.terms()) {
       *whole_square += JumpObjective::value(term, posture, response).squaredNorm();
     }
   }
@@ -44,27 +49,32 @@ DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formu
       respond<double>(posture, Vector6d::Unit(0)), respond<double>(posture, Vector6d::Unit(1)),
       respond<double>(posture, Vector6d::Unit(2)), respond<double>(posture, moment)};
   const ImpactResponse<double> none = respond<double>(posture, Vector6d::Zero());
-  Y.resize(0, 4);
-  for (const JumpObjective::Term& term : jump.terms()) {
+  Eigen::Index size = 0;
+  for (const JumpObjective::Term& term : jump_.terms()) {
+    size += JumpObjective::value(term, posture, none).size();
+  }
+  Y.resize(size, 4);
+  Eigen::Index first = 0;
+  for (const JumpObjective::Term& term : jump_.terms()) {
     // What a term is worth without an impulse (1 for the impulse itself) is no image of a
     // direction: it counts once.
     const JointVectord constant = JumpObjective::value(term, posture, none);
-    const Eigen::Index first = Y.rows(), rows = constant.size();
-    Y.conservativeResize(first + rows, 4);
+    const Eigen::Index rows = constant.size();
     for (int i = 0; i < 4; ++i) {
-      Y.col(i).tail(rows) = JumpObjective::value(term, posture, unit[i]);
-      if (i < 3) Y.col(i).tail(rows) -= constant;
+      Y.col(i).segment(first, rows) = JumpObjective::value(term, posture, unit[i]);
+      if (i < 3) Y.col(i).segment(first, rows) -= constant;
     }
+    first += rows;
   }
   W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
   const ContactKinematics<double>& contact = encounter.contact;
   add_target_inverse_inertia(model, contact, W);
   velocity = Matrix3d(contact.R_EB.transpose()) * contact.velocity_at(model.r);
   n = encounter.F.head<3>();
-  half_angle = p.uncertainty.cone_half_angle;
-  planar = p.uncertainty.cone_plane_normal.has_value();
+  half_angle = problem.uncertainty.cone_half_angle;
+  planar = problem.uncertainty.cone_plane_normal.has_value();
   if (planar) {
-    u = p.uncertainty.cone_plane_normal->cross(n).normalized();
+    u = problem.uncertainty.cone_plane_normal->cross(n).normalized();
     v.setZero();
   } else {
     std::tie(u, v) = tangent_basis(n);

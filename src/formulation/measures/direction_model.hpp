@@ -30,9 +30,12 @@ struct DirectionModel {
 
   DirectionModel(const CaptureProblem& problem, const Formulation& formulation,
                  const Configuration& at);
-  /// With other terms than the formulation's. @param terms outlive the model
+  /// With other terms than the formulation's. @param jump, terms outlive the model
   DirectionModel(const CaptureProblem& problem, const Formulation& formulation,
                  const Configuration& at, const JumpObjective& jump, const DifferencedTerms& terms);
+
+  /// Takes another place, without allocation. @pre is_linear()
+  void move_to(const Encounter<double>& there, const PostureImpact<double>& posture);
 
   /// Direction at angle |c| from n towards (c_1, c_2).
   Vector3d direction(const Eigen::Vector2d& c) const;
@@ -59,6 +62,8 @@ struct DirectionModel {
   template <class S>
   S square(const Vector3<S>& d) const;
   double other_square(const Vector3d& d, const StopCondition& until) const;
+
+  const JumpObjective& jump_;
 };
 
 }  // namespace stillbase

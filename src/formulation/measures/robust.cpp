@@ -9,58 +9,17 @@
 
 #include <stillbase/core/constants.hpp>
 
-#include "formulation/measures/direction_model.hpp"
+#include "formulation/measures/cone_search.hpp"
 #include "formulation/measures/residual.hpp"
 
 namespace stillbase {
 
 namespace {
 
-/// A place in the cone and its |y|.
-struct Place {
-  Eigen::Vector2d c;
-  double value;
-};
+using Place = ConePlace;
 
 ConeScan scan_of(const DirectionModel& model) {
   return model.differenced.is_simulated() ? kSimulatedScan : ConeScan{};
-}
-
-/// Rings about the nominal direction, or a row in the wedge.
-std::vector<Place> scan(const DirectionModel& model) {
-  const auto [rings, spokes, row, climbs] = scan_of(model);
-  const double alpha = model.half_angle;
-  std::vector<Eigen::Vector2d> grid = {Eigen::Vector2d::Zero()};
-  std::vector<Vector3d> directions = {model.n};
-  if (alpha > 0 && model.planar) {
-    for (int i = 0; i < row; ++i) {
-      grid.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
-      directions.push_back(model.direction(grid.back()));
-    }
-  } else if (alpha > 0) {
-    grid.reserve(static_cast<std::size_t>(1 + rings * spokes));
-    directions.reserve(grid.capacity());
-    std::vector<Eigen::Vector2d> polar;  // cosine and sine of each ring's angle
-    for (int ring = 1; ring <= rings; ++ring) {
-      const double angle = alpha * ring / rings;
-      polar.emplace_back(std::cos(angle), std::sin(angle));
-    }
-    for (int spoke = 0; spoke < spokes; ++spoke) {
-      const double angle = 2 * kPi * spoke / spokes;
-      const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
-      const Vector3d outward = side[0] * model.u + side[1] * model.v;
-      for (int ring = 1; ring <= rings; ++ring) {
-        const Eigen::Vector2d& at = polar[static_cast<std::size_t>(ring - 1)];
-        grid.emplace_back(side * (alpha * ring / rings));
-        directions.push_back(at[0] * model.n + at[1] * outward);
-      }
-    }
-  }
-  std::vector<double> values;
-  model.values(grid, directions, values);
-  std::vector<Place> out(grid.size());
-  for (std::size_t i = 0; i < grid.size(); ++i) out[i] = {grid[i], values[i]};
-  return out;
 }
 
 /// Compass search: steps of one size while they lead up.
@@ -229,41 +188,75 @@ Place refine(const DirectionModel& model, Place place) {
   return place;
 }
 
-/// The maxima over the cone, largest first.
-std::vector<Place> maxima(const DirectionModel& model) {
-  const std::vector<Place> places = scan(model);
+}  // namespace
+
+void ConeSearch::scan(const DirectionModel& model) {
+  const auto [rings, spokes, row, climbs] = scan_of(model);
+  const double alpha = model.half_angle;
+  grid_.assign(1, Eigen::Vector2d::Zero());
+  directions_.assign(1, model.n);
+  if (alpha > 0 && model.planar) {
+    for (int i = 0; i < row; ++i) {
+      grid_.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
+      directions_.push_back(model.direction(grid_.back()));
+    }
+  } else if (alpha > 0) {
+    grid_.reserve(static_cast<std::size_t>(1 + rings * spokes));
+    directions_.reserve(grid_.capacity());
+    polar_.clear();
+    for (int ring = 1; ring <= rings; ++ring) {
+      const double angle = alpha * ring / rings;
+      polar_.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const double angle = 2 * kPi * spoke / spokes;
+      const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
+      const Vector3d outward = side[0] * model.u + side[1] * model.v;
+      for (int ring = 1; ring <= rings; ++ring) {
+        const Eigen::Vector2d& at = polar_[static_cast<std::size_t>(ring - 1)];
+        grid_.emplace_back(side * (alpha * ring / rings));
+        directions_.push_back(at[0] * model.n + at[1] * outward);
+      }
+    }
+  }
+  model.values(grid_, directions_, values_);
+}
+
+const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
+  scan(model);
   const std::size_t most = scan_of(model).climbs;
   // Places apart from each other, so that equal maxima are all found.
-  std::vector<Place> seeds;
-  while (seeds.size() < most) {
-    const Place* best = nullptr;
-    for (const Place& place : places) {
+  seeds_.clear();
+  while (seeds_.size() < most) {
+    std::size_t best = grid_.size();
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
       const auto near = [&](const Place& seed) {
-        return (seed.c - place.c).squaredNorm() <= std::pow(model.half_angle / 4, 2);
+        return (seed.c - grid_[i]).squaredNorm() <= std::pow(model.half_angle / 4, 2);
       };
-      if (best != nullptr && !(place.value > best->value)) continue;
-      if (std::none_of(seeds.begin(), seeds.end(), near)) best = &place;
+      if (best < grid_.size() && !(values_[i] > values_[best])) continue;
+      if (std::none_of(seeds_.begin(), seeds_.end(), near)) best = i;
     }
-    if (best == nullptr) break;
-    seeds.push_back(*best);
+    if (best == grid_.size()) break;
+    seeds_.push_back({grid_[best], values_[best]});
   }
-  std::vector<Place> out;
-  for (const Place& seed : seeds) {
+  found_.clear();
+  for (const Place& seed : seeds_) {
     const Place found = refine(model, seed);
     bool known = false;
-    for (Place& other : out) {
+    for (Place& other : found_) {
       if ((other.c - found.c).norm() > 1e-3 * model.half_angle) continue;
       known = true;
       if (found.value > other.value) other = found;
     }
-    if (!known) out.push_back(found);
+    if (!known) found_.push_back(found);
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Place& a, const Place& b) { return a.value > b.value; });
-  return out;
+  // Insertion keeps the order of equal ones, in place.
+  const auto is_larger = [](const Place& a, const Place& b) { return a.value > b.value; };
+  for (auto place = found_.begin(); place != found_.end(); ++place) {
+    std::rotate(std::upper_bound(found_.begin(), place, *place, is_larger), place, place + 1);
+  }
+  return found_;
 }
-
-}  // namespace
 
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration) {
@@ -272,7 +265,8 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
     return {value, formulation.encounter(configuration).F.head<3>(), true};
   }
   const DirectionModel model(problem, formulation, configuration);
-  const Place worst = maxima(model).front();
+  ConeSearch search;
+  const Place worst = search.maxima(model).front();
   return {formulation.objective_power().value(worst.value), model.direction(worst.c),
           model.is_complete()};
 }
@@ -281,8 +275,9 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
                                      const Configuration& configuration) {
   if (has_residual(problem)) return ellipsoid_maxima(problem, formulation, configuration);
   const DirectionModel model(problem, formulation, configuration);
+  ConeSearch search;
   std::vector<ConeMaximum> out;
-  for (const Place& place : maxima(model)) {
+  for (const Place& place : search.maxima(model)) {
     ConeMaximum maximum{formulation.nominal_scenario(),
                         formulation.objective_power().value(place.value)};
     maximum.scenario.direction =
