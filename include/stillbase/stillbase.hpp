@@ -18,6 +18,7 @@
 //   a capture
 //     make_plan(problem)                            search, approach path, certificate
 //     simulate_post_impact(problem, configuration, impact, controller)   the time afterwards
+//     Replanner(plan).replan(estimate)              posture and time for a new estimate of the target
 //     verify_plan(plan)                             every statement of a plan, by other code
 //
 // Shapes and frames: phi is n joint positions (rad, m for prismatic joints); six-vectors have the
@@ -44,5 +45,6 @@
 #include <stillbase/io/problem_file.hpp>               // read_problem
 #include <stillbase/planner/planner.hpp>               // make_plan
 #include <stillbase/planner/post_impact.hpp>           // simulate_post_impact
+#include <stillbase/planner/replanner.hpp>             // Replanner
 #include <stillbase/robot/urdf_reader.hpp>             // read_robot
 #include <stillbase/verification/verification.hpp>     // verify_plan
