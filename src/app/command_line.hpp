@@ -70,6 +70,7 @@ Command audit_command();
 Command campaign_command();
 Command bench_command();
 Command predict_command();
+Command replan_command();
 Command export_command();
 Command report_command();
 Command schema_command();

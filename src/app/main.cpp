@@ -47,6 +47,7 @@ int run_tool(int argc, const char* const* argv) {
                                 with_package_path(simulate_command()),
                                 with_package_path(verify_command()),
                                 with_package_path(audit_command()),
+                                replan_command(),
                                 with_package_path(predict_command()),
                                 with_package_path(campaign_command()),
                                 with_package_path(bench_command()),

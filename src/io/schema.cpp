@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/fields/describer.hpp"
+#include "io/fields/replan.hpp"
 #include "io/fields/results.hpp"
 
 namespace stillbase {
@@ -69,6 +70,8 @@ std::vector<Format> formats() {
       {"prediction",
        "What `stillbase predict` says of a target over time: its state and contact features, in N.",
        [x = io::TargetPrediction{}](Table& t) mutable { io::prediction_fields(t, x); }},
+      {"replan", "What `stillbase replan` says of a plan while the estimate of its target moves.",
+       [x = io::ReplanRecord{}](Table& t) mutable { io::replan_fields(t, x); }},
       {"pareto", "Two quantities against each other: what `stillbase plan --pareto A,B` found.",
        [front = TradeOff{}](Table& t) mutable { io::pareto_fields(t, {}, front); }},
       {"campaign_result", "What `stillbase campaign merge` says of all trials.",

@@ -163,6 +163,21 @@ TEST_CASE("predictions are what their schema says") {
                output(shop.run("predict " + shipped("iiwa_client_50") + range))});
 }
 
+TEST_CASE("updates of a plan are what their schema says") {
+  const Workshop shop;
+  shop.write_changed("client.yaml", "problems/iiwa_client_50.yaml", "approach:\n",
+                     "approach:\n  enabled: false\n");
+  REQUIRE(shop.run("plan client.yaml --starts 4 -o plan.json").code == 0);
+  const std::string stream = file_text(source_path("problems/streams/iiwa_client_50.csv"));
+  const std::size_t first = stream.find("\n0,") + 1, second = stream.find('\n', first) + 1;
+  const std::string row = stream.substr(first, second - first);
+  // The second estimate is of a time after the contact.
+  shop.write("stream.csv", stream.substr(0, second) + "80" + row.substr(1));
+  const Outcome played = shop.run("replan plan.json --estimates stream.csv --timing --json");
+  CHECK(played.code == 4);
+  require_fit(shop, "replan", {output(played)});
+}
+
 TEST_CASE("simulations and contact tables are what their schemas say") {
   const Workshop shop;
   shop.write_changed("soft.yaml", "problems/iiwa_client_50.yaml", "post_impact:\n",
