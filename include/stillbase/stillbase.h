@@ -1,9 +1,9 @@
-/* C interface of stillbase: load robots and problems, evaluate impacts, plan, verify.
+/* C interface of stillbase: load robots and problems, evaluate impacts, plan, replan, verify.
  *
- * Handles are opaque; whoever got one frees it. Handles do not change: any number of threads may
- * use one at once. Numbers are SI and radians. B is the base frame (origin at the centroid of the
- * base body), N the inertial frame; six-vectors have the linear part first; matrices lie row by
- * row; quaternions are [w, x, y, z]. n is the number of joints.
+ * Handles are opaque; whoever got one frees it. Handles do not change, replanners excepted: any
+ * number of threads may use one at once. Numbers are SI and radians. B is the base frame (origin at
+ * the centroid of the base body), N the inertial frame; six-vectors have the linear part first;
+ * matrices lie row by row; quaternions are [w, x, y, z]. n is the number of joints.
  *
  * No exception leaves a function. Each returns a status; stillbase_error() has the text of the
  * last failure of the calling thread. Outputs are written on STILLBASE_OK alone, unless it says
@@ -27,6 +27,7 @@ extern "C" {
 typedef struct stillbase_robot stillbase_robot;
 typedef struct stillbase_problem stillbase_problem;
 typedef struct stillbase_plan stillbase_plan;
+typedef struct stillbase_replanner stillbase_replanner;
 
 /* Values as the exit codes of the tool. */
 typedef enum stillbase_status {
@@ -147,6 +148,55 @@ STILLBASE_API stillbase_status stillbase_plan_path(const stillbase_plan* plan, d
 /* Recomputes a plan by other code than the planner's. passes: 1 or 0; on 0 stillbase_error() names
  * the checks that fail. */
 STILLBASE_API stillbase_status stillbase_plan_verify(const stillbase_plan* plan, int* passes);
+
+/* Replanning: joints, base pose and time of the contact follow an estimate of the target that
+ * moves. The approach path does not: it has to be planned again to the new contact. */
+
+/* An estimate of the target, in N. */
+typedef struct stillbase_estimate {
+  double time;                /* s */
+  double position[3];         /* of the centroid, m */
+  double orientation[4];      /* R_NT */
+  double linear_velocity[3];  /* of the centroid, m/s */
+  double angular_velocity[3]; /* rad/s */
+  /* 12 x 12, of position, orientation (rotation vector in the target's axes), linear and angular
+   * velocity; NULL: as well known as before */
+  const double* covariance;
+} stillbase_estimate;
+
+/* What an update found. Values are in the unit of the problem's objective. */
+typedef struct stillbase_update {
+  /* "optimal", "feasible", "infeasible" or "refused": an estimate that cannot be used, which
+   * changes nothing */
+  const char* status;
+  const char* reason;       /* of "refused", else "" */
+  int was_cut;              /* 1: the deadline came before the descent had ended */
+  double value;             /* of the measure that is minimised */
+  double nominal;           /* at the nominal direction */
+  double worst_case;        /* over the cone */
+  double max_violation;     /* of the constraints, in their units; feasible: at most 1e-9 */
+  double least_margin;      /* of the inequalities, in their units; negative: violated */
+  double kkt_residual;      /* HUGE_VAL: not known */
+  double old_value;         /* of the old posture under the new estimate */
+  double old_max_violation; /* above 1e-9 the old posture is not feasible under it */
+  double seconds;
+} stillbase_update;
+
+/* Sets up from a plan and its problem, with memory for all updates. Problems that it does not cover
+ * are refused with the reason. */
+STILLBASE_API stillbase_status stillbase_replanner_make(const stillbase_plan* plan,
+                                                        stillbase_replanner** replanner);
+STILLBASE_API void stillbase_replanner_free(stillbase_replanner* replanner);
+/* n; 0 for NULL. */
+STILLBASE_API int stillbase_replanner_joints(const stillbase_replanner* replanner);
+/* The best contact that is found in time for the estimate, never worse than a feasible old one. No
+ * memory is allocated on robots of up to 20 joints. One thread at a time.
+ * deadline: s from now; 0: none. phi (n); contact and update may be NULL. */
+STILLBASE_API stillbase_status stillbase_replanner_update(stillbase_replanner* replanner,
+                                                          const stillbase_estimate* estimate,
+                                                          double deadline,
+                                                          stillbase_contact* contact, double* phi,
+                                                          stillbase_update* update);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/planner/replanner.hpp>
 
 struct stillbase_robot {
   stillbase::RobotModel model;
@@ -20,6 +21,11 @@ struct stillbase_problem {
 struct stillbase_plan {
   stillbase::Plan data;
   std::string status, json;
+};
+
+struct stillbase_replanner {
+  stillbase::Replanner data;
+  int joints;
 };
 
 namespace stillbase::c {

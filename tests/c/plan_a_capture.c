@@ -1,5 +1,5 @@
-/* The C interface from a C program: errors, an impact, a plan, its path, its verification.
- * Usage: plan_a_capture SOURCE_FOLDER. Ends with 0 when all of it is as it must be. */
+/* The C interface from a C program: errors, an impact, a plan, its path, its verification, an
+ * update. Usage: plan_a_capture SOURCE_FOLDER. Ends with 0 when all of it is as it must be. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -108,14 +108,69 @@ static void plan_and_verify(const char* problem_path, const char* plan_path) {
   stillbase_problem_free(problem);
 }
 
+static void replan(const char* problem_path, const char* stated_direction) {
+  stillbase_problem* problem = NULL;
+  stillbase_plan* plan = NULL;
+  stillbase_replanner* replanner = NULL;
+  stillbase_contact contact;
+  stillbase_update update;
+  stillbase_estimate estimate = {0,   {5.9, 0.42, -0.06}, {0, 0, 0, 1}, {-0.05, 0, 0}, {0, 0, 0},
+                                 NULL};
+  double phi[3], planned[3], covariance[144] = {0};
+  int k;
+  estimate.angular_velocity[2] = 5 * 3.14159265358979323846 / 180;
+  check(stillbase_problem_read(problem_path, &problem) == STILLBASE_OK, "a client's problem");
+  check(stillbase_plan_make(problem, NULL, &plan) == STILLBASE_OK, "its plan");
+  check(stillbase_replanner_make(NULL, &replanner) == STILLBASE_WRONG_ARGUMENT, "NULL is no plan");
+  check(stillbase_replanner_make(plan, &replanner) == STILLBASE_OK, "a replanner");
+  check(stillbase_replanner_joints(replanner) == 3, "of three joints");
+  check(stillbase_plan_choice(plan, &contact, planned, NULL, NULL) == STILLBASE_OK, "the choice");
+  check(stillbase_replanner_update(replanner, &estimate, 0, &contact, phi, &update) == STILLBASE_OK,
+        "an update with the problem's own estimate");
+  check(strcmp(update.status, "optimal") == 0, "is optimal");
+  for (k = 0; k < 3; ++k) check(fabs(phi[k] - planned[k]) < 1e-6, "and keeps the posture");
+  for (k = 0; k < 12; ++k) covariance[13 * k] = 1e-8;
+  estimate.covariance = covariance;
+  estimate.position[1] += 0.01;
+  estimate.angular_velocity[2] *= 1.002;
+  check(stillbase_replanner_update(replanner, &estimate, 0.01, &contact, phi, &update) ==
+            STILLBASE_OK,
+        "an update within 10 ms");
+  check(strcmp(update.status, "optimal") == 0 || update.was_cut, "is optimal, or says why not");
+  check(update.max_violation <= 1e-9 && update.least_margin > -1e-9, "is feasible");
+  check(update.old_max_violation > 1e-9 || update.value <= update.old_value, "is never worse");
+  check(contact.contact_time >= 70 && contact.contact_time <= 74, "has a time in the window");
+  estimate.time = NAN;
+  check(stillbase_replanner_update(replanner, &estimate, 0, NULL, phi, &update) == STILLBASE_OK &&
+            strcmp(update.status, "refused") == 0,
+        "NaN is refused");
+  check(strcmp(update.reason, "a number is not finite") == 0, "with the reason");
+  check(stillbase_replanner_update(replanner, &estimate, -1, NULL, phi, NULL) ==
+            STILLBASE_WRONG_ARGUMENT,
+        "a deadline before now is wrong");
+  stillbase_replanner_free(replanner);
+  stillbase_plan_free(plan);
+  stillbase_problem_free(problem);
+  replanner = NULL;
+  check(stillbase_problem_read(stated_direction, &problem) == STILLBASE_OK, "a stated direction");
+  check(stillbase_plan_make(problem, NULL, &plan) == STILLBASE_OK, "its plan");
+  check(stillbase_replanner_make(plan, &replanner) == STILLBASE_INPUT_REFUSED, "is not replanned");
+  check(strstr(stillbase_error(), "not-replannable: impact.direction") != NULL, "with the reason");
+  stillbase_replanner_free(NULL);
+  stillbase_plan_free(plan);
+  stillbase_problem_free(problem);
+}
+
 int main(int argc, char** argv) {
-  char problem[4096], robot[4096];
+  char problem[4096], robot[4096], client[4096];
   if (argc != 3) return 2;
   snprintf(problem, sizeof problem, "%s/problems/planar_two_link_c2_a.yaml", argv[1]);
   snprintf(robot, sizeof robot, "%s/problems/robots/planar_two_link_a.urdf", argv[1]);
+  snprintf(client, sizeof client, "%s/problems/planar_three_link_client.yaml", argv[1]);
   refuse_wrong_input(problem);
   evaluate(robot);
   plan_and_verify(problem, argv[2]);
+  replan(client, problem);
   printf("stillbase %s, %d failures\n", stillbase_version(), failures);
   return failures == 0 ? 0 : 1;
 }
