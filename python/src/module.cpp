@@ -49,6 +49,7 @@ PYBIND11_MODULE(_stillbase, m) {
   register_problem(m);
   register_formulation(m);
   register_plan(m);
+  register_replanner(m);
   register_simulation(m);
   register_results(m);
 }

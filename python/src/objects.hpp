@@ -46,6 +46,7 @@ void register_impact(py::module_& m);
 void register_problem(py::module_& m);
 void register_formulation(py::module_& m);
 void register_plan(py::module_& m);
+void register_replanner(py::module_& m);
 void register_simulation(py::module_& m);
 void register_results(py::module_& m);
 

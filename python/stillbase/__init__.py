@@ -12,8 +12,8 @@ six-vectors have the linear part first: base velocity [v; omega], impulse [f; t]
 N is the inertial frame. Quaternions are [w, x, y, z].
 
 What a file, dict or keyword states wrongly is an InputError with file, line, rule and text. A
-search that finds nothing is a status of its plan. Objects do not change, so any number of threads
-may use them at once. `stillbase.PROBLEMS` is the folder of the shipped problem files.
+search that finds nothing is a status of its plan. Objects do not change (but for a Replanner), so
+any number of threads may use them at once. `stillbase.PROBLEMS` is the folder of the shipped problem files.
 """
 
 import pathlib
@@ -33,6 +33,8 @@ from ._stillbase import (
     Plan,
     Posture,
     Problem,
+    ReplanUpdate,
+    Replanner,
     Response,
     Responses,
     Robot,
@@ -69,6 +71,8 @@ __all__ = [
     "Plan",
     "Posture",
     "Problem",
+    "ReplanUpdate",
+    "Replanner",
     "Response",
     "Responses",
     "Robot",
