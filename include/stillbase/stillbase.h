@@ -183,7 +183,8 @@ typedef struct stillbase_update {
 } stillbase_update;
 
 /* Sets up from a plan and its problem, with memory for all updates. Problems that it does not cover
- * are refused with the reason. */
+ * are refused with the reason. Joints stay within 0.1 rad of the plan's as long as a posture there
+ * satisfies the constraints. */
 STILLBASE_API stillbase_status stillbase_replanner_make(const stillbase_plan* plan,
                                                         stillbase_replanner** replanner);
 STILLBASE_API void stillbase_replanner_free(stillbase_replanner* replanner);

@@ -141,11 +141,14 @@ void register_replanner(py::module_& m) {
       "base pose and time of the contact, not the approach path, which has to be planned\n"
       "again. One thread at a time.");
   replanner.def(
-      py::init([](const PlanResult& plan, int max_steps, double longest_step, double least_lead) {
+      py::init([](const PlanResult& plan, int max_steps, double longest_step, double least_lead,
+                  double stay_within) {
         if (max_steps < 1) throw std::invalid_argument("max_steps: must be at least 1");
         if (!(longest_step > 0)) throw std::invalid_argument("longest_step: must be > 0");
         if (!(least_lead >= 0)) throw std::invalid_argument("least_lead: must be >= 0");
+        if (!(stay_within > 0)) throw std::invalid_argument("stay_within: must be > 0");
         ReplanOptions options;
+        options.stay_within = stay_within;
         options.max_steps = max_steps;
         options.longest_step = longest_step;
         options.least_lead = least_lead;
@@ -154,8 +157,10 @@ void register_replanner(py::module_& m) {
       py::arg("plan"), py::kw_only(), py::arg("max_steps") = ReplanOptions{}.max_steps,
       py::arg("longest_step") = ReplanOptions{}.longest_step,
       py::arg("least_lead") = ReplanOptions{}.least_lead,
+      py::arg("stay_within") = ReplanOptions{}.stay_within,
       "Sets up from a plan. max_steps: of an update; longest_step: rad; least_lead: s between\n"
-      "an estimate and the contact. Raises InputError for problems that it does not cover.");
+      "an estimate and the contact; stay_within: rad (m) that each joint may be from the plan's\n"
+      "posture. Raises InputError for problems that it does not cover.");
   replanner.def(
       "replan", &replan, py::arg("time"), py::arg("position"), py::arg("orientation"),
       py::arg("linear_velocity"), py::arg("angular_velocity"), py::kw_only(),

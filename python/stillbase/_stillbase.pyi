@@ -410,6 +410,7 @@ class Replanner:
         max_steps: int = ...,
         longest_step: float = ...,
         least_lead: float = ...,
+        stay_within: float = ...,
     ) -> None: ...
     def replan(
         self,

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/io/estimate_file.hpp>
 #include <stillbase/io/plan_file.hpp>
+#include <stillbase/planner/post_impact.hpp>
 #include <stillbase/planner/replanner.hpp>
 
 #include "app/command_line.hpp"
@@ -24,23 +26,25 @@ using io::ReplanRecord;
 using io::ReplanUpdate;
 
 struct ReplanRequest {
-  std::string plan, estimates, deadline;
+  std::string plan, estimates, deadline, stay_within;
   OutputFile output;
   bool json = false, timing = false;
 };
 
-/// Seconds of "10ms", "10 ms" or "0.01"; 0: none is given.
-double seconds_of(const std::string& text) {
+/// In SI: "10ms", "10 ms" or "0.01" of a time; 0: none is given.
+double quantity_of(const std::string& option, const std::string& text, io::Dimension dimension) {
+  constexpr double kLargest = 3e7;  // of seconds about a year
   if (text.empty()) return 0;
   const io::Scanned number = io::scan_number(text);
   std::string_view unit = number.remainder;
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
   const std::optional<double> factor =
-      unit.empty() ? std::optional<double>(1) : io::unit_factor(unit, io::Dimension::Time);
+      unit.empty() ? std::optional<double>(1) : io::unit_factor(unit, dimension);
   const bool is_good = number.result == io::Scanned::Result::Good && factor && number.value > 0 &&
-                       number.value * *factor < 3e7;
+                       number.value * *factor < kLargest;
   if (!is_good) {
-    throw CommandLineError("--deadline " + text + ": must be a time > 0, such as 10ms or 0.01");
+    throw CommandLineError(fmt::format("{} {}: must be a number > 0 with one of the units {}",
+                                       option, text, io::units_of(dimension)));
   }
   return number.value * *factor;
 }
@@ -64,21 +68,37 @@ double largest_move(const Configuration& from, const Configuration& to) {
   return (to.phi - from.phi).lpNorm<Eigen::Infinity>();
 }
 
-ReplanRecord play(const Plan& plan, const std::vector<StateEstimate>& estimates, double deadline) {
+/// Whether the last posture keeps the limits after the impact; empty: none are asked for, or there
+/// was no time to simulate it.
+std::string after_impact_of(const Replanner& replanner) {
+  const CaptureProblem& problem = replanner.problem();
+  if (problem.post_impact.controllers.empty() || !is_feasible(replanner.last()) ||
+      stop_condition().reached()) {
+    return "";
+  }
+  const Configuration& last = replanner.last().configuration;
+  const std::string failure =
+      post_impact_failure(problem, last, impact_at(problem, last), stop_condition());
+  return failure.empty() ? "keeps the limits after the impact"
+                         : "exceeds a limit after the impact: " + failure;
+}
+
+ReplanRecord play(const Plan& plan, const std::vector<StateEstimate>& estimates,
+                  const ReplanOptions& options, double deadline) {
   const CaptureProblem& problem = plan.problem;
-  ReplanRecord record{problem.name,
-                      objective_name(problem),
-                      objective_unit_name(problem),
-                      problem.robot,
-                      plan.configuration,
-                      false,
-                      {}};
-  Replanner replanner(plan);
+  ReplanRecord record;
+  record.problem = problem.name;
+  record.objective = objective_name(problem);
+  record.unit = objective_unit_name(problem);
+  record.robot = problem.robot;
+  record.start = plan.configuration;
+  Replanner replanner(plan, options);
   for (const StateEstimate& estimate : estimates) {
     if (stop_condition().reached()) break;
     record.updates.push_back(
         {estimate.state.time, replanner.replan(estimate, stop_after(deadline))});
   }
+  record.after_impact = after_impact_of(replanner);
   return record;
 }
 
@@ -142,7 +162,11 @@ std::string record_words(const ReplanRecord& record) {
              fmt::format("{:.3f}", result.configuration.contact_time), fmt::format("{:.2f}", moved),
              "  " + to_string(result.status) + (result.was_cut ? ", cut" : ""));
   }
-  return text + changes_words(record);
+  text += changes_words(record);
+  if (!record.after_impact.empty()) {
+    text += fmt::format("afterwards  the last posture {}\n", record.after_impact);
+  }
+  return text;
 }
 
 std::string latency_words(const ReplanRecord& record) {
@@ -220,7 +244,12 @@ int exit_code_of(const ReplanRecord& record) {
 
 int replan(const ReplanRequest& request) {
   request.output.check({".json", ".csv"});
-  const double deadline = seconds_of(request.deadline);
+  const double deadline = quantity_of("--deadline", request.deadline, io::Dimension::Time);
+  ReplanOptions options;
+  if (!request.stay_within.empty()) {
+    options.stay_within =
+        quantity_of("--stay-within", request.stay_within, io::Dimension::JointPosition);
+  }
   for (const std::string& input : {request.plan, request.estimates}) {
     if (is_same_file(input, request.output.path)) {
       throw CommandLineError(request.output.path + ": is the input itself");
@@ -230,7 +259,7 @@ int replan(const ReplanRequest& request) {
   const std::vector<StateEstimate> estimates = read_estimates(request.estimates);
   ReplanRecord record = [&] {
     try {
-      return play(plan, estimates, deadline);
+      return play(plan, estimates, options, deadline);
     } catch (const InputError& error) {
       std::vector<Finding> findings = error.findings();
       for (Finding& finding : findings) finding.file = request.plan;
@@ -270,6 +299,10 @@ Command replan_command() {
               {"--deadline", "TIME",
                "of each update, such as 10ms, without a unit s; the best so far is taken then",
                &request->deadline},
+              {"--stay-within", "ANGLE",
+               "that each joint may be from the plan's posture, such as 60deg, without a unit rad; "
+               "default 0.1 rad. Farther postures are taken where no nearer one is feasible",
+               &request->stay_within},
               {"--timing", "", "write how long each update took to the output file as well",
                &request->timing},
               {"--json", "", "print one JSON object in place of the table", &request->json}} +

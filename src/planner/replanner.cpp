@@ -87,6 +87,7 @@ struct Replanner::Impl {
 
   ReplanOptions options_;
   ReplanProgram program_;
+  JointVectord planned_;
   ReplanResult result_;
   int n_, m_;
   nlp::DenseQp qp_;
@@ -112,6 +113,7 @@ struct Replanner::Impl {
 Replanner::Impl::Impl(const Plan& plan, const ReplanOptions& asked)
     : options_(asked),
       program_(problem_of(plan), asked.most_rotation),
+      planned_(plan.configuration.phi),
       n_(program_.num_variables()),
       m_(program_.num_rows()),
       qp_(n_ + 1, 2 * m_ + 2 * n_ + kMostPieces),
@@ -470,12 +472,18 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
   program_.set_estimate(estimate.state, earliest);
   widen_cone(estimate);
 
+  program_.stay_within(kInfinity, planned_);
   judged_.x = old_;
   program_.evaluate_rows(judged_);
   program_.evaluate_measure(judged_);
   result_.old = {program_.reported(judged_.measure), judged_.max_violation};
 
-  const bool is_feasible = begin(stop);
+  program_.stay_within(options_.stay_within, planned_);
+  bool is_feasible = begin(stop);
+  if (!is_feasible && options_.stay_within < kInfinity && !is_over(stop)) {
+    program_.stay_within(kInfinity, planned_);
+    is_feasible = begin(stop);
+  }
   program_.evaluate_measure(here_);
   result_.corrected = {program_.reported(here_.measure), here_.max_violation};
   if (is_feasible) descend(stop);

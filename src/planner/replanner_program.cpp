@@ -40,6 +40,16 @@ ReplanProgram::ReplanProgram(const CaptureProblem& problem, double most_rotation
   if (problem.measure.kind == RiskMeasure::Expectation) samples_ = mean_scenarios(problem);
 }
 
+void ReplanProgram::stay_within(double distance, const JointVectord& phi) {
+  const VariableLayout& layout = parts().model.layout;
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    const double planned = phi[layout.joints[i]];
+    lower_[j] = std::max(layout.lower[j], planned - distance);
+    upper_[j] = std::min(layout.upper[j], planned + distance);
+  }
+}
+
 double ReplanProgram::rotation_of(const TargetState& estimate) const {
   const CaptureModel& model = parts().model;
   return model.latest_motion->largest_rate(estimate) * model.horizon_from(estimate.time);

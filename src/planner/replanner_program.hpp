@@ -45,6 +45,8 @@ class ReplanProgram {
   int num_rows() const { return formulation_.num_constraints(); }
   bool is_worst_case() const { return problem().measure.kind == RiskMeasure::WorstCase; }
 
+  /// Keeps the joints within a distance (rad, m) of these, inside their limits.
+  void stay_within(double distance, const JointVectord& phi);
   /// Bound of the contact feature's rotation between estimate and contact, rad.
   double rotation_of(const TargetState& estimate) const;
   /// @param earliest no contact before it, s; at most the window's end

@@ -43,6 +43,7 @@ TEST_CASE("replan prints a screen of updates, their feasibility and latencies") 
   CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') <= 24);
   CHECK(outcome.out.find("feasible    226 of 226 updates\n") != std::string::npos);
   CHECK(outcome.out.find("   45.00 ") != std::string::npos);
+  CHECK(outcome.out.find("\nafterwards  the last posture ") != std::string::npos);
   CHECK(outcome.says("latency     median "));
   CHECK(outcome.says("0 of 226 cut"));
 }
@@ -107,6 +108,8 @@ TEST_CASE("replan refuses wrong input with its place") {
   CHECK(outcome.says("stream.csv:6: columns: has 3 values, the first line names 26"));
   CHECK(shop.run("replan plan.json").code == 2);
   CHECK(shop.run("replan plan.json --estimates none.csv").code == 3);
+  CHECK(shop.run("replan plan.json --estimates stream.csv --stay-within 5s")
+            .says("--stay-within 5s: must be a number > 0 with one of the units rad, deg"));
   for (const char* wrong : {"0", "-1", "10 m", "fast", "nan"}) {
     INFO(wrong);
     const Outcome refused =

@@ -9,6 +9,7 @@
 #include <stillbase/io/estimate_file.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 #include <stillbase/planner/planner.hpp>
+#include <stillbase/planner/post_impact.hpp>
 #include <stillbase/planner/replanner.hpp>
 #include <stillbase/verification/verification.hpp>
 
@@ -258,6 +259,41 @@ TEST_CASE("a target that is out of reach is said to be, and the old posture stay
   const ReplanResult& back = replanner.replan({plan.problem.target_state});
   CHECK(back.status == ReplanStatus::Optimal);
   CHECK(back.value == Approx(plan.objective.value).epsilon(1e-6));
+}
+
+TEST_CASE("near the plan's posture the limits after the impact hold that it was chosen for") {
+  CaptureProblem problem = test::shipped("iiwa_client_50");
+  problem.approach.enabled = false;
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(problem, options);
+  REQUIRE(plan.choice.better > 0);  // candidates that exceed these limits
+  ReplanOptions everywhere;
+  everywhere.stay_within = kInfinity;
+  Replanner near(plan), anywhere(plan, everywhere);
+  for (const StateEstimate& estimate : client_stream()) {
+    const ReplanResult& result = near.replan(estimate);
+    REQUIRE(is_feasible(result));
+    const JointVectord moved = result.configuration.phi - plan.configuration.phi;
+    CHECK(moved.lpNorm<Eigen::Infinity>() <= ReplanOptions{}.stay_within * (1 + 1e-12));
+    anywhere.replan(estimate);
+  }
+  const Configuration& last = near.last().configuration;
+  CHECK(post_impact_failure(near.problem(), last, impact_at(near.problem(), last), {}) == "");
+  // The lower measure that the planner had excluded.
+  CHECK(anywhere.last().value < near.last().value);
+  const Configuration& lower = anywhere.last().configuration;
+  CHECK(post_impact_failure(near.problem(), lower, impact_at(near.problem(), lower), {}) != "");
+}
+
+TEST_CASE("where nothing is feasible near the plan's posture, farther ones are taken") {
+  const Plan& plan = client_plan();
+  ReplanOptions options;
+  options.stay_within = 1e-4;  // the normal turns by more
+  Replanner replanner(plan, options);
+  const ReplanResult& result = replanner.replan(client_stream().front());
+  CHECK(is_feasible(result));
+  CHECK((result.configuration.phi - plan.configuration.phi).lpNorm<Eigen::Infinity>() > 1e-4);
 }
 
 TEST_CASE("no contact is planned before the estimate and the lead") {

@@ -26,20 +26,24 @@
 namespace stillbase {
 
 struct ReplanOptions {
-  int max_steps = 60;          ///< of an update; estimates that differ little take 2 to 10
+  int max_steps = 40;          ///< of an update; estimates that differ little take 2 to 10
   double longest_step = 0.3;   ///< rad, m, s: farther the linear model does not hold
   int restoration_steps = 12;  ///< of Newton's method onto the constraints, from the old posture
   int halvings = 10;           ///< of a step that does not lower the measure
   /// KKT residual after which nothing is left to gain: the measure's error is about its square.
   double optimality_tolerance = 1e-8;
   double least_lead = 0;  ///< s between an estimate and the contact, for the approach
+  /// rad (m) that each joint may be from the plan's posture, unless only farther ones satisfy the
+  /// constraints. What was judged of that one alone, collisions and the time after the impact,
+  /// tends to hold near it; a lower measure farther away may be one that the planner had excluded.
+  double stay_within = 0.1;
   /// rad by which a target may rotate between estimate and contact. Memory and, in part, the time
   /// of an update grow with it.
   double most_rotation = 60;
 };
 
 enum class ReplanStatus {
-  Optimal,   ///< feasible, KKT residual of at most 1e-6
+  Optimal,   ///< feasible, KKT residual of at most 1e-6 (ReplanOptions::stay_within is a bound)
   Feasible,  ///< feasible, not shown to be optimal
   /// No posture near the known ones satisfies the constraints under this estimate; that of the
   /// result violates them least.

@@ -19,7 +19,8 @@ struct ReplanRecord {
   std::string problem;  ///< its name
   std::string objective, unit;
   RobotModel robot;
-  Configuration start;  ///< of the plan
+  Configuration start;       ///< of the plan
+  std::string after_impact;  ///< what is said of the last posture's time after the impact
   bool with_seconds = false;
   std::vector<ReplanUpdate> updates;
 };
