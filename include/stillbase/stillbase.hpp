@@ -18,7 +18,7 @@
 //   a capture
 //     make_plan(problem)                            search, approach path, certificate
 //     simulate_post_impact(problem, configuration, impact, controller)   the time afterwards
-//     Replanner(plan).replan(estimate)              posture and time for a new estimate of the target
+//     Replanner(plan).replan(estimate)              posture and time for a new estimate
 //     verify_plan(plan)                             every statement of a plan, by other code
 //
 // Shapes and frames: phi is n joint positions (rad, m for prismatic joints); six-vectors have the

@@ -487,8 +487,9 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
   program_.evaluate_measure(here_);
   result_.corrected = {program_.reported(here_.measure), here_.max_violation};
   if (is_feasible) descend(stop);
-  if (result_.old.is_feasible() && judged_.measure < here_.measure) {
+  if (result_.old.is_feasible() && !(is_feasible && here_.measure <= judged_.measure)) {
     std::swap(here_, judged_);
+    is_feasible = true;
     kkt_residual_ = kInfinity;
   }
   finish(is_feasible);

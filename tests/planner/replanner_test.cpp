@@ -291,9 +291,18 @@ TEST_CASE("where nothing is feasible near the plan's posture, farther ones are t
   ReplanOptions options;
   options.stay_within = 1e-4;  // the normal turns by more
   Replanner replanner(plan, options);
-  const ReplanResult& result = replanner.replan(client_stream().front());
+  const StateEstimate first = client_stream().front();
+  const ReplanResult& result = replanner.replan(first);
   CHECK(is_feasible(result));
   CHECK((result.configuration.phi - plan.configuration.phi).lpNorm<Eigen::Infinity>() > 1e-4);
+  // Nor is a feasible old posture lost where there is no time to look farther.
+  StopCondition stop;
+  stop.deadline = StopCondition::Clock::now();
+  const double value = result.value;
+  const ReplanResult& again = replanner.replan(first, stop);
+  CHECK(again.was_cut);
+  CHECK(again.status == ReplanStatus::Feasible);
+  CHECK(again.value <= value * (1 + 1e-12));
 }
 
 TEST_CASE("no contact is planned before the estimate and the lead") {
