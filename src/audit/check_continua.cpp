@@ -1,6 +1,7 @@
 // Continua of solutions: points, length, ends and starts of each curve; none of them twice.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -68,14 +69,59 @@ double distance_to_end(const Situation& at, const std::vector<double>& along) {
   return nearest;
 }
 
-/// Sum of the distances between every `stride`-th point and the last one.
-double length_of(const std::vector<Place>& places, std::size_t stride) {
-  double sum = 0;
-  for (std::size_t i = 0; i + 1 < places.size(); i += stride) {
-    sum += places[i].distance(places[std::min(i + stride, places.size() - 1)]);
-  }
-  return sum;
+/// Curvature of the circle through three points, from the triangle's sides (Menger; Kahan's form of
+/// Heron's area).
+double curvature_of(double a, double b, double c) {
+  if (!(a > 0 && b > 0 && c > 0)) return 0;
+  double s[] = {a, b, c};
+  std::sort(s, s + 3, std::greater<>());
+  const double square = (s[0] + (s[1] + s[2])) * (s[2] - (s[0] - s[1])) * (s[2] + (s[0] - s[1])) *
+                        (s[0] + (s[1] - s[2]));
+  return std::sqrt(std::max(0.0, square)) / (a * b * c);
 }
+
+/// Part by which an arc of this curvature is longer than its chord.
+double excess_of_arc(double curvature, double chord) {
+  const double sine = std::min(1.0, curvature * chord / 2);  // of half the angle
+  return sine > 1e-6 ? std::asin(sine) / sine - 1 : 0;
+}
+
+/// Length of a curve through points, and how far that may be wrong.
+struct Length {
+  double value = 0, open = 0;
+
+  /// Of arcs in place of the chords, on the circles through neighbouring points; where both ends of
+  /// a chord differ in theirs, the length is uncertain by that much.
+  explicit Length(const std::vector<Place>& places, bool is_closed) {
+    constexpr double kTurn = 0.25;      // rad, between neighbouring points of a plan, at most
+    constexpr double kRounding = 2e-6;  // kTurn^4 / 2880 of the planner's cubics, and some
+    if (places.size() < 2) return;
+    const std::size_t chords = places.size() - 1;
+    std::vector<double> chord(chords), curvature(places.size(), 0);
+    for (std::size_t i = 0; i < chords; ++i) chord[i] = places[i].distance(places[i + 1]);
+    for (std::size_t i = 1; i < chords; ++i) {
+      curvature[i] = curvature_of(chord[i - 1], chord[i], places[i - 1].distance(places[i + 1]));
+    }
+    if (chords > 1) {
+      curvature.front() = curvature[1];
+      curvature.back() = curvature[chords - 1];
+    }
+    if (is_closed && chords > 2) {
+      curvature.front() = curvature.back() =
+          curvature_of(chord.front(), chord.back(), places[1].distance(places[chords - 1]));
+    }
+    for (std::size_t i = 0; i < chords; ++i) {
+      const double before = excess_of_arc(curvature[i], chord[i]);
+      const double after = excess_of_arc(curvature[i + 1], chord[i]);
+      value += chord[i] * (1 + (before + after) / 2);
+      // The bend at an end of the curve is that of the point beside it.
+      const bool is_end = !is_closed && (i == 0 || i + 1 == chords);
+      open += chord[i] * (kRounding + std::abs(before - after) + (is_end ? before / 2 : 0));
+    }
+    // The bend between two points alone is not known.
+    if (chords == 1) open += chord.front() * kTurn * kTurn / 24;
+  }
+};
 
 /// A curve as its points give it.
 struct Curve {
@@ -144,8 +190,8 @@ class Curves {
     claims.at_most("families_points_apart", step_, kSpacing, "1",
                    "largest distance of neighbouring points");
     claims.at_most("families_length", length_, 1, "1",
-                   "stated length from the sum of the distances, over the error that the spacing "
-                   "of the points allows");
+                   "stated length from that of arcs through the points, over the error that their "
+                   "bends leave open");
     claims.none_wrong("families_ends", ends_,
                       "closed curves with a gap, open ones without, complete ones that do not end "
                       "at limits, and others that do");
@@ -195,11 +241,8 @@ class Curves {
   }
 
   void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
-    const double fine = length_of(places, 1), coarse = length_of(places, 2);
-    // Chords are shorter than arcs by a part that grows with the square of the spacing: half as
-    // many points leave three times the error of all.
-    const double open = std::max(1e-3 * fine, std::abs(fine - coarse)) + kClosed;
-    length_ = std::max(length_, std::abs(family.length - fine) / open);
+    const Length own(places, family.is_closed);
+    length_ = std::max(length_, std::abs(family.length - own.value) / (own.open + kClosed));
   }
 
   void judge_ends(const SolutionFamily& family, const std::vector<Place>& places,

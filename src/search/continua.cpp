@@ -148,17 +148,21 @@ class RatedCurve {
   const ContinuumOptions& options_;
 };
 
-/// From end to end, at most `spacing` apart; of a closed curve the first one is also the last.
+/// From end to end, at most `spacing` apart and close enough to show how the curve bends; of a
+/// closed curve the first one is also the last.
 std::vector<Configuration> points_along(const Formulation& formulation, const SolutionCurve& curve,
-                                        double spacing) {
+                                        const ContinuumOptions& options) {
   std::vector<Configuration> out;
-  double last = 0;
+  std::size_t last = 0;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const bool is_end = i + 1 == curve.points.size();
     const double next = is_end ? curve.length : curve.points[i + 1].arc;
-    const bool is_needed = i == 0 || next - last > spacing || (is_end && !curve.is_closed);
+    const Eigen::VectorXd& tangent = curve.points[is_end ? 0 : i + 1].tangent;
+    const bool bends = curve.points[last].tangent.dot(tangent) < options.curve.turn_cosine;
+    const bool is_needed = i == 0 || next - curve.points[last].arc > options.spacing || bends ||
+                           (is_end && !curve.is_closed);
     if (!is_needed) continue;
-    last = curve.points[i].arc;
+    last = i;
     out.push_back(formulation.configuration(formulation.normalised(curve.points[i].x)));
   }
   if (curve.is_closed) out.push_back(out.front());
@@ -233,8 +237,8 @@ Continua follow_continua(const CaptureProblem& problem, const Formulation& formu
     }
   }
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    SolutionFamily family{curves[i].length, curves[i].is_closed, curves[i].is_complete, 0,
-                          points_along(formulation, curves[i], options.spacing)};
+    SolutionFamily family{curves[i].arc_length, curves[i].is_closed, curves[i].is_complete, 0,
+                          points_along(formulation, curves[i], options)};
     for (const ContinuumMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
     if (stop.reached()) {

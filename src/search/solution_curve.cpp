@@ -103,6 +103,23 @@ CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, d
   return last;
 }
 
+/// Length of the cubic between two points with these tangents, L = |dr/ds| in its middle by
+/// Simpson's rule: |3/2 d - L (t_0 + t_1) / 4| = L, d the chord. Of an arc of angle a it is wrong
+/// by a part of a^4 / 2880.
+double length_between(const CurvePoint& from, const CurvePoint& to) {
+  const Eigen::VectorXd d = to.x - from.x, t = from.tangent + to.tangent;
+  const double a = 1 - t.squaredNorm() / 16, b = 0.75 * d.dot(t), c = 2.25 * d.squaredNorm();
+  return (std::sqrt(b * b + 4 * a * c) - b) / (2 * a);
+}
+
+double arc_length_of(const SolutionCurve& curve) {
+  double sum = 0;
+  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+    sum += length_between(curve.points[i - 1], curve.points[i]);
+  }
+  return sum;
+}
+
 /// Points after `start` in the sense of its tangent.
 struct Walk {
   std::vector<CurvePoint> points;
@@ -158,6 +175,11 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.is_closed = true;
     curve.is_complete = true;
     curve.length = curve.points.back().arc + *ahead.closing_step;
+    // Full rotations of continuous joints lie between the last point and the first.
+    const CurvePoint& last = curve.points.back();
+    const Eigen::VectorXd back = formulation.normalised(start.x - last.x);
+    curve.arc_length =
+        arc_length_of(curve) + length_between(last, {last.x + back, start.tangent, 0});
     return curve;
   }
   const Walk back = walk(formulation, {x, -*tangent, 0}, stop, options);
@@ -176,6 +198,7 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.points[i].arc = last.arc + last.tangent.dot(curve.points[i].x - last.x);
   }
   curve.length = curve.points.back().arc;
+  curve.arc_length = arc_length_of(curve);
   return curve;
 }
 

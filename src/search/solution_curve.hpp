@@ -28,7 +28,9 @@ struct SolutionCurve {
   std::vector<CurvePoint> points;  ///< at most CurveOptions::longest_step apart
   bool is_closed = false;          ///< the first point follows the last one
   bool is_complete = false;        ///< closed, or followed to limits at both ends
-  double length = 0;               ///< with the step back to the first point when closed
+  double length = 0;               ///< in `arc`, with the step back to the first point when closed
+  /// The same of the curve itself; steps along tangents are shorter where it bends.
+  double arc_length = 0;
 };
 
 /// The curve through x, in both directions, until it closes or reaches a bound or an inequality.
