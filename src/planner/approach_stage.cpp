@@ -77,6 +77,10 @@ class Stage {
     const Candidate& best = found_.candidates[chosen_.candidate];
     chosen_.holds = best.collision_free && keeps_limits(chosen_.candidate);
     if (best.collision_free) return;
+    if (best.collision == kNotJudged) {
+      chosen_.approach.status = ApproachStatus::Stopped;
+      return;
+    }
     chosen_.approach.status = ApproachStatus::GoalInvalid;
     chosen_.approach.detail =
         fmt::format("no candidate is free of collision; the best one: {}", best.collision);

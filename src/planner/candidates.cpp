@@ -17,8 +17,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr const char* kNotJudged = "not judged";  ///< of what comes after a stop
-
 /// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
 /// none. A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,

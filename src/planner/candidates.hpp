@@ -16,6 +16,9 @@
 
 namespace stillbase {
 
+/// Of what comes after a stop, in place of a collision or an exceeded limit.
+inline constexpr const char* kNotJudged = "not judged";
+
 /// Sets `collision` and `collision_free`: which bodies touch while the robot waits at the candidate
 /// and the target comes in.
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
