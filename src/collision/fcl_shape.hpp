@@ -27,8 +27,8 @@ double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a,
 /// Two points, one on each of two shapes, in the common frame.
 using PointPair = std::array<Vector3d, 2>;
 
-/// The closest points of two convex shapes; nothing when they overlap or touch. Each lies on its
-/// shape, and between them is the distance of fcl_distance().
+/// The closest points of two convex shapes as GJK finds them; nothing when they overlap or touch.
+/// Each lies on its shape. Where fcl_distance() mends GJK they are farther apart than it says.
 /// @param R, p as of fcl_distance()
 std::optional<PointPair> fcl_nearest_points(const FclShape& a, const Matrix3d& R_a,
                                             const Vector3d& p_a, const FclShape& b,
