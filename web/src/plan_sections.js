@@ -65,6 +65,9 @@ export function binding(document) {
             {rowClass: i => plan.constraints[i].violation > 1e-6 ? 'fails' : null})));
 }
 
+/// Rounding of what just keeps a limit counts as keeping it.
+const exceeds = use => use.value > use.most * (1 + 1e-6);
+
 /// What has to go somewhere after the contact, and how much of each limit that takes.
 export function grasp(document) {
   const managed = document.content.managed_momentum;
@@ -78,12 +81,12 @@ export function grasp(document) {
       h('p', {},
         `${digits(angular, 3)} N m s and ${digits(linear, 3)} N s have to be managed.${time}`),
       table(
-          ['limit', 'of', 'value', 'limit', 'used', 'unit'],
+          ['limit', 'of', 'value', 'allowed', 'used', 'unit'],
           managed.limits.map(
               use =>
                   [spaced(use.limit), spaced(use.place), use.value, use.most,
-                   `${fixed(100 * use.value / use.most, 1)} %`, use.unit]),
-          {rowClass: i => managed.limits[i].value > managed.limits[i].most ? 'fails' : null}));
+                   use.most > 0 ? `${fixed(100 * use.value / use.most, 1)} %` : null, use.unit]),
+          {rowClass: i => exceeds(managed.limits[i]) ? 'fails' : null}));
 }
 
 export function risks(document) {
@@ -191,6 +194,7 @@ export function candidateTable(document) {
     if (candidate.excluded)
       return typeof candidate.excluded === 'string' ? candidate.excluded :
                                                       JSON.stringify(candidate.excluded);
+    if (candidate.collision === 'not judged') return candidate.collision;
     if (!candidate.collision_free) return `collides: ${candidate.collision || 'bodies touch'}`;
     if (i < chosen) return 'no approach path to it, or the motion after the impact exceeds a limit';
     return '';
