@@ -18,8 +18,8 @@ std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry);
 /// Distance between two convex shapes, m; 0 when they overlap. GJK: sphere and capsule pairs exact,
 /// capsule against box better than 1e-6 m. Where faces or edges are parallel GJK is centimetres too
 /// large for boxes, meshes and cylinders: of two boxes the closed form is taken there, of other
-/// pairs convex_gap() where no supporting plane proves GJK's distance, so that it is never more than
-/// 1e-6 m too large.
+/// pairs convex_gap() where no supporting plane proves GJK's distance, so that it is never more
+/// than 1e-6 m too large.
 /// @param R, p axes and origin of the shape frames in one common frame; finite
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b);

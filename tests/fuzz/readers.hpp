@@ -3,7 +3,6 @@
 // not finite, a copy that does not read back.
 #pragma once
 
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>

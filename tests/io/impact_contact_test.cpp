@@ -1,7 +1,6 @@
 // impact.contact: what a problem may ask of a contact, and what it may not.
 #include <catch2/catch.hpp>
 
-
 #include <stillbase/core/error.hpp>
 #include <stillbase/io/problem_file.hpp>
 

@@ -2,7 +2,6 @@
 #include "io/problem_text.hpp"
 #include "support/temporary_folder.hpp"
 
-
 using namespace stillbase;
 using namespace stillbase::io_test;
 

@@ -1,7 +1,6 @@
 // Every format that has a strict reader, with documents that between them use every key.
 #pragma once
 
-
 #include <functional>
 #include <string>
 #include <vector>
