@@ -1,6 +1,7 @@
 // What a plan says of the momentum after the contact, against the verifier's own account.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <functional>
 
 #include "verification/contact_case.hpp"
@@ -96,6 +97,33 @@ TEST_CASE("an account of the momentum holds, and fails with any number of it alt
             m.limits.erase(m.limits.begin() + static_cast<std::ptrdiff_t>(i));
           }) == "capture_limits ");
   }
+}
+
+TEST_CASE("another joint than the one that uses most of a limit is no account of it") {
+  const Plan plan = latched_plan();
+  const AfterContact run = run_of(plan);
+  const std::vector<Joint>& joints = plan.problem.robot.joints;
+  const JointVectord& rates = run.simulation.summary.peak_joint_rates;
+  const auto part = [&](std::size_t k) {
+    return rates[static_cast<Eigen::Index>(k)] / joints[k].max_velocity;
+  };
+  std::size_t least = 0, largest = 0;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    if (part(k) < part(least)) least = k;
+    if (part(k) > part(largest)) largest = k;
+  }
+  REQUIRE(part(least) < 0.9 * part(largest));
+  Plan other = plan;
+  for (LimitUse& use : other.managed_momentum->limits) {
+    if (use.limit != CaptureLimit::JointRate) continue;
+    CHECK(use.place == joints[largest].name);
+    use.place = joints[least].name;
+    use.value = rates[static_cast<Eigen::Index>(least)];
+    use.most = joints[least].max_velocity;
+  }
+  std::stable_sort(other.managed_momentum->limits.begin(), other.managed_momentum->limits.end(),
+                   [](const LimitUse& x, const LimitUse& y) { return x.part() > y.part(); });
+  CHECK(failures_of(other, run) == "capture_limits ");
 }
 
 TEST_CASE("demands on grip, wheels and time fail by name whatever the plan says") {
