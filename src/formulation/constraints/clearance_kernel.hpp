@@ -3,9 +3,9 @@
 // Which features are nearest is decided on plain values; the distance between those features is
 // then written in S, so that it has exact derivatives wherever the choice does not change. The
 // distance is continuously differentiable while the shapes are apart and the nearest points are
-// unique; parallel segments, parallel faces of two boxes, a cylinder whose capsule and box are
-// equally far, and shapes that lie deep inside each other have kinks, at which the derivative is
-// that of one side.
+// unique; parallel segments, two boxes that change their separating axis, a cylinder whose capsule
+// and box are equally far, and shapes that lie deep inside each other have kinks, at which the
+// derivative is that of one side.
 #pragma once
 
 #include <algorithm>
@@ -277,35 +277,7 @@ Vector3<S> support(const PlacedShape<S>& box, const Vector3d& direction, int alo
   return out;
 }
 
-/// The least distance of a corner of either box from the other one.
-template <class S>
-Separation<S> nearest_corner(const PlacedShape<S>& first, const PlacedShape<S>& second) {
-  const ClearanceShape point;
-  PlacedShape<S> corner{&point, first.R, first.p};
-  bool is_of_first = true;
-  double least = kInfinity;
-  const auto offer = [&](const PlacedShape<S>& box, const PlacedShape<S>& other, bool of_first) {
-    for (unsigned i = 0; i < 8; ++i) {
-      const Vector3d sign((i & 1U) != 0 ? 1 : -1, (i & 2U) != 0 ? 1 : -1, (i & 4U) != 0 ? 1 : -1);
-      const Vector3<S> at =
-          box.p + box.R * Vector3d(sign.cwiseProduct(box.shape->half)).template cast<S>();
-      const Vector3<S> in_other = other.R.transpose() * (at - other.p);
-      const double distance = box_distance(plain<S>(in_other), other.shape->half);
-      if (distance >= least) continue;
-      least = distance;
-      corner.p = at;
-      is_of_first = of_first;
-    }
-  };
-  offer(first, second, true);
-  offer(second, first, false);
-  Separation<S> out = segment_and_box(corner, is_of_first ? second : first);
-  if (!is_of_first) out.normal = -out.normal;
-  return out;
-}
-
-/// Two boxes that overlap: the widest gap among the faces' normals and the products of their edges.
-/// Apart: the distance of two edges that cross where that gap is theirs, else of a corner.
+/// Two boxes: the widest gap among the faces' normals and the products of their edges.
 template <class S>
 Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& second) {
   using std::sqrt;
@@ -328,18 +300,15 @@ Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& s
     best_i = i;
     best_j = j;
   };
-  // Edges first: where parallel faces lie across each other no corner is as near as they are.
+  for (int i = 0; i < 3; ++i) offer(a[i], i, -1);
+  for (int j = 0; j < 3; ++j) offer(b[j], -1, j);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const Vector3d axis = a[i].cross(b[j]);
       if (axis.norm() > 1e-6) offer(axis.normalized(), i, j);
     }
   }
-  for (int i = 0; i < 3; ++i) offer(a[i], i, -1);
-  for (int j = 0; j < 3; ++j) offer(b[j], -1, j);
 
-  const bool is_of_edges = best_i >= 0 && best_j >= 0;
-  if (widest > 0 && !is_of_edges) return nearest_corner(first, second);
   Separation<S> out;
   if (best_j < 0) {
     out.normal = first.R.col(best_i) * S(sign_of(a[best_i].dot(c)));
@@ -361,13 +330,8 @@ Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& s
   const Vector3<S> on_first = support<S>(first, -direction, best_i);
   const Vector3<S> w = support<S>(second, direction, best_j) - on_first;
   out.distance = -out.normal.dot(w);
-  const S uv = u.dot(v), square = S(1) - uv * uv;
-  const S along_first = (u.dot(w) - uv * v.dot(w)) / square;
-  const S along_second = (uv * u.dot(w) - v.dot(w)) / square;
-  const bool cross = std::abs(value_of_number(along_first)) <= first.shape->half[best_i] &&
-                     std::abs(value_of_number(along_second)) <= second.shape->half[best_j];
-  if (widest > 0 && !cross) return nearest_corner(first, second);
-  out.point = on_first + u * along_first;
+  const S uv = u.dot(v);
+  out.point = on_first + u * ((u.dot(w) - uv * v.dot(w)) / (S(1) - uv * uv));
   return out;
 }
 
