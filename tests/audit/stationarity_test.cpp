@@ -84,4 +84,28 @@ TEST_CASE("a feasible configuration states the size of its KKT residual") {
   CHECK(failures(plan).find("kkt_residual") != std::string::npos);
 }
 
+TEST_CASE("an invented minimum at a kink of a limit fails, a feasible configuration is left open") {
+  CaptureProblem problem = test::without_path("deos_latch_residual");
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(problem, options);
+  const auto said = [](const Plan& at) {
+    VerifyOptions judge;
+    judge.post_impact = false;
+    judge.prover = nullptr;
+    for (const Claim& claim : judge_plan(at, judge).claims) {
+      if (claim.name == "kkt_residual") {
+        return claim.fails() ? "fails: " + claim.detail : claim.detail;
+      }
+    }
+    return std::string("nothing");
+  };
+  // Two corners of the base's box are equally far from the target: no slope counts as the limit's.
+  CHECK_THAT(said(plan), Catch::Contains("no gradient here"));
+  // An invented minimum is none with the slopes of either side.
+  plan.status = PlanStatus::Optimal;
+  plan.certificate.kkt_residual = 1e-9;
+  CHECK_THAT(said(plan), Catch::StartsWith("fails"));
+}
+
 }  // namespace stillbase
