@@ -79,7 +79,7 @@ struct Corral {
     return out;
   }
   /// Moves to the nearest point of the points' hull and drops those without a weight there.
-  void settle() {
+  void reduce() {
     constexpr double kNone = 1e-14;
     while (true) {
       const auto wanted = flat_weights();
@@ -124,7 +124,7 @@ double convex_gap(const PlacedGeometry& a, const PlacedGeometry& b, const Vector
     const bool is_known = ((corral.points.colwise() - w).colwise().norm().array() < kZero).any();
     if (is_known || corral.size() > 4) break;
     corral.add(w);
-    corral.settle();
+    corral.reduce();
   }
   return std::max(proven, 0.0) - rounding(a, b);
 }

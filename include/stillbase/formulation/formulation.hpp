@@ -28,7 +28,7 @@ namespace stillbase {
 
 /// Why a constraint is not given to the optimizers.
 enum class Redundancy {
-  ZeroEverywhere,       ///< satisfied with a zero gradient everywhere: dropped
+  ZeroEverywhere,       ///< satisfied with a zero gradient everywhere: dropped, a distance reported
   ByConstruction,       ///< holds where other constraints do: reported
   CombinationOfOthers,  ///< linear combination of other equations everywhere: reported
   ImpliedByOthers       ///< holds at every solution of the other equations: reported
