@@ -12,6 +12,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 
+#include "io/fields/ranges.hpp"
 #include "io/scalars.hpp"
 
 namespace stillbase {
@@ -157,6 +158,20 @@ class EstimateReader {
             fmt::format("{}: '{}', must be a finite number", place(i), cells[i]));
       }
     }
+    if (findings_.size() > before) return;
+    const auto within = [&](std::size_t first, std::size_t end, const io::Range& range) {
+      for (std::size_t i = first; i < end; ++i) {
+        const double x = numbers[order_[i]];
+        if (x >= range.lower && x <= range.upper) continue;
+        add(line, "out-of-range",
+            fmt::format("{}: {}, must be in [{}, {}]", place(order_[i]), x, range.lower,
+                        range.upper));
+      }
+    };
+    within(0, 1, io::kInstant);
+    within(1, 4, io::kPlace);
+    within(8, 11, io::kVelocity);
+    within(11, 14, io::kSpin);
     if (findings_.size() > before) return;
     const auto number = [&](std::size_t i) { return numbers[order_[i]]; };
     const auto vector = [&](std::size_t i) {

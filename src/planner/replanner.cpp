@@ -82,7 +82,7 @@ struct Replanner::Impl {
   bool step_along(const StopCondition& stop);
   void update_hessian();
   void predict(const StateEstimate& estimate, const StopCondition& stop);
-  void widen_cone(const StateEstimate& estimate);
+  double cone_of(const StateEstimate& estimate);
   void finish(bool is_feasible);
 
   ReplanOptions options_;
@@ -383,16 +383,17 @@ void Replanner::Impl::descend(const StopCondition& stop) {
   }
 }
 
-/// The half-angle that follows from the covariance, where the problem has it so.
-void Replanner::Impl::widen_cone(const StateEstimate& estimate) {
+/// The half-angle that follows from the covariance, where the problem has it so; infinite where the
+/// covariance cannot be carried to the contact.
+double Replanner::Impl::cone_of(const StateEstimate& estimate) {
   const UncertaintySpec& uncertainty = problem().uncertainty;
-  if (!uncertainty.cone_confidence || !estimate.covariance) return;
+  if (!uncertainty.cone_confidence || !estimate.covariance) return program_.cone_half_angle();
   const VariableSpec& variables = problem().variables;
   const double lower = variables.contact_time_lower, upper = variables.contact_time_upper;
   for (int i = 0; i < kWindowInstants; ++i) {
     window_[static_cast<std::size_t>(i)].time = lower + (upper - lower) * i / (kWindowInstants - 1);
   }
-  if (!predictor_->predict(estimate.state, *estimate.covariance, window_)) return;
+  if (!predictor_->predict(estimate.state, *estimate.covariance, window_)) return kInfinity;
   double half_angle = 0;
   for (const ContactPrediction& prediction : window_) {
     const double p = *uncertainty.cone_confidence;
@@ -403,7 +404,7 @@ void Replanner::Impl::widen_cone(const StateEstimate& estimate) {
                                problem().base.orientation * *uncertainty.cone_plane_normal, p)
             : cone_half_angle(prediction, p));
   }
-  program_.set_cone_half_angle(half_angle);
+  return half_angle;
 }
 
 void Replanner::Impl::predict(const StateEstimate& estimate, const StopCondition& stop) {
@@ -436,7 +437,8 @@ void Replanner::Impl::finish(bool is_feasible) {
   }
   result_.kkt_residual = kkt_residual_;
   result_.cone_half_angle = program_.cone_half_angle();
-  result_.status = !is_feasible || !(result_.max_violation <= kFeasibilityTolerance)
+  const bool is_number = std::isfinite(here_.measure);
+  result_.status = !is_feasible || !is_number || !(result_.max_violation <= kFeasibilityTolerance)
                        ? ReplanStatus::Infeasible
                    : kkt_residual_ <= kOptimalResidual ? ReplanStatus::Optimal
                                                        : ReplanStatus::Feasible;
@@ -466,11 +468,16 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
   if (!(program_.rotation_of(estimate.state) <= options_.most_rotation)) {
     return refuse("the target rotates by more than most_rotation until the contact");
   }
+  const double half_angle = cone_of(estimate);
+  if (half_angle == kInfinity) return refuse("its covariance cannot be carried to the contact");
+  if (!(half_angle <= kPi / 2)) {
+    return refuse("its covariance says next to nothing of the direction: no cone below 90 deg");
+  }
   result_.reason = "";
   result_.steps = 0;
   kkt_residual_ = kInfinity;
   program_.set_estimate(estimate.state, earliest);
-  widen_cone(estimate);
+  if (half_angle != program_.cone_half_angle()) program_.set_cone_half_angle(half_angle);
 
   program_.stay_within(kInfinity, planned_);
   judged_.x = old_;

@@ -23,6 +23,9 @@ const CaptureProblem& replannable(const CaptureProblem& problem) {
   if (!problem.user.empty()) refuse("functions of the user are not known to keep a deadline");
   if (has_residual(problem)) refuse("uncertainty.residual_velocity: is not updated");
   if (problem.measure.kind == RiskMeasure::Cvar) refuse("objective.measure: cvar is not updated");
+  if (problem.measure.kind == RiskMeasure::Expectation && problem.uncertainty.cone_confidence) {
+    refuse("objective.measure: the samples of an expectation do not follow a cone from_covariance");
+  }
   return problem;
 }
 

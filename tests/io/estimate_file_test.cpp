@@ -91,6 +91,8 @@ TEST_CASE("a wrong stream is refused with line, column and rule") {
   CHECK_THAT(refusal(kNames + "\n1,two" + kRow.substr(3) + "\n"),
              Contains("stream.csv:2: not-a-number: column 2 (x_m): 'two'"));
   CHECK_THAT(refusal(kNames + "\n1,nan" + kRow.substr(3) + "\n"), Contains("not-a-number"));
+  CHECK_THAT(refusal(kNames + "\n1,1e300" + kRow.substr(3) + "\n"),
+             Contains("out-of-range: column 2 (x_m)"));
   CHECK_THAT(refusal(kNames + "\n1,2,3,4,1,1" + kRow.substr(13) + "\n"),
              Contains("stream.csv:2: not-a-unit: column 5 (qw)"));
   CHECK_THAT(refusal(kNames + "\n" + kRow + "\n" + kRow + "\n"),
