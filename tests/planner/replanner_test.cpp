@@ -330,6 +330,12 @@ TEST_CASE("a cone that follows from a covariance follows that of the estimate") 
   CHECK(narrow.cone_half_angle < 0.6 * stated);
   CHECK(narrow.cone_half_angle > 0.4 * stated);
   CHECK(narrow.worst_case < wide);
+  // What says next to nothing of the direction leaves no cone, and not the one before.
+  for (const double factor : {16.0, 400.0}) {
+    estimate.covariance = all.topLeftCorner<12, 12>() * (factor * factor);
+    CHECK(replanner.replan(estimate).status == ReplanStatus::Refused);
+    CHECK_THAT(replanner.last().reason, Catch::Contains("its covariance"));
+  }
 }
 
 TEST_CASE("problems that a replanner does not cover are refused with the reason") {
@@ -352,6 +358,9 @@ TEST_CASE("problems that a replanner does not cover are refused with the reason"
   Plan simulated = plan_of("iiwa_client_50");
   simulated.problem.objective.front().quantity = ObjectiveQuantity::AttitudeTurned;
   CHECK_THAT(refusal(simulated), Catch::Contains("simulated"));
+  Plan mean = plan_of("ets7_client");
+  mean.problem.measure.kind = RiskMeasure::Expectation;
+  CHECK_THAT(refusal(mean), Catch::Contains("expectation"));
   CHECK_THAT(refusal(plan_of("deos_latch_residual")), Catch::Contains("residual_velocity"));
   Plan empty = plan_of("iiwa_client_50");
   empty.configuration = {};
