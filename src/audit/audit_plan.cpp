@@ -32,12 +32,13 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
 
 Verification judge_plan(const Plan& plan, const VerifyOptions& options) {
   Verification all = verify_plan(plan, options);
-  for (const Claim& claim : audit_plan(plan, options).claims) {
+  const Verification audit = audit_plan(plan, options);
+  for (const Claim& claim : audit.claims) {
     const bool is_audit =
         claim.group == ClaimGroup::Audit || claim.group == ClaimGroup::SearchRecord;
     if (is_audit) all.claims.push_back(claim);
   }
-  all.pass = all_hold(all.claims);
+  all.pass = all.pass && audit.pass;
   all.interrupted = !all.pass && options.stop.reached();
   return all;
 }

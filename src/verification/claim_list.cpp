@@ -105,8 +105,15 @@ void ClaimList::run(const std::string& name, const StopCondition& stop,
 Verification ClaimList::result(const StopCondition& stop) const {
   Verification out;
   out.claims = claims_;
-  out.pass = all_pass();
-  out.interrupted = !out.pass && stop.reached();
+  const bool is_stopped = stop.reached();
+  bool is_cut = false;  // a check has no value for the stop
+  for (Claim& claim : out.claims) {
+    if (!is_stopped || claim.value || !claim.is_checked) continue;
+    claim.is_checked = false;
+    is_cut = true;
+  }
+  out.pass = all_hold(out.claims) && !is_cut;
+  out.interrupted = !out.pass && is_stopped;
   return out;
 }
 

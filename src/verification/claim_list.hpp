@@ -78,7 +78,8 @@ class ClaimList {
 
   const std::vector<Claim>& claims() const { return claims_; }
   bool all_pass() const { return all_hold(claims_); }
-  /// The checks as a result; a failure after a stop may be due to the stop.
+  /// The checks as a result. After a stop those without a value count as not checked, and there is
+  /// no verdict: a failure too may be due to the stop.
   Verification result(const StopCondition& stop) const;
 
  private:

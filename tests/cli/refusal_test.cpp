@@ -140,4 +140,8 @@ TEST_CASE("a verification that a signal ends gives no verdict") {
   const json verdict = json::parse(shop.text("verdict.json"));
   CHECK(verdict.at("verdict") == "fail");
   CHECK(verdict.at("interrupted") == true);
+  for (const json& claim : verdict.at("claims")) {
+    INFO(claim.at("name"));
+    if (claim.at("value").is_null()) CHECK(claim.at("pass").is_null());
+  }
 }
