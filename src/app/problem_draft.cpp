@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kClosingSpeed = 0.05;  // m/s, that of berthing
+constexpr double kRestitution = 0.1;
 /// With fewer the motion that keeps the base still leaves the joints little to move in.
 constexpr int kJointsToHoldBase = 6;
 constexpr double kLeastLift = 0.1;  // m, of an arm that lies on the base
@@ -49,6 +50,21 @@ double draft_distance(const RobotModel& robot) {
   }
   const double distance = kClosingSpeed * (longest + kReserve);
   return distance > kDistance ? rounded_to(distance, 0.5) : kDistance;
+}
+
+/// Gain of damped joints at which a push at the hand takes at most half of every torque limit,
+/// 1/s: the torque is at most the gain times the push times the arm that it has about the joint.
+/// @param push N s
+double damping_gain(const RobotModel& robot, double push) {
+  double gain = PostImpactSpec{}.K_phi;
+  double arm = robot.p_hand.norm();  // of the hand about the last joint, at most
+  for (int k = robot.n() - 1; k >= 0; --k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    const double load = push * (joint.is_prismatic() ? 1 : arm);
+    if (std::isfinite(joint.max_effort)) gain = std::min(gain, 0.5 * joint.max_effort / load);
+    arm += joint.p.norm() + (joint.is_prismatic() ? std::max(-joint.lower, joint.upper) : 0);
+  }
+  return gain;
 }
 
 /// A box with one feature on its +x face, off the middle.
@@ -202,6 +218,18 @@ Draft draft_problem(const DraftRequest& request) {
                   target_mass, edge, request.spin, contact_time));
   draft.notes.push_back(
       "limits after the impact: base rate 1 deg/s, attitude change 20 deg within 10 s");
+  std::string controller_lines = "  controllers: [rns_damped, joint_damping, none]\n";
+  if (robot.n() < kJointsToHoldBase) {
+    controller_lines =
+        "  # With few joints the arm runs into its stops where it moves to keep the base still.\n"
+        "  controllers: [joint_damping, rns_damped, none]\n";
+    const double push = (1 + kRestitution) * target_mass * kClosingSpeed;
+    const double gain = damping_gain(robot, push);
+    if (gain < PostImpactSpec{}.K_phi) {
+      controller_lines += fmt::format(
+          "  # Half of the torque limits at most.\n  joint_rate_gain: {:.2g} 1/s\n", gain);
+    }
+  }
   draft.text = fmt::format(
       R"(# Written by `stillbase new` for {0}: every number below is a default to be replaced.
 format: stillbase.problem
@@ -227,7 +255,7 @@ robot:
     angular_velocity: {{axis: [1, 2, 2], rate: {13:g} deg/s}}
 impact:
   source: rigid_body
-  restitution: 0.1
+  restitution: {23:g}
   # Gears stand between rotor and link. A hundredth of the torque limit (kg m^2) is the size of rotor
   # inertia times gear ratio squared of harmonic drives; take the maker's numbers.
   joint_resistance: {{model: rotor_inertia, rotor_inertia: {{{14}}}}}
@@ -265,14 +293,11 @@ post_impact:
       kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(velocity), request.spin,
       resistance, contact_time - half_window, contact_time + half_window,
       vector_text(encounter->axis), slides ? "" : "  joint_limit_margin: 2 deg\n",
-      velocity_scale(robot), kDraftClearance,
-      robot.n() < kJointsToHoldBase ? "  # With few joints the arm runs into its stops where it "
-                                      "moves to keep the base still.\n"
-                                      "  controllers: [joint_damping, rns_damped, none]\n"
-                                    : "  controllers: [rns_damped, joint_damping, none]\n",
+      velocity_scale(robot), kDraftClearance, controller_lines,
       has_meshes ? "# Meshes are judged after the search: many of its solutions touch something.\n"
                    "search: {max_candidates: 128}\n"
-                 : "");
+                 : "",
+      kRestitution);
   return draft;
 }
 

@@ -39,6 +39,12 @@ TEST_CASE("every shipped arm goes from its file to a verified plan in three comm
   CHECK(arms >= 2);
 }
 
+TEST_CASE("the gain of a first problem keeps weak joints within their torque limits") {
+  const Workshop shop;
+  plans_as_it_is(shop, source_path("problems/robots/planar_three_link.urdf"), "");
+  CHECK(shop.text("problem.yaml").find("joint_rate_gain") != std::string::npos);
+}
+
 TEST_CASE("the shipped problems with mounted arms plan and verify", "[.slow]") {
   const Workshop shop;
   for (const std::string name : {"mounted_six_joint", "mounted_seven_joint", "mounted_two_arms"}) {
