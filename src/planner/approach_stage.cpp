@@ -108,10 +108,7 @@ class Stage {
   bool take(const Approach& approach, std::size_t candidate, const ContactRefinement* contact) {
     const bool found = arrives(approach);
     std::optional<CertifiedCandidate> there;
-    if (found && path_decides(problem_)) {
-      there = contact->certify(approach.joint_positions.back(), approach.base_poses.back());
-      judge_collisions(problem_, scene_, there->candidate);
-    }
+    if (found && path_decides(problem_)) there = certified_end(approach, *contact);
     // A configuration that came with its path was not judged by its time after the impact yet.
     const bool holds = found && (!there || after_.keeps_limits(there->candidate.configuration));
     if (!tried_ || holds || (found && !has_fallback_)) {
@@ -123,22 +120,47 @@ class Stage {
     return holds;
   }
 
-  /// Tries the candidates that rank before the reached one by themselves, best first.
+  /// Tries the candidates that rank before the reached one by themselves, best first. Where the
+  /// path decides on the configuration at its end, the best of these is taken, of at most
+  /// `max_approaches`.
   void go_on_to_better_ones() {
-    if (path_decides(problem_)) return;
-    const Candidate& reached =
-        chosen_.certified ? chosen_.certified->candidate : found_.candidates[chosen_.candidate];
-    const double value = reached.value;
+    int tried = 0;
     for (std::size_t k = 0; k < order_.holding; ++k) {
+      const Candidate& reached =
+          chosen_.certified ? chosen_.certified->candidate : found_.candidates[chosen_.candidate];
       const std::size_t i = order_.order[k];
-      const double gained = value - found_.candidates[i].value;
+      const double gained = reached.value - found_.candidates[i].value;
       if (options_.stop.reached()) return;
-      if (!(gained > options_.improvement * value) || tried_alone_.count(i) > 0) continue;
-      const Approach approach = approach_to(i, seed_ + k);
+      if (!(gained > options_.improvement * reached.value) || tried_alone_.count(i) > 0) continue;
+      if (path_decides(problem_) && tried++ == problem_.approach.max_approaches) return;
+      std::unique_ptr<ContactRefinement> contact;
+      const Approach approach = approach_to(i, seed_ + k, &contact);
       if (!arrives(approach)) continue;
-      chosen_ = {i, approach, std::nullopt, false, true};
-      return;
+      if (!path_decides(problem_)) {
+        chosen_ = {i, approach, std::nullopt, false, true};
+        return;
+      }
+      CertifiedCandidate there = certified_end(approach, *contact);
+      if (!there.candidate.collision_free) {
+        excluded_[i] = "where its path ends: " + there.candidate.collision;
+      } else if (!(there.candidate.value < reached.value)) {
+        excluded_[i] = "no better where its path ends";
+      } else if (std::string broken = after_.failure(there.candidate.configuration);
+                 !broken.empty()) {
+        excluded_[i] = "after the impact, where its path ends: " + broken;
+      } else {
+        chosen_ = {i, approach, std::move(there), false, true};
+      }
     }
+  }
+
+  /// The configuration at the end of a path that decides on it.
+  CertifiedCandidate certified_end(const Approach& approach,
+                                   const ContactRefinement& contact) const {
+    CertifiedCandidate there =
+        contact.certify(approach.joint_positions.back(), approach.base_poses.back());
+    judge_collisions(problem_, scene_, there.candidate);
+    return there;
   }
 
   /// The path to one candidate.
@@ -226,13 +248,8 @@ class Stage {
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
     for (const Goal& goal : goals) {
       if (goal.sample) continue;
-      excluded_[goal.candidate] =
-          arrives(any.approach)
-              ? fmt::format(
-                    "a path to another one within approach.goal_factor, {:g}, was found "
-                    "first",
-                    problem_.approach.goal_factor)
-              : no_path_words(any.approach);
+      excluded_[goal.candidate] = arrives(any.approach) ? "a path to another one was found first"
+                                                        : no_path_words(any.approach);
     }
     if (!arrives(any.approach)) {
       if (path_decides(problem_)) chosen_.approach = any.approach;

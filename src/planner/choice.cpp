@@ -32,7 +32,11 @@ void state_choice(Plan& plan, double equal, double improvement) {
       continue;
     }
     ++plan.choice.better;
-    if (other->excluded.empty()) other->excluded = "not tried";
+    if (other->excluded.empty()) {
+      other->excluded = plan.problem.approach.effort == ApproachEffort::First
+                            ? "not tried: approach.effort is first"
+                            : "not tried";
+    }
     if (difference > same) least = std::min(least, value - difference);
   }
   if (!(value > least)) return;

@@ -62,7 +62,7 @@ TEST_CASE("a chosen candidate whose measure is the least one stays optimal") {
   CHECK(plan.status == PlanStatus::Optimal);
   CHECK(plan.choice.better == 1);  // it stands before, as good
   CHECK(plan.choice.loss_percent == 0.0);
-  CHECK(plan.candidates[0].excluded == "not tried");
+  CHECK(plan.candidates[0].excluded == "not tried: approach.effort is first");
 }
 
 TEST_CASE("the loss against a least measure of zero is not known in percent") {
