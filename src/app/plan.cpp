@@ -1,4 +1,5 @@
 // stillbase plan: a problem file in, a plan file out.
+#include <charconv>
 #include <cmath>
 #include <memory>
 
@@ -27,14 +28,25 @@ namespace stillbase::app {
 namespace {
 
 struct PlanRequest {
-  std::string problem, optimizer, pareto;
+  std::string problem, optimizer, pareto, starts;
   std::optional<std::uint64_t> seed;
-  std::optional<int> starts;
   int jobs = 0;
   double time_limit = 0;
   OutputFile output;
   bool json = false, is_verbose = false;
 };
+
+int starts_of(const std::string& text) {
+  if (text == "auto") return kAutomaticStarts;
+  int starts = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), starts);
+  if (error != std::errc() || end != text.data() + text.size() || starts < 1 ||
+      starts > kMaxStarts) {
+    throw CommandLineError(
+        fmt::format("--starts {}: must be from 1 to {}, or auto", text, kMaxStarts));
+  }
+  return starts;
+}
 
 ObjectiveQuantity quantity_of(const std::string& word) {
   check_known("--pareto " + word, word, io::words_of(io::objective_names()));
@@ -184,12 +196,14 @@ int plan_capture(const PlanRequest& request) {
   if (!request.optimizer.empty()) {
     check_known("--optimizer " + request.optimizer, request.optimizer, nlp::optimizer_names());
   }
+  std::optional<int> starts;
+  if (!request.starts.empty()) starts = starts_of(request.starts);
   CaptureProblem problem = read_problem(request.problem);
   check_mounts(problem, request.problem);
   const std::vector<InputFile> inputs = input_files(request.problem);
   if (!request.optimizer.empty()) problem.search.optimizer = request.optimizer;
   if (request.seed) problem.search.seed = *request.seed;
-  if (request.starts) problem.search.starts = *request.starts;
+  if (starts) problem.search.starts = *starts;
 
   if (is_front) {
     if (!problem.variables.features.empty()) {
@@ -260,7 +274,11 @@ Command plan_command() {
            .target = &request->optimizer,
            .words = nlp::optimizer_names()},
           {"--seed", "", "seed of all random choices", &request->seed},
-          {"--starts", "N", "starts of the search", &request->starts, false, 1, kMaxStarts},
+          {.name = "--starts",
+           .value = "N|auto",
+           .about = "starts of the search in place of the problem's",
+           .target = &request->starts,
+           .words = {"auto"}},
           {"--jobs", "N",
            "threads, by default as many as processors; the plan does not depend on it",
            &request->jobs, false, 1, 256},
