@@ -58,4 +58,9 @@ struct DocumentLimits {
 /// number of nodes
 Node parse_document(std::string_view text, ReadContext& context, const DocumentLimits& limits = {});
 
+/// Of a file that says that it is something else, nothing more is said than that.
+/// @param own format that the file should state, "stillbase.plan"
+/// @throws InputError
+void refuse_other_format(const Node& root, const std::string& source, const std::string& own);
+
 }  // namespace stillbase::io

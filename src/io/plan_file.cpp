@@ -25,19 +25,6 @@ std::string content_sha256(Json document) {
   return sha256_hex(canonical(document));
 }
 
-/// Of a file that says that it is something else, nothing more is said than that.
-void refuse_other_format(const Node& root, const std::string& source) {
-  const Node* format = root.find("format");
-  if (format == nullptr || format->text.rfind("stillbase.", 0) != 0 ||
-      format->text == "stillbase.plan") {
-    return;
-  }
-  throw InputError({{source, format->line, "format",
-                     format->text == "stillbase.problem"
-                         ? "this is a problem file; make a plan of it first (stillbase plan)"
-                         : fmt::format("is '{}'; must be 'stillbase.plan'", format->text)}});
-}
-
 /// The text as JSON, for its fingerprint. YAML that is not JSON is refused.
 std::string fingerprint(std::string_view text, ReadContext& context) {
   try {
@@ -59,7 +46,7 @@ PlanFile read_plan(std::string_view text, const std::string& source) {
   const io::Node root =
       io::parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 1'000'000});
   PlanFile file;
-  io::refuse_other_format(root, source);
+  io::refuse_other_format(root, source, "stillbase.plan");
   io::Map([&](io::Table& t) { io::plan_fields(t, file, ""); }).read(context, root, "");
   context.throw_if_any();
   file.computed_sha256 = io::fingerprint(text, context);

@@ -36,6 +36,7 @@ CaptureProblem read(std::string_view text, const std::string& source,
                     const io::ProblemSources& sources, std::vector<Finding>* remarks = nullptr) {
   io::ReadContext context{source, {}, {}};
   const io::Node root = io::parse_document(text, context);
+  io::refuse_other_format(root, source, "stillbase.problem");
   CaptureProblem problem = io::read_problem_map(root, context, "", sources);
   context.throw_if_any();
   if (remarks != nullptr) *remarks = std::move(context.remarks);

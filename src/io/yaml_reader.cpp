@@ -206,4 +206,14 @@ Node parse_document(std::string_view text, ReadContext& context, const DocumentL
   return std::move(builder.root);
 }
 
+void refuse_other_format(const Node& root, const std::string& source, const std::string& own) {
+  const Node* format = root.find("format");
+  if (format == nullptr || format->text.rfind("stillbase.", 0) != 0 || format->text == own) return;
+  std::string message = fmt::format("is '{}'; must be '{}'", format->text, own);
+  if (own == "stillbase.plan" && format->text == "stillbase.problem") {
+    message = "this is a problem file; make a plan of it first (stillbase plan)";
+  }
+  throw InputError({{source, format->line, "format", message}});
+}
+
 }  // namespace stillbase::io
