@@ -247,8 +247,7 @@ int predict_target(const PredictRequest& request) {
 
 Command predict_command() {
   auto request = std::make_shared<PredictRequest>();
-  return {"predict",
-          "the target's state and every contact feature over time, with their covariance",
+  return {"predict", "the target's state over time, and every contact feature with its covariance",
           std::vector<Option>{
               {"input", "PROBLEM.yaml|TARGET.yaml",
                "problem with the target's estimate, or a target alone: at the origin, at time 0 in "

@@ -44,7 +44,9 @@ TEST_CASE("predict moves the centroid straight and turns the features with the t
   // A revolution of 72 s about a principal direction of a body with equal moments is the identity.
   const json &first = instants[0].at("orientation"), &last = instants[2].at("orientation");
   double dot = 0;
-  for (int i = 0; i < 4; ++i) dot += at(first, i) * at(last, i);
+  for (const char* part : {"w", "x", "y", "z"}) {
+    dot += first.at(part).get<double>() * last.at(part).get<double>();
+  }
   CHECK(std::abs(dot) == Approx(1).epsilon(1e-3));
 }
 
@@ -87,8 +89,8 @@ TEST_CASE("predict takes a target alone with its angular velocity") {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const json rows = json::parse(outcome.out).at("instants");
-  CHECK(at(rows[0].at("orientation"), 0) == 1);
-  CHECK(at(rows[1].at("orientation"), 3) == Approx(std::sin(0.25)).epsilon(1e-2));
+  CHECK(rows[0].at("orientation").at("w") == 1);
+  CHECK(rows[1].at("orientation").at("z").get<double>() == Approx(std::sin(0.25)).epsilon(1e-2));
   CHECK(shop.run("predict " + kClient + " --from 0 --to 1 --step 1 --angular-velocity 0 0 1")
             .says("for target files"));
 }

@@ -20,12 +20,9 @@ static void fields(Table& t, PredictedFeature& feature) {
 
 static void fields(Table& t, PredictedInstant& instant) {
   TargetState& state = instant.state;
-  Eigen::VectorXd q(4);
-  const Eigen::Quaterniond& R_NT = state.pose.orientation;
-  q << R_NT.w(), R_NT.x(), R_NT.y(), R_NT.z();
   t("time", Number(state.time), "", needed("s"));
   t("position", Vector(state.pose.position), "of the centroid", needed("m", "N"));
-  t("orientation", Numbers(q, 4), "of T, quaternion w, x, y, z", needed("1", "N"));
+  t("orientation", Orientation(state.pose.orientation), "of T", needed("", "N"));
   t("linear_velocity", Vector(state.linear_velocity), "of the centroid", needed("m/s", "N"));
   t("angular_velocity", Vector(state.angular_velocity), "", needed("rad/s", "N"));
   t("features", maps_of(instant.features), "of the target, in its order", kNeeded);
