@@ -174,8 +174,8 @@ std::string direction_words(const PostureIndices& posture) {
                       fmt::format("{:.2f} deg", line_angle_deg(in_plane.directions.col(0))),
                       vector_words(in_space.directions.col(0)));
   text += fmt::format("{:<28} {:<18} {} rad/s per N s\n", "  that is",
-                      fmt::format("{:.4g}", in_plane.base_reaction[0]),
-                      fmt::format("{:.4g}", in_space.base_reaction[0]));
+                      size_words(in_plane.base_reaction[0], 4),
+                      size_words(in_space.base_reaction[0], 4));
   return text;
 }
 

@@ -176,7 +176,9 @@ int run_cases(const CampaignRunRequest& request) {
                     done.died.size(), campaign.tries, fmt::join(done.died, ", ")));
   }
   if (signal_exit_code() != 0) return signal_exit_code();
-  say_next({"campaign", "merge", request.folder, "-o", request.folder + ".json"});
+  if (done.is_complete()) {
+    say_next({"campaign", "merge", request.folder, "-o", request.folder + ".json"});
+  }
   return done.is_complete() ? kDone : kCampaignIncomplete;
 }
 

@@ -18,6 +18,7 @@
 #include "app/command_line.hpp"
 #include "app/page_documents.hpp"
 #include "app/window_words.hpp"
+#include "formulation/variables/layout.hpp"
 
 namespace stillbase::app {
 
@@ -109,9 +110,14 @@ Report report_on(const std::string& path, const std::string& hand,
 }
 
 /// The command that takes a good file further.
-void print_next(const std::string& file, const std::string& kind) {
+void print_next(const std::string& file, const Report& report) {
+  const std::string& kind = report.kind;
   const std::string stem = std::filesystem::path(file).stem().string();
-  if (kind == "problem") say_next({"plan", file, "-o", stem + ".json"});
+  if (kind == "problem") {
+    const bool has_variables = VariableLayout(*report.problem).size > 0;
+    say_next(has_variables ? std::vector<std::string>{"plan", file, "-o", stem + ".json"}
+                           : std::vector<std::string>{"analyze", file});
+  }
   if (kind == "plan") say_next({"verify", file});
   if (kind == "campaign") say_next({"campaign", "make", file, "-o", stem + ".jsonl"});
 }
@@ -127,7 +133,7 @@ int check_files(const CheckRequest& request) {
       const Report report = report_on(file, request.hand, robot);
       if (request.is_strict && !report.remarks.empty()) throw InputError(report.remarks);
       write_stdout(fmt::format("{}: ok, a {}\n{}\n", file, report.kind, report.text));
-      if (request.files.size() == 1) print_next(file, report.kind);
+      if (request.files.size() == 1) print_next(file, report);
       if (report.robot) {
         drawn.push_back({file, report.text, *report.robot, report.problem, report.robot_files});
       }

@@ -164,7 +164,9 @@ std::string environment_text() {
   return table({{"NO_COLOR", "not empty: no colours"},
                 {"TERM", "dumb: no colours"},
                 {"SOURCE_DATE_EPOCH",
-                 "seconds since 1970: CREATION_DATE of exported files in place of now"}}) +
+                 "seconds since 1970: CREATION_DATE of exported files in place of now"},
+                {"ROS_PACKAGE_PATH",
+                 "folders, separated by colons, in which packages of meshes are looked for"}}) +
          "\nProgress and colours appear on a terminal only.\n";
 }
 

@@ -150,11 +150,11 @@ std::string report_line(const ControllerReport& report) {
     return fmt::format("{:<22} did not finish: {}", report.controller, report.detail);
   }
   return fmt::format(
-      "{:<22} after {:g} s the base rotates at {:.3g} deg/s (peak {:.3g}), its attitude changed by "
-      "{:.3g} deg; joint rates {:.3g} rad/s (norm; the fastest joint reached {:.3g})",
-      report.controller, report.horizon, report.residual_base_rate * kDegrees,
-      report.peak_base_rate * kDegrees, report.attitude_turned * kDegrees,
-      report.residual_joint_rate, report.peak_joint_rate);
+      "{:<22} after {:g} s the base rotates at {} deg/s (peak {}), its attitude changed by {} deg; "
+      "joint rates {} rad/s (norm; the fastest joint reached {})",
+      report.controller, report.horizon, size_words(report.residual_base_rate * kDegrees),
+      size_words(report.peak_base_rate * kDegrees), size_words(report.attitude_turned * kDegrees),
+      size_words(report.residual_joint_rate), size_words(report.peak_joint_rate));
 }
 
 std::vector<Claim> checks_of(const Verification& verification, ClaimGroup group) {
@@ -237,7 +237,8 @@ void print_verdict(const Verification& verification, const std::string& what) {
                   fmt::format("verdict: pass, all {} {} checks hold{}{}",
                               static_cast<long>(checks.size()) - open, what, not_checked, against))
           : toned(Tone::Bad, fmt::format("verdict: FAIL, {} of {} {} checks do not hold{}{}",
-                                         failed, checks.size(), what, not_checked, against)));
+                                         failed, static_cast<long>(checks.size()) - open, what,
+                                         not_checked, against)));
 }
 
 }  // namespace

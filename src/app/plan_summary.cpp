@@ -12,6 +12,7 @@
 #include <stillbase/search/search.hpp>
 
 #include "app/words.hpp"
+#include "planner/candidates.hpp"
 
 namespace stillbase::app {
 
@@ -141,6 +142,12 @@ std::string binding_words(const BindingLimit& limit, const std::string& unit) {
     if (limit.unit == "m/s") return {1e3 * x, "mm/s"};
     return {x, limit.unit};
   };
+  if (limit.unit == "rad^2") {  // of an angle, which its slope goes over to
+    const double angle = std::sqrt(limit.value);
+    return binding_words(
+        {"base_attitude", limit.is_upper, angle, limit.margin, 2 * angle * limit.multiplier, "rad"},
+        unit);
+  }
   const auto [at, words] = size(limit.value);
   const double one = 1 / size(1).first;
   return fmt::format("1 {} beyond the {} end of {}, {:.6g} {}, would save {:.3g} {}", words,
@@ -172,11 +179,16 @@ std::string nominal_optimum_words(const Plan& plan) {
 std::string search_words(const Plan& plan) {
   const auto free = std::count_if(plan.candidates.begin(), plan.candidates.end(),
                                   [](const Candidate& c) { return c.collision_free; });
-  return fmt::format(
-      "{} from {} starts of {}; {}, {} of them free of collision",
+  const auto judged = std::count_if(plan.candidates.begin(), plan.candidates.end(),
+                                    [](const Candidate& c) { return c.collision != kNotJudged; });
+  const auto all = static_cast<long>(plan.candidates.size());
+  std::string text = fmt::format(
+      "{} from {} of {}; {}",
       count_words(plan.certificate.distinct_solutions, "distinct solution", "distinct solutions"),
-      plan.certificate.starts, plan.optimizer,
-      count_words(static_cast<long>(plan.candidates.size()), "candidate", "candidates"), free);
+      count_words(plan.certificate.starts, "start", "starts"), plan.optimizer,
+      count_words(all, "candidate", "candidates"));
+  if (judged < all) text += fmt::format(", {} of them judged", judged);
+  return judged == 0 ? text : text + fmt::format(", {} of them free of collision", free);
 }
 
 /// A case problem without a solution: how far the nearest attempt is from the case.

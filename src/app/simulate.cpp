@@ -50,12 +50,13 @@ Case load_case(const std::string& path) {
   return result;
 }
 
+std::string four(double x) { return size_words(x, 4); }
+
 std::string contact_words(const Run& run) {
   if (run.contact.is_held) {
     const Vector6d& Fbar = run.contact.latch_impulse;
-    return fmt::format(
-        "  contact         latched by {:.4g} N s and {:.4g} N m s; the target is held\n",
-        Fbar.head<3>().norm(), Fbar.tail<3>().norm());
+    return fmt::format("  contact         latched by {} N s and {} N m s; the target is held\n",
+                       four(Fbar.head<3>().norm()), four(Fbar.tail<3>().norm()));
   }
   if (!run.contact.encounter) return "";
   const EncounterResult& encounter = *run.contact.encounter;
@@ -89,22 +90,23 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
   std::string text =
       fmt::format("{}: {} at {:.4g} s\n", run.controller, to_string(run.result.status), last.time);
   text +=
-      fmt::format("  base momentum   {:.4g} -> {:.4g} N m s, arm {:.4g} -> {:.4g} N m s\n",
-                  first.base.norm(), last.base.norm(), first.coupling.norm(), last.coupling.norm());
-  text +=
-      fmt::format("  base rate       {:.4g} -> {:.4g} deg/s, attitude change at most {:.4g} deg\n",
-                  first.state.Omega.tail<3>().norm() * kDegrees,
-                  summary.residual_base_rate * kDegrees, summary.attitude_turned * kDegrees);
-  text += fmt::format("  joint rates     {:.4g} -> {:.4g} rad/s, peak torque {:.4g} N m",
-                      first.state.phidot.norm(), summary.residual_joint_rate, summary.peak_torque);
+      fmt::format("  base momentum   {} -> {} N m s, arm {} -> {} N m s\n", four(first.base.norm()),
+                  four(last.base.norm()), four(first.coupling.norm()), four(last.coupling.norm()));
+  text += fmt::format("  base rate       {} -> {} deg/s, attitude change at most {} deg\n",
+                      four(first.state.Omega.tail<3>().norm() * kDegrees),
+                      four(summary.residual_base_rate * kDegrees),
+                      four(summary.attitude_turned * kDegrees));
+  text += fmt::format("  joint rates     {} -> {} rad/s, peak torque {} N m",
+                      four(first.state.phidot.norm()), four(summary.residual_joint_rate),
+                      four(summary.peak_torque));
   if (summary.peak_demanded_torque > summary.peak_torque) {
     text += fmt::format(" of {:.4g} N m demanded", summary.peak_demanded_torque);
   }
   text += '\n';
   text += contact_words(run);
   if (run.contact.is_held) {
-    text += fmt::format("  grip            at most {:.4g} N, {:.4g} N m\n", summary.peak_grip_force,
-                        summary.peak_grip_moment);
+    text += fmt::format("  grip            at most {} N, {} N m\n", four(summary.peak_grip_force),
+                        four(summary.peak_grip_moment));
   }
   if (summary.peak_wheel_torque > 0) {
     text +=
@@ -345,7 +347,7 @@ Command simulate_command() {
               {.name = "--controller",
                .value = "NAME",
                .about = "one controller in place of the problem's: none, joint_damping, "
-                        "joint_damping_literal, rns, rns_damped, rns_handback",
+                        "joint_damping_literal, rns, rns_damped, rns_handback, detumble",
                .target = &request->controller,
                .words = controller_names()},
               {"--plot", "OUT.svg", "the paper's Figs. 6 to 8 for every controller, as SVG",

@@ -58,9 +58,9 @@ std::string limit_words(const PostImpactSpec& spec) {
       has_default_limits(spec) ? " (defaults)" : "");
 }
 
-std::string size_words(double x) {
+std::string size_words(double x, int digits) {
   if (x == 0) return "0";
-  return x < kZeroSize ? "0 (below 1e-9)" : fmt::format("{:.3g}", x);
+  return x < kZeroSize ? "0 (below 1e-9)" : fmt::format("{:.{}g}", x, digits);
 }
 
 std::string after_horizon_words(const AfterHorizon& after, double horizon) {

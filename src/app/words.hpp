@@ -20,8 +20,8 @@ std::string pose_words(const Pose& pose);
 std::string limit_words(const PostImpactSpec& spec);
 /// Whether a problem that states no limits after the impact has these.
 bool has_default_limits(const PostImpactSpec& spec);
-/// Three significant digits; "0 (below 1e-9)" for what is zero but for rounding in any unit used.
-std::string size_words(double x);
+/// "0 (below 1e-9)" for what is zero but for rounding in any unit used.
+std::string size_words(double x, int digits = 3);
 inline constexpr double kZeroSize = 1e-9;
 /// "joints still move at 0.11 rad/s at the horizon of 10 s: joint_2 reaches its stop at 18.3 s"
 std::string after_horizon_words(const AfterHorizon& after, double horizon);

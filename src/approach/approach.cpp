@@ -216,7 +216,7 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
     if (open.empty()) break;
     if (stop.reached()) {
       failure.status = ApproachStatus::TimeOut;
-      failure.detail = "stopped before a path was found";
+      failure.detail = "before a path was found";
       break;
     }
     ++attempts;

@@ -284,7 +284,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
                       problem.approach.enabled && options.stop.reached();
   if (is_cut) choice.approach.status = ApproachStatus::Stopped;
   if (choice.approach.status == ApproachStatus::Stopped) {
-    choice.approach.detail = "stopped before a path was looked for";
+    choice.approach.detail = "before a path was looked for";
   }
   plan.timing["approach"] = seconds_since(approach_begin);
 

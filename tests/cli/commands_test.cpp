@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -384,4 +385,70 @@ TEST_CASE("check says what was understood of robots and problems") {
     INFO(part);
     CHECK(outcome.out.find(part) != std::string::npos);
   }
+}
+
+TEST_CASE("the starts of a search are a number or its own choice") {
+  const Workshop shop;
+  const std::string plan = "plan '" + source_path("problems/planar_two_link_c2_a.yaml") +
+                           "' --time-limit 0.01 --starts ";
+  for (const char* starts : {"1", "10000000", "auto"}) {
+    INFO(starts);
+    CHECK(shop.run(plan + starts).code != 2);
+  }
+  for (const char* starts : {"0", "10000001", "1.5", "-1", "Auto"}) {
+    INFO(starts);
+    CHECK(shop.run(plan + starts).code == 2);
+  }
+}
+
+TEST_CASE("a plan in place of its problem is called a plan and nothing more") {
+  const Workshop shop;
+  shop.write("plan.json", R"({"format": "stillbase.plan", "version": 1, "problem": {}})");
+  const Outcome outcome = shop.run("plan plan.json");
+  CHECK(outcome.code == 3);
+  CHECK(outcome.err == "plan.json:1: format: is 'stillbase.plan'; must be 'stillbase.problem'\n");
+}
+
+TEST_CASE("a problem without variables is taken further by analyze") {
+  const Workshop shop;
+  const Outcome outcome =
+      shop.run("check '" + source_path("problems/planar_two_link_sweep_a.yaml") + "'");
+  CHECK(outcome.code == 0);
+  CHECK(outcome.says("next: stillbase analyze"));
+}
+
+TEST_CASE("candidates that were not judged before a limit are not called colliding") {
+  const Workshop shop;
+  const Outcome outcome =
+      shop.run("plan '" + source_path("problems/planar_three_link_client.yaml") +
+               "' --time-limit 0.05 -o plan.json");
+  INFO(outcome.err);
+  CHECK(outcome.code == 6);
+  CHECK_FALSE(outcome.says(" 0 of them free of collision"));
+}
+
+TEST_CASE("an effort of best goes on to other candidates where the path decides on the posture") {
+  const Workshop shop;
+  const std::string problem = "problems/iiwa_fixed_start.yaml";
+  shop.write_changed("first.yaml", problem, "approach:\n", "approach:\n  effort: first\n");
+  shop.write_changed("best.yaml", problem, "approach:\n", "approach:\n  effort: best\n");
+  std::map<std::string, json> plans;
+  for (const std::string effort : {"first", "best"}) {
+    const Outcome plan = shop.run("plan " + effort + ".yaml -o " + effort + ".json");
+    INFO(plan.err);
+    REQUIRE(plan.code == 0);
+    CHECK(shop.run("verify " + effort + ".json").code == 0);
+    plans[effort] = json::parse(shop.text(effort + ".json"));
+  }
+  const auto value = [&](const char* effort) {
+    return plans[effort].at("objective").at("value").get<double>();
+  };
+  CHECK(value("best") < value("first"));
+  int tried = 0;
+  for (const json& candidate : plans["best"].at("candidates")) {
+    const std::string reason = candidate.value("excluded", "");
+    CHECK(reason != "not tried: approach.effort is first");
+    tried += reason == "no better where its path ends" || reason.rfind("no approach path", 0) == 0;
+  }
+  CHECK(tried >= 1);
 }
