@@ -581,7 +581,9 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
   t("solver_calls", Dictionary(plan.solver_calls, [](long& n) { return Integer(n, 0, kMany); }),
     "optimizer or planner and how often it was called", kNeeded);
   t("content_sha256", Text(file.stated_sha256),
-    "of everything but `tool`, `timing`, `verification` and itself", kNeeded);
+    "of everything but `tool`, `timing`, `verification` and itself: SHA-256 of the JSON without "
+    "blanks, keys sorted",
+    kNeeded);
   t("verification", Verdict(verification), "");
   t("timing", Dictionary(plan.timing, [](double& x) { return Number(x); }), "of each phase",
     {.unit = "s"});
