@@ -78,6 +78,11 @@ export class TimePlots {
     const norm = list => Math.hypot(...list);
     const base = columns('base').map(poseFrom);
     const reference = base[Math.max(0, (this.motion.approach?.times.length ?? 1) - 1)].quaternion;
+    // The arc cosine of a small angle loses half of the digits.
+    const angleFrom = ({quaternion}) => {
+      const {x, y, z, w} = reference.clone().conjugate().multiply(quaternion);
+      return 2 * Math.atan2(Math.hypot(x, y, z), Math.abs(w));
+    };
     const rates = columns('base_rates');
     const momenta = columns('momenta');
     const {joints} = this.robot;
@@ -85,7 +90,7 @@ export class TimePlots {
       plot(
           'Base: rotation away from the attitude at the contact', 'deg', [{
             name: 'rotation angle',
-            y: base.map(pose => degrees(pose.quaternion.angleTo(reference)))
+            y: base.map(pose => degrees(angleFrom(pose)))
           }],
           {from_zero: true}),
       plot(
