@@ -15,6 +15,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/io/benchmark_file.hpp>
 #include <stillbase/io/campaign_file.hpp>
+#include <stillbase/io/estimate_file.hpp>
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/io/state_file.hpp>
@@ -164,6 +165,17 @@ inline bool state(std::string_view text) {
   });
 }
 
+inline bool estimates(std::string_view text) {
+  return accepts([&] {
+    for (const StateEstimate& estimate : read_estimates_text(std::string(text), "fuzz.csv")) {
+      const TargetState& state = estimate.state;
+      require(std::isfinite(state.time) && state.pose.position.allFinite() &&
+                  state.linear_velocity.allFinite() && state.angular_velocity.allFinite(),
+              "an unsound estimate was accepted");
+    }
+  });
+}
+
 inline bool plan(std::string_view text) {
   return accepts_and_copies(
       text, [](std::string_view from) { return read_plan(from, "fuzz.plan.json"); },
@@ -238,6 +250,7 @@ inline constexpr Reader kReaders[] = {{"urdf", urdf},
                                       {"problem", problem},
                                       {"target", target},
                                       {"state", state},
+                                      {"estimates", estimates},
                                       {"plan", plan},
                                       {"suite", suite},
                                       {"campaign", campaign},
