@@ -33,7 +33,9 @@ class Stillbase(ConanFile):
 
     def export_sources(self):
         root = Path(self.recipe_folder).parent.parent
-        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*", "web/dist/*", "problems/*"):
+        for pattern in ("CMakeLists.txt", "README.md", "CHANGELOG.md", "LICENSE", "cmake/*", "include/*",
+                        "src/*", "web/dist/*", "problems/*", "bench/suite.yaml", "bench/best_known.json",
+                        "docs/*", "examples/*", "packaging/*.pc.in"):
             copy(self, pattern, root, self.export_sources_folder)
 
     def system_requirements(self):
