@@ -1,37 +1,65 @@
 #include "approach/null_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/parallel.hpp>
 
-#include <stillbase/dynamics/inertia.hpp>
+#include "dynamics/null_velocity_kernel.hpp"
+#include "impact/null_velocities.hpp"
 
 namespace stillbase {
 
 namespace {
 
-struct Reference {
-  Eigen::VectorXd r, slope;
+/// A point of the reference and its slope: weighted sums of the knots around it.
+struct ReferenceWeights {
+  std::array<Eigen::Index, 4> knots;
+  std::array<double, 4> value, slope;
+
+  /// Of one knot.
+  double value_of(Eigen::Index knot) const { return of(knot, value); }
+  double slope_of(Eigen::Index knot) const { return of(knot, slope); }
+
+ private:
+  double of(Eigen::Index knot, const std::array<double, 4>& weights) const {
+    double sum = 0;  // the first and the last knot may count twice
+    for (std::size_t i = 0; i < 4; ++i) sum += knots[i] == knot ? weights[i] : 0;
+    return sum;
+  }
 };
 
-Reference reference_at(const Knots& knots, double s) {
+ReferenceWeights reference_weights(const Knots& knots, double s) {
   const auto count = knots.cols() - 1;
   const auto i = std::clamp(static_cast<Eigen::Index>(s * static_cast<double>(count)),
                             Eigen::Index{0}, count - 1);
   const double u = s * static_cast<double>(count) - static_cast<double>(i);
-  const auto knot_slope = [&](Eigen::Index k) -> Eigen::VectorXd {
-    const Eigen::Index a = std::max<Eigen::Index>(k - 1, 0), b = std::min(k + 1, count);
-    return (knots.col(b) - knots.col(a)) / static_cast<double>(b - a);
+  const double n = static_cast<double>(count);
+  ReferenceWeights out;
+  out.knots = {std::max<Eigen::Index>(i - 1, 0), i, i + 1, std::min(i + 2, count)};
+  // Slopes at the knots i and i + 1, per interval, are differences of their neighbours.
+  const double before = 1.0 / static_cast<double>(i + 1 - out.knots[0]);
+  const double after = 1.0 / static_cast<double>(out.knots[3] - i);
+  const auto weigh = [&](double rise, double m0, double m1, double here) {
+    return std::array<double, 4>{-m0 * before, here - rise - m1 * after, rise + m0 * before,
+                                 m1 * after};
   };
-  const Eigen::VectorXd m0 = knot_slope(i), m1 = knot_slope(i + 1);
-  const Eigen::VectorXd rise = knots.col(i + 1) - knots.col(i);
-  return {knots.col(i) + (u * u * (3 - 2 * u)) * rise + (u * (1 - u) * (1 - u)) * m0 -
-              (u * u * (1 - u)) * m1,
-          static_cast<double>(count) *
-              ((6 * u * (1 - u)) * rise + ((1 - u) * (1 - 3 * u)) * m0 + (u * (3 * u - 2)) * m1)};
+  out.value = weigh(u * u * (3 - 2 * u), u * (1 - u) * (1 - u), -u * u * (1 - u), 1);
+  out.slope = weigh(n * (6 * u * (1 - u)), n * ((1 - u) * (1 - 3 * u)), n * (u * (3 * u - 2)), 0);
+  return out;
+}
+
+/// The velocity wanted of the free joints where the reference is r, less its pull on where they
+/// are.
+JointVectord pulled_along(const Knots& knots, const ReferenceWeights& at, double pull) {
+  JointVectord out = JointVectord::Zero(knots.rows());
+  for (std::size_t i = 0; i < 4; ++i) {
+    out += (at.slope[i] + pull * at.value[i]) * knots.col(at.knots[i]);
+  }
+  return out;
 }
 
 }  // namespace
@@ -53,8 +81,14 @@ NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
   }
 }
 
-Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
-                                       const Eigen::VectorXd& wanted) const {
+JointVectord NullTracker::projected(const JointVectord& phi, const JointVectord& wanted) const {
+  const NullVelocity<double> found = nearest_null_velocity<double>(robot_, phi, free_, wanted);
+  if (found.conditioning > options_.well_conditioned) return found.phidot;
+  return projected_by_rank(phi, wanted);
+}
+
+JointVectord NullTracker::projected_by_rank(const JointVectord& phi,
+                                            const JointVectord& wanted) const {
   const auto inertia = compute_inertia<double>(robot_, compute_kinematics<double>(robot_, phi));
   const Matrix3Xd all = compute_tilde_inertia<double>(inertia).Htilde_omegaphi;
   const Matrix3Xd A = all(Eigen::all, free_);
@@ -68,10 +102,9 @@ Eigen::VectorXd NullTracker::projected(const JointVectord& phi,
 }
 
 JointVectord NullTracker::slope(const Knots& knots, double s, const JointVectord& phi) const {
-  const Reference reference = reference_at(knots, s);
-  return with_free_part(
-      JointVectord::Zero(phi.size()), free_,
-      projected(phi, reference.slope + options_.pull * (reference.r - free_part(phi))));
+  const JointVectord wanted = pulled_along(knots, reference_weights(knots, s), options_.pull) -
+                              options_.pull * JointVectord(phi(free_));
+  return with_free_part(JointVectord::Zero(phi.size()), free_, projected(phi, wanted));
 }
 
 JointVectord NullTracker::step(const Knots& knots, double s, double h, const JointVectord& phi,
@@ -96,24 +129,72 @@ JointPath NullTracker::follow(const Knots& knots, int steps) const {
   return curve;
 }
 
+/// Curves side by side, one per row of the knots, whose entry in one column is moved.
+class NullTracker::Beside {
+ public:
+  Beside(const NullTracker& tracker, const Knots& knots, Eigen::Index knot, JointVectord from)
+      : tracker_(tracker), knots_(knots), knot_(knot) {
+    const Eigen::Index m = knots.rows();
+    phi_ = from.transpose().replicate(m, 1);
+    batch_.wanted.resize(m, m);
+  }
+
+  void step(double s, double h) {
+    const Eigen::MatrixXd k1 = slope(s, phi_);
+    const Eigen::MatrixXd k2 = slope(s + h / 2, moved(h / 2, k1));
+    const Eigen::MatrixXd k3 = slope(s + h / 2, moved(h / 2, k2));
+    const Eigen::MatrixXd k4 = slope(s + h, moved(h, k3));
+    phi_ = moved(h / 6, k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  /// One column per curve.
+  Eigen::MatrixXd free_parts() const { return phi_(Eigen::all, tracker_.free_).transpose(); }
+
+ private:
+  Eigen::MatrixXd moved(double h, const Eigen::MatrixXd& slopes) const {
+    Eigen::MatrixXd out = phi_;
+    out(Eigen::all, tracker_.free_) += h * slopes;
+    return out;
+  }
+
+  /// As NullTracker::slope, of the free joints.
+  const Eigen::MatrixXd& slope(double s, const Eigen::MatrixXd& phi) {
+    const NullSpaceOptions& options = tracker_.options_;
+    const ReferenceWeights at = reference_weights(knots_, s);
+    const JointVectord along = pulled_along(knots_, at, options.pull);
+    batch_.phi = phi;
+    batch_.wanted = -options.pull * phi(Eigen::all, tracker_.free_);
+    batch_.wanted.rowwise() += along.transpose();
+    batch_.wanted.diagonal().array() +=
+        options.difference * (at.slope_of(knot_) + options.pull * at.value_of(knot_));
+    find_null_velocities(tracker_.robot_, tracker_.free_, batch_);
+    for (Eigen::Index i = 0; i < phi.rows(); ++i) {
+      if (batch_.conditioning[i] > options.well_conditioned) continue;
+      batch_.phidot.row(i) =
+          tracker_.projected_by_rank(phi.row(i).transpose(), batch_.wanted.row(i).transpose());
+    }
+    return batch_.phidot;
+  }
+
+  const NullTracker& tracker_;
+  const Knots& knots_;
+  const Eigen::Index knot_;
+  Eigen::MatrixXd phi_;  // curves x n
+  NullVelocities batch_;
+};
+
 Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& curve,
                                           int steps) const {
   const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
   const auto total = static_cast<int>(count) * steps;
   const Eigen::VectorXd end = free_part(curve.phi.back());
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(m, m * count);
-  for_each_index(jobs_, static_cast<int>(m * count), stop_, [&](int column) {
-    const Eigen::Index k = 1 + column / m, row = column % m;
-    Knots beside = knots;
-    beside(row, k) += options_.difference;
+  for_each_index(jobs_, static_cast<int>(count), stop_, [&](int knots_before) {
+    const Eigen::Index k = knots_before + 1;
     // A knot bends the reference from two knots before it on.
     const int from = static_cast<int>(std::max<Eigen::Index>(k - 2, 0)) * steps;
-    JointVectord phi = curve.phi[from];
-    for (int i = from; i < total; ++i) {
-      const double s = static_cast<double>(i) / total;
-      phi = step(beside, s, 1.0 / total, phi, slope(beside, s, phi));
-    }
-    J.col(column) = (free_part(phi) - end) / options_.difference;
+    Beside curves(*this, knots, k, curve.phi[static_cast<std::size_t>(from)]);
+    for (int i = from; i < total; ++i) curves.step(static_cast<double>(i) / total, 1.0 / total);
+    J.middleCols(knots_before * m, m) = (curves.free_parts().colwise() - end) / options_.difference;
   });
   if (stop_.reached()) J.setZero();
   return J;

@@ -26,7 +26,7 @@ class NullTracker {
               const NullSpaceOptions& options = {}, int jobs = 1, StopCondition stop = {});
 
   /// The velocity of the free joints (m) in the reaction null space that is nearest to `wanted`.
-  Eigen::VectorXd projected(const JointVectord& phi, const Eigen::VectorXd& wanted) const;
+  JointVectord projected(const JointVectord& phi, const JointVectord& wanted) const;
 
   /// The curve that follows the knots, with `steps` Runge-Kutta steps between two knots: `times`
   /// are values of s, `phidot` the slopes.
@@ -47,6 +47,10 @@ class NullTracker {
   Eigen::VectorXd free_part(const JointVectord& phi) const { return phi(free_); }
 
  private:
+  class Beside;
+
+  /// The same for any rank of the coupling matrix.
+  JointVectord projected_by_rank(const JointVectord& phi, const JointVectord& wanted) const;
   /// Slope of the curve at s.
   JointVectord slope(const Knots& knots, double s, const JointVectord& phi) const;
   JointVectord step(const Knots& knots, double s, double h, const JointVectord& phi,

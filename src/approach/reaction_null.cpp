@@ -213,7 +213,7 @@ std::vector<JointVectord> guide_to(const NullGoal& goal, const ApproachTask& fir
   };
   return find_guide(query, first.options.null_space,
                     [&](const JointVectord& part, const JointVectord& wanted) {
-                      return JointVectord(tracker.projected(full(part), wanted));
+                      return tracker.projected(full(part), wanted);
                     });
 }
 

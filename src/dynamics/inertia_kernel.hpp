@@ -96,6 +96,14 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   return out;
 }
 
+/// Column k of Htilde_omegaphi, see TildeInertia.
+template <class S>
+[[gnu::always_inline]] inline Vector3<S> angular_coupling(const InertiaMatrices<S>& inertia,
+                                                          Eigen::Index k) {
+  const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
+  return inertia.H_bphi.template block<3, 1>(3, k) - inertia.r_bg.cross(p);
+}
+
 /// The columns of Htilde_omegaphi and the lower triangle of Htilde_phi, see TildeInertia, to
 /// put_column(k, column) and put_entry(j, k, value), j >= k.
 template <class S, class PutColumn, class PutEntry>
@@ -105,9 +113,8 @@ template <class S, class PutColumn, class PutEntry>
   const Eigen::Index n = inertia.H_phi.rows();
   const S inverse_mass = S(1) / inertia.mass;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const Vector3<S> p = inertia.H_bphi.template block<3, 1>(0, k);
-    put_column(k, Vector3<S>(inertia.H_bphi.template block<3, 1>(3, k) - inertia.r_bg.cross(p)));
-    const Vector3<S> v = p * inverse_mass;
+    put_column(k, angular_coupling(inertia, k));
+    const Vector3<S> v = inertia.H_bphi.template block<3, 1>(0, k) * inverse_mass;
     for (Eigen::Index j = k; j < n; ++j) {
       put_entry(j, k, S(inertia.H_phi(j, k) - inertia.H_bphi.template block<3, 1>(0, j).dot(v)));
     }

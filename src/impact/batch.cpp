@@ -4,14 +4,21 @@
 #include <cmath>
 
 #include "impact/batch_run.hpp"
+#include "impact/null_velocities.hpp"
 
 namespace stillbase {
 
 const BatchKernel* batch_kernel_plain() {
   static constinit const BatchKernel kernel = {
-      1, kMaxJoints, [] { return true; },
+      1,
+      kMaxJoints,
+      [] { return true; },
       [](const RobotModel& robot, const ImpactResistance& resistance, const BatchColumns& columns) {
         run_batch<double>(robot, resistance, columns, 1);
+      },
+      [](const RobotModel& robot, const std::vector<Eigen::Index>& free,
+         const NullVelocityColumns& columns) {
+        find_null_velocities<double>(robot, free, columns, 1);
       },
       [](const double* x, double* sine, double* cosine) {
         *sine = std::sin(*x);
@@ -123,6 +130,18 @@ void evaluate_objective(const RobotModel& robot, const ImpactResistance& resista
     }
   }
   run(robot, resistance, columns);
+}
+
+void find_null_velocities(const RobotModel& robot, const std::vector<Eigen::Index>& free,
+                          NullVelocities& batch) {
+  const Eigen::Index count = batch.phi.rows();
+  assert(batch.wanted.rows() == count);
+  assert(batch.wanted.cols() == static_cast<Eigen::Index>(free.size()));
+  batch.phidot.resize(count, batch.wanted.cols());
+  batch.conditioning.resize(count);
+  kernel_for(robot.n()).null_velocities(robot, free,
+                                        {count, batch.phi.data(), batch.wanted.data(),
+                                         batch.phidot.data(), batch.conditioning.data()});
 }
 
 }  // namespace stillbase

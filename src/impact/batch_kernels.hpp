@@ -38,12 +38,23 @@ struct BatchColumns {
   double* gradient_target = nullptr;
 };
 
+/// The same of null_velocities.hpp.
+struct NullVelocityColumns {
+  std::ptrdiff_t count = 0;
+  const double* phi = nullptr;
+  const double* wanted = nullptr;
+  double* phidot = nullptr;
+  double* conditioning = nullptr;
+};
+
 struct BatchKernel {
   int lanes;
   int max_joints;
   bool (*runs_here)();  ///< on this processor
   void (*run)(const RobotModel& robot, const ImpactResistance& resistance,
               const BatchColumns& columns);
+  void (*null_velocities)(const RobotModel& robot, const std::vector<Eigen::Index>& free,
+                          const NullVelocityColumns& columns);
   /// Sine and cosine of `lanes` angles: for the tests.
   void (*sin_cos)(const double* x, double* sine, double* cosine);
 };

@@ -18,12 +18,16 @@ constexpr BatchKernel pack_kernel(bool (*runs_here)()) {
                       const BatchColumns& columns) {
     run_batch<P>(robot, resistance, columns, P::kLanes);
   };
+  const auto null_velocities = [](const RobotModel& robot, const std::vector<Eigen::Index>& free,
+                                  const NullVelocityColumns& columns) {
+    find_null_velocities<P>(robot, free, columns, P::kLanes);
+  };
   const auto sin_cos = [](const double* x, double* sine, double* cosine) {
     const P angle = P::load(x);
     sin(angle).store(sine);
     cos(angle).store(cosine);
   };
-  return {P::kLanes, kMaxJointsOf<P>, runs_here, run, sin_cos};
+  return {P::kLanes, kMaxJointsOf<P>, runs_here, run, null_velocities, sin_cos};
 }
 
 }  // namespace stillbase

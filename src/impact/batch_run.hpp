@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "dynamics/null_velocity_kernel.hpp"
 #include "impact/batch_kernels.hpp"
 #include "impact/response_parts_kernel.hpp"
 
@@ -112,6 +113,23 @@ void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
     const ResponseGradient<S> gradient = response_gradient<S>(robot, posture, response, weights);
     put(gradient.phi, columns.gradient);
     put(gradient.F, columns.gradient_F);
+  }
+}
+
+template <class S>
+void find_null_velocities(const RobotModel& robot, const std::vector<Eigen::Index>& free,
+                          const NullVelocityColumns& columns, std::ptrdiff_t width) {
+  const std::ptrdiff_t count = columns.count;
+  JointVector<S> phi(robot.n()), wanted(static_cast<Eigen::Index>(free.size()));
+  for (std::ptrdiff_t i = 0; i < count; i += width) {
+    const std::ptrdiff_t lanes = std::min(width, count - i);
+    for (int k = 0; k < robot.n(); ++k) load(columns.phi + i + k * count, lanes, phi[k]);
+    for (int k = 0; k < wanted.size(); ++k) load(columns.wanted + i + k * count, lanes, wanted[k]);
+    const NullVelocity<S> found = nearest_null_velocity<S>(robot, phi, free, wanted);
+    for (int k = 0; k < wanted.size(); ++k) {
+      store(found.phidot[k], lanes, columns.phidot + i + k * count);
+    }
+    store(found.conditioning, lanes, columns.conditioning + i);
   }
 }
 

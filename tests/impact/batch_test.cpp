@@ -10,9 +10,11 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/impact/contact.hpp>
+#include <stillbase/reference/reference.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "impact/batch_kernels.hpp"
+#include "impact/null_velocities.hpp"
 #include "impact/random_resistance.hpp"
 #include "support/dense.hpp"
 #include "support/random_robot.hpp"
@@ -304,6 +306,47 @@ TEST_CASE("on shipped robots packs differ by 1e-13, or by no more than inputs of
       }
     }
   }
+}
+
+TEST_CASE("every width of register gives the null velocities of one posture at a time") {
+  Random random(25);
+  double worst = 0, momentum = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const int n = 4 + random.index(13), count = 1 + random.index(19);
+    const RobotModel robot = random_robot(random, n, trial % 2 == 0);
+    std::vector<Eigen::Index> free;  // one joint is held
+    for (int k = 0; k < n; ++k) {
+      if (k != trial % n) free.push_back(k);
+    }
+    NullVelocities batch;
+    batch.phi = random_batch(random, n, count, false).phi;
+    batch.wanted =
+        Eigen::MatrixXd::NullaryExpr(count, n - 1, [&] { return random.uniform(-1, 1); });
+    find_null_velocities(robot, free, batch);
+    for (const BatchKernel* kernel : batch_kernels()) {
+      Eigen::MatrixXd phidot(count, n - 1);
+      Eigen::VectorXd conditioning(count);
+      kernel->null_velocities(
+          robot, free,
+          {count, batch.phi.data(), batch.wanted.data(), phidot.data(), conditioning.data()});
+      for (int i = 0; i < count; ++i) {
+        const JointVectord phi = batch.phi.row(i), wanted = batch.wanted.row(i);
+        const auto d = reference::compute(robot, {phi, {}, {}});
+        const Eigen::MatrixXd A = d.Htilde_omegaphi(Eigen::all, free);
+        const Eigen::VectorXd sigma = test::jacobi_singular_values(A);
+        const double square = std::pow(sigma[2] / sigma[0], 2);
+        CHECK(conditioning[i] <= square * (1 + 1e-6) + 1e-12);
+        CHECK(conditioning[i] >= square * square / 8);
+        if (conditioning[i] < 1e-6) continue;
+        const Eigen::VectorXd expected =
+            wanted - A.transpose() * (A * A.transpose()).ldlt().solve(A * wanted);
+        worst = std::max(worst, (phidot.row(i).transpose() - expected).norm() * conditioning[i]);
+        momentum = std::max(momentum, (A * phidot.row(i).transpose()).norm() / sigma[0]);
+      }
+    }
+  }
+  CHECK(worst < 1e-13);
+  CHECK(momentum < 1e-10);
 }
 
 TEST_CASE("a batch of any size takes robots of any size") {

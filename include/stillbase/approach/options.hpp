@@ -72,6 +72,8 @@ struct NullSpaceOptions {
   /// Squares of singular values of the coupling matrix below this part of the largest count as
   /// zero.
   double rank_squared = 1e-12;
+  /// Least over largest of these squares from which on their rank is not asked for.
+  double well_conditioned = 1e-8;
   double difference = 1e-6;          ///< rad, step of a knot in difference quotients
   double goal_difference = 1e-5;     ///< rad, of the end: goals are exact to about 1e-9
   double measure_difference = 1e-4;  ///< rad, of the end: the objective at a goal is less exact
