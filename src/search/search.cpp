@@ -170,15 +170,24 @@ class Search {
                   judge(problem_, formulation_, formulation_.normalised(x)));
   }
 
+  /// A local solve, and on from where it stopped short of a minimum.
   Solution local_minimum(const Eigen::VectorXd& x0, const nlp::OptimizeOptions& solve,
                          Calls& calls) const {
-    Solution found = solved(*optimizer_, x0, solve, calls);
-    if (rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
-        nlp::certify(formulation_, found.x).kkt_residual > kOptimal) {
-      const Solution further = solved(*rescuer_, found.x, solve, calls);
-      if (better(further, found)) found = further;
-    }
-    return found;
+    const Solution found = solved(*optimizer_, x0, solve, calls);
+    return needs_rescue(found) ? rescued(found, calls) : found;
+  }
+  bool needs_rescue(const Solution& found) const {
+    return rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
+           nlp::certify(formulation_, found.x).kkt_residual > kOptimal;
+  }
+  Solution rescued(const Solution& from, Calls& calls) const {
+    const Solution further = solved(*rescuer_, from.x, briefly(), calls);
+    return better(further, from) ? further : from;
+  }
+  nlp::OptimizeOptions briefly() const {
+    nlp::OptimizeOptions out = solve_;
+    out.max_evaluations = std::min(solve_.max_evaluations, options_.max_rescue_evaluations);
+    return out;
   }
 
   /// What a start comes to.
@@ -194,7 +203,7 @@ class Search {
     solve.seed = options_.seed + static_cast<std::uint64_t>(start);
     out.found = isolated_ && start >= options_.starts
                     ? judge(problem_, formulation_, formulation_.normalised(out.posture.x))
-                    : local_minimum(out.posture.x, solve, out.calls);
+                    : solved(*optimizer_, out.posture.x, solve, out.calls);
     out.found.x = formulation_.normalised(out.found.x);
     return out;
   }
@@ -236,7 +245,36 @@ class Search {
       done = 1;
     }
     out_.stopped = done < starts;
+    if (rescuer_) rescue_solutions();
     solve_.seed = options_.seed + static_cast<std::uint64_t>(std::max(done - 1, 0));
+  }
+
+  /// Goes on from the solutions at which the optimizer stopped short of a minimum, once from each:
+  /// they are often kinks of a constraint, where many starts end and nothing more is to be gained.
+  void rescue_solutions() {
+    struct End {
+      Solution solution;
+      Calls calls;
+    };
+    std::vector<End> ends(solutions_.size());
+    const auto work = [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Solution& from = solutions_[k];
+      ends[k].solution = needs_rescue(from) ? rescued(from, ends[k].calls) : from;
+      ends[k].solution.x = formulation_.normalised(ends[k].solution.x);
+      ends[k].solution.reached = from.reached;
+    };
+    const auto count = static_cast<int>(solutions_.size());
+    if (for_each_index(jobs_, count, options_.stop, work) < count) out_.stopped = true;
+    std::vector<Solution> before = std::move(solutions_);
+    solutions_.clear();
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const bool was_tried = ends[k].solution.x.size() > 0;
+      const Solution& end = was_tried ? ends[k].solution : before[k];
+      for (const auto& [name, calls] : ends[k].calls) out_.solver_calls[name] += calls;
+      if (better(end, nearest_)) nearest_ = end;
+      keep_distinct(formulation_, end, solutions_, options_.same_configuration);
+    }
   }
 
   /// What is still to be said of a solution takes hundreds of simulations where the objective is
@@ -372,9 +410,7 @@ class Search {
             return better(a, b);
           })->x;
       if (measure_.certify(best).kkt_residual <= kOptimal) return;
-      nlp::OptimizeOptions briefly = solve_;
-      briefly.max_evaluations = options_.max_rescue_evaluations;
-      const MeasureSolution further = measure_.finish(*rescuer_, briefly, best);
+      const MeasureSolution further = measure_.finish(*rescuer_, briefly(), best);
       out_.solver_calls[options_.rescuer] += further.solver_calls;
       const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
       if (!(exact.violation <= kFeasibilityTolerance)) return;
