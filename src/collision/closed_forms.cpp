@@ -54,6 +54,34 @@ double round_distance(const RoundSegment& a, const RoundSegment& b) {
   return segment_distance(a.a, a.b, b.a, b.b) - a.radius - b.radius;
 }
 
+// The square of the distance from the box is convex along the segment, and a parabola between the
+// places where the segment enters or leaves a slab of the box. These places close in on the
+// parabola that has the minimum.
+double round_box_distance(const RoundSegment& round, const PlacedBox& box) {
+  const Vector3d a = box.R.transpose() * (round.a - box.p);
+  const Vector3d d = box.R.transpose() * (round.b - round.a);
+  const auto apart = [&](double t) -> Vector3d {
+    const Vector3d x = a + t * d;
+    return x - x.cwiseMax(-box.half).cwiseMin(box.half);
+  };
+  const auto slope = [&](double t) { return apart(t).dot(d); };
+  double low = 0, high = 1;
+  double slope_low = slope(low), slope_high = slope(high);
+  if (slope_low >= 0) return apart(low).norm() - round.radius;
+  if (slope_high <= 0) return apart(high).norm() - round.radius;
+  for (int i = 0; i < 3; ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      const double t = (side * box.half[i] - a[i]) / d[i];
+      if (!(t > low && t < high)) continue;
+      const double here = slope(t);
+      (here > 0 ? high : low) = t;
+      (here > 0 ? slope_high : slope_low) = here;
+    }
+  }
+  const double t = low + (high - low) * slope_low / (slope_low - slope_high);
+  return apart(t).norm() - round.radius;
+}
+
 double widest_gap(const PlacedBox& a, const PlacedBox& b) {
   const Vector3d apart = b.p - a.p;
   double widest = -kInfinity;

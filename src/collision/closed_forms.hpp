@@ -27,6 +27,10 @@ struct PlacedBox {
   Vector3d p = Vector3d::Zero();      ///< its centre, m
 };
 
+/// Signed distance of a sphere or capsule from a box: negative when they overlap, its size then
+/// means nothing.
+double round_box_distance(const RoundSegment& round, const PlacedBox& box);
+
 /// The widest gap between two boxes along a separating axis, m: their distance where a face or two
 /// edges decide, smaller where corners do, negative when they overlap.
 double widest_gap(const PlacedBox& a, const PlacedBox& b);

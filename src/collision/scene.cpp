@@ -28,6 +28,7 @@ struct Item {
   BoundingSphere bounds;              ///< in the shape's frame
   BoundingBox box;                    ///< in the shape's frame
   std::optional<RoundSegment> round;  ///< in the shape's frame
+  bool is_box;
   std::shared_ptr<const FclShape> fcl;
   double reach;        ///< no point is further from the carrier's origin, m
   MotionBound motion;  ///< Robot
@@ -68,6 +69,7 @@ Item make_item(Carrier carrier, int body, const std::string& name, const Pose& p
           bounds,
           bounding_box(geometry),
           round_segment(geometry),
+          std::holds_alternative<Box>(geometry),
           make_fcl_shape(geometry),
           (pose * bounds.centre).norm() + bounds.radius,
           {}};
@@ -290,6 +292,8 @@ class Instant {
     const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
     if (bound > enough) return bound;
     if (a.round && b.round) return round_distance(pa.round, pb.round);
+    if (a.round && b.is_box) return round_box_distance(pa.round, {b.box.half, pb.R, pb.p});
+    if (a.is_box && b.round) return round_box_distance(pb.round, {a.box.half, pa.R, pa.p});
     const double gap = box_gap({a.box.half, pa.R, pa.R * a.box.centre + pa.p},
                                {b.box.half, pb.R, pb.R * b.box.centre + pb.p});
     if (gap > enough + kFclError) return gap;

@@ -81,7 +81,7 @@ TEST_CASE("parallel, crossing and shrunken segments have the right distance") {
   CHECK(segment_distance(o, o, Vector3d(3, 4, 0), Vector3d(3, 4, 0)) == Approx(5));
 }
 
-TEST_CASE("FCL's capsule against box agrees with a convex search along the axis") {
+TEST_CASE("capsule against box agrees with a convex search along the axis") {
   Random random(4);
   int apart = 0;
   for (int i = 0; i < 300; ++i) {
@@ -90,6 +90,10 @@ TEST_CASE("FCL's capsule against box agrees with a convex search along the axis"
     const Pose pose_a = random_pose(random, 1.5), pose_b = random_pose(random, 1.5);
     const double expected = capsule_distance(capsule, pose_a, box, pose_b);
     const double by_fcl = distance(capsule, pose_a, box, pose_b);
+    const double in_closed_form =
+        round_box_distance(moved(capsule, pose_a),
+                           {box.size / 2, pose_b.orientation.toRotationMatrix(), pose_b.position});
+    CHECK(in_closed_form == Approx(expected).margin(1e-9));
     if (expected > 1e-6) {
       ++apart;
       CHECK(by_fcl == Approx(expected).margin(2e-6));
@@ -99,6 +103,21 @@ TEST_CASE("FCL's capsule against box agrees with a convex search along the axis"
   }
   CHECK(apart > 50);
   CHECK(apart < 290);
+}
+
+TEST_CASE("a segment along a box, across it and of no length has its distance from it") {
+  const PlacedBox box{{1, 2, 3}, Matrix3d::Identity(), {10, 0, 0}};
+  const auto from_box = [&box](const Vector3d& a, const Vector3d& b) {
+    return round_box_distance({box.p + a, box.p + b, 0.5}, box);
+  };
+  CHECK(from_box({2, -5, 0}, {2, 5, 0}) == Approx(0.5));                 // along a face
+  CHECK(from_box({2, -5, 4}, {2, 5, 4}) == Approx(std::sqrt(2) - 0.5));  // along an edge
+  CHECK(from_box({1, 2, 3}, {4, 2, 3}) == Approx(-0.5));                 // from a corner
+  CHECK(from_box({2, 3, 4}, {2, 3, 4}) == Approx(std::sqrt(3) - 0.5));   // a sphere
+  CHECK(from_box({-5, 0.1, 0.2}, {5, 0.1, 0.2}) < 0);                    // through
+  CHECK(from_box({0, 0.1, 0.2}, {0.1, 0.1, 0.2}) < 0);                   // inside
+  // Past an edge: the foot of the edge on the segment.
+  CHECK(from_box({1, 4, 0}, {3, 2, 0}) == Approx(std::sqrt(2) - 0.5));
 }
 
 TEST_CASE("a convex mesh of a box keeps the distances of the box") {

@@ -13,9 +13,9 @@
 //    point; earlier it is a collision. A target without a feature (a point mass with a
 //    round shape) is touched at the point of its bounding sphere that is nearest to the hand.
 //
-// Distances between spheres and capsules are exact; other pairs go through GJK (FCL): capsule
-// against box to 1e-6 m, box against box to 1e-6 m, where GJK fails in closed form. Overlapping
-// pairs have a distance <= 0 whose size means nothing.
+// Distances of spheres and capsules from each other and from boxes are exact; other pairs go
+// through GJK (FCL): box against box to 1e-6 m, where GJK fails in closed form. Overlapping pairs
+// have a distance <= 0 whose size means nothing.
 #pragma once
 
 #include <memory>
