@@ -69,7 +69,12 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem,
 
 std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
                                              const Configuration& configuration) {
-  const auto motion = encounter_motion(problem, configuration);
+  return target_at_contact(problem, encounter_motion(problem, configuration), configuration);
+}
+
+std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
+                                             const std::optional<TargetMotion>& motion,
+                                             const Configuration& configuration) {
   if (!motion) return std::nullopt;
   TargetState state = motion->state(configuration.contact_time);
   if (!problem.variables.feature.empty()) {

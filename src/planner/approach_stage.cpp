@@ -10,8 +10,8 @@
 
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/core/parallel.hpp>
-#include <stillbase/encounter/target_motion.hpp>
 
+#include "encounter/encounter_motions.hpp"
 #include "planner/candidates.hpp"
 #include "planner/contact_refinement.hpp"
 #include "planner/self_motion.hpp"
@@ -44,7 +44,8 @@ class Stage {
         options_(options),
         path_options_(options.approach),
         solver_calls_(solver_calls),
-        order_(candidates_to_try(problem, found.candidates, after)) {
+        order_(candidates_to_try(problem, found.candidates, after)),
+        motions_(problem) {
     path_options_.clock = options.clock;
     path_options_.jobs = jobs_or_processors(options.jobs);
     chosen_.candidate = order_.order.front();
@@ -167,7 +168,7 @@ class Stage {
   Approach approach_to(std::size_t i, std::uint64_t seed,
                        std::unique_ptr<ContactRefinement>* contact_out = nullptr) {
     const Configuration& goal = found_.candidates[i].configuration;
-    const std::optional<TargetMotion> motion = encounter_motion(problem_, goal);
+    const std::optional<TargetMotion> motion = motions_.towards(goal);
     std::unique_ptr<ContactRefinement> contact = contact_at(i);
     const Approach approach =
         plan_approach(problem_, goal, motion ? &*motion : nullptr, seed, options_.stop,
@@ -274,7 +275,7 @@ class Stage {
       const bool is_goal = path_decides(problem_) ||
                            is_good(problem_, candidate, best, problem_.approach.goal_factor);
       if (!is_goal) continue;
-      goals.push_back({i, {}, encounter_motion(problem_, candidate.configuration), contact_at(i)});
+      goals.push_back({i, {}, motions_.towards(candidate.configuration), contact_at(i)});
     }
     return goals;
   }
@@ -301,7 +302,7 @@ class Stage {
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
       if (!after_.keeps_limits(at)) continue;
-      goals.push_back({beside, std::move(sample), encounter_motion(problem_, at), nullptr});
+      goals.push_back({beside, std::move(sample), motions_.towards(at), nullptr});
     }
   }
 
@@ -320,6 +321,7 @@ class Stage {
   ApproachOptions path_options_;
   std::map<std::string, long>& solver_calls_;
   CandidateOrder order_;
+  const EncounterMotions motions_;
   ChosenApproach chosen_;
   std::map<std::size_t, std::string> excluded_;
   std::set<std::size_t> tried_alone_;  ///< candidates

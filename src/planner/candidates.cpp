@@ -5,13 +5,14 @@
 #include <optional>
 
 #include <stillbase/core/parallel.hpp>
-#include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
+#include "encounter/encounter_motions.hpp"
 #include "formulation/measures/measure.hpp"
 #include "planner/choice.hpp"
+#include "planner/contact_case.hpp"
 
 namespace stillbase {
 
@@ -20,9 +21,9 @@ namespace {
 /// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
 /// none. A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
-                              const Configuration& configuration) {
+                              const EncounterMotions& motions, const Configuration& configuration) {
   const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  const std::optional<TargetMotion> motion = encounter_motion(problem, configuration);
+  const std::optional<TargetMotion> motion = motions.towards(configuration);
   // The approach keeps its clearance up to the contact, so a candidate must offer it.
   const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
   if (!motion) {
@@ -43,12 +44,17 @@ std::string waiting_collision(const CaptureProblem& problem, const CollisionScen
   return "";
 }
 
+void judge(const CaptureProblem& problem, const CollisionScene& scene,
+           const EncounterMotions& motions, Candidate& candidate) {
+  candidate.collision = waiting_collision(problem, scene, motions, candidate.configuration);
+  candidate.collision_free = candidate.collision.empty();
+}
+
 }  // namespace
 
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
                       Candidate& candidate) {
-  candidate.collision = waiting_collision(problem, scene, candidate.configuration);
-  candidate.collision_free = candidate.collision.empty();
+  judge(problem, scene, EncounterMotions(problem), candidate);
 }
 
 void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
@@ -57,8 +63,9 @@ void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene
     candidate.collision = kNotJudged;
     candidate.collision_free = false;
   }
+  const EncounterMotions motions(problem);
   for_each_index(jobs, static_cast<int>(candidates.size()), stop, [&](int i) {
-    judge_collisions(problem, scene, candidates[static_cast<std::size_t>(i)]);
+    judge(problem, scene, motions, candidates[static_cast<std::size_t>(i)]);
   });
 }
 
@@ -87,8 +94,9 @@ std::optional<std::string> AfterImpactJudge::known(const Configuration& configur
 }
 
 std::string AfterImpactJudge::simulated(const Configuration& configuration) {
-  const std::string failure =
-      post_impact_failure(problem_, configuration, impact_at(problem_, configuration), stop_);
+  const ImpactSummary impact =
+      impact_at(problem_, model_, encounter_at(model_, configuration), configuration.phi);
+  const std::string failure = post_impact_failure(problem_, model_, configuration, impact, stop_);
   const std::lock_guard lock(mutex_);
   known_.emplace_back(configuration, failure);
   return failure;

@@ -12,6 +12,7 @@
 #include <stillbase/collision/scene.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/core/phase_clock.hpp>
+#include <stillbase/encounter/encounter.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
 namespace stillbase {
@@ -46,7 +47,11 @@ class AfterImpactJudge {
   /// @param clock takes the seconds; may be null
   AfterImpactJudge(const CaptureProblem& problem, const StopCondition& stop, int jobs,
                    PhaseClock* clock)
-      : problem_(problem), stop_(stop), jobs_(jobs), clock_(clock) {}
+      : problem_(problem),
+        model_(encounter_model(problem)),
+        stop_(stop),
+        jobs_(jobs),
+        clock_(clock) {}
 
   /// The first limit that is exceeded; empty: none. What is not known when the stop is reached is
   /// not judged, and keeps no limits.
@@ -60,6 +65,7 @@ class AfterImpactJudge {
   std::string simulated(const Configuration& configuration);
 
   const CaptureProblem& problem_;
+  const EncounterModel model_;
   const StopCondition stop_;
   const int jobs_;
   PhaseClock* const clock_;

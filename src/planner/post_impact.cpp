@@ -74,6 +74,12 @@ std::string endless_contact(const ContactCase& subject, const PostImpactSpec& sp
 
 ContactCase contact_case(const CaptureProblem& problem, const Configuration& configuration,
                          const ImpactSummary& impact) {
+  return contact_case(problem, encounter_model(at_feature(problem, configuration.feature)),
+                      configuration, impact);
+}
+
+ContactCase contact_case(const CaptureProblem& problem, const EncounterModel& model,
+                         const Configuration& configuration, const ImpactSummary& impact) {
   const Eigen::Quaterniond& R_NB = configuration.base.orientation;
   ContactCase subject;
   subject.robot = problem.robot;
@@ -92,13 +98,14 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
   subject.law = problem.impulse.contact;
   subject.restitution = problem.impulse.restitution;
   if (subject.law != ContactLaw::Frictionless) {
-    const EncounterModel model = encounter_model(at_feature(problem, configuration.feature));
     subject.normal_N = R_NB * Vector3d(encounter_at(model, configuration).F.head<3>());
   } else if (subject.impulse > 0) {
     subject.normal_N = R_NB * (f / subject.impulse);
   }
 
-  const auto state = target_at_contact(problem, configuration);
+  const auto state = model.follows_target()
+                         ? target_at_contact(problem, model.motion, configuration)
+                         : target_at_contact(problem, configuration);
   if (!state || problem.impulse.source == ImpulseSource::Given) return subject;
   TargetAtContact target{*problem.target, {}};
   if (problem.impulse.source == ImpulseSource::PointMass) target.body.inertia.setZero();
@@ -156,11 +163,19 @@ std::optional<ManagedMomentum> managed_momentum(const CaptureProblem& problem,
 
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop) {
+  if (problem.post_impact.controllers.empty()) return "";
+  return post_impact_failure(problem, encounter_model(at_feature(problem, configuration.feature)),
+                             configuration, impact, stop);
+}
+
+std::string post_impact_failure(const CaptureProblem& problem, const EncounterModel& model,
+                                const Configuration& configuration, const ImpactSummary& impact,
+                                const StopCondition& stop) {
   const PostImpactSpec& spec = problem.post_impact;
   if (spec.controllers.empty()) return "";
   const auto controller = chosen_controller(spec);
   if (!controller) return "no controller " + spec.controllers.front();
-  const ContactCase subject = contact_case(problem, configuration, impact);
+  const ContactCase subject = contact_case(problem, model, configuration, impact);
   // Full wheels and an open grip are causes of what else is exceeded then. What the wheels have to
   // take is known without a simulation.
   const auto demand_on_grasp = [&](const AfterContact* run) -> std::string {

@@ -37,5 +37,9 @@ std::optional<TargetMotion> encounter_motion(const CaptureProblem& problem,
 /// @return nothing when the problem has no target body
 std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
                                              const Configuration& configuration);
+/// The same. @param motion encounter_motion() of that configuration
+std::optional<TargetState> target_at_contact(const CaptureProblem& problem,
+                                             const std::optional<TargetMotion>& motion,
+                                             const Configuration& configuration);
 
 }  // namespace stillbase
