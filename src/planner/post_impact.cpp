@@ -1,6 +1,9 @@
 #include <stillbase/planner/post_impact.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -19,9 +22,10 @@ namespace {
 
 constexpr double kRounding = 1e-6;  ///< of a limit that is just kept
 
-bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit) {
+bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit,
+             double part) {
   for (int k = 0; k < robot.n(); ++k) {
-    if (peaks[k] > robot.joints[static_cast<std::size_t>(k)].*limit) return true;
+    if (peaks[k] > part * robot.joints[static_cast<std::size_t>(k)].*limit) return true;
   }
   return false;
 }
@@ -33,18 +37,21 @@ bool is_grip_open(const GripSpec& grip, const SimulationSummary& summary) {
 }
 
 /// Of stops, attitude, joint rates and torques up to any instant; empty: none.
-std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummary& summary) {
+/// @param part of the limits but for the stops
+std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummary& summary,
+                           double part = 1) {
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
       return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
     }
   }
-  if (summary.attitude_turned > problem.post_impact.attitude_change_max) {
+  if (summary.attitude_turned > part * problem.post_impact.attitude_change_max) {
     return "attitude change of the base";
   }
-  if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity)) return "joint rates";
+  if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity, part))
+    return "joint rates";
   // The plant gives no more than the limit, so what the controller asks for is judged.
-  if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort)) {
+  if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort, part)) {
     return "joint torques";
   }
   return "";
@@ -59,6 +66,69 @@ SimulationOptions judging_options(const CaptureProblem& problem, const StopCondi
   options.output_period = problem.post_impact.horizon;
   options.stop = stop;
   return options;
+}
+
+/// Of a first run at fixed steps, half the work of one whose error is controlled. Between instants
+/// of sampled control, without friction, the plant moves smoothly, and both end their steps there:
+/// they show the same extremes, but for what these numbers leave room for.
+struct FirstRun {
+  static constexpr double below = 0.99, beyond = 1.01;  ///< part of a limit
+  static constexpr double off_stop = 1e-3;              ///< rad, m
+  static constexpr double into_stop = 1e-3;             ///< rad/s, m/s: slower joints may turn back
+  static constexpr double step_angle = 0.02;  ///< rad: fifth-order errors of a step are 1e-10
+};
+
+bool keeps_off_stops(const RobotModel& robot, const SimulationSummary& summary) {
+  for (int k = 0; k < robot.n(); ++k) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    if (!(summary.lowest_positions[k] >= joint.lower + FirstRun::off_stop &&
+          summary.highest_positions[k] <= joint.upper - FirstRun::off_stop)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool meets_stop(const SimulationSummary& summary) {
+  return std::any_of(summary.limits.begin(), summary.limits.end(), [](const LimitEvent& event) {
+    return event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop;
+  });
+}
+
+/// post_impact_failure() where the first run is certain of it; nothing: it is not.
+/// @param grasp_use largest part of a limit of grip and wheels that a run uses
+std::optional<std::string> failure_at_first_sight(
+    const CaptureProblem& problem, const ContactCase& subject, const Controller& controller,
+    const StopCondition& stop, const std::function<double(const AfterContact&)>& grasp_use) {
+  const PostImpactSpec& spec = problem.post_impact;
+  const bool is_smooth = spec.contact.model == ContactModel::Instantaneous &&
+                         controller.kind != ControllerKind::Detumble && spec.control_period > 0 &&
+                         !spec.joint_friction;
+  if (!is_smooth) return std::nullopt;
+  SimulationOptions options = judging_options(problem, stop);
+  options.integrator = IntegratorKind::Rk4;
+  options.ends_when = [&](const SimulationSummary& so_far) {
+    return is_grip_open(spec.grip, so_far) ||
+           !exceeded_limit(problem, so_far, FirstRun::beyond).empty();
+  };
+  const AfterContact run = simulate_after_contact(subject, spec, controller, options);
+  if (run.simulation.status != SimulationStatus::Finished) return std::nullopt;
+  const SimulationSummary& summary = run.simulation.summary;
+  const double rate = summary.peak_base_rate + summary.peak_joint_rate;
+  if (!(rate * std::min(options.step, spec.control_period) <= FirstRun::step_angle)) {
+    return std::nullopt;
+  }
+  if (grasp_use(run) > FirstRun::below || is_grip_open(spec.grip, summary)) return std::nullopt;
+  if (meets_stop(summary) && !(summary.hardest_stop > FirstRun::into_stop)) return std::nullopt;
+  std::string limit = exceeded_limit(problem, summary, FirstRun::beyond);
+  if (!limit.empty()) return limit;
+  const bool is_far = exceeded_limit(problem, summary, FirstRun::below).empty() &&
+                      keeps_off_stops(problem.robot, summary);
+  if (!is_far) return std::nullopt;
+  const double part = summary.residual_base_rate / spec.residual_base_rate_max;
+  if (part > FirstRun::beyond) return "base rate";
+  if (part > FirstRun::below) return std::nullopt;
+  return "";
 }
 
 /// Half a period of the spring between both bodies is how long a contact lasts without damping.
@@ -186,6 +256,18 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
     return "";
   };
   if (std::string full = demand_on_grasp(nullptr); !full.empty()) return full;
+
+  const auto grasp_use = [&](const AfterContact& run) {
+    double most = 0;
+    for (const LimitUse& use :
+         account_for_momentum(problem, configuration, impact, subject, &run).limits) {
+      if (is_demand_on_grasp(use)) most = std::max(most, use.part());
+    }
+    return most;
+  };
+  if (auto failure = failure_at_first_sight(problem, subject, *controller, stop, grasp_use)) {
+    return *failure;
+  }
 
   SimulationOptions options = judging_options(problem, stop);
   bool is_certain = false;  // nothing that follows makes a limit hold again
