@@ -138,7 +138,8 @@ Replanner::Impl::Impl(const Plan& plan, const ReplanOptions& asked)
     if (!at.feature.empty() && at.feature != feature) continue;
     starts_.push_back(formulation.variables(at));
   }
-  predictor_.emplace(*problem.target, chosen_feature(problem), options_.most_rotation);
+  predictor_.emplace(*problem.target, chosen_feature(problem), options_.most_rotation,
+                     problem.target_deviations.value_or(EstimateDeviations{}));
   result_.constraints = formulation.report(old_);
   result_.configuration = formulation.configuration(old_);
   // The first update grows all buffers and gives the Hessian its first entries.

@@ -324,6 +324,10 @@ TEST_CASE("a cone that follows from a covariance follows that of the estimate") 
   const double stated = plan.problem.uncertainty.cone_half_angle;
   CHECK(replanner.replan(estimate).cone_half_angle == stated);
   const EstimateCovariance all = covariance_of(*plan.problem.target_deviations);
+  // That of the plan gives the plan's, errors of mass and moments included.
+  REQUIRE(plan.problem.target_deviations->moments.maxCoeff() > 0);
+  estimate.covariance = all.topLeftCorner<12, 12>();
+  CHECK(replanner.replan(estimate).cone_half_angle == Approx(stated).epsilon(1e-3));
   estimate.covariance = all.topLeftCorner<12, 12>() / 4;
   const double wide = replanner.last().worst_case;
   const ReplanResult& narrow = replanner.replan(estimate);

@@ -55,7 +55,10 @@ TEST_CASE("a table of motion that takes a new estimate is the motion of that est
 
 TEST_CASE("predictions in place are those of predict_contact") {
   Random random(6);
-  ContactPredictor predictor(brick(), kPlace, 60);
+  EstimateDeviations of_body;
+  of_body.mass = 0.05;
+  of_body.moments << 0.02, 0.04, 0.01;
+  ContactPredictor predictor(brick(), kPlace, 60, of_body);
   for (const bool is_diagonal : {true, false}) {
     const TargetState state = some_state(random);
     StateCovariance root = StateCovariance::Zero();
@@ -66,7 +69,7 @@ TEST_CASE("predictions in place are those of predict_contact") {
       }
     }
     const StateCovariance covariance = root * root.transpose();
-    EstimateCovariance all = EstimateCovariance::Zero();
+    EstimateCovariance all = covariance_of(of_body);
     all.topLeftCorner<12, 12>() = covariance;
     const std::vector<double> times{state.time + 5, state.time + 60};
     const auto wanted = predict_contact({brick(), state}, all, kPlace, times);
@@ -77,8 +80,8 @@ TEST_CASE("predictions in place are those of predict_contact") {
       const Eigen::VectorXd sigma = wanted[i].spread.diagonal().cwiseSqrt();
       const Eigen::MatrixXd scale = sigma * sigma.transpose();
       const Eigen::MatrixXd apart = found[i].spread - wanted[i].spread;
-      for (int a = 0; a < kEffectiveMass; ++a) {  // the mass is known here
-        for (int b = 0; b < kEffectiveMass; ++b) {
+      for (int a = 0; a < kNumContactQuantities; ++a) {
+        for (int b = 0; b < kNumContactQuantities; ++b) {
           CHECK(std::abs(apart(a, b)) <= 1e-6 * scale(a, b) + 1e-15);
         }
       }
