@@ -77,6 +77,7 @@ struct Replanner::Impl {
   // The stages of an update.
   bool restore(ReplanPoint& point);
   bool begin(const StopCondition& stop);
+  void set_scale(const ReplanPoint& at);
   void descend(const StopCondition& stop);
   bool take_step(const StopCondition& stop);
   bool step_along(const StopCondition& stop);
@@ -89,6 +90,7 @@ struct Replanner::Impl {
   ReplanProgram program_;
   JointVectord planned_;
   ReplanResult result_;
+  ReplanResult held_;  ///< of old_, when it was found
   int n_, m_;
   nlp::DenseQp qp_;
   Eigen::MatrixXd hessian_;       // of the Lagrangian, measure in `scale_`
@@ -148,6 +150,7 @@ Replanner::Impl::Impl(const Plan& plan, const ReplanOptions& asked)
                               "target.state: rotates by more than ReplanOptions::most_rotation "
                               "until the contact"}});
   }
+  held_ = result_;
   update({problem.target_state, {}}, {});
 }
 
@@ -372,10 +375,14 @@ bool Replanner::Impl::take_step(const StopCondition& stop) {
   return true;
 }
 
+/// In the units of the search's own certificates.
+void Replanner::Impl::set_scale(const ReplanPoint& at) {
+  const bool is_nominal = program_.problem().measure.kind == RiskMeasure::Nominal;
+  scale_ = is_nominal ? 1 : std::max(at.measure, 1e-18);
+}
+
 void Replanner::Impl::descend(const StopCondition& stop) {
-  // In the units of the search's own certificates.
-  scale_ =
-      program_.problem().measure.kind == RiskMeasure::Nominal ? 1 : std::max(here_.measure, 1e-18);
+  set_scale(here_);
   bool goes_on = true;
   while (goes_on && result_.steps < options_.max_steps && !is_over(stop)) {
     const auto begun = ReplanClock::now();
@@ -443,7 +450,9 @@ void Replanner::Impl::finish(bool is_feasible) {
                        ? ReplanStatus::Infeasible
                    : kkt_residual_ <= kOptimalResidual ? ReplanStatus::Optimal
                                                        : ReplanStatus::Feasible;
-  if (result_.status != ReplanStatus::Infeasible) old_ = here_.x;
+  if (result_.status == ReplanStatus::Infeasible) return;
+  old_ = here_.x;
+  held_ = result_;
 }
 
 void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition& stop) {
@@ -452,12 +461,12 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
     return std::chrono::duration<double>(ReplanClock::now() - begun).count();
   };
   const auto refuse = [&](const char* reason) {
+    result_ = held_;
     result_.status = ReplanStatus::Refused;
     result_.reason = reason;
     result_.steps = 0;
     result_.seconds = seconds();
   };
-  result_.was_cut = false;
   // A step that the system once interrupted does not count for ever.
   longest_step_ /= 2;
   longest_prediction_ /= 2;
@@ -475,6 +484,7 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
     return refuse("its covariance says next to nothing of the direction: no cone below 90 deg");
   }
   result_.reason = "";
+  result_.was_cut = false;
   result_.steps = 0;
   kkt_residual_ = kInfinity;
   program_.set_estimate(estimate.state, earliest);
@@ -499,6 +509,11 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
     std::swap(here_, judged_);
     is_feasible = true;
     kkt_residual_ = kInfinity;
+    // Often nothing but rounding makes it better: it is a minimum as well then.
+    if (!stop.is_interrupted() && has_time(stop, longest_step_)) {
+      set_scale(here_);
+      if (solve_program(here_, Model::Measure)) kkt_residual_ = residual_of(here_);
+    }
   }
   finish(is_feasible);
   predict(estimate, stop);

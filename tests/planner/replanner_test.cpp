@@ -256,6 +256,13 @@ TEST_CASE("a target that is out of reach is said to be, and the old posture stay
   const ReplanResult& result = replanner.replan({away});
   CHECK(result.status == ReplanStatus::Infeasible);
   CHECK(result.max_violation > 1e-3);
+  // A refused estimate states the posture that is held, not that one.
+  StateEstimate unusable{plan.problem.target_state};
+  unusable.state.time = kInfinity;
+  const ReplanResult& refused = replanner.replan(unusable);
+  CHECK(refused.status == ReplanStatus::Refused);
+  CHECK(refused.max_violation <= kFeasibilityTolerance);
+  CHECK((refused.configuration.phi - plan.configuration.phi).norm() < 1e-3);
   const ReplanResult& back = replanner.replan({plan.problem.target_state});
   CHECK(back.status == ReplanStatus::Optimal);
   CHECK(back.value == Approx(plan.objective.value).epsilon(1e-6));
@@ -303,6 +310,19 @@ TEST_CASE("where nothing is feasible near the plan's posture, farther ones are t
   CHECK(again.was_cut);
   CHECK(again.status == ReplanStatus::Feasible);
   CHECK(again.value <= value * (1 + 1e-12));
+}
+
+TEST_CASE("a posture that an estimate leaves as it is stays optimal") {
+  Replanner replanner(client_plan());
+  for (const StateEstimate& estimate : client_stream()) {
+    REQUIRE(replanner.replan(estimate).status == ReplanStatus::Optimal);
+    const double value = replanner.last().value;
+    for (int time = 0; time < 3; ++time) {
+      const ReplanResult& again = replanner.replan(estimate);
+      CHECK(again.status == ReplanStatus::Optimal);
+      CHECK(again.value <= value);
+    }
+  }
 }
 
 TEST_CASE("no contact is planned before the estimate and the lead") {
