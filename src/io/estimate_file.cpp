@@ -68,7 +68,8 @@ class EstimateReader {
 
   std::vector<StateEstimate> read() {
     if (first_bad_byte(text_) != std::string_view::npos) add(0, "not-text", "is no text in UTF-8");
-    std::size_t begin = 0;
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it
+    std::size_t begin = text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     for (int number = 1; begin < text_.size() && !is_full(); ++number) {
       const std::size_t end = std::min(text_.find('\n', begin), text_.size());
       std::string_view line = std::string_view(text_).substr(begin, end - begin);
@@ -152,7 +153,10 @@ class EstimateReader {
     std::vector<double> numbers(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const char* const end = cells[i].data() + cells[i].size();
-      const auto [stop, error] = std::from_chars(cells[i].data(), end, numbers[i]);
+      const char* begin = cells[i].data();
+      // from_chars() takes no plus sign.
+      if (end - begin > 1 && begin[0] == '+' && begin[1] != '-') ++begin;
+      const auto [stop, error] = std::from_chars(begin, end, numbers[i]);
       if (stop != end || error != std::errc() || !std::isfinite(numbers[i])) {
         add(line, "not-a-number",
             fmt::format("{}: '{}', must be a finite number", place(i), cells[i]));

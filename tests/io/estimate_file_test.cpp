@@ -58,6 +58,17 @@ TEST_CASE("an estimate is read by the names of its columns, in any order") {
         Vector3d(2, 3, 4));
 }
 
+TEST_CASE("plus signs and a byte order mark are read") {
+  const auto estimates = read("\xEF\xBB\xBF" + kNames + "\n+1,+2e0" + kRow.substr(3) + "\n");
+  REQUIRE(estimates.size() == 1);
+  CHECK(estimates.front().state.time == 1);
+  CHECK(estimates.front().state.pose.position == Vector3d(2, 3, 4));
+  for (const char* wrong : {"+", "+-1", "++1"}) {
+    CHECK_THAT(refusal(kNames + "\n" + wrong + kRow.substr(1) + "\n"),
+               Catch::Contains("not-a-number: column 1 (time_s)"));
+  }
+}
+
 TEST_CASE("deviations and covariances of estimates are read") {
   const auto known = read(kNames + kDeviations + "\n" + kRow + ",1,2,3,4,5,6,7,8,9,10,11,12\n");
   REQUIRE(known.front().covariance.has_value());
