@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <vector>
 
 #include <stillbase/core/random.hpp>
 
@@ -32,9 +33,11 @@ TEST_CASE("the solution of a quadratic program satisfies its optimality conditio
     const Eigen::VectorXd g = random_vector(random, n), inside = random_vector(random, n);
     qp.hessian() = H;
     qp.gradient() = g;
+    std::vector<double> slacks;
     for (int i = 0; i < equations + inequalities; ++i) {
       const Eigen::VectorXd normal = random_vector(random, n);
       const double slack = i < equations ? 0 : random.uniform(0, 0.3);
+      slacks.push_back(slack);
       qp.add_row(normal.dot(inside) - slack, i < equations) = normal;
     }
     INFO("trial " << trial);
@@ -49,7 +52,11 @@ TEST_CASE("the solution of a quadratic program satisfies its optimality conditio
         CHECK(std::abs(slack) < 1e-10);
         continue;
       }
+      // b_i is the slack below `inside`.
+      const double left = slack + slacks[static_cast<std::size_t>(i)];
+      CHECK(left > -1e-10);
       CHECK(u[i] >= 0);
+      CHECK(u[i] * std::abs(left) < 1e-10 * (1 + u[i]));
       if (u[i] > 0) ++with_active;
     }
     CHECK(residual.lpNorm<Eigen::Infinity>() < 1e-9 * (1 + u.lpNorm<Eigen::Infinity>()));
