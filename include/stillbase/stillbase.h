@@ -183,16 +183,18 @@ typedef struct stillbase_update {
 } stillbase_update;
 
 /* Sets up from a plan and its problem, with memory for all updates. Problems that it does not cover
- * are refused with the reason. Joints stay within 0.1 rad of the plan's as long as a posture there
- * satisfies the constraints. */
+ * are refused with the reason.
+ * stay_within: rad (m) that each joint may be from the plan's as long as a posture there satisfies
+ * the constraints, > 0; 0.1 keeps most of what was judged of the plan alone, HUGE_VAL: anywhere. */
 STILLBASE_API stillbase_status stillbase_replanner_make(const stillbase_plan* plan,
+                                                        double stay_within,
                                                         stillbase_replanner** replanner);
 STILLBASE_API void stillbase_replanner_free(stillbase_replanner* replanner);
 /* n; 0 for NULL. */
 STILLBASE_API int stillbase_replanner_joints(const stillbase_replanner* replanner);
 /* The best contact that is found in time for the estimate, never worse than a feasible old one. No
  * memory is allocated on robots of up to 20 joints. One thread at a time.
- * deadline: s from now; 0: none. phi (n); contact and update may be NULL. */
+ * deadline: s from now; 0: now, HUGE_VAL: none. phi (n); contact and update may be NULL. */
 STILLBASE_API stillbase_status stillbase_replanner_update(stillbase_replanner* replanner,
                                                           const stillbase_estimate* estimate,
                                                           double deadline,

@@ -62,12 +62,15 @@ void write_update(const ReplanResult& result, stillbase_update& out) {
 
 }  // namespace
 
-stillbase_status stillbase_replanner_make(const stillbase_plan* plan,
+stillbase_status stillbase_replanner_make(const stillbase_plan* plan, double stay_within,
                                           stillbase_replanner** replanner) {
   return guarded([&] {
     const Plan& data = needed(plan, "plan").data;
     needed(replanner, "replanner");
-    *replanner = new stillbase_replanner{Replanner(data), data.problem.robot.n()};
+    if (!(stay_within > 0)) throw c::ArgumentError("stay_within: must be > 0 rad");
+    ReplanOptions options;
+    options.stay_within = stay_within;
+    *replanner = new stillbase_replanner{Replanner(data, options), data.problem.robot.n()};
   });
 }
 
@@ -88,7 +91,7 @@ stillbase_status stillbase_replanner_update(stillbase_replanner* replanner,
     needed(phi, "phi");
     if (!(deadline >= 0)) throw c::ArgumentError("deadline: must be >= 0 s");
     StopCondition stop;
-    if (deadline > 0 && deadline < kLongest) {
+    if (deadline < kLongest) {
       stop.deadline =
           StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
                                             std::chrono::duration<double>(deadline));

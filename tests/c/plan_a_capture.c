@@ -121,11 +121,15 @@ static void replan(const char* problem_path, const char* stated_direction) {
   estimate.angular_velocity[2] = 5 * 3.14159265358979323846 / 180;
   check(stillbase_problem_read(problem_path, &problem) == STILLBASE_OK, "a client's problem");
   check(stillbase_plan_make(problem, NULL, &plan) == STILLBASE_OK, "its plan");
-  check(stillbase_replanner_make(NULL, &replanner) == STILLBASE_WRONG_ARGUMENT, "NULL is no plan");
-  check(stillbase_replanner_make(plan, &replanner) == STILLBASE_OK, "a replanner");
+  check(stillbase_replanner_make(NULL, 0.1, &replanner) == STILLBASE_WRONG_ARGUMENT,
+        "NULL is no plan");
+  check(stillbase_replanner_make(plan, 0, &replanner) == STILLBASE_WRONG_ARGUMENT,
+        "nowhere is no place to stay");
+  check(stillbase_replanner_make(plan, 0.1, &replanner) == STILLBASE_OK, "a replanner");
   check(stillbase_replanner_joints(replanner) == 3, "of three joints");
   check(stillbase_plan_choice(plan, &contact, planned, NULL, NULL) == STILLBASE_OK, "the choice");
-  check(stillbase_replanner_update(replanner, &estimate, 0, &contact, phi, &update) == STILLBASE_OK,
+  check(stillbase_replanner_update(replanner, &estimate, HUGE_VAL, &contact, phi, &update) ==
+            STILLBASE_OK,
         "an update with the problem's own estimate");
   check(strcmp(update.status, "optimal") == 0, "is optimal");
   for (k = 0; k < 3; ++k) check(fabs(phi[k] - planned[k]) < 1e-6, "and keeps the posture");
@@ -140,8 +144,11 @@ static void replan(const char* problem_path, const char* stated_direction) {
   check(update.max_violation <= 1e-9 && update.least_margin > -1e-9, "is feasible");
   check(update.old_max_violation > 1e-9 || update.value <= update.old_value, "is never worse");
   check(contact.contact_time >= 70 && contact.contact_time <= 74, "has a time in the window");
-  estimate.time = NAN;
   check(stillbase_replanner_update(replanner, &estimate, 0, NULL, phi, &update) == STILLBASE_OK &&
+            update.was_cut,
+        "no time is left at all");
+  estimate.time = NAN;
+  check(stillbase_replanner_update(replanner, &estimate, HUGE_VAL, NULL, phi, &update) == STILLBASE_OK &&
             strcmp(update.status, "refused") == 0,
         "NaN is refused");
   check(strcmp(update.reason, "a number is not finite") == 0, "with the reason");
@@ -154,7 +161,8 @@ static void replan(const char* problem_path, const char* stated_direction) {
   replanner = NULL;
   check(stillbase_problem_read(stated_direction, &problem) == STILLBASE_OK, "a stated direction");
   check(stillbase_plan_make(problem, NULL, &plan) == STILLBASE_OK, "its plan");
-  check(stillbase_replanner_make(plan, &replanner) == STILLBASE_INPUT_REFUSED, "is not replanned");
+  check(stillbase_replanner_make(plan, HUGE_VAL, &replanner) == STILLBASE_INPUT_REFUSED,
+        "is not replanned");
   check(strstr(stillbase_error(), "not-replannable: impact.direction") != NULL, "with the reason");
   stillbase_replanner_free(NULL);
   stillbase_plan_free(plan);
