@@ -63,9 +63,14 @@ bool is_feasible(const ReplanResult& result) {
   return result.status == ReplanStatus::Optimal || result.status == ReplanStatus::Feasible;
 }
 
-/// The joint that moved most, rad (m).
-double largest_move(const Configuration& from, const Configuration& to) {
-  return (to.phi - from.phi).lpNorm<Eigen::Infinity>();
+/// By how much the joint moved that moved most; a metre counts as a radian.
+std::string largest_move(const RobotModel& robot, const Configuration& from,
+                         const Configuration& to) {
+  Eigen::Index joint = 0;
+  const double moved = (to.phi - from.phi).cwiseAbs().maxCoeff(&joint);
+  return robot.joints[static_cast<std::size_t>(joint)].is_prismatic()
+             ? fmt::format("{:.3f} m", moved)
+             : fmt::format("{:.2f}", moved * kDegrees);
 }
 
 /// Whether the last posture keeps the limits after the impact; empty: none are asked for, or there
@@ -154,12 +159,12 @@ std::string record_words(const ReplanRecord& record) {
       line("s", record.unit, "", record.unit, record.unit, "s", "deg", "");
   for (const ReplanUpdate* update : spread_over(record.updates)) {
     const ReplanResult& result = update->result;
-    const double moved = largest_move(record.start, result.configuration) * kDegrees;
     text +=
         line(fmt::format("{:.2f}", update->time), fmt::format("{:.4g}", result.old.value),
              result.old.is_feasible() ? "none" : fmt::format("{:.3g}", result.old.max_violation),
              fmt::format("{:.4g}", result.corrected.value), fmt::format("{:.4g}", result.value),
-             fmt::format("{:.3f}", result.configuration.contact_time), fmt::format("{:.2f}", moved),
+             fmt::format("{:.3f}", result.configuration.contact_time),
+             largest_move(record.robot, record.start, result.configuration),
              "  " + to_string(result.status) + (result.was_cut ? ", cut" : ""));
   }
   text += changes_words(record);
@@ -201,7 +206,7 @@ std::string record_csv(const ReplanRecord& record) {
   }
   text +=
       ",base_x_m,base_y_m,base_z_m,base_qw,base_qx,base_qy,base_qz,contact_point_sd_m,"
-      "contact_normal_half_angle_rad,closing_speed_sd_m_s,cone_half_angle_rad,steps";
+      "contact_normal_half_angle_rad,closing_speed_sd_m_s,cone_half_angle_rad,after_impact,steps";
   if (record.with_seconds) text += ",seconds";
   text += '\n';
   for (const ReplanUpdate& update : record.updates) {
@@ -226,7 +231,11 @@ std::string record_csv(const ReplanRecord& record) {
     const ContactDeviations unknown{kInfinity, kInfinity, kInfinity};
     const ContactDeviations contact = result.contact.value_or(unknown);
     text += cell(contact.point) + cell(contact.half_angle) + cell(contact.closing_speed) +
-            cell(result.cone_half_angle) + fmt::format(",{}", result.steps);
+            cell(result.cone_half_angle);
+    const bool is_last = &update == &record.updates.back();  // that alone is simulated
+    text +=
+        is_last && !record.after_impact.empty() ? fmt::format(",\"{}\"", record.after_impact) : ",";
+    text += fmt::format(",{}", result.steps);
     if (record.with_seconds) text += cell(result.seconds);
     text += '\n';
   }

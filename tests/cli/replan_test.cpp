@@ -67,12 +67,15 @@ TEST_CASE("replan writes every update, the same bytes each time") {
           update.at("corrected").at("value").get<double>() * (1 + 1e-12));
     CHECK_FALSE(update.contains("seconds"));
   }
+  const std::string after = record.at("after_impact");
+  CHECK(after.rfind("keeps the limits after the impact", 0) == 0);
   CHECK(json::parse(shop.run(command + "--json").out) == record);
   REQUIRE(shop.run(command + "-o a.csv").code == 0);
   const std::string csv = shop.text("a.csv");
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 13);
   CHECK(csv.rfind("time_s,status,cut,old_value,", 0) == 0);
   CHECK(csv.find("seconds") == std::string::npos);
+  CHECK(csv.find(",\"" + after + "\",") > csv.rfind('\n', csv.size() - 2));  // of the last one
   REQUIRE(shop.run(command + "--timing -o timed.csv").code == 0);
   CHECK(shop.text("timed.csv").find(",steps,seconds\n") != std::string::npos);
 }

@@ -82,6 +82,9 @@ void replan_fields(Table& t, ReplanRecord& record) {
                          return Map([&](Table& m) { update_fields(m, record, update); });
                        }),
     "by time", kNeeded);
+  t("after_impact", WrittenIf(Text(record.after_impact), !record.after_impact.empty()),
+    "what is said of the last posture's time after the impact",
+    {.without = "the problem asks for no controller, or the last posture is not feasible"});
 }
 
 }  // namespace stillbase::io
