@@ -100,7 +100,6 @@ class Stationarity {
     return manifold_.objection().empty() ? objection_ : manifold_.objection();
   }
   double residual() const { return residual_; }
-  /// Whether an active limit has no gradient here.
   /// Whether an active limit has no gradient here, and those of both sides of its kink together
   /// with the others may make it a minimum.
   bool may_be_at_kink(double limit) const { return kinks_.cols() > 0 && kink_residual_ <= limit; }

@@ -17,6 +17,7 @@ namespace {
 constexpr double kRestricts = 1e-4, kRestrictsNot = 1e-7;
 constexpr double kOnManifold = 1e-12;  ///< norm of the residual
 constexpr int kCorrections = 40;
+constexpr double kSameDistance = 1e-9;     ///< m
 constexpr double kHalfRotation = 3.14159;  ///< rad: a larger limit of a rotation angle is none
 
 Equations::Demand demand_of(const CaptureProblem& problem) {
@@ -157,7 +158,14 @@ std::vector<double> distances_from_limits(const Situation& situation,
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
       if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
-      single(shapes.distance(i, j).value_or(kInfinity) - *wanted.clearance);
+      // Parallel faces: the least of smooth distances has a kink, they have none.
+      const double least = shapes.distance(i, j).value_or(kInfinity);
+      bool is_corner = false;
+      for (const double of_corner : shapes.corner_distances(i, j)) {
+        single(of_corner - *wanted.clearance);
+        is_corner = is_corner || of_corner <= least + kSameDistance;
+      }
+      single(is_corner ? kInfinity : least - *wanted.clearance);
     }
   }
   return out;

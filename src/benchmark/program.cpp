@@ -6,6 +6,7 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
+#include "formulation/formulation_parts.hpp"
 #include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
 
@@ -17,11 +18,9 @@ namespace {
 class CaseProgram final : public nlp::Problem {
  public:
   explicit CaseProgram(const Formulation& formulation) : formulation_(formulation) {
-    // report() names the constraints in their order, then what is none.
-    const auto values = formulation.report(
-        formulation.start_point(Eigen::VectorXd::Constant(formulation.num_variables(), 0.5)));
+    const auto& rows = formulation.parts().rows.kept;
     for (int i = 0; i < formulation.num_constraints(); ++i) {
-      const bool of_case = values[static_cast<std::size_t>(i)].name.rfind("case_", 0) == 0;
+      const bool of_case = rows[static_cast<std::size_t>(i)]->name.rfind("case_", 0) == 0;
       (of_case ? equations_ : others_).push_back(i);
     }
   }

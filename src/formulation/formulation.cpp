@@ -75,6 +75,8 @@ Formulation::Parts::Parts(const CaptureProblem& problem)
     constraints.rows.push_back(user_constraint(one));
     selected.kept.push_back(constraints.rows.back().get());
   }
+  // Last, so that a report lists the rows before them.
+  for (const auto& part : constraints.parts) selected.kept.push_back(part.get());
   select(std::move(selected));
 }
 
@@ -260,7 +262,9 @@ Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
   std::vector<ConstraintValue> out;
   const auto add = [&out](const std::string& name) { out.push_back({name, 0, 0, 0, 0}); };
-  for (const Constraint* row : parts_->rows.kept) add(row->name);
+  for (const Constraint* row : parts_->rows.kept) {
+    if (!row->is_part) add(row->name);
+  }
   for (const Constraint* row : parts_->rows.reported) add(row->name);
   for (const auto& row : parts_->constraints.reported) add(row->name);
   for (const int k : parts_->model.layout.joints) {
@@ -284,7 +288,9 @@ void Formulation::update_report(const Eigen::VectorXd& x, std::vector<Constraint
     entry.violation = violation_of(value, lower, upper);
   };
   const auto set_row = [&](const Constraint& row) { set(row.value(point), row.lower, row.upper); };
-  for (const Constraint* row : parts_->rows.kept) set_row(*row);
+  for (const Constraint* row : parts_->rows.kept) {
+    if (!row->is_part) set_row(*row);
+  }
   for (const Constraint* row : parts_->rows.reported) set_row(*row);
   for (const auto& row : parts_->constraints.reported) set_row(*row);
   const VariableLayout& layout = model.layout;
@@ -300,7 +306,7 @@ std::vector<ConstraintValue> Formulation::report_limits(const Eigen::VectorXd& x
   const NominalPoint here(parts_->model, x);
   std::vector<ConstraintValue> out;
   for (const Constraint* row : parts_->rows.kept) {
-    if (!row->is_limit) continue;
+    if (!row->is_limit || row->is_part) continue;
     const double value = row->value({parts_->model, here.at, here.posture, here.impact});
     out.push_back(
         {row->name, value, row->lower, row->upper, violation_of(value, row->lower, row->upper)});

@@ -55,6 +55,14 @@ std::vector<BindingLimit> binding_limits(const CaptureProblem& problem,
     const bool is_upper = multiplier > 0;
     const double limit = is_upper ? upper : lower;
     if (!std::isfinite(limit)) return;
+    // All parts of a limit move with it.
+    const auto known = std::find_if(out.begin(), out.end(), [&](const BindingLimit& other) {
+      return other.name == name && other.is_upper == is_upper;
+    });
+    if (known != out.end()) {
+      known->multiplier += saving;
+      return;
+    }
     out.push_back({name, is_upper, limit, is_upper ? limit - at : at - limit, saving, of_unit});
   };
   const CaptureModel& model = formulation.parts().model;

@@ -56,6 +56,27 @@ double to_box(const Vector3d& point, const Vector3d& size) {
   return out.norm();
 }
 
+/// The least distance of the edges of one box from another one, by a search along each.
+double edges_from_box(const Pose& of, const Vector3d& size, const Pose& other,
+                      const Vector3d& other_size) {
+  const Pose in_other = other.inverse() * of;
+  double least = kInfinity;
+  for (int along = 0; along < 3; ++along) {
+    for (const double i : {-0.5, 0.5}) {
+      for (const double j : {-0.5, 0.5}) {
+        least = std::min(least, convex_minimum([&](double t) {
+                           Vector3d part;
+                           part[along] = t / 2;
+                           part[(along + 1) % 3] = i;
+                           part[(along + 2) % 3] = j;
+                           return to_box(in_other * Vector3d(part.cwiseProduct(size)), other_size);
+                         }));
+      }
+    }
+  }
+  return least;
+}
+
 double to_axis(const Vector3d& point, double half) {
   return std::hypot(point.x(), point.y(), std::max(std::abs(point.z()) - half, 0.0));
 }
@@ -97,6 +118,13 @@ double widest_gap(const Pose& a, const Vector3d& a_size, const Pose& b, const Ve
                                   half_extent(A, a_size, axis) - half_extent(B, b_size, axis));
   }
   return widest;
+}
+
+/// Exact where boxes are apart; where they overlap their widest gap along a separating axis.
+double box_to_box(const Pose& a, const Vector3d& a_size, const Pose& b, const Vector3d& b_size) {
+  const double gap = widest_gap(a, a_size, b, b_size);
+  if (!(gap > 0)) return gap;
+  return std::min(edges_from_box(a, a_size, b, b_size), edges_from_box(b, b_size, a, a_size));
 }
 
 }  // namespace
@@ -153,7 +181,31 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
   if (of_a.round && of_b.round) offer(round_to_round(a.pose, *of_a.round, b.pose, *of_b.round));
   if (of_a.round && of_b.box) offer(round_to_box(a.pose, *of_a.round, b.pose, *of_b.box));
   if (of_a.box && of_b.round) offer(round_to_box(b.pose, *of_b.round, a.pose, *of_a.box));
-  if (of_a.box && of_b.box) offer(widest_gap(a.pose, *of_a.box, b.pose, *of_b.box));
+  if (of_a.box && of_b.box) {
+    const bool is_exact = !of_a.round && !of_b.round;
+    offer((is_exact ? box_to_box : widest_gap)(a.pose, *of_a.box, b.pose, *of_b.box));
+  }
+  return out;
+}
+
+std::vector<double> ContactShapes::corner_distances(int i, int j) const {
+  std::vector<double> out;
+  if (shape(i).body != kBase || shape(j).body != kTarget) return out;
+  const auto add = [&out](const Shape& from, const Shape& to) {
+    const auto* corners = from.geometry == nullptr ? nullptr : std::get_if<Box>(from.geometry);
+    const auto* box = to.geometry == nullptr ? nullptr : std::get_if<Box>(to.geometry);
+    if (corners == nullptr || box == nullptr) return;
+    const Vector3d half = corners->size / 2;
+    for (const double x : {-half.x(), half.x()}) {
+      for (const double y : {-half.y(), half.y()}) {
+        for (const double z : {-half.z(), half.z()}) {
+          out.push_back(to_box(to.pose.inverse() * (from.pose * Vector3d(x, y, z)), box->size));
+        }
+      }
+    }
+  };
+  add(shape(i), shape(j));
+  add(shape(j), shape(i));
   return out;
 }
 

@@ -25,11 +25,15 @@ class ContactShapes {
   /// @param target T_NT, or null
   ContactShapes(const CaptureProblem& problem, const Configuration& at, const Pose* target);
 
-  /// Signed distance of two shapes, m: by a search along the segment of a sphere or capsule,
-  /// between boxes the widest gap along a separating axis; of a cylinder the larger of those of the
-  /// capsule and the box about it. Empty for numbers out of range and for shapes that no constraint
-  /// is about.
+  /// Signed distance of two shapes, m: by a search along the segment of a sphere or capsule or of
+  /// an edge of a box; of boxes that overlap, and of those about cylinders, the widest gap along a
+  /// separating axis; of a cylinder the larger of those of the capsule and the box about it. Empty
+  /// for numbers out of range and for shapes that no constraint is about.
   std::optional<double> distance(int i, int j) const;
+  /// Of every corner of a box of the base and one of the target from the other one, m: 16, all at
+  /// least their distance; none of other shapes.
+  /// @pre i < j
+  std::vector<double> corner_distances(int i, int j) const;
   /// Whether a clearance applies to these two. Neighbours in the tree are left out: some of them
   /// overlap by construction.
   bool must_be_apart(int i, int j) const;

@@ -164,10 +164,10 @@ TEST_CASE("the Hessian over scenarios and rows is the change of their gradients"
     // Change of the gradients (scenarios, then rows) with each variable: central differences of
     // sixth order, in plain numbers.
     std::vector<Eigen::MatrixXd> changes;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      // Rounding and truncation below 1e-11, no corner in between: those of distances ask for the
-      // shorter step.
-      const double step_size = law == ContactLaw::Frictionless ? 6e-4 : 2e-3;
+    // Curvatures of a corner's distance from a box jump where another face or edge is nearest: such
+    // a jump between the points shows as a difference between two steps.
+    Eigen::VectorXd jumps = Eigen::VectorXd::Zero(count + rows);
+    const auto change = [&](Eigen::Index i, double step_size) {
       const auto difference = [&](double steps) {
         const Eigen::VectorXd step = steps * step_size * Eigen::VectorXd::Unit(x.size(), i);
         ScenarioEvaluation ahead, behind;
@@ -177,9 +177,22 @@ TEST_CASE("the Hessian over scenarios and rows is the change of their gradients"
         out << ahead.gradients - behind.gradients, ahead.jacobian - behind.jacobian;
         return out;
       };
-      changes.push_back((45 * difference(1) - 9 * difference(2) + difference(3)) /
-                        (60 * step_size));
+      return Eigen::MatrixXd((45 * difference(1) - 9 * difference(2) + difference(3)) /
+                             (60 * step_size));
+    };
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      // Rounding and truncation below 1e-11, no corner in between: those of distances ask for the
+      // shorter step.
+      const double step_size = law == ContactLaw::Frictionless ? 6e-4 : 2e-3;
+      changes.push_back(change(i, step_size));
+      const Eigen::MatrixXd apart = changes.back() - change(i, 0.7 * step_size);
+      jumps = jumps.cwiseMax(apart.cwiseAbs().rowwise().maxCoeff());
     }
+    const auto& kept = formulation.parts().rows.kept;
+    const auto has_jump = [&](Eigen::Index row) {
+      return kept[static_cast<std::size_t>(row)]->name.rfind("clearance_", 0) == 0 &&
+             jumps[count + row] > 1e-10;
+    };
     // Error of the Hessian of one combination, over one and the largest entry.
     const auto error = [&](const Eigen::VectorXd& weights, const Eigen::VectorXd& multipliers) {
       Eigen::MatrixXd hessian, expected(x.size(), x.size());
@@ -193,12 +206,21 @@ TEST_CASE("the Hessian over scenarios and rows is the change of their gradients"
     };
     Eigen::VectorXd weights(count), multipliers(rows);
     for (double& w : weights) w = random.normal();
-    for (double& m : multipliers) m = random.normal();
+    Eigen::Index left_out = 0;
+    Random of_corners(64, static_cast<std::uint64_t>(trial));
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const bool is_corner = kept[static_cast<std::size_t>(row)]->is_part;
+      const double multiplier = (is_corner ? of_corners : random).normal();
+      multipliers[row] = has_jump(row) ? 0 : multiplier;
+      left_out += has_jump(row) ? 1 : 0;
+    }
     INFO("contact law " << static_cast<int>(law) << ", trial " << trial);
+    CHECK(20 * left_out <= rows);
     CHECK(error(weights, multipliers) < 1e-11);
     CHECK(error(weights, Eigen::VectorXd::Zero(rows)) < 1e-11);
     for (Eigen::Index row = 0; row < rows; ++row) {
       INFO("row " << row);
+      if (has_jump(row)) continue;
       // Singular values cost their Hessians a digit.
       CHECK(error(Eigen::VectorXd::Zero(count), Eigen::VectorXd::Unit(rows, row)) < 3e-11);
     }

@@ -88,31 +88,73 @@ TEST_CASE("a capsule's distance from a box is the least over its axis, inside th
   CHECK(inside > 20);
 }
 
-TEST_CASE("the gap of two boxes is never above their distance, and negative when they overlap") {
+TEST_CASE("the distance of two boxes is exact, and negative when they overlap") {
   Random random(63);
-  int apart = 0, overlapping = 0, exact = 0;
-  for (int trial = 0; trial < 300; ++trial) {
+  int apart = 0, overlapping = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
     const Vector3d size_a(0.8, 0.6, 0.4), size_b(0.3, 0.5, 0.9);
     const ClearanceShape a = box(size_a), b = box(size_b);
-    const Pose pose_a = random_pose(random, random.uniform(0, 1.5)),
-               pose_b = random_pose(random, 0);
+    Pose pose_a = random_pose(random, random.uniform(0, 1.5)), pose_b = random_pose(random, 0);
+    // Faces that are parallel, exactly or nearly, also across each other.
+    if (trial % 4 > 0) pose_b.orientation = pose_a.orientation;
+    if (trial % 4 > 1) {
+      const double tilt = trial % 4 == 3 ? 0 : std::pow(10.0, random.uniform(-12, -4));
+      pose_b.orientation = pose_a.orientation *
+                           rotation_exp(Vector3d(0, 0, random.uniform(-1.5, 1.5))) *
+                           rotation_exp(tilt * Vector3d(random.normal(), random.normal(), 0));
+    }
     const double gap = separate<double>(at(a, pose_a), at(b, pose_b)).distance;
     const double distance = fcl_distance(
         *make_fcl_shape(Box{size_a}), pose_a.orientation.toRotationMatrix(), pose_a.position,
         *make_fcl_shape(Box{size_b}), pose_b.orientation.toRotationMatrix(), pose_b.position);
     if (distance > 1e-3) {
       ++apart;
-      CHECK(gap > 0);
-      CHECK(gap <= distance + 1e-6);
-      exact += gap > distance - 1e-3;
+      const auto placed = [](const Vector3d& size, const Pose& pose) {
+        return PlacedBox{size / 2, pose.orientation.toRotationMatrix(), pose.position};
+      };
+      CHECK(gap == Approx(separate_box_distance(placed(size_a, pose_a), placed(size_b, pose_b)))
+                       .margin(1e-9));
     } else if (distance <= 0) {
       ++overlapping;
       CHECK(gap <= 1e-9);
     }
   }
-  CHECK(apart > 50);
-  CHECK(overlapping > 50);
-  CHECK(exact > 20);
+  CHECK(apart > 200);
+  CHECK(overlapping > 100);
+}
+
+TEST_CASE("where faces of two boxes are parallel both sides of the kink are rows of their own") {
+  Random random(68);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  problem.robot.shapes = {{kBase, "base", {}, Box{{0.6, 0.6, 0.6}}}};
+  problem.constraints.clearance = 0.05;
+  const Formulation formulation(problem);
+  const Eigen::VectorXd x =
+      formulation.start_point(low_discrepancy_point(0, formulation.num_variables(), 1));
+  nlp::Evaluation here;
+  formulation.evaluate_value(x, here);
+  const auto& rows = formulation.parts().rows.kept;
+  std::vector<double> corners;
+  std::optional<double> least;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i]->name.rfind("clearance_", 0) != 0) continue;
+    const double value = here.constraints[static_cast<Eigen::Index>(i)];
+    if (rows[i]->is_part) {
+      corners.push_back(value);
+    } else {
+      REQUIRE_FALSE(least);
+      least = value;
+    }
+  }
+  REQUIRE(least);
+  CHECK(corners.size() == 16);
+  for (const double corner : corners) CHECK(corner >= *least - 1e-12);
+  int reported = 0;
+  for (const ConstraintValue& value : formulation.report(x)) {
+    reported += value.name.rfind("clearance_", 0) == 0;
+  }
+  CHECK(reported == 1);
 }
 
 TEST_CASE(

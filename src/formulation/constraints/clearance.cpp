@@ -1,4 +1,6 @@
 // Distances between bodies at the contact.
+#include <vector>
+
 #include <stillbase/core/error.hpp>
 
 #include "formulation/constraints/clearance_kernel.hpp"
@@ -53,6 +55,29 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
   }
 }
 
+/// Where faces of two boxes are parallel their distance is the least of those of several corners,
+/// and has a kink there, at which many searches end: base and target, the largest bodies, come to
+/// stand side by side. The distance of each corner from the other box is smooth while they are
+/// apart. The boxes of all links would give a thousand rows.
+std::vector<ClearancePair> corners_of(const ClearancePair& pair) {
+  std::vector<ClearancePair> out;
+  if (!pair.first.is_box || !pair.second.is_box) return out;
+  if (pair.first.body != kBase || pair.second.body != kTargetBody) return out;
+  const auto add = [&](const ClearanceShape& box, const ClearanceShape& other) {
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vector3d sign((i & 1U) != 0 ? 1 : -1, (i & 2U) != 0 ? 1 : -1, (i & 4U) != 0 ? 1 : -1);
+      ClearanceShape corner;
+      corner.body = box.body;
+      corner.name = box.name;
+      corner.p = box.p + box.R * sign.cwiseProduct(box.half);
+      out.push_back({corner, other, pair.name});
+    }
+  };
+  add(pair.first, pair.second);
+  add(pair.second, pair.first);
+  return out;
+}
+
 }  // namespace
 
 void add_clearance(const CaptureModel& model, ConstraintSet& out) {
@@ -73,7 +98,7 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
     }
     target = target_placement(problem, encounter);
   }
-  for (const ClearancePair& pair : clearance_pairs(problem)) {
+  const auto add = [&](const ClearancePair& pair, bool is_part) {
     const auto distance = [pair, target]<class S>(const ConstraintPoint<S>& at,
                                                   ScalarGradient<S>* gradient) -> S {
       const Separation<S> found =
@@ -84,10 +109,14 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
       }
       return found.distance;
     };
-    add_constraint(
-        out.rows,
-        {pair.name, "m", *problem.constraints.clearance, kInfinity, false, false, true, true},
-        distance);
+    ConstraintLabel label{pair.name, "m", *problem.constraints.clearance, kInfinity};
+    label.is_limit = label.has_kinks = true;
+    label.is_part = is_part;
+    add_constraint(is_part ? out.parts : out.rows, label, distance);
+  };
+  for (const ClearancePair& pair : clearance_pairs(problem)) {
+    add(pair, false);
+    for (const ClearancePair& corner : corners_of(pair)) add(corner, true);
   }
 }
 

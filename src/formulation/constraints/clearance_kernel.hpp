@@ -3,9 +3,9 @@
 // Which features are nearest is decided on plain values; the distance between those features is
 // then written in S, so that it has exact derivatives wherever the choice does not change. The
 // distance is continuously differentiable while the shapes are apart and the nearest points are
-// unique; parallel segments, two boxes that change their separating axis, a cylinder whose capsule
-// and box are equally far, and shapes that lie deep inside each other have kinks, at which the
-// derivative is that of one side.
+// unique; parallel segments, parallel faces of two boxes, a cylinder whose capsule and box are
+// equally far, and shapes that lie deep inside each other have kinks, at which the derivative is
+// that of one side.
 #pragma once
 
 #include <algorithm>
@@ -44,6 +44,10 @@ Vector3d plain(const Vector3<S>& v) {
 }
 
 inline double sign_of(double x) { return x < 0 ? -1 : 1; }
+
+/// Gaps of boxes (m) and slopes of their faces (rad) that may be the same but for rounding. What is
+/// compared too often costs time alone.
+inline constexpr double kSameGap = 1e-9;
 
 /// Where on two segments a + s u and b + t v, s and t in [-1, 1], the nearest points are.
 struct SegmentChoice {
@@ -277,71 +281,183 @@ Vector3<S> support(const PlacedShape<S>& box, const Vector3d& direction, int alo
   return out;
 }
 
-/// Two boxes: the widest gap among the faces' normals and the products of their edges.
+/// The least distance of a corner of either box from the other one.
 template <class S>
-Separation<S> between_boxes(const PlacedShape<S>& first, const PlacedShape<S>& second) {
-  using std::sqrt;
+Separation<S> nearest_corner(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  const PlacedShape<S>* of = &first;
+  Vector3d nearest = Vector3d::Zero();
+  double least = kInfinity;
+  const auto offer = [&](const PlacedShape<S>& box, const PlacedShape<S>& other) {
+    const Vector3d from = plain<S>(box.p) - plain<S>(other.p);
+    Matrix3d R, other_R;
+    for (int i = 0; i < 3; ++i) {
+      R.col(i) = plain<S>(box.R.col(i));
+      other_R.col(i) = plain<S>(other.R.col(i));
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vector3d sign((i & 1U) != 0 ? 1 : -1, (i & 2U) != 0 ? 1 : -1, (i & 4U) != 0 ? 1 : -1);
+      const Vector3d corner = sign.cwiseProduct(box.shape->half);
+      const double distance =
+          box_distance(other_R.transpose() * (from + R * corner), other.shape->half);
+      if (distance >= least) continue;
+      least = distance;
+      nearest = corner;
+      of = &box;
+    }
+  };
+  offer(first, second);
+  offer(second, first);
+  const ClearanceShape point;
+  const PlacedShape<S> corner{&point, of->R, of->p + of->R * nearest.template cast<S>()};
+  Separation<S> out = segment_and_box(corner, of == &first ? second : first);
+  if (of != &first) out.normal = -out.normal;
+  return out;
+}
+
+/// A box's edge along one of its axes as a segment along z.
+template <class S>
+struct BoxEdge {
+  ClearanceShape segment;
+  Matrix3<S> R;
+  Vector3<S> p;
+
+  PlacedShape<S> placed() const { return {&segment, R, p}; }
+};
+
+/// The edges along an axis that are furthest along a direction: two where a face is normal to it.
+template <class S>
+std::array<BoxEdge<S>, 2> furthest_edges(const PlacedShape<S>& box, const Vector3d& direction,
+                                         int along, std::size_t& count) {
+  std::array<BoxEdge<S>, 2> out;
+  out[0].segment.half.z() = box.shape->half[along];
+  for (int i = 0; i < 3; ++i) out[0].R.col(i) = box.R.col((along + 1 + i) % 3);
+  out[0].p = support<S>(box, direction, along);
+  count = 1;
+  for (int i = 0; i < 2; ++i) {
+    const Vector3d axis = plain<S>(out[0].R.col(i));
+    const double slope = axis.dot(direction);
+    if (std::abs(slope) > kSameGap) continue;
+    out[1] = out[0];
+    out[1].p -= out[0].R.col(i) * S(2 * sign_of(slope) * box.shape->half[(along + 1 + i) % 3]);
+    count = 2;
+  }
+  return out;
+}
+
+/// The 15 axes that may separate two boxes: the faces' normals and the products of their edges.
+struct WidestGap {
+  double gap = -kInfinity;
+  int i = -1, j = -1;  ///< of the first and the second box; -1: none
+  /// Along the products of edges; -inf where they are parallel.
+  std::array<std::array<double, 3>, 3> of_edges{};
+};
+
+template <class S>
+WidestGap widest_gap(const PlacedShape<S>& first, const PlacedShape<S>& second) {
   const Vector3d c = plain<S>(first.p) - plain<S>(second.p);
-  Vector3d a[3], b[3];
+  std::array<Vector3d, 3> a, b;
   for (int i = 0; i < 3; ++i) {
     a[i] = plain<S>(first.R.col(i));
     b[i] = plain<S>(second.R.col(i));
   }
-  int best_i = -1, best_j = -1;
-  double widest = -kInfinity;
+  WidestGap out;
   const auto offer = [&](const Vector3d& axis, int i, int j) {
     double gap = std::abs(axis.dot(c));
     for (int k = 0; k < 3; ++k) {
       gap -= std::abs(axis.dot(a[k])) * first.shape->half[k] +
              std::abs(axis.dot(b[k])) * second.shape->half[k];
     }
-    if (gap <= widest + 1e-12) return;
-    widest = gap;
-    best_i = i;
-    best_j = j;
+    if (gap > out.gap + 1e-12) {
+      out.gap = gap;
+      out.i = i;
+      out.j = j;
+    }
+    return gap;
   };
   for (int i = 0; i < 3; ++i) offer(a[i], i, -1);
   for (int j = 0; j < 3; ++j) offer(b[j], -1, j);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const Vector3d axis = a[i].cross(b[j]);
-      if (axis.norm() > 1e-6) offer(axis.normalized(), i, j);
+      out.of_edges[i][j] = axis.norm() > 1e-6 ? offer(axis.normalized(), i, j) : -kInfinity;
     }
   }
+  return out;
+}
 
+/// Of two boxes, as a distance: never above it, and negative where they overlap.
+template <class S>
+Separation<S> gap_of_boxes(const PlacedShape<S>& first, const PlacedShape<S>& second,
+                           const WidestGap& widest) {
+  using std::sqrt;
+  const Vector3d c = plain<S>(first.p) - plain<S>(second.p);
   Separation<S> out;
-  if (best_j < 0) {
-    out.normal = first.R.col(best_i) * S(sign_of(a[best_i].dot(c)));
+  if (widest.j < 0) {
+    const Vector3<S> axis = first.R.col(widest.i);
+    out.normal = axis * S(sign_of(plain<S>(axis).dot(c)));
     out.point = support<S>(second, plain<S>(out.normal), -1);
-    out.distance = out.normal.dot(first.p - out.point) - S(first.shape->half[best_i]);
+    out.distance = out.normal.dot(first.p - out.point) - S(first.shape->half[widest.i]);
     return out;
   }
-  if (best_i < 0) {
-    out.normal = second.R.col(best_j) * S(sign_of(b[best_j].dot(c)));
+  if (widest.i < 0) {
+    const Vector3<S> axis = second.R.col(widest.j);
+    out.normal = axis * S(sign_of(plain<S>(axis).dot(c)));
     out.point = support<S>(first, -plain<S>(out.normal), -1);
-    out.distance = out.normal.dot(out.point - second.p) - S(second.shape->half[best_j]);
+    out.distance = out.normal.dot(out.point - second.p) - S(second.shape->half[widest.j]);
     return out;
   }
-  const Vector3<S> u = first.R.col(best_i), v = second.R.col(best_j);
+  const Vector3<S> u = first.R.col(widest.i), v = second.R.col(widest.j);
   Vector3<S> axis = u.cross(v);
   axis *= S(sign_of(plain<S>(axis).dot(c)));
   out.normal = axis / S(sqrt(axis.squaredNorm()));
   const Vector3d direction = plain<S>(out.normal);
-  const Vector3<S> on_first = support<S>(first, -direction, best_i);
-  const Vector3<S> w = support<S>(second, direction, best_j) - on_first;
+  const Vector3<S> on_first = support<S>(first, -direction, widest.i);
+  const Vector3<S> w = support<S>(second, direction, widest.j) - on_first;
   out.distance = -out.normal.dot(w);
   const S uv = u.dot(v);
   out.point = on_first + u * ((u.dot(w) - uv * v.dot(w)) / (S(1) - uv * uv));
   return out;
 }
 
+/// Two boxes that are apart: the distance of a corner from the other box or of two edges that
+/// cross, and then it is the gap along the product of the two: only such edges are compared.
+template <class S>
+Separation<S> distance_of_boxes(const PlacedShape<S>& first, const PlacedShape<S>& second,
+                                const WidestGap& widest) {
+  Separation<S> out = nearest_corner(first, second);
+  const Vector3d c = plain<S>(first.p) - plain<S>(second.p);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (!(widest.of_edges[i][j] > widest.gap - kSameGap)) continue;
+      Vector3d axis = plain<S>(first.R.col(i)).cross(plain<S>(second.R.col(j))).normalized();
+      axis *= sign_of(axis.dot(c));
+      std::size_t of_first = 0, of_second = 0;
+      const auto edges = furthest_edges<S>(first, -axis, i, of_first);
+      const auto others = furthest_edges<S>(second, axis, j, of_second);
+      for (std::size_t k = 0; k < of_first; ++k) {
+        for (std::size_t l = 0; l < of_second; ++l) {
+          const Separation<S> found = between_segments<S>(edges[k].placed(), others[l].placed());
+          if (found.distance < out.distance) out = found;
+        }
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace closed_form
 
 /// Two shapes, each as a box or as what is round about its segment.
+/// The boxes about cylinders have their widest gap: a lower bound is enough there.
 template <class S>
 Separation<S> separate_as(const PlacedShape<S>& first, bool first_is_box,
                           const PlacedShape<S>& second, bool second_is_box) {
-  if (first_is_box && second_is_box) return closed_form::between_boxes(first, second);
+  if (first_is_box && second_is_box) {
+    const closed_form::WidestGap widest = closed_form::widest_gap(first, second);
+    const bool is_exact = first.shape->is_box && second.shape->is_box && widest.gap > 0;
+    return is_exact ? closed_form::distance_of_boxes(first, second, widest)
+                    : closed_form::gap_of_boxes(first, second, widest);
+  }
   if (!first_is_box && !second_is_box) return closed_form::between_segments(first, second);
   if (second_is_box) return closed_form::segment_and_box(first, second);
   Separation<S> out = closed_form::segment_and_box(second, first);

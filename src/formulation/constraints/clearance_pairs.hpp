@@ -1,10 +1,10 @@
 // Which shapes a clearance constraint keeps apart at the contact, in closed form.
 //
-// Exact between spheres, capsules and boxes but for two boxes: their gap along the best of the 15
-// separating axes is the distance where a face decides, a lower bound of it elsewhere, and has the
-// right sign everywhere. A cylinder counts as the intersection of the capsule and the box about it
-// with the larger of their two distances: a lower bound, exact where its side or an end is nearest.
-// Left to the judgement of `planner` alone: convex meshes and obstacles fixed in N.
+// Exact between spheres, capsules and boxes that are apart. Two boxes that overlap have their gap
+// along the best of the 15 separating axes, and so have those about cylinders. A cylinder counts as
+// the intersection of the capsule and the box about it with the larger of their two distances: a
+// lower bound, exact where its side or an end is nearest. Left to the judgement of `planner` alone:
+// convex meshes and obstacles fixed in N.
 #pragma once
 
 #include <string>

@@ -37,6 +37,8 @@ struct ConstraintLabel {
   bool is_limit = false;
   /// A distance, whose gradient jumps: where it is flat at some points it may change at others.
   bool has_kinks = false;
+  /// One of several functions of which another row of this name is the least: not reported.
+  bool is_part = false;
 };
 
 /// lower <= value <= upper.
@@ -97,6 +99,7 @@ using Constraints = std::vector<std::unique_ptr<Constraint>>;
 
 struct ConstraintSet {
   Constraints rows;      ///< for the optimizers
+  Constraints parts;     ///< of rows with kinks: for the optimizers, and not reported
   Constraints implied;   ///< hold where the rows do: reported
   Constraints reported;  ///< change with no variable: reported
 };

@@ -55,9 +55,11 @@ bool reported_rows_hold(const Formulation& formulation, const SelectedRows& rows
   const auto all = static_cast<std::size_t>(options.solution_trials);
   const std::vector<Eigen::VectorXd> solutions = find_solutions(formulation, 2, all, options);
   for (const Eigen::VectorXd& x : solutions) {
-    // The report lists the kept rows, then the reported ones.
+    // The report lists the kept rows but for parts of others, then the reported ones.
     const std::vector<ConstraintValue> report = formulation.report(x);
-    const auto first = report.begin() + static_cast<std::ptrdiff_t>(rows.kept.size());
+    const auto first =
+        report.begin() + std::count_if(rows.kept.begin(), rows.kept.end(),
+                                       [](const Constraint* row) { return !row->is_part; });
     const auto last = first + static_cast<std::ptrdiff_t>(rows.reported.size());
     if (std::any_of(first, last, [&](const ConstraintValue& value) {
           return value.violation > options.holds;
