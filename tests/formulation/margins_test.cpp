@@ -123,6 +123,19 @@ TEST_CASE("the distance of two boxes is exact, and negative when they overlap") 
   CHECK(overlapping > 100);
 }
 
+TEST_CASE("a bar over a parallel face is as far as its edges, whichever corner it cuts off") {
+  Random random(69);
+  const ClearanceShape block = box({1, 1, 1}), bar = box({2, 0.1, 0.1});
+  for (int trial = 0; trial < 100; ++trial) {
+    const Pose pose = random_pose(random, 1);
+    const double x = trial % 2 == 0 ? 0.35 : -0.35, y = trial % 4 < 2 ? 0.35 : -0.35;
+    const Pose across{{x, y, 0.5 + 0.05 + 0.03},
+                      rotation_exp(Vector3d(0, 0, x * y > 0 ? -kPi / 4 : kPi / 4))};
+    CHECK(separate<double>(at(block, pose), at(bar, pose * across)).distance ==
+          Approx(0.03).margin(1e-12));
+  }
+}
+
 TEST_CASE("where faces of two boxes are parallel both sides of the kink are rows of their own") {
   Random random(68);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
