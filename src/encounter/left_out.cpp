@@ -1,10 +1,15 @@
 #include <stillbase/encounter/left_out.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/residual_velocity.hpp>
 
 namespace stillbase {
 
@@ -24,6 +29,62 @@ void add_unused_covariance(const CaptureProblem& problem, std::vector<LeftOut>& 
        fmt::format("the impulse of this contact follows from the whole relative velocity, which "
                    "counts as exactly known; the covariance is drawn by trials alone; {}",
                    advice)});
+}
+
+/// The least ratio of standard deviations over all directions of a velocity; infinite where the
+/// second covariance is zero. Directions that neither of them knows are left out.
+double least_ratio(const Matrix6d& stated, const Matrix6d& implied) {
+  constexpr double kNoVariance = 1e-12;  // of the sum, in units in which its diagonal is one
+  const Matrix6d sum = stated + implied;
+  Vector6d unit = Vector6d::Zero();
+  for (int i = 0; i < 6; ++i) unit[i] = sum(i, i) > 0 ? 1 / std::sqrt(sum(i, i)) : 0;
+  const SymmetricEigen eigen = symmetric_eigen(unit.asDiagonal() * sum * unit.asDiagonal());
+  Eigen::MatrixXd directions(6, 0);  // in which the sum is one
+  for (int i = 0; i < 6; ++i) {
+    if (!(eigen.values[i] > kNoVariance)) continue;
+    directions.conservativeResize(6, directions.cols() + 1);
+    directions.rightCols<1>() =
+        unit.cwiseProduct(Vector6d(eigen.vectors.col(i))) / std::sqrt(eigen.values[i]);
+  }
+  if (directions.cols() == 0) return kInfinity;
+  const Eigen::MatrixXd parts = directions.transpose() * stated * directions;
+  const double part = std::clamp(symmetric_eigenvalues(parts).minCoeff(), 0.0, 1.0);
+  return part < 1 ? std::sqrt(part / (1 - part)) : kInfinity;
+}
+
+void add_narrow_residual(const CaptureProblem& problem, std::vector<LeftOut>& out) {
+  constexpr double kEqual = 1e-6;
+  constexpr int kIntervals = 8;
+  const auto& residual = problem.uncertainty.residual_velocity;
+  const bool is_known = problem.target && problem.target_deviations &&
+                        !problem.variables.feature.empty() &&
+                        problem.impulse.source != ImpulseSource::Given;
+  if (!residual || !residual->covariance || !is_known) return;
+  double least = kInfinity, when = 0;
+  const double lower = problem.variables.contact_time_lower;
+  const double upper = problem.variables.contact_time_upper;
+  for (int i = 0; i <= (upper > lower ? kIntervals : 0); ++i) {
+    CaptureProblem at = problem;
+    const double time = lower + (upper - lower) * i / kIntervals;
+    at.variables.contact_time_lower = at.variables.contact_time_upper = time;
+    const Matrix6d stated = ResidualRoot(at).covariance(time);
+    at.uncertainty.residual_velocity = ResidualVelocity{};
+    double ratio = 0;
+    try {
+      ratio = least_ratio(stated, ResidualRoot(at).covariance(time));
+    } catch (const std::invalid_argument&) {  // it cannot be predicted
+    }
+    if (ratio >= least) continue;
+    least = ratio;
+    when = time;
+  }
+  if (least >= 1 - kEqual) return;
+  out.push_back(
+      {kNarrowResidualRule, "uncertainty", "residual_velocity",
+       fmt::format("in some direction its standard deviation is {:.3g} of what "
+                   "target.state.covariance gives at {:.6g} s; state 'from_covariance', or a "
+                   "matrix that is smaller in no direction",
+                   least, when)});
 }
 
 /// The mean over the residual velocity is a closed form.
@@ -64,6 +125,7 @@ std::vector<LeftOut> left_out(const CaptureProblem& problem) {
   if (const auto narrow = narrow_cone(problem)) {
     out.push_back({kNarrowConeRule, "uncertainty", "cone_half_angle", to_string(*narrow)});
   }
+  add_narrow_residual(problem, out);
   add_unused_covariance(problem, out);
   add_not_in_measure(problem, out);
   return out;

@@ -11,6 +11,7 @@
 
 #include "verification/checks.hpp"
 #include "verification/free_body.hpp"
+#include "verification/residual_velocity.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -166,6 +167,29 @@ void check_unused(const Context& context, bool has_covariance, ClaimList& claims
                     "count");
 }
 
+/// A covariance of the relative velocity stated beside that of the estimate: the plan warns where
+/// it is smaller at the plan's contact.
+void check_residual_warning(const Context& context, ClaimList& claims) {
+  constexpr double kEqual = 1e-3;  // of the integrations of the covariance
+  const CaptureProblem& problem = context.problem;
+  if (!context.situation.event.velocity) return;
+  const Matrix6d stated = residual_case(context.situation).covariance;
+  CaptureProblem carried = problem;
+  carried.uncertainty.residual_velocity = ResidualVelocity{};
+  const Matrix6d implied = residual_case(Situation(carried, context.plan.configuration)).covariance;
+  Matrix6d excess = stated * (1 + kEqual) - implied;
+  Vector6d unit;
+  for (int i = 0; i < 6; ++i) unit[i] = 1 / std::sqrt(std::max(implied(i, i), 1e-300));
+  excess = unit.asDiagonal() * excess * unit.asDiagonal();
+  const bool is_smaller = symmetric_eigenvalues(excess).minCoeff() < -kEqual;
+  Objections objections;
+  objections.demand(!is_smaller || warns_of(context.plan, "narrow-residual") == 1,
+                    "the plan does not say that its covariance of the relative velocity is smaller "
+                    "than that of the estimate");
+  claims.none_wrong("residual_warning", objections,
+                    "the stated covariance of the relative velocity and that of the estimate");
+}
+
 /// A cone stated beside a covariance: the plan warns exactly where the cone does not hold 95 % of
 /// the directions.
 void check_warning(const Context& context, const ContactFeature& feature, ClaimList& claims) {
@@ -192,6 +216,8 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
   const std::optional<ContactFeature> feature = feature_of(problem);
   const bool follows = problem.target_deviations && feature && !problem.impulse.direction;
   check_unused(context, follows, claims);
+  const auto& residual = problem.uncertainty.residual_velocity;
+  if (follows && residual && residual->covariance) check_residual_warning(context, claims);
   if (!problem.uncertainty.cone_confidence) {
     const bool has_cone = problem.impulse.contact == ContactLaw::Frictionless &&
                           problem.impulse.source != ImpulseSource::Given &&

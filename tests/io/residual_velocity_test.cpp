@@ -153,6 +153,33 @@ TEST_CASE("a cone that is narrower than its own covariance is remarked") {
   CHECK_THAT(lost, Catch::Contains("no cone holds it"));
 }
 
+TEST_CASE("a stated residual velocity that is smaller than its own covariance is remarked") {
+  const auto narrow = [](const std::string& uncertainty, const std::string& covariance) {
+    return remarks_of(with(uncertainty, covariance), kNarrowResidualRule);
+  };
+  // Rates are known to 1e-3 rad/s by the matrix, to 0.1 deg/s by the estimate: a part of 0.573, and
+  // less in directions that mix both with the feature's velocity.
+  const std::string said = narrow(kDiagonal, kCovariance);
+  CHECK_THAT(said, Catch::Contains("uncertainty.residual_velocity: in some direction"));
+  const auto at = said.find("deviation is ") + 13;
+  CHECK(std::stod(said.substr(at)) < 0.573);
+  CHECK(std::stod(said.substr(at)) > 0.1);
+  // Larger in every direction but one.
+  const std::string large = R"(  residual_velocity:
+    - [1e-2, 0, 0, 0, 0, 0]
+    - [0, 1e-2, 0, 0, 0, 0]
+    - [0, 0, 1e-2, 0, 0, 0]
+    - [0, 0, 0, 1e-2, 0, 0]
+    - [0, 0, 0, 0, 1e-2, 0]
+    - [0, 0, 0, 0, 0, 1e-2]
+)";
+  CHECK(narrow(large, kCovariance).empty());
+  const std::string flat = replaced(large, "[0, 1e-2, 0, 0, 0, 0]", "[0, 0, 0, 0, 0, 0]");
+  CHECK_THAT(narrow(flat, kCovariance), Catch::Contains("standard deviation is 0 of"));
+  CHECK(narrow(kDiagonal, "").empty());
+  CHECK(narrow(kCarried, kCovariance).empty());
+}
+
 TEST_CASE("what a measure leaves out of the stated uncertainty is remarked at its line") {
   const auto latched = [](const std::string& text) {
     return replaced(text, "  restitution: 0.5\n", "  contact: latch\n");

@@ -106,6 +106,27 @@ TEST_CASE("the largest square over an ellipsoid and its bound are one, in the ha
   }
 }
 
+TEST_CASE("a plan says that its relative velocity is stated better than its target is known") {
+  CaptureProblem problem = test::without_path("servicer_latch");
+  problem.uncertainty = {};
+  problem.search.starts = 4;
+  problem.target_deviations.emplace().linear_velocity.setConstant(1e-3);
+  ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
+  residual.covariance = 1e-4 * Matrix6d::Identity();
+  CHECK(make_plan(problem).warnings.empty());
+  residual.covariance = 1e-7 * Matrix6d::Identity();
+  Plan plan = make_plan(problem);
+  REQUIRE(plan.warnings.size() == 1);
+  CHECK(plan.warnings.front().code == "narrow-residual");
+  CHECK_THAT(plan.warnings.front().message,
+             Catch::StartsWith("uncertainty.residual_velocity: in some direction"));
+  // sqrt(1e-7) / 1e-3: the velocity alone is not known, and it does not change until the contact.
+  CHECK_THAT(plan.warnings.front().message, Catch::Contains("standard deviation is 0.316 of"));
+  CHECK(failures(plan) == "");
+  plan.warnings.clear();
+  CHECK(failures(plan) == "residual_warning ");
+}
+
 TEST_CASE("a plan says what of its stated uncertainty the measure does not count") {
   CaptureProblem problem = test::without_path("servicer_latch");
   problem.uncertainty = {};

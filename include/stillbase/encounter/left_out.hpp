@@ -13,8 +13,11 @@ inline constexpr const char* kUnusedCovarianceRule = "unused-covariance";
 /// Something uncertain that the mean over the residual velocity does not count.
 inline constexpr const char* kNotInMeasureRule = "not-in-measure";
 
+/// A stated covariance of the relative velocity below that of the target's estimate.
+inline constexpr const char* kNarrowResidualRule = "narrow-residual";
+
 struct LeftOut {
-  std::string code;          ///< the rule: one of these two, or kNarrowConeRule
+  std::string code;          ///< the rule: one of these three, or kNarrowConeRule
   std::string section, key;  ///< that the message is about: "uncertainty", "target_mass"
   std::string message;       ///< in words, with numbers
 
@@ -23,6 +26,8 @@ struct LeftOut {
 
 /// What the problem states of the uncertainty and its measure does not count:
 /// - a cone that is narrower than the covariance of the target's estimate implies (narrow_cone());
+/// - a stated covariance of the residual velocity that is smaller in some direction, at one of nine
+///   instants of the window, than the one that follows from that estimate;
 /// - that covariance, where the contact has no cone and no residual velocity is stated;
 /// - beside a residual velocity whose expectation is minimised: half ranges and samples.
 /// @pre the problem is consistent
