@@ -9,6 +9,7 @@
 
 #include <stillbase/dynamics/inertia.hpp>
 #include <stillbase/dynamics/kinematics.hpp>
+#include <stillbase/plan/free_roll.hpp>
 #include <stillbase/search/search.hpp>
 
 #include "app/words.hpp"
@@ -330,16 +331,22 @@ std::string coverage_words(const Certificate& certificate, bool in_rounds) {
 }
 
 std::string curve_words(const Plan& plan) {
-  int closed = 0, open = 0, starts = 0;
+  int closed = 0, open = 0, starts = 0, total = 0;
   for (const SolutionFamily& curve : plan.families) {
+    if (free_joint(curve)) continue;
+    ++total;
     closed += curve.is_closed ? 1 : 0;
     open += curve.is_complete ? 0 : 1;
     starts += curve.starts;
   }
-  const int total = static_cast<int>(plan.families.size());
+  if (total == 0) return "";
   std::set<int> listed;
-  for (const Candidate& candidate : plan.candidates) listed.insert(candidate.family);
-  listed.erase(-1);
+  for (const Candidate& candidate : plan.candidates) {
+    const int family = candidate.family;
+    if (family >= 0 && !free_joint(plan.families[static_cast<std::size_t>(family)])) {
+      listed.insert(family);
+    }
+  }
   std::string text = fmt::format(
       "{} of solutions with a nominal objective of zero, {} closed, reached by {} of {} starts; "
       "the candidates are the best of {}",
@@ -347,6 +354,23 @@ std::string curve_words(const Plan& plan) {
       static_cast<int>(listed.size()) == total ? "each" : fmt::format("{} of them", listed.size()));
   if (open > 0) text += fmt::format(" ({} not followed to the end)", open);
   return text;
+}
+
+/// The free coordinate of the chosen candidate, and of how many others.
+std::string roll_words(const Plan& plan) {
+  int count = 0;
+  std::string text;
+  for (const SolutionFamily& family : plan.families) {
+    const std::optional<int> joint = free_joint(family);
+    if (!joint) continue;
+    ++count;
+    const auto& ends = family.points;
+    text = fmt::format("{} may have any angle from {:.2f} to {:.2f} deg, nothing depends on it",
+                       plan.problem.robot.joints[static_cast<std::size_t>(*joint)].name,
+                       ends.front().phi[*joint] * kDegrees, ends.back().phi[*joint] * kDegrees);
+  }
+  if (count == 0) return "";
+  return fmt::format("{} ({} of {} candidates)", text, count, plan.candidates.size());
 }
 
 std::string approach_words(const Approach& approach) {
@@ -478,7 +502,10 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
                              plan.problem.measure.kind == RiskMeasure::WorstCase;
       lines.push_back({"coverage", coverage_words(plan.certificate, in_rounds)});
     }
-    if (!plan.families.empty()) lines.push_back({"curves", curve_words(plan)});
+    for (const auto& [name, words] :
+         {std::pair{"curves", curve_words(plan)}, std::pair{"free", roll_words(plan)}}) {
+      if (!words.empty()) lines.push_back({name, words});
+    }
     if (is_feasible) lines.push_back({"approach", approach_words(plan.approach)});
     if (plan.after_horizon) {
       lines.push_back({"afterwards",

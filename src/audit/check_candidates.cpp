@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/plan/free_roll.hpp>
+
 #include "audit/checks.hpp"
 #include "verification/clearance.hpp"
 
@@ -26,6 +28,12 @@ struct Differences {
   }
 };
 
+/// A curve along which a joint is free has one value, which need not be zero.
+bool is_on_zeros(const Context& context, const Candidate& candidate) {
+  return candidate.family >= 0 &&
+         !free_joint(context.plan.families[static_cast<std::size_t>(candidate.family)]);
+}
+
 Differences differences(const Context& context, const Situation& at, const Candidate& candidate) {
   const ObjectiveNumbers found = objective_numbers(at, context.cone_samples());
   // A sampled maximum is slightly low: relative to itself, not to the scale. Two integrations of a
@@ -41,7 +49,7 @@ Differences differences(const Context& context, const Situation& at, const Candi
                   relative(candidate.worst_case, found.worst_case),
                   is_worst_case ? relative(candidate.value, found.measure)
                                 : relative_error(candidate.value, found.measure, found.scale),
-                  candidate.family < 0 ? 0 : found.nominal / found.scale};
+                  is_on_zeros(context, candidate) ? found.nominal / found.scale : 0};
   if (candidate.is_judged) return out;
   // The largest over some directions, the nominal one among them.
   if (candidate.worst_case >= candidate.objective && candidate.worst_case <= found.worst_case) {

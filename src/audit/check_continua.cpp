@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/plan/free_roll.hpp>
+
 #include "audit/checks.hpp"
 #include "audit/manifold.hpp"
 
@@ -16,6 +18,8 @@ constexpr double kZeroOfCurve = 1e-8;
 constexpr double kSpacing = 0.1;     ///< largest distance of neighbouring points
 constexpr double kClosed = 1e-9;     ///< distance of the ends of a closed curve
 constexpr double kSameCurve = 0.01;  ///< distance from the chords between points
+constexpr double kSameRoll = 1e-5;   ///< the same of the range of a free joint, which is straight
+constexpr double kFreeRoll = 1e-7;   ///< largest change of a value over the angles of a free joint
 constexpr double kAtLimit = 1e-6;    ///< rad, m, s, ...: an end that is stopped by a limit
 
 /// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
@@ -126,31 +130,33 @@ struct Length {
 /// A curve as its points give it.
 struct Curve {
   std::string feature;
+  bool is_roll;
   std::vector<Place> places;
 
   Curve(const CaptureProblem& problem, const SolutionFamily& family)
-      : feature(family.points.empty() ? "" : family.points.front().feature) {
+      : feature(family.points.empty() ? "" : family.points.front().feature),
+        is_roll(free_joint(family).has_value()) {
     for (const Configuration& point : family.points) places.emplace_back(problem, point);
   }
 
-  /// Whether a place is nearer than kSameCurve to one of the chords.
+  /// Whether a place is nearer than `same` to one of the chords.
   /// @param step largest distance of neighbouring points; 0: not known
-  bool passes(const Place& place, double step) const {
+  bool passes(const Place& place, double step, double same = kSameCurve) const {
     std::size_t i = 0;
     while (i < places.size()) {
       const double here = place.distance(places[i]);
-      if (here <= kSameCurve) return true;
+      if (here <= same) return true;
       if (i + 1 < places.size()) {
         const double chord = places[i].distance(places[i + 1]);
         const double there = place.distance(places[i + 1]);
         // Foot of the place on the chord, by the sides of the triangle.
         const double along = (here * here - there * there + chord * chord) / (2 * chord);
-        if (along > 0 && along < chord && here * here - along * along <= kSameCurve * kSameCurve) {
+        if (along > 0 && along < chord && here * here - along * along <= same * same) {
           return true;
         }
       }
       // Points at most a step apart: those that cannot be near enough are skipped.
-      const double spare = step > 0 ? std::floor((here - kSameCurve) / step) - 1 : 0;
+      const double spare = step > 0 ? std::floor((here - same) / step) - 1 : 0;
       i += spare > 1 ? static_cast<std::size_t>(std::min(spare, 1e6)) : 1;
     }
     return false;
@@ -167,6 +173,10 @@ class Curves {
     const Curve& curve = curves_.emplace_back(context_.problem, family);
     objections_.demand(family.points.size() >= 2 || !(family.length > 0), name + "no points");
     if (family.points.size() < 2 && family.length > 0) return;
+    if (const std::optional<int> joint = free_joint(family)) {
+      judge_roll(family, *joint, static_cast<int>(number), name);
+      return;
+    }
     for (std::size_t i = 0; i < family.points.size(); ++i) {
       const Situation at(context_.problem, family.points[i]);
       const Vector3d& n = at.event.n;
@@ -199,6 +209,14 @@ class Curves {
                    "largest distance of a candidate from the nearest point of its curve");
     claims.none_wrong("families_starts", wrong_starts(),
                       "curves that no start reached, and more ends than starts");
+    if (has_roll_) {
+      claims.at_most("families_rolls", turned_, kFreeRoll, "1",
+                     "largest change of objective or measure over the angles of a free joint, "
+                     "relative to the terms that the objective is made of");
+      claims.none_wrong("families_rolls_stated", rolls_,
+                        "free joints whose range is not that between their limits, and candidates "
+                        "beside it");
+    }
     claims.none_wrong("families_distinct", repeated(), "curves of which most lies on another");
   }
 
@@ -210,7 +228,8 @@ class Curves {
     Objections out;
     long long ended = 0;
     for (std::size_t i = 0; i < plan.families.size(); ++i) {
-      ended += plan.families[i].starts;
+      const bool is_nominal = context_.problem.measure.kind == RiskMeasure::Nominal;
+      if (is_nominal || !free_joint(plan.families[i])) ended += plan.families[i].starts;
       out.demand(plan.families[i].starts >= 1, fmt::format("curve {}: no start", i));
     }
     for (const Candidate& candidate : plan.candidates) {
@@ -231,13 +250,58 @@ class Curves {
         if (i == j || curves_[i].feature != curves_[j].feature) continue;
         const std::vector<Place>& places = curves_[i].places;
         const auto common = std::count_if(places.begin(), places.end(), [&](const Place& place) {
-          return curves_[j].passes(place, step_);
+          return curves_[j].is_roll ? curves_[j].passes(place, 0, kSameRoll)
+                                    : curves_[j].passes(place, step_);
         });
         out.demand(2 * static_cast<std::size_t>(common) <= places.size(),
                    fmt::format("curve {} lies on curve {}", i, j));
       }
     }
     return out;
+  }
+
+  /// The whole range of a joint on whose angle nothing depends.
+  void judge_roll(const SolutionFamily& family, int k, int number, const std::string& name) {
+    constexpr int kAngles = 12;
+    constexpr double kSame = 1e-9;
+    has_roll_ = true;
+    const CaptureProblem& problem = context_.problem;
+    const Joint& joint = problem.robot.joints[k];
+    const double lower = family.points.front().phi[k], upper = family.points.back().phi[k];
+    const bool is_turn = joint.type == JointType::Continuous;
+    const double margin = problem.constraints.joint_limit_margin;
+    const double least = is_turn ? upper - 2 * kPi : joint.lower + margin;
+    const double most = is_turn ? lower + 2 * kPi : joint.upper - margin;
+    rolls_.demand(problem.variables.joints[k], name + "its joint is not free");
+    rolls_.demand(std::abs(lower - least) <= kSame && std::abs(upper - most) <= kSame,
+                  name + "does not end at the joint's limits");
+    rolls_.demand(std::abs(family.length - (upper - lower)) <= kSame, name + "its length");
+    rolls_.demand(family.is_closed == is_turn && family.is_complete, name + "its ends");
+    Configuration at = family.points.front();
+    const auto numbers = [&] {
+      return objective_numbers(Situation(problem, at), context_.cone_samples());
+    };
+    const ObjectiveNumbers first = numbers();
+    for (int i = 0; i <= kAngles; ++i) {
+      at.phi[k] = lower + (upper - lower) * i / kAngles;
+      for (const std::string& objection :
+           configuration_objections(Situation(problem, at), context_.options)) {
+        objections_.add(name + objection);
+      }
+      const ObjectiveNumbers here = numbers();
+      turned_ = std::max({turned_, std::abs(here.nominal - first.nominal) / first.scale,
+                          std::abs(here.worst_case - first.worst_case) / first.scale,
+                          std::abs(here.measure - first.measure) / first.scale});
+    }
+    for (const Candidate& candidate : context_.plan.candidates) {
+      if (candidate.family != number) continue;
+      const double angle = candidate.configuration.phi[k];
+      rolls_.demand(is_turn || (angle >= lower - kSame && angle <= upper + kSame),
+                    name + "its candidate is beyond the ends");
+      at.phi[k] = angle;
+      rolls_.demand(Place(problem, at).distance({problem, candidate.configuration}) <= kSame,
+                    name + "its candidate differs in other joints");
+    }
   }
 
   void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
@@ -279,8 +343,9 @@ class Curves {
   }
 
   const Context& context_;
-  double off_zero_ = 0, step_ = 0, length_ = 0, astray_ = 0;
-  Objections objections_, ends_;
+  double off_zero_ = 0, step_ = 0, length_ = 0, astray_ = 0, turned_ = 0;
+  bool has_roll_ = false;
+  Objections objections_, ends_, rolls_;
   std::vector<Curve> curves_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include <stillbase/plan/free_roll.hpp>
 #include <stillbase/search/search.hpp>
 #include "search/ranking.hpp"
 
@@ -126,6 +127,7 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
     }
     out.candidates.resize(most);
   }
+  drop_unlisted_rolls(out.candidates, out.families);
   if (sample) out.candidates.push_back(*sample);
   // With rounds of starts it is about the minimum of the chosen feature.
   const bool has_rounds = out.problem.search.starts == kAutomaticStarts;

@@ -13,6 +13,7 @@
 #include <stillbase/encounter/left_out.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
+#include <stillbase/plan/free_roll.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -153,6 +154,19 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   return found;
 }
 
+/// The roll of a candidate whose other variables came with its path.
+void move_roll(const Candidate& candidate, std::vector<SolutionFamily>& families) {
+  if (candidate.family < 0) return;
+  SolutionFamily& family = families[static_cast<std::size_t>(candidate.family)];
+  const std::optional<int> joint = free_joint(family);
+  for (Configuration& point : family.points) {
+    if (!joint) return;
+    const double angle = point.phi[*joint];
+    point = candidate.configuration;
+    point.phi[*joint] = angle;
+  }
+}
+
 /// Puts the configuration that the approach leads to among the candidates, and its certificate and
 /// constraints into the plan.
 /// @return its index
@@ -170,6 +184,7 @@ std::size_t select_candidate(const ChosenApproach& choice, const Formulation& fo
     chosen = found.candidates.size() - 1;
   } else {
     found.candidates[chosen] = choice.certified->candidate;
+    move_roll(found.candidates[chosen], found.families);
   }
   return chosen;
 }

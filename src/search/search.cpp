@@ -17,6 +17,7 @@
 #include "search/continua.hpp"
 #include "search/measure_search.hpp"
 #include "search/ranking.hpp"
+#include "search/roll.hpp"
 #include "search/screening.hpp"
 #include "search/solution.hpp"
 
@@ -105,9 +106,12 @@ class Search {
     if (feasible) {
       state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
+      // Each value takes a simulation, or is a function of the user.
+      if (!isolated_ && !simulates_ && problem_.user.empty()) state_rolls();
     }
     out_.distinct_solutions = feasible ? static_cast<int>(solutions_.size()) : 0;
     rank();
+    drop_unlisted_rolls(out_.candidates, out_.families);
     out_.stopped = out_.stopped || (simulates_ && options_.stop.reached());
     out_.evaluations = formulation_.evaluations();
     out_.status = out_.stopped ? PlanStatus::Limit
@@ -311,6 +315,16 @@ class Search {
       keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
       if (better(solution, nearest_)) nearest_ = solution;
     }
+  }
+
+  /// One solution in place of those that differ in a free roll of the last joint alone.
+  void state_rolls() {
+    const PhaseClock::Phase phase(options_.clock, "search.curves");
+    std::function<double(const Eigen::VectorXd&)> value;
+    if (!measure_.is_nominal()) value = [this](const auto& x) { return measure_.value(x); };
+    join_rolls(problem_, formulation_, value, options_.is_free, options_.stop, solutions_,
+               out_.families);
+    if (measure_.is_nominal()) out_.unseen = unseen();
   }
 
   /// Good and Turing's estimate: the share of the starts whose solution, or curve of solutions, no

@@ -330,7 +330,10 @@ void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& fami
          [&problem](Configuration& point) {
            return Map([&](Table& m) { configuration_fields(m, problem, point); });
          }),
-    "along the curve in order, at most 0.1 apart; a closed one ends with its first point", kNeeded);
+    "along the curve in order, at most 0.1 apart; a closed one ends with its first point; of a "
+    "free "
+    "joint the ends of its range, of a continuous one also the middle",
+    kNeeded);
 }
 
 /// A list of vectors of one size.
@@ -559,7 +562,9 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
          [&](SolutionFamily& family) {
            return Map([&](Table& m) { family_fields(m, problem, family); });
          }),
-    "continua of solutions: curves on which the nominal objective vanishes", kNeeded);
+    "continua of solutions: curves on which the nominal objective vanishes, and, by their ends, "
+    "those along which one joint is free: nothing depends on its angle",
+    kNeeded);
   t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }), "",
     kNeeded);
   AfterHorizon after = plan.after_horizon.value_or(AfterHorizon{});

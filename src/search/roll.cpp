@@ -1,0 +1,130 @@
+#include "search/roll.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formulation/formulation_parts.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// The variable that is the angle of the hand's joint; -1: none is.
+Eigen::Index roll_variable(const CaptureProblem& problem, const Formulation& formulation) {
+  const int joint = problem.robot.hand_body;
+  if (joint < 0 ||
+      problem.robot.joints[static_cast<std::size_t>(joint)].type == JointType::Prismatic) {
+    return -1;
+  }
+  const std::vector<int>& joints = formulation.parts().model.layout.joints;
+  const auto at = std::find(joints.begin(), joints.end(), joint);
+  return at == joints.end() ? -1 : at - joints.begin();
+}
+
+bool is_continuous(const CaptureProblem& problem) {
+  return problem.robot.joints[static_cast<std::size_t>(problem.robot.hand_body)].type ==
+         JointType::Continuous;
+}
+
+double size_of(double half_square) { return std::sqrt(2 * half_square); }
+
+}  // namespace
+
+std::optional<SolutionFamily> roll_through(
+    const CaptureProblem& problem, const Formulation& formulation, const Eigen::VectorXd& x,
+    const std::function<double(const Eigen::VectorXd&)>& value, const RollOptions& options) {
+  const Eigen::Index k = roll_variable(problem, formulation);
+  if (k < 0) return std::nullopt;
+  const bool is_closed = is_continuous(problem);
+  const double lower = is_closed ? -kPi : formulation.lower()[k];
+  const double upper = is_closed ? kPi : formulation.upper()[k];
+  if (!(upper > lower)) return std::nullopt;
+  const auto at = [&](int i, int count) {
+    Eigen::VectorXd there = x;
+    there[k] = i == count ? upper : lower + (upper - lower) * i / count;
+    return there;
+  };
+  nlp::Evaluation here, there;
+  formulation.evaluate_value(x, here);
+  const auto is_same = [&](double a, double b) {
+    return std::abs(size_of(a) - size_of(b)) <= options.same;
+  };
+  for (int i = 0; i <= options.angles; ++i) {
+    const Eigen::VectorXd turned = at(i, options.angles);
+    formulation.evaluate_value(turned, there);
+    if (!is_same(there.objective, here.objective)) return std::nullopt;
+    if (!(largest_violation(problem, formulation, turned) <= kFeasibilityTolerance)) {
+      return std::nullopt;
+    }
+  }
+  for (int i = 0; value && i <= options.measured; ++i) {
+    if (!is_same(value(at(i, options.measured)), value(x))) return std::nullopt;
+  }
+  SolutionFamily out;
+  out.length = upper - lower;
+  out.is_closed = is_closed;
+  out.is_complete = true;
+  const int parts = is_closed ? 2 : 1;
+  // The base stands where it stands: its position must not differ by rounding.
+  const Configuration middle = formulation.configuration(x);
+  for (int i = 0; i <= parts; ++i) {
+    out.points.push_back(middle);
+    out.points.back().phi[problem.robot.hand_body] = at(i, parts)[k];
+  }
+  return out;
+}
+
+void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
+                const std::function<double(const Eigen::VectorXd&)>& value,
+                const std::function<bool(const Configuration&)>& is_free, const StopCondition& stop,
+                std::vector<Solution>& solutions, std::vector<SolutionFamily>& families,
+                const RollOptions& options) {
+  const Eigen::Index k = roll_variable(problem, formulation);
+  if (k < 0) return;
+  std::vector<Solution> joined;
+  const auto first_roll = static_cast<int>(families.size());
+  const auto touches_nothing = [&](const Eigen::VectorXd& x) {
+    return !is_free || is_free(formulation.configuration(x));
+  };
+  std::sort(solutions.begin(), solutions.end(), better);
+  for (const Solution& solution : solutions) {
+    // One that is known but for its roll.
+    const auto known = std::find_if(joined.begin(), joined.end(), [&](const Solution& other) {
+      if (solution.family >= 0 || other.family < first_roll) return false;
+      Eigen::VectorXd turned = solution.x;
+      turned[k] = other.x[k];
+      return formulation.distance(turned, other.x) <= options.same_other;
+    });
+    if (known != joined.end()) {
+      known->reached += solution.reached;
+      families[static_cast<std::size_t>(known->family)].starts += solution.reached;
+      if (touches_nothing(known->x)) continue;
+      Eigen::VectorXd turned = known->x;
+      turned[k] = solution.x[k];
+      if (touches_nothing(turned)) known->x = turned;
+      continue;
+    }
+    joined.push_back(solution);
+    if (solution.family >= 0 || stop.reached()) continue;
+    auto roll = roll_through(problem, formulation, solution.x, value, options);
+    if (!roll) continue;
+    roll->starts = solution.reached;
+    joined.back().family = static_cast<int>(families.size());
+    families.push_back(std::move(*roll));
+  }
+  for (Solution& solution : joined) {
+    if (solution.family < first_roll || stop.reached() || touches_nothing(solution.x)) continue;
+    const SolutionFamily& roll = families[static_cast<std::size_t>(solution.family)];
+    for (int i = 0; i <= options.angles; ++i) {
+      Eigen::VectorXd turned = solution.x;
+      const double lower = roll.points.front().phi[problem.robot.hand_body];
+      turned[k] = lower + roll.length * i / options.angles;
+      if (!touches_nothing(turned)) continue;
+      solution.x = turned;
+      break;
+    }
+  }
+  solutions = std::move(joined);
+}
+
+}  // namespace stillbase
