@@ -13,6 +13,7 @@
 #include <stillbase/dynamics/bias.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/impact/batch.hpp>
+#include <stillbase/impact/contact_response.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 #include <stillbase/simulation/plant.hpp>
 
@@ -109,6 +110,27 @@ void jump_with_gradient(benchmark::State& state, bool of_base_momentum) {
 }
 BENCHMARK_CAPTURE(jump_with_gradient, base_angular_velocity, false);
 BENCHMARK_CAPTURE(jump_with_gradient, base_angular_momentum, true);
+
+/// Posture, impulse of a latch on a client of the same size, and the exact gradient of 1/2 |l|^2,
+/// l the angular momentum of the base after it.
+void latch_with_gradient(benchmark::State& state) {
+  Postures postures;
+  const ImpactResistance resistance = free_joints();
+  RigidContact<double> contact;
+  contact.law = ContactLaw::Latch;
+  contact.target = {1 / 50.0,          4 * Matrix3d::Identity(), Matrix3d::Identity() / 4,
+                    {-0.5, 0.1, 0.05}, {-0.02, 0.01, 0},         {0.01, -0.02, 0.03}};
+  measure(state, [&] {
+    const auto posture = evaluate_posture<double>(robot(), resistance, postures.next());
+    const auto response = respond_to_contact<double>(posture, contact);
+    ResponseWeights<double> weights;
+    weights.base = response.base;
+    const auto gradient = contact_gradient<double>(robot(), posture, contact, response, weights);
+    benchmark::DoNotOptimize(gradient.phi.data());
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK(latch_with_gradient);
 
 BatchObjective part_alone(ResponsePart part) {
   BatchObjective out;
