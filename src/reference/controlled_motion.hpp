@@ -11,6 +11,8 @@
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/reference/reference.hpp>
 
+#include "reference/spring_contact.hpp"
+
 namespace stillbase::reference {
 
 /// Pose and velocities, velocities of the base in B.
@@ -19,6 +21,7 @@ struct Motion {
   State state;
   /// h_w of the base's wheels relative to B, in B, N m s.
   Eigen::Vector3d wheel_momentum = Eigen::Vector3d::Zero();
+  std::optional<BodyMotion> target = {};  ///< with ControlledRobot::contact
 };
 
 /// The law that commands the joints and the base's wheels.
@@ -84,7 +87,10 @@ struct ControlledRobot {
   Wheels wheels = {};
   Thrusters thrusters = {};
   std::optional<Sensors> sensors = {};  ///< empty: the law is told the state
-  bool has_viscous_friction = false;    ///< of the joints of `robot`
+  bool has_friction = false;            ///< viscous and Coulomb, of the joints of `robot`
+  double stop_restitution = 0;          ///< part of its rate that a joint keeps at a stop, reversed
+  double least_rebound = 1e-5;          ///< rad/s (m/s): a joint that would leave more slowly rests
+  std::optional<SpringContact> contact = {};  ///< of the hand; empty: it meets nothing
 };
 
 /// What a law commands.
@@ -99,6 +105,8 @@ struct ControlledMotion {
   Eigen::VectorXd peak_demanded_torques;  ///< n, max |tau_k| over the commands, before limits
   Eigen::Vector3d peak_wheel_torques = Eigen::Vector3d::Zero();  ///< max |u_i| over the commands
   bool complete = false;  ///< false: stopped, or the step fell below rounding
+  bool has_two_at_stops =
+      false;  ///< and ended there: the law of one impulse does not tell the rest
 };
 
 /// The robot with a body rigidly in its hand; the origin of B stays.
@@ -124,8 +132,13 @@ Command command_of(const ControlledRobot& subject, const ControlLaw& law, const 
                    double time);
 
 /// Integrates from `start` at time 0 by Dormand and Prince's method 5(4), with steps that end at
-/// every command and sample. Torques are cut at max_effort; a joint at its max_velocity or beyond
-/// gets none in that direction. No stops, no Coulomb friction.
+/// every command, sample and switch. Torques are cut at max_effort; a joint at its max_velocity or
+/// beyond gets none in that direction.
+///
+/// Switches are located by bisection down to rounding. A joint with Coulomb friction that comes to
+/// rest stays there until starting_directions() says otherwise. A joint that reaches its stop has
+/// its rate reversed, times `stop_restitution`, by an impulse that leaves every momentum; it moves
+/// joints at rest as well, but where it is slower than `least_rebound`.
 /// @param times of the samples, s, ascending, the first one 0
 /// @param tolerance of a step: error over 1 + |state|, in SI units
 /// @pre `sensors` only with a period

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "reference/controlled_motion.hpp"
+#include "verification/contact_case.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -42,18 +43,74 @@ Law law_of(const Controller& controller, const PostImpactSpec& spec) {
 
 /// What the second code lacks of a run; empty: nothing.
 std::string missing(const CaptureProblem& problem, const AfterContact& run) {
-  if (run.encounter) return "the contact is compliant";
   if (run.is_held && problem.robot.hand_body == kBase) return "the base itself holds the target";
-  for (const Joint& joint : problem.robot.joints) {
-    if (problem.post_impact.joint_friction && joint.coulomb_friction > 0) {
-      return "joints have Coulomb friction";
-    }
-  }
+  if (problem.post_impact.control_period > 0) return {};
   for (const LimitEvent& event : run.simulation.summary.limits) {
-    if (event.kind != LimitKind::Torque) return "a joint is at its rate limit or at a stop";
+    if (event.kind == LimitKind::Rate) {
+      return "a joint is at its rate limit, and its torque may change at every instant";
+    }
   }
   return {};
 }
+
+/// The robot as the controllers know it.
+RobotModel known_robot(const CaptureProblem& problem) {
+  const ControllerModelSpec& model = problem.post_impact.model;
+  RobotModel known = problem.robot;
+  known.base.mass *= model.base_mass_scale;
+  known.base.inertia *= model.base_mass_scale;
+  for (Body& body : known.bodies) {
+    body.mass *= model.arm_mass_scale;
+    body.inertia *= model.arm_mass_scale;
+  }
+  // Without compensation the laws do not ask for friction.
+  for (Joint& joint : known.joints) {
+    joint.viscous_friction *= model.friction_scale;
+    joint.coulomb_friction *= model.friction_scale;
+  }
+  return known;
+}
+
+/// Hand and target before a compliant contact, its damping from the restitution unless stated.
+struct CompliantStart {
+  reference::SpringContact contact;
+  reference::BodyMotion target;  ///< `lead` before the contact, by uniform motion
+  double lead = 0;               ///< s
+
+  explicit CompliantStart(const Context& context) {
+    const Situation& at = context.situation;
+    const CaptureProblem& problem = context.problem;
+    const ContactSpec& spec = problem.post_impact.contact;
+    const ContactCase subject =
+        contact_case(problem, at.target(), at.event, at.response, at.at, at.event.n, at.impulse());
+    const TargetAtContact& met = *subject.target;
+    contact.mass = met.body.mass;
+    contact.inertia = met.body.inertia;
+    contact.stiffness = spec.stiffness;
+    contact.friction = spec.friction;
+    const double e = problem.impulse.restitution;
+    contact.damping =
+        spec.damping ? *spec.damping
+                     : reference::damping_for(e, spec.stiffness,
+                                              subject.impulse / ((1 + e) * subject.closing_speed));
+    const Eigen::Quaterniond R_TN = met.state.pose.orientation.conjugate();
+    contact.point = R_TN * Vector3d(at.hand_N - met.state.pose.position);
+    contact.normal = R_TN * subject.normal_N;
+    if (problem.resistance.model == ResistanceModel::Servo) {
+      contact.servo_stiffness = problem.resistance.stiffness;
+      contact.servo_damping = problem.resistance.damping;
+      contact.servo_posture = at.at.phi;
+    }
+    lead = std::min(problem.post_impact.control_period, 0.01);
+    target = {met.state.pose, met.state.velocity, met.state.angular_velocity};
+    target.pose.position -= lead * target.velocity;
+    const double angle = lead * target.rate.norm();
+    if (angle > 0) {
+      target.pose.orientation =
+          target.pose.orientation * Eigen::AngleAxisd(-angle, target.rate.normalized());
+    }
+  }
+};
 
 /// The target that a latch leaves in the hand, in the hand's axes.
 reference::MetBody held_body(const Context& context) {
@@ -70,8 +127,7 @@ struct Subject {
 
   Subject(const Context& context, const AfterContact& run)
       : robot(context.problem.robot),
-        known_empty(
-            plant_options_of(context.problem.post_impact, robot).controller_robot.value_or(robot)),
+        known_empty(known_robot(context.problem)),
         known(known_empty),
         problem_(context.problem),
         is_held_(run.is_held) {
@@ -105,7 +161,8 @@ struct Subject {
                                        spec.sensor.seed,
                                        spec.sensor.stream};
     }
-    out.has_viscous_friction = spec.joint_friction;
+    out.has_friction = spec.joint_friction;
+    out.stop_restitution = spec.stop_restitution;
     return out;
   }
 
@@ -123,6 +180,9 @@ class Deviation {
       joint_size_ = std::max(joint_size_, sample.state.phidot.norm());
       momentum_size_ =
           std::max({momentum_size_, sample.total.norm(), sample.state.wheel_momentum.norm()});
+      if (!sample.target) continue;
+      target_size_ = std::max(target_size_, sample.target->velocity.norm());
+      spin_size_ = std::max(spin_size_, sample.target->angular_velocity.norm());
     }
   }
 
@@ -137,6 +197,14 @@ class Deviation {
     largest_.take(apart(state.phidot, own.state.phidot) / joint_size_, "joint rates at " + at);
     largest_.take(apart(state.wheel_momentum, own.wheel_momentum) / momentum_size_,
                   "momentum of the wheels at " + at);
+    if (!sample.target || !own.target) return;
+    const PoseError target = pose_error(sample.target->pose, own.target->pose);
+    largest_.take(target.position, "target's position at " + at);
+    largest_.take(target.angle, "target's attitude at " + at);
+    largest_.take(apart(sample.target->velocity, own.target->velocity) / target_size_,
+                  "target's velocity at " + at);
+    largest_.take(apart(sample.target->angular_velocity, own.target->rate) / spin_size_,
+                  "target's rotation at " + at);
   }
 
   const Largest& largest() const { return largest_; }
@@ -148,6 +216,7 @@ class Deviation {
 
   /// Rates of rounding size stay of rounding size.
   double base_size_ = 1e-6, joint_size_ = 1e-6, momentum_size_ = 1e-6;
+  double target_size_ = 1e-6, spin_size_ = 1e-6;
   Largest largest_;
 };
 
@@ -164,13 +233,23 @@ void check_own_motion(const Context& context, const std::string& controller,
   const Law law = law_of(controller_of(spec, controller).value_or(Controller{}), spec);
   const std::vector<TraceSample>& trace = run.simulation.trace;
   const PlantState& start = trace.front().state;
+  reference::Motion first{start.base, {start.phi, start.phidot, start.Omega}, spec.wheels.preset};
+  reference::ControlledRobot robot = subject.view();
+  double lead = 0;
+  if (run.encounter) {
+    const CompliantStart contact(context);
+    robot.contact = contact.contact;
+    first.target = contact.target;
+    lead = contact.lead;
+  }
   std::vector<double> times;
-  for (const TraceSample& sample : trace) times.push_back(sample.time - trace.front().time);
-  const reference::Motion first{
-      start.base, {start.phi, start.phidot, start.Omega}, spec.wheels.preset};
-  const auto own = reference::controlled_motion(subject.view(), law, first, times,
+  for (const TraceSample& sample : trace) times.push_back(sample.time + lead);
+  const auto own = reference::controlled_motion(robot, law, first, times,
                                                 context.options.second_integration_step_error,
                                                 context.options.stop);
+  if (own.has_two_at_stops) {
+    return claims.not_verified(kName, "two joints are at their stops at once");
+  }
   if (!own.complete) {
     return claims.not_verified(kName, "the second integration did not reach the horizon");
   }

@@ -9,6 +9,7 @@
 #include "verification/example_plans.hpp"
 #include "verification/latched_plan.hpp"
 #include "verification/own_motion.hpp"
+#include "verification/two_codes.hpp"
 
 using namespace stillbase;
 using namespace stillbase::verification;
@@ -28,30 +29,6 @@ constexpr std::pair<ControllerKind, Kind> kLaws[] = {
     {ControllerKind::Detumble, Kind::Detumble},
 };
 
-SimulationOptions precise(double horizon, double period) {
-  SimulationOptions options;
-  options.integrator = IntegratorKind::Fehlberg78;
-  options.relative_tolerance = 1e-12;
-  options.absolute_tolerance = 1e-13;
-  options.horizon = horizon;
-  options.output_period = horizon / 4;
-  options.control_period = period;
-  return options;
-}
-
-/// Largest difference of the states at the samples.
-double apart(const std::vector<TraceSample>& trace, const reference::ControlledMotion& own) {
-  double most = own.samples.size() == trace.size() ? 0 : kInfinity;
-  for (std::size_t i = 0; i < std::min(trace.size(), own.samples.size()); ++i) {
-    const reference::State& state = own.samples[i].state;
-    most = std::max({most, (trace[i].state.Omega - state.Omega).norm(),
-                     (trace[i].state.phidot - state.phidot).norm(),
-                     (trace[i].state.phi - state.phi).norm(),
-                     (trace[i].state.wheel_momentum - own.samples[i].wheel_momentum).norm()});
-  }
-  return most;
-}
-
 /// The first controller's motion of a plan, as the verification has it.
 AfterContact run_of(const Context& context, const std::string& controller) {
   const Situation& at = context.situation;
@@ -62,6 +39,25 @@ AfterContact run_of(const Context& context, const std::string& controller) {
   options.integrator = IntegratorKind::Fehlberg78;
   options.output_period = spec.horizon / 20;
   return simulate_after_contact(subject, spec, *controller_of(spec, controller), options);
+}
+
+/// A plan under judgement.
+struct Judged {
+  explicit Judged(Plan judged) : plan(std::move(judged)) {}
+  Plan plan;
+  VerifyOptions options;
+  Situation situation{plan.problem, plan.configuration};
+  Context context{plan, options, situation, situation.problem};
+};
+
+Claim second_motion_of(const Judged& stated, const std::string& controller, const AfterContact& run,
+                       bool is_checked = true) {
+  ClaimList claims;
+  check_own_motion(stated.context, controller, run, claims);
+  REQUIRE(claims.claims().size() == 1);
+  INFO(claims.claims().front().detail);
+  REQUIRE(claims.claims().front().is_checked == is_checked);
+  return claims.claims().front();
 }
 
 }  // namespace
@@ -110,8 +106,7 @@ TEST_CASE("random robots move alike by two codes under every law, sampled and co
       const SimulationResult run =
           simulate_post_impact(robot, resistance, start, controller, options);
       REQUIRE(run.status == SimulationStatus::Finished);
-      std::vector<double> times;
-      for (const TraceSample& sample : run.trace) times.push_back(sample.time);
+      const std::vector<double> times = times_of(run.trace);
 
       reference::ControlLaw law{law_kind,
                                 controller.K_omega,
@@ -126,7 +121,7 @@ TEST_CASE("random robots move alike by two codes under every law, sampled and co
                                 controller.friction_transition_rate};
       reference::ControlledRobot subject{robot, known, resistance.rotor_inertia};
       subject.wheels = {options.wheels.torque, options.wheels.momentum};
-      subject.has_viscous_friction = true;
+      subject.has_friction = true;
       if (is_sampled) {
         subject.thrusters = {0.5, 0.3, 0.2};
         subject.sensors = reference::Sensors{1e-3, 2e-3, 3e-3, 2};
@@ -237,26 +232,54 @@ TEST_CASE("a held target is braked alike by two codes, within the loads of its g
   CHECK_FALSE(check(altered));
 }
 
-TEST_CASE("a motion that the second code lacks is not verified, with the reason") {
-  const auto reason = [](const std::function<void(CaptureProblem&)>& change) {
-    Plan plan = verification_test::arm_plan();
-    plan.problem.post_impact.horizon = 0.2;
-    plan.problem.post_impact.controllers = {"rns_damped"};
-    change(plan.problem);
-    ClaimList claims;
-    (void)check_plan(plan, {}, [&](const Context& context, ClaimList&) {
-      check_own_motion(context, "rns_damped", run_of(context, "rns_damped"), claims);
-    });
-    REQUIRE(claims.claims().size() == 1);
-    CHECK_FALSE(claims.claims().front().is_checked);
-    return claims.claims().front().detail;
+TEST_CASE("friction, a compliant contact and errors of the model are seen by the second code") {
+  Plan plan = verification_test::arm_plan();
+  PostImpactSpec& spec = plan.problem.post_impact;
+  spec.horizon = 1;
+  spec.controllers = {"rns_damped"};
+  spec.joint_friction = true;
+  for (Joint& joint : plan.problem.robot.joints) joint.coulomb_friction = 0.02;
+  spec.model.base_mass_scale = 1.1;
+  spec.model.arm_mass_scale = 0.95;
+  spec.model.friction_scale = 0.5;
+  const bool is_compliant = GENERATE(false, true);
+  if (is_compliant) {
+    spec.contact.model = ContactModel::Compliant;
+    spec.contact.friction = 0.3;
+  }
+  const Judged stated(plan);
+  // The run of a problem that differs, against the second motion of the stated one.
+  const auto passes = [&](const std::function<void(CaptureProblem&)>& change) {
+    Plan other = plan;
+    change(other.problem);
+    const AfterContact run = run_of(Judged(other).context, "rns_damped");
+    CHECK(run.encounter.has_value() == is_compliant);
+    return second_motion_of(stated, "rns_damped", run).pass;
   };
-  CHECK_THAT(reason([](CaptureProblem& x) {
-               x.post_impact.joint_friction = true;
-               x.robot.joints.front().coulomb_friction = 0.1;
-             }),
-             Catch::Contains("Coulomb"));
-  CHECK_THAT(
-      reason([](CaptureProblem& x) { x.post_impact.contact.model = ContactModel::Compliant; }),
-      Catch::Contains("compliant"));
+  INFO("compliant: " << is_compliant);
+  using Problem = CaptureProblem;
+  CHECK(passes([](Problem&) {}));
+  CHECK_FALSE(passes([](Problem& x) { x.robot.joints[2].coulomb_friction *= 1.01; }));
+  CHECK_FALSE(passes([](Problem& x) { x.post_impact.model.base_mass_scale = 1.1001; }));
+  CHECK_FALSE(passes([](Problem& x) { x.post_impact.model.arm_mass_scale = 0.9501; }));
+  CHECK_FALSE(passes([](Problem& x) { x.post_impact.model.friction_scale = 0.501; }));
+  if (!is_compliant) return;
+  CHECK_FALSE(passes([](Problem& x) { x.post_impact.contact.stiffness *= 1.001; }));
+  CHECK_FALSE(passes([](Problem& x) { x.post_impact.contact.friction *= 1.001; }));
+  CHECK_FALSE(passes([](Problem& x) { x.impulse.restitution += 1e-4; }));
+  CHECK_FALSE(passes([](Problem& x) { x.target->mass *= 1.0001; }));
+}
+
+TEST_CASE("a motion with two joints at their stops is not verified, with the reason") {
+  Plan plan = verification_test::arm_plan();
+  plan.problem.post_impact.horizon = 0.5;
+  plan.problem.post_impact.controllers = {"none"};
+  for (const int k : {1, 3}) {
+    Joint& joint = plan.problem.robot.joints[static_cast<std::size_t>(k)];
+    joint.upper = plan.configuration.phi(k) + 1e-4;
+    joint.lower = plan.configuration.phi(k) - 1e-4;
+  }
+  const Judged stated(plan);
+  const Claim claim = second_motion_of(stated, "none", run_of(stated.context, "none"), false);
+  CHECK_THAT(claim.detail, Catch::Contains("two joints"));
 }
