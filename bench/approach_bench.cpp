@@ -52,7 +52,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
   const CollisionScene scene(problem);
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = problem.search.starts;
+  options.starts = first_starts(problem.search);
   options.seed = problem.search.seed;
   options.max_candidates = problem.search.max_candidates;
   SearchResult found = search(problem, formulation, options);

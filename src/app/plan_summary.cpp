@@ -217,7 +217,7 @@ std::string search_advice(const CaptureProblem& problem) {
   if (problem.target && !problem.impulse.direction) {
     advice.emplace_back("widen variables.contact_time");
   }
-  advice.emplace_back("raise search.starts");
+  advice.push_back(fmt::format("raise search.starts above {}", first_starts(problem.search)));
   return fmt::format("what may help: {}", fmt::join(advice, ", "));
 }
 
@@ -311,13 +311,18 @@ std::string certificate_words(const Certificate& certificate) {
   return text + fmt::format("; curvature {:.3g} in some direction: not a minimum", *curvature);
 }
 
-/// @param in_rounds whether the starts of the search were its own choice, for a worst case
-std::string coverage_words(const Certificate& certificate, bool in_rounds) {
-  if (in_rounds) {
+std::string coverage_words(const Certificate& certificate) {
+  if (certificate.had_rounds && certificate.unseen == 0) {
+    return "no better minimum is possible: the worst case is zero";
+  }
+  if (certificate.had_rounds) {
     return fmt::format(
         "a better minimum, as easy to reach as this one, was missed with a "
-        "probability of about {:.2g}",
-        certificate.unseen);
+        "probability of about {:.2g}{}",
+        certificate.unseen,
+        certificate.unseen > kUnseenLevel
+            ? fmt::format(": above {}, so the plan is feasible and not optimal", kUnseenLevel)
+            : "");
   }
   if (certificate.unseen > 0.9) {
     return "almost every start ended at a solution of its own: the solutions form a continuum";
@@ -498,9 +503,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     lines.push_back({"certificate", certificate_words(plan.certificate)});
     if (is_feasible && proof.status != ProofStatus::Complete) {
-      const bool in_rounds = plan.problem.search.starts == kAutomaticStarts &&
-                             plan.problem.measure.kind == RiskMeasure::WorstCase;
-      lines.push_back({"coverage", coverage_words(plan.certificate, in_rounds)});
+      lines.push_back({"coverage", coverage_words(plan.certificate)});
     }
     for (const auto& [name, words] :
          {std::pair{"curves", curve_words(plan)}, std::pair{"free", roll_words(plan)}}) {

@@ -7,13 +7,16 @@
 #include <fmt/format.h>
 
 #include "audit/checks.hpp"
+#include "audit/manifold.hpp"
 
 namespace stillbase::audit {
 namespace {
 
 constexpr double kStationary = 1e-6;         ///< largest KKT residual of an optimal plan
-constexpr int kAutomaticStarts = 0;          ///< `auto` in the problem file
-constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan, without stated starts
+constexpr int kFirstStarts = 64;             ///< at least, where the problem states no number
+constexpr int kIsolatedStarts = 1024;        ///< the same where the equations leave no freedom
+constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan whose starts went on in rounds
+constexpr double kNoWorstCase = 1e-8;        ///< of the typical objective
 constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
@@ -93,6 +96,37 @@ bool is_known_solver(const Context& context, const std::string& name) {
   return approach.enabled && (name == approach.planner || name == "reaction_null");
 }
 
+/// Rounds of starts: where the problem asks for them, and exp(-k) unseen, of k starts at the best.
+void check_rounds(const Context& context, Objections& objections) {
+  const Certificate& certificate = context.plan.certificate;
+  const CaptureProblem& problem = context.problem;
+  const bool are_possible = problem.search.starts == kAutomaticStarts &&
+                            problem.measure.kind == RiskMeasure::WorstCase &&
+                            !simulates_turn(problem) && context.plan.objective.user_terms.empty();
+  objections.demand(are_possible || !certificate.had_rounds,
+                    "rounds of starts that the problem does not ask for");
+  const bool is_solved =
+      context.plan.status == PlanStatus::Optimal || context.plan.status == PlanStatus::Feasible;
+  const bool may_be_isolated = certificate.starts >= kIsolatedStarts;
+  objections.demand(!are_possible || !is_solved || may_be_isolated || certificate.had_rounds,
+                    "no rounds of starts, which the problem asks for");
+  if (!certificate.had_rounds) return;
+  if (certificate.unseen == 0) {
+    double least = kInfinity;
+    for (const Candidate& candidate : context.plan.candidates) {
+      least = std::min(least, candidate.value);
+    }
+    const double size = std::pow(least, 1 / objective_power(problem).exponent);
+    objections.demand(size <= kNoWorstCase * typical_objective(problem),
+                      "unseen is zero, but the worst case is not");
+    return;
+  }
+  const double reached = -std::log(certificate.unseen);
+  const bool is_count = std::abs(reached - std::round(reached)) <= 1e-9 * std::max(1.0, reached);
+  objections.demand(
+      is_count, fmt::format("unseen is {}, which no number of starts gives", certificate.unseen));
+}
+
 void check_status(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Certificate& certificate = plan.certificate;
@@ -107,12 +141,13 @@ void check_status(const Context& context, ClaimList& claims) {
   for (const auto& [name, calls] : plan.solver_calls) {
     objections.demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
   }
-  const int least_starts = was_cut ? 1 : std::max(1, context.problem.search.starts);
+  const int asked = context.problem.search.starts;
+  const int least_starts = was_cut ? 1 : asked == kAutomaticStarts ? kFirstStarts : asked;
   objections.demand(certificate.starts >= least_starts,
                     fmt::format("{} starts of {}", certificate.starts, least_starts));
   const auto calls_of_optimizer = plan.solver_calls.find(plan.optimizer);
   objections.demand(was_cut || calls_of_optimizer == plan.solver_calls.end() ||
-                        calls_of_optimizer->second >= context.problem.search.starts,
+                        calls_of_optimizer->second >= least_starts,
                     "fewer calls of the optimizer than starts");
   for (const auto& [name, calls] : plan.solver_calls) {
     objections.demand(is_known_solver(context, name), name + " is none of the plan's solvers");
@@ -129,10 +164,13 @@ void check_status(const Context& context, ClaimList& claims) {
   const bool is_stationary = certificate.kkt_residual <= kStationary;
   objections.demand(plan.status != PlanStatus::Optimal || is_stationary,
                     "stated to be optimal with a large KKT residual");
+  check_rounds(context, objections);
   // Too few starts may have ended at the best minimum of a worst case.
-  const bool may_be_missed = context.problem.search.starts == kAutomaticStarts &&
-                             context.problem.measure.kind == RiskMeasure::WorstCase &&
-                             certificate.unseen > kUnseenLevel;
+  const bool may_be_missed = certificate.had_rounds && certificate.unseen > kUnseenLevel;
+  objections.demand(plan.status != PlanStatus::Optimal || !may_be_missed,
+                    fmt::format("stated to be optimal with a better minimum missed with a "
+                                "probability of {}",
+                                certificate.unseen));
   const auto& loss = plan.choice.loss_percent;
   const bool is_not_best = plan.choice.better > 0 && (!loss || *loss > 0);
   objections.demand(

@@ -86,6 +86,7 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
   const std::optional<Candidate> sample = solved ? take_sample(out.candidates) : std::nullopt;
   double reached = starts_reached(out);
   double unseen = reached * out.certificate.unseen;
+  double missed = out.certificate.unseen;
   for (auto other = plans.begin(); other != plans.end(); ++other) {
     if (other == best) continue;
     const Plan& plan = other->plan;
@@ -105,6 +106,7 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
     out.candidates.insert(out.candidates.end(), found.begin(), found.end());
     reached += starts_reached(plan);
     unseen += starts_reached(plan) * plan.certificate.unseen;
+    missed = std::max(missed, plan.certificate.unseen);
     if (plan.nominal_optimum &&
         (!out.nominal_optimum || is_better(*plan.nominal_optimum, *out.nominal_optimum))) {
       out.nominal_optimum = plan.nominal_optimum;
@@ -129,9 +131,14 @@ Plan best_of_features(std::vector<PlanOfFeature> plans) {
   }
   drop_unlisted_rolls(out.candidates, out.families);
   if (sample) out.candidates.push_back(*sample);
-  // With rounds of starts it is about the minimum of the chosen feature.
-  const bool has_rounds = out.problem.search.starts == kAutomaticStarts;
-  if (reached > 0 && !has_rounds) out.certificate.unseen = unseen / reached;
+  if (out.certificate.had_rounds) {
+    // A better minimum may have been missed on either feature.
+    out.certificate.unseen = missed;
+    const bool is_above = missed > kUnseenLevel;
+    if (out.status == PlanStatus::Optimal && is_above) out.status = PlanStatus::Feasible;
+  } else if (reached > 0) {
+    out.certificate.unseen = unseen / reached;
+  }
   out.certificate.proof = {};
   out.certificate.proof.statement = "no proof: there are several contact features";
   if (solved) state_choice(out, equal, PlannerOptions{}.improvement);

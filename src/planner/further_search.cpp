@@ -64,6 +64,8 @@ void count_further(const CaptureProblem& problem, const SearchResult& other, int
   if (problem.measure.kind == RiskMeasure::Nominal && reached > 0) {
     found.unseen = static_cast<double>(once) / reached;
   }
+  // A better minimum may have been missed by either search.
+  if (found.had_rounds) found.unseen = std::max(found.unseen, other.unseen);
   for (Certificate& certificate : found.certificates) {
     certificate.starts = found.starts;
     certificate.distinct_solutions = found.distinct_solutions;

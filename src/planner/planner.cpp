@@ -314,7 +314,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
       if (i != chosen) found.candidates[i].excluded = reason;
     }
     plan.status = found.stopped ? PlanStatus::Limit : status_of(plan.certificate);
-    const bool may_be_missed = found.had_rounds && plan.certificate.unseen > kUnseenLevel;
+    const bool may_be_missed =
+        plan.certificate.had_rounds && plan.certificate.unseen > kUnseenLevel;
     if (plan.status == PlanStatus::Optimal && may_be_missed) plan.status = PlanStatus::Feasible;
   }
   plan.candidates = std::move(found.candidates);

@@ -176,8 +176,10 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
   approach(starts, true);
   Random random(seed, 1);
   std::vector<Eigen::VectorXd> hopped_from;
+  const auto is_zero = [&](double value) { return value <= options.zero * options.zero / 2; };
   for (int round = 0; more && round < options.most_rounds && !stopped(); ++round) {
     if (!approached.empty()) {
+      if (is_zero(best()->value)) break;
       const int reached = count_best(ends, best()->value, options.same_value);
       if (round >= options.least_rounds && reached >= options.enough) break;
     }
@@ -280,6 +282,7 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     i = 0;  // the order may have changed
   }
   out.reached = count_best(ends, minima.front().value, options.same_value);
+  out.is_zero = is_zero(minima.front().value);
   return out;
 }
 

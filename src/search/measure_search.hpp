@@ -15,6 +15,7 @@ struct MeasureMinima {
   int solver_calls = 0;
   /// Starts that ended at the best value by themselves; hops from the best minimum do not count.
   int reached = 0;
+  bool is_zero = false;  ///< the best value, but for rounding
   bool stopped = false;
 };
 

@@ -357,7 +357,7 @@ class Search {
                                                more, options_.seed, jobs_, effort);
     out_.solver_calls[options_.optimizer] += found.solver_calls;
     out_.stopped = out_.stopped || found.stopped;
-    if (in_rounds) out_.unseen = std::exp(-found.reached);
+    if (in_rounds) out_.unseen = found.is_zero ? 0 : std::exp(-found.reached);
     std::vector<Solution> minima;
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
@@ -560,6 +560,7 @@ class Search {
       certificate.starts = out_.starts;
       certificate.distinct_solutions = out_.distinct_solutions;
       certificate.unseen = out_.unseen;
+      certificate.had_rounds = out_.had_rounds;
       out_.candidates.push_back(candidate);
       out_.certificates.push_back(certificate);
       out_.worst_cases.push_back(worst[i]);

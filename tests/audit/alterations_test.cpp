@@ -2,6 +2,7 @@
 // those that only a repeated search can confirm.
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <functional>
 
 #include <nlohmann/json.hpp>
@@ -65,6 +66,7 @@ const std::vector<Alteration>& alterations() {
       {"starts", [](Json& p) { add(certificate(p).at("starts"), -1); }},
       {"starts", [](Json& p) { certificate(p).at("starts") = 0; }},
       {"certificate.unseen", [](Json& p) { certificate(p).at("unseen") = 0.5; }},
+      {"had_rounds", [](Json& p) { certificate(p).at("had_rounds") = true; }},
       {"proof.status", [](Json& p) { proof(p).at("status") = "complete"; }},
       {"proof.status", [](Json& p) { proof(p).at("status") = "undecided"; }},
       {"proof.statement", [](Json& p) { proof(p).at("statement") = "proven: trust me"; }},
@@ -146,6 +148,34 @@ TEST_CASE("every altered plan is refused, or the field is one that nothing confi
       SUCCEED("refused on reading");
     }
   }
+}
+
+TEST_CASE("the stated probability of a better minimum fits the rounds of starts and the status") {
+  CaptureProblem problem = test::without_path("servicer_6dof_held");
+  problem.post_impact.controllers.clear();
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(problem, options);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  REQUIRE(plan.certificate.had_rounds);
+  REQUIRE(plan.certificate.unseen <= 0.05);
+  REQUIRE(failures(plan) == "");
+  const auto failing = [&](const std::function<void(Plan&)>& change) {
+    Plan altered = plan;
+    change(altered);
+    return failures(altered);
+  };
+  CHECK(failing([](Plan& p) { p.certificate.had_rounds = false; }) == "search_record ");
+  // exp(-k), of no whole k.
+  CHECK(failing([](Plan& p) { p.certificate.unseen = 0.04; }) == "search_record ");
+  CHECK(failing([](Plan& p) { p.certificate.unseen = 0; }) == "search_record ");
+  // Two starts at the best minimum are too few for an optimum.
+  const double few = std::exp(-2.0);
+  CHECK(failing([&](Plan& p) { p.certificate.unseen = few; }) == "search_record ");
+  CHECK(failing([&](Plan& p) {
+          p.certificate.unseen = few;
+          p.status = PlanStatus::Feasible;
+        }) == "");
 }
 
 }  // namespace stillbase

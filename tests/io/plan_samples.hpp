@@ -56,7 +56,7 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
   plan.constraints = {{"closing_speed", 0.7, 0.01, kInfinity, 0},
                       {"case_total_z", 1e-12, 0, 0, 1e-12},
                       {"hand_facing", -1, -kInfinity, 0, 0}};
-  plan.certificate = {1e-9, 1e-12, 256, 8, 0.7, -0.1 / 3, {}};
+  plan.certificate = {1e-9, 1e-12, 256, 8, 0.7, true, -0.1 / 3, {}};
   Proof& proof = plan.certificate.proof;
   proof.status = ProofStatus::Undecided;
   proof.statement = "not decided: 2 solutions enclosed";

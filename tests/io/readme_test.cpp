@@ -117,7 +117,8 @@ TEST_CASE("the table of fields states the defaults of the data") {
     CHECK(line.substr(line.size() - value.size() - 4) == "| " + value + " |");
   };
   states("search.optimizer", "`" + defaults.search.optimizer + "`");
-  states("search.starts", std::to_string(defaults.search.starts));
+  CHECK(defaults.search.starts == kAutomaticStarts);
+  states("search.starts", "`auto`");
   states("search.max_candidates", std::to_string(defaults.search.max_candidates));
   states("approach.planner", "`" + defaults.approach.planner + "`");
   states("approach.max_iterations", std::to_string(defaults.approach.max_iterations));

@@ -94,6 +94,19 @@ TEST_CASE("what was not seen is estimated from the starts of all features") {
   CHECK(best_of_features({a, b}).certificate.unseen == Approx(1.0 / 10));
 }
 
+TEST_CASE("with rounds of starts the feature searched least decides what may be missed") {
+  PlanOfFeature a = plan("a", {1}, PlanQuality::Holds), b = plan("b", {3}, PlanQuality::Arrives);
+  a.plan.status = PlanStatus::Optimal;
+  for (PlanOfFeature* one : {&a, &b}) one->plan.certificate.had_rounds = true;
+  a.plan.certificate.unseen = 1e-4;
+  b.plan.certificate.unseen = 0.04;
+  const Plan good = best_of_features({a, b});
+  CHECK(good.certificate.unseen == 0.04);
+  CHECK(good.status == PlanStatus::Optimal);
+  b.plan.certificate.unseen = 0.3;
+  CHECK(best_of_features({a, b}).status == PlanStatus::Feasible);
+}
+
 TEST_CASE("a choice in which one feature was stopped is stopped") {
   PlanOfFeature a = plan("a", {1}, PlanQuality::Holds);
   PlanOfFeature b = plan("b", {}, PlanQuality::Nothing);

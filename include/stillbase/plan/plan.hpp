@@ -105,7 +105,8 @@ struct Certificate {
   double max_violation = 0;
   int starts = 0;
   int distinct_solutions = 0;
-  double unseen = 1;  ///< see SearchResult::unseen
+  double unseen = 1;        ///< see SearchResult::unseen
+  bool had_rounds = false;  ///< see SearchResult::had_rounds
   /// Smallest curvature of the Lagrangian along the directions that the active constraints leave,
   /// of the smooth objective in typical sizes, per rad^2 (m^2, s^2). Positive: a strict local
   /// minimum; empty: no direction is left.

@@ -173,9 +173,13 @@ struct UncertaintySpec {
 
 inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on a command line
 
+/// SearchSpec::starts of a search that decides itself, `auto` in a problem file: 64 of the nominal
+/// problem, and of a worst case rounds of further ones, see SearchOptions::is_adaptive.
+inline constexpr int kAutomaticStarts = 0;
+
 struct SearchSpec {
   std::string optimizer = "nlopt-slsqp";
-  int starts = 64;
+  int starts = kAutomaticStarts;
   std::uint64_t seed = 1;
   int max_candidates = 32;  ///< kept in the plan
 };

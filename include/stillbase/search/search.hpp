@@ -61,6 +61,7 @@ struct MeasureSearchOptions {
   int first = 24;             ///< starts before the rounds, of either kind
   int least_rounds = 4;       ///< what the first starts end at may be a wide valley
   int most_rounds = 10;       ///< a search takes at most three times the time of one without rounds
+  double zero = 1e-9;         ///< |y|, in typical sizes: nothing is better than that
   int enough = 8;             ///< starts that end at the best minimum end the rounds: five are
                               ///< sometimes those of a wide valley beside a deeper one
   int fresh = 6;              ///< starts of a round on the constraints, and as many among the zeros
@@ -76,8 +77,6 @@ struct MeasureSearchOptions {
   double on_constraints = 1e-3;                ///< violation from which a local solver can go on
 };
 
-/// SearchSpec::starts of a search that decides itself, `auto` in a problem file.
-inline constexpr int kAutomaticStarts = 0;
 /// Starts of the nominal problem, before any rounds.
 inline int first_starts(const SearchSpec& search) {
   constexpr int kDefault = 64;
@@ -143,7 +142,7 @@ struct SearchResult {
   ///
   /// Of a worst case with rounds of starts: exp(-k), k starts having ended at the best minimum.
   /// With that probability as many starts would all have missed a better one that is as easy to
-  /// reach.
+  /// reach. Zero where the worst case is: there is none.
   double unseen = 1;
   bool had_rounds = false;  ///< of starts, see SearchOptions::is_adaptive
   bool stopped = false;     ///< a limit or an interrupt came before the end
