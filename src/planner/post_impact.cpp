@@ -270,20 +270,23 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   }
 
   SimulationOptions options = judging_options(problem, stop);
-  bool is_certain = false;  // nothing that follows makes a limit hold again
+  std::string broken;  // a limit, which nothing that follows makes hold again
   options.ends_when = [&](const SimulationSummary& so_far) {
-    is_certain = is_grip_open(spec.grip, so_far) || !exceeded_limit(problem, so_far).empty();
-    return is_certain;
+    broken = is_grip_open(spec.grip, so_far) ? "load of the grip" : exceeded_limit(problem, so_far);
+    return !broken.empty();
   };
   const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
   const SimulationResult& result = run.simulation;
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
   const bool touches = run.encounter && run.encounter->contact.phase == ContactPhase::Touching;
-  if (touches && !is_certain) return endless_contact(subject, spec);
+  if (touches && broken.empty()) return endless_contact(subject, spec);
   if (std::string grasp = demand_on_grasp(&run); !grasp.empty()) {
-    return is_certain ? fmt::format("{} after {:.3g} s", grasp, result.trace.back().time) : grasp;
+    return broken.empty() ? grasp
+                          : fmt::format("{} after {:.3g} s", grasp, result.trace.back().time);
   }
+  // What is judged at the horizon says nothing of a run that ended before it.
+  if (!broken.empty()) return broken;
   if (std::string limit = exceeded_limit(problem, summary); !limit.empty()) return limit;
   if (summary.residual_base_rate > spec.residual_base_rate_max) return "base rate";
   // Rest is judged by whether it is reached, which no number of the account decides better.
