@@ -72,6 +72,7 @@ void catch_signals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // a reader who left is a failed write
+  std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow further
 }
 
 StopCondition stop_condition(double time_limit) {

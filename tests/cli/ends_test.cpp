@@ -177,3 +177,11 @@ TEST_CASE("a signal to a process and its group saves what was found, as one sign
     CHECK(plan.at("approach").at("status") != "not_requested");
   }
 }
+
+TEST_CASE("a file that may not grow to its size is a failed write") {
+  const Workshop shop;
+  const std::string limited = "ulimit -f 1; ";
+  const Outcome outcome = shop.run_script(limited + kTool + "plan " + kPlanar + " -o plan.json");
+  CHECK(outcome.code == 7);
+  CHECK_FALSE(shop.has("plan.json"));
+}
