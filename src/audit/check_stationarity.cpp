@@ -2,6 +2,7 @@
 // differences of values by `reference` along the configurations that keep the equations.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,9 @@ constexpr const char* kKinked =
     "an active limit has no gradient here, as the distance of boxes with two equally wide gaps";
 constexpr double kSameResidual = 0.01;    ///< relative, between stated and recomputed large ones
 constexpr double kSameMultiplier = 0.01;  ///< relative to the largest one
-constexpr double kSameCurvature = 1e-3;   ///< relative, and of the largest curvature
+/// Multiplier, per unit of a limit and of the value, from which a limit has to be in the list.
+constexpr double kLeastListed = 1e-3;
+constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
 
 /// min |C y + b| over y >= 0 (Lawson and Hanson, Solving Least Squares Problems, 1974).
 Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::VectorXd& b) {
@@ -107,16 +110,18 @@ class Stationarity {
   Eigen::Index directions() const { return open_.cols(); }
   std::size_t active_limits() const { return active_.size(); }
 
-  /// By how much |y|^2 falls, relative to itself, per unit that an active limit is moved outwards.
-  /// @param name "joint_1 upper"; nothing when it is not active
-  std::optional<double> saving(const std::string& name) const {
+  /// By how much |y|^2 falls, relative to itself, per unit that an active limit is moved outwards,
+  /// by names such as "joint_1 upper". A limit without a name is left out.
+  std::map<std::string, double> savings() const {
     const Eigen::VectorXd parts = parts_.values(here_);
+    std::map<std::string, double> out;
     for (std::size_t i = 0; i < active_.size(); ++i) {
-      if (names_[active_[i]] != name) continue;
+      const std::string& name = names_[active_[i]];
+      if (name.front() == ' ') continue;
       const Eigen::Index k = parts.size() + static_cast<Eigen::Index>(i);
-      return multipliers_[k] / parts.maxCoeff();
+      out[name] = multipliers_[k] / parts.maxCoeff();
     }
-    return std::nullopt;
+    return out;
   }
 
   /// Smallest curvature along the directions that the active limits leave open, and the largest.
@@ -370,10 +375,23 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
                              *stated, curvature->first, size));
 }
 
-/// Multipliers of the limits that have a name here. The value is |y|, or |y|^2 of an energy.
+/// Whether a limit is one that the problem has: of a variable, or of the list of constraints.
+bool is_known_limit(const Context& context, const std::string& name) {
+  const auto& joints = context.problem.robot.joints;
+  const auto& constraints = context.plan.constraints;
+  return name == "contact_time" || name == "base_attitude" ||
+         std::any_of(joints.begin(), joints.end(),
+                     [&](const Joint& joint) { return joint.name == name; }) ||
+         std::any_of(constraints.begin(), constraints.end(),
+                     [&](const ConstraintValue& value) { return value.name == name; });
+}
+
+/// Multipliers of the limits that have a name here, and that none of them is left out. The value is
+/// |y|, or |y|^2 of an energy.
 void check_binding(const Context& context, const Stationarity& found, ClaimList& claims) {
   const Plan& plan = context.plan;
-  if (plan.binding.empty()) return;
+  std::map<std::string, double> savings = found.savings();
+  if (plan.binding.empty() && savings.empty()) return;
   const double exponent = objective_power(context.problem).exponent;
   const double relative_slope = plan.objective.value * exponent / 2;
   double largest = 0, worst = 0;
@@ -384,10 +402,24 @@ void check_binding(const Context& context, const Stationarity& found, ClaimList&
   Objections objections;
   for (const BindingLimit& limit : plan.binding) {
     objections.demand(std::abs(limit.margin) <= kActive, limit.name + " is not reached");
-    const auto saving = found.saving(limit.name + (limit.is_upper ? " upper" : " lower"));
-    if (!saving) continue;
+    objections.demand(is_known_limit(context, limit.name), limit.name + " is no limit");
+    const auto saving = savings.find(limit.name + (limit.is_upper ? " upper" : " lower"));
+    if (saving == savings.end()) continue;
     ++compared;
-    worst = std::max(worst, std::abs(limit.multiplier - *saving * relative_slope) / largest);
+    worst = std::max(worst, std::abs(limit.multiplier - saving->second * relative_slope) / largest);
+    savings.erase(saving);
+  }
+  // Of a plan that is no minimum there need not be a list, and zero falls no further.
+  const bool has_value = std::pow(plan.objective.value, 1 / exponent) >
+                         kStatedMinimum * typical_objective(context.problem);
+  const bool is_listed =
+      plan.certificate.kkt_residual <= kStatedMinimum && has_value && !found.has_kink();
+  for (const auto& [name, saving] : savings) {
+    const double multiplier = saving * relative_slope;
+    const double least = std::max(kSameMultiplier * largest, kLeastListed * plan.objective.value);
+    objections.demand(!is_listed || multiplier <= least,
+                      fmt::format("{} is reached, with a multiplier of {:.3g}, and not stated",
+                                  name, multiplier));
   }
   claims.none_wrong("binding_limits", objections, "limits that the plan states to be reached");
   if (compared == 0) return;

@@ -124,7 +124,8 @@ std::vector<double> distances_from_limits(const Situation& situation,
   }
   if (free.base_position == PositionFreedom::Box) {
     for (int i = 0; i < 3; ++i) {
-      between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i]);
+      between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i],
+              std::string("base_position_") + "xyz"[i]);
     }
   }
   const ContactEvent& event = situation.event;
@@ -146,11 +147,13 @@ std::vector<double> distances_from_limits(const Situation& situation,
             "arrival_rate_" + problem.robot.joints[k].name);
   }
   if (wanted.coupling_singular_value_min > 0) {
-    single(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min);
+    single(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min,
+           "coupling_singular_value");
   }
   if (wanted.jacobian_singular_value_min > 0) {
     single(jacobian_singular_value(situation.response, wanted.jacobian_length) -
-           wanted.jacobian_singular_value_min);
+               wanted.jacobian_singular_value_min,
+           "jacobian_singular_value");
   }
   if (!wanted.clearance) return out;
   const auto target = situation.target_pose();

@@ -14,6 +14,8 @@ namespace {
 /// Relative, between two instants of the same stop: a joint that creeps there carries the errors
 /// of ten horizons.
 constexpr double kSameTime = 1e-3;
+constexpr double kSameRate = 1e-4;  ///< relative, between joint rates of two integrations
+constexpr double kNoRate = 1e-9;    ///< rad/s: what has come to rest but for their errors
 
 struct Momentum {
   Vector3d linear, angular;
@@ -167,6 +169,10 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
                        (!has_stop || stated->joint == found->joint);
   objections.demand(is_same, "the plan states " + words(*stated));
   claims.none_wrong(name, objections, words(*found));
+  claims.at_most("after_horizon_joint_rate", std::abs(stated->joint_rate - found->joint_rate),
+                 kSameRate * found->joint_rate + kNoRate, "rad/s",
+                 fmt::format("norm at the horizon, stated {:.6g} from {:.6g} recomputed",
+                             stated->joint_rate, found->joint_rate));
   if (!is_same || !has_stop) return;
   claims.at_most(
       "after_horizon_stop_time", std::abs(*stated->stop_time - *found->stop_time),

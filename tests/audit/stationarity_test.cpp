@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <functional>
 
 #include <stillbase/planner/planner.hpp>
 
@@ -71,6 +72,29 @@ TEST_CASE("a misstated curvature is found") {
   CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
   curvature.reset();
   CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
+}
+
+TEST_CASE("a limit that decides is neither left out nor renamed nor misstated") {
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(test::without_path("planar_three_link_station"), options);
+  REQUIRE(plan.binding.size() == 2);
+  REQUIRE(failures(plan).find("binding") == std::string::npos);
+  const auto fails = [&](const char* name, const std::function<void(Plan&)>& change) {
+    Plan altered = plan;
+    change(altered);
+    return failures(altered).find(name) != std::string::npos;
+  };
+  CHECK(fails("binding_limits", [](Plan& p) { p.binding.clear(); }));
+  for (std::size_t i = 0; i < plan.binding.size(); ++i) {
+    INFO(plan.binding[i].name);
+    CHECK(fails("binding_limits", [i](Plan& p) {
+      p.binding.erase(p.binding.begin() + static_cast<std::ptrdiff_t>(i));
+    }));
+    CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].name = "base_x"; }));
+    CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].margin = 1e-3; }));
+  }
+  CHECK(fails("binding_multipliers", [](Plan& p) { p.binding[0].multiplier *= 1.05; }));
 }
 
 TEST_CASE("a feasible configuration states the size of its KKT residual") {

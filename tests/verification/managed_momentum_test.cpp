@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <functional>
 
+#include <stillbase/audit/audit.hpp>
+#include <stillbase/planner/post_impact.hpp>
+
 #include "verification/contact_case.hpp"
+#include "verification/example_plans.hpp"
 #include "verification/grip_load.hpp"
 #include "verification/latched_plan.hpp"
 
@@ -182,4 +186,22 @@ TEST_CASE("a grip's wrench that is not the rate of the target's momentum is foun
     }
     CHECK_FALSE(passes([](AfterContact& x) { x.simulation.trace[0].wheel_torque.x() += 0.1; }));
   }
+}
+
+TEST_CASE("the joint rate at the horizon is recomputed") {
+  Plan plan = arm_plan();
+  plan.problem.approach.enabled = false;
+  plan.after_horizon = motion_after_horizon(plan.problem, plan.configuration, plan.impact,
+                                            plan.problem.post_impact.controllers.front());
+  REQUIRE(plan.after_horizon);
+  const auto fails = [](const Plan& judged) {
+    std::string names;
+    for (const Claim& claim : judge_plan(judged, {}).claims) {
+      if (claim.fails() && claim.name.find("after_horizon") == 0) names += claim.name + " ";
+    }
+    return names;
+  };
+  CHECK(fails(plan) == "");
+  plan.after_horizon->joint_rate *= 1.001;
+  CHECK(fails(plan) == "after_horizon_joint_rate ");
 }
