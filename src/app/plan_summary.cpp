@@ -324,7 +324,8 @@ std::string coverage_words(const Certificate& certificate) {
             ? fmt::format(": above {}, so the plan is feasible and not optimal", kUnseenLevel)
             : "");
   }
-  if (certificate.unseen > 0.9) {
+  constexpr int kFew = 10;  // starts that say nothing of a continuum
+  if (certificate.unseen > 0.9 && certificate.starts >= kFew) {
     return "almost every start ended at a solution of its own: the solutions form a continuum";
   }
   if (certificate.unseen == 0) {
