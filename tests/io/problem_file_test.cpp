@@ -133,6 +133,8 @@ TEST_CASE("wrong types, lengths and units are refused") {
                  "missing-key", {"robot.start", "joint_2"});
   refuses_change("start: {joint_1: -80 deg", "start: {joint_1: -80 m", "wrong-unit",
                  {"robot.start.joint_1", "rad, deg"});
+  refuses_change("objective:", "search: {starts: Auto}\nobjective:", "wrong-type",
+                 {"search.starts", "'Auto'", "an integer", "or `auto`"});
   refuses_change("version: 1", "version: 2", "out-of-range", {"version"});
   refuses_change("format: stillbase.problem", "format: stillbase.plan", "format",
                  {"stillbase.problem"});

@@ -211,12 +211,35 @@ DictionaryValue::DictionaryValue(const std::function<std::vector<std::string>()>
   fits = is_map;
 }
 
+namespace {
+
+/// ", or `auto`" for each alternative that is a word.
+std::string or_words(const std::vector<Value>& values) {
+  std::string out;
+  for (const Value& value : values) {
+    Definitions unused;
+    const Shape shape = value.shape(unused);
+    const Json* const word = shape.schema.find("const");
+    if (word != nullptr && word->is_text()) out += ", or `" + word->get<std::string>() + "`";
+  }
+  return out;
+}
+
+}  // namespace
+
 Either::Either(const std::vector<Value>& values) {
   read = [values](ReadContext& context, const Node& node, const std::string& path) {
-    for (const Value& value : values) {
-      if (value.fits(node)) return value.read(context, node, path);
+    const auto fitting = std::find_if(values.begin(), values.end(),
+                                      [&](const Value& value) { return value.fits(node); });
+    const Value& value = fitting == values.end() ? values.back() : *fitting;
+    const std::size_t before = context.findings.size();
+    const bool is_read = value.read(context, node, path);
+    // One alternative speaks for itself alone.
+    const bool is_refused = context.findings.size() > before;
+    if (is_refused && context.findings.back().rule == "wrong-type") {
+      context.findings.back().message += or_words(values);
     }
-    return values.back().read(context, node, path);
+    return is_read;
   };
   const auto first = std::find_if(values.begin(), values.end(),
                                   [](const Value& value) { return value.is_written; });
