@@ -24,6 +24,29 @@ TEST_CASE("a controller that demands more than a joint's torque limit breaks a l
   CHECK(post_impact_failure(problem, at, impact, {}) == "joint torques");
 }
 
+TEST_CASE("limits far from what a run uses and just beside it are judged alike") {
+  CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
+  problem.post_impact.controllers = {"none"};  // base and joints go on turning
+  const Configuration at{problem.start, problem.base};
+  const ImpactSummary impact = impact_at(problem, at);
+  const SimulationSummary exact =
+      simulate_post_impact(problem, at, impact, "none").simulation.summary;
+  REQUIRE(exact.attitude_turned > 0);
+  REQUIRE(exact.residual_base_rate > 0);
+  PostImpactSpec& limits = problem.post_impact;
+  // Runs at fixed steps decide the outer ones, runs with error control the others.
+  for (const double part : {0.8, 0.985, 0.9999, 1.0001, 1.005, 1.2}) {
+    INFO(part);
+    limits.attitude_change_max = part * exact.attitude_turned;
+    limits.residual_base_rate_max = 10 * exact.residual_base_rate;
+    CHECK(post_impact_failure(problem, at, impact, {}) ==
+          (part < 1 ? "attitude change of the base" : ""));
+    limits.attitude_change_max = 10 * exact.attitude_turned;
+    limits.residual_base_rate_max = part * exact.residual_base_rate;
+    CHECK(post_impact_failure(problem, at, impact, {}) == (part < 1 ? "base rate" : ""));
+  }
+}
+
 TEST_CASE("a joint that moves at the horizon is followed to its stop") {
   CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
   const Configuration at{problem.start, problem.base};
