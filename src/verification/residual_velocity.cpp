@@ -208,6 +208,11 @@ LargestSquare largest_square(const ResidualCase& residual) {
     }
   }
   const double bound = high > largest ? dual(high) : c + largest;
+  // Where the largest eigenvalues are close, the ascent takes long to where the bound is attained.
+  if (high > largest) {
+    const Eigen::ArrayXd shifted = high - axes.values.array();
+    ascend((axes.vectors * (along.array() / shifted).matrix()).normalized());
+  }
   out.bound = std::max(out.value, std::isfinite(bound) ? bound : c + largest + reach);
   return out;
 }
