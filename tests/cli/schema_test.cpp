@@ -178,7 +178,10 @@ TEST_CASE("updates of a plan are what their schema says") {
   shop.write("stream.csv", stream.substr(0, second) + "80" + row.substr(1));
   const Outcome played = shop.run("replan plan.json --estimates stream.csv --timing --json");
   CHECK(played.code == 4);
-  require_fit(shop, "replan", {output(played)});
+  // Only of a last posture that is feasible the time after the impact is said.
+  shop.write("first.csv", stream.substr(0, second));
+  const Outcome first_alone = shop.run("replan plan.json --estimates first.csv --json");
+  require_fit(shop, "replan", {output(played), output(first_alone)});
 }
 
 TEST_CASE("simulations and contact tables are what their schemas say") {
