@@ -161,14 +161,14 @@ std::vector<double> distances_from_limits(const Situation& situation,
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
       if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
-      // Parallel faces: the least of smooth distances has a kink, they have none.
+      // Where several of the smooth distances of two boxes are the least one, that has a kink.
       const double least = shapes.distance(i, j).value_or(kInfinity);
-      bool is_corner = false;
-      for (const double of_corner : shapes.corner_distances(i, j)) {
-        single(of_corner - *wanted.clearance);
-        is_corner = is_corner || of_corner <= least + kSameDistance;
+      bool is_of_feature = false;
+      for (const double of_feature : shapes.feature_distances(i, j)) {
+        single(of_feature - *wanted.clearance);
+        is_of_feature = is_of_feature || of_feature <= least + kSameDistance;
       }
-      single(is_corner ? kInfinity : least - *wanted.clearance);
+      single(is_of_feature ? kInfinity : least - *wanted.clearance);
     }
   }
   return out;

@@ -188,24 +188,67 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
   return out;
 }
 
-std::vector<double> ContactShapes::corner_distances(int i, int j) const {
+namespace {
+
+/// The edges of a box, as middle and half length along its axis.
+std::vector<std::pair<Vector3d, Vector3d>> edges_of(const Pose& pose, const Vector3d& size) {
+  std::vector<std::pair<Vector3d, Vector3d>> out;
+  for (int along = 0; along < 3; ++along) {
+    const int a = (along + 1) % 3, b = (along + 2) % 3;
+    for (const double side_a : {-0.5, 0.5}) {
+      for (const double side_b : {-0.5, 0.5}) {
+        Vector3d middle = Vector3d::Zero();
+        middle[a] = side_a * size[a];
+        middle[b] = side_b * size[b];
+        out.emplace_back(pose * middle,
+                         pose.orientation * Vector3d(size[along] / 2 * Vector3d::Unit(along)));
+      }
+    }
+  }
+  return out;
+}
+
+/// Of two edges that pass each other, nearest between their ends; else infinite.
+double crossing_distance(const std::pair<Vector3d, Vector3d>& one,
+                         const std::pair<Vector3d, Vector3d>& other) {
+  constexpr double kParallel = 1e-12;
+  const auto& [p, u] = one;
+  const auto& [q, v] = other;
+  const Vector3d w = q - p, n = u.cross(v);
+  const double square = n.squaredNorm();
+  if (!(square > kParallel * u.squaredNorm() * v.squaredNorm())) return kInfinity;
+  const double s = w.cross(v).dot(n) / square, t = w.cross(u).dot(n) / square;
+  if (!(std::abs(s) < 1 && std::abs(t) < 1)) return kInfinity;
+  return std::abs(w.dot(n)) / std::sqrt(square);
+}
+
+}  // namespace
+
+std::vector<double> ContactShapes::feature_distances(int i, int j) const {
   std::vector<double> out;
   if (shape(i).body != kBase || shape(j).body != kTarget) return out;
-  const auto add = [&out](const Shape& from, const Shape& to) {
-    const auto* corners = from.geometry == nullptr ? nullptr : std::get_if<Box>(from.geometry);
-    const auto* box = to.geometry == nullptr ? nullptr : std::get_if<Box>(to.geometry);
-    if (corners == nullptr || box == nullptr) return;
-    const Vector3d half = corners->size / 2;
+  const auto box_of = [](const Shape& shape) {
+    return shape.geometry == nullptr ? nullptr : std::get_if<Box>(shape.geometry);
+  };
+  const Box *one = box_of(shape(i)), *other = box_of(shape(j));
+  if (one == nullptr || other == nullptr) return out;
+  const auto add_corners = [&out](const Shape& from, const Box& corners, const Shape& to,
+                                  const Box& box) {
+    const Vector3d half = corners.size / 2;
     for (const double x : {-half.x(), half.x()}) {
       for (const double y : {-half.y(), half.y()}) {
         for (const double z : {-half.z(), half.z()}) {
-          out.push_back(to_box(to.pose.inverse() * (from.pose * Vector3d(x, y, z)), box->size));
+          out.push_back(to_box(to.pose.inverse() * (from.pose * Vector3d(x, y, z)), box.size));
         }
       }
     }
   };
-  add(shape(i), shape(j));
-  add(shape(j), shape(i));
+  add_corners(shape(i), *one, shape(j), *other);
+  add_corners(shape(j), *other, shape(i), *one);
+  const auto edges = edges_of(shape(j).pose, other->size);
+  for (const auto& edge : edges_of(shape(i).pose, one->size)) {
+    for (const auto& across : edges) out.push_back(crossing_distance(edge, across));
+  }
   return out;
 }
 

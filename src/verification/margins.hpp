@@ -30,10 +30,11 @@ class ContactShapes {
   /// separating axis; of a cylinder the larger of those of the capsule and the box about it. Empty
   /// for numbers out of range and for shapes that no constraint is about.
   std::optional<double> distance(int i, int j) const;
-  /// Of every corner of a box of the base and one of the target from the other one, m: 16, all at
-  /// least their distance; none of other shapes.
+  /// Of every corner of a box of the base and one of the target from the other one, and of each
+  /// edge of one from each of the other, m: 16 and 144, all at least the distance of the boxes,
+  /// smooth, and infinite for edges that do not pass each other; none of other shapes.
   /// @pre i < j
-  std::vector<double> corner_distances(int i, int j) const;
+  std::vector<double> feature_distances(int i, int j) const;
   /// Whether a clearance applies to these two. Neighbours in the tree are left out: some of them
   /// overlap by construction.
   bool must_be_apart(int i, int j) const;

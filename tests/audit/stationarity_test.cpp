@@ -108,6 +108,36 @@ TEST_CASE("a feasible configuration states the size of its KKT residual") {
   CHECK(failures(plan).find("kkt_residual") != std::string::npos);
 }
 
+namespace {
+
+/// What is said of the first-order conditions.
+std::string said(const Plan& plan) {
+  VerifyOptions judge;
+  judge.post_impact = false;
+  judge.prover = nullptr;
+  for (const Claim& claim : judge_plan(plan, judge).claims) {
+    if (claim.name == "kkt_residual") {
+      return claim.fails() ? "fails: " + claim.detail : claim.detail;
+    }
+  }
+  return "nothing";
+}
+
+}  // namespace
+
+TEST_CASE("a minimum where a corner and two edges of boxes are equally near is one") {
+  CaptureProblem problem = test::without_path("deos_latch_residual");
+  problem.search.seed = 6;
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(problem, options);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  CHECK_THAT(said(plan), Catch::StartsWith("first-order conditions"));
+  // Off the minimum the conditions do not hold.
+  plan.configuration.phi[3] += 1e-3;
+  CHECK_THAT(said(plan), Catch::StartsWith("fails"));
+}
+
 TEST_CASE("an invented minimum at a kink of a limit fails, a feasible configuration is left open") {
   CaptureProblem problem = test::without_path("deos_latch_residual");
   // The box about a cylinder has its widest gap, and that a kink where faces are parallel.
@@ -116,17 +146,6 @@ TEST_CASE("an invented minimum at a kink of a limit fails, a feasible configurat
   PlannerOptions options;
   options.prover = nullptr;
   Plan plan = make_plan(problem, options);
-  const auto said = [](const Plan& at) {
-    VerifyOptions judge;
-    judge.post_impact = false;
-    judge.prover = nullptr;
-    for (const Claim& claim : judge_plan(at, judge).claims) {
-      if (claim.name == "kkt_residual") {
-        return claim.fails() ? "fails: " + claim.detail : claim.detail;
-      }
-    }
-    return std::string("nothing");
-  };
   // Two corners of the base's box are equally far from the target's end: no slope counts as the
   // limit's.
   CHECK_THAT(said(plan), Catch::Contains("no gradient here"));
