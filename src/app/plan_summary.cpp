@@ -14,6 +14,7 @@
 
 #include "app/words.hpp"
 #include "planner/candidates.hpp"
+#include "planner/choice.hpp"
 
 namespace stillbase::app {
 
@@ -145,9 +146,9 @@ std::string binding_words(const BindingLimit& limit, const std::string& unit) {
   };
   if (limit.unit == "rad^2") {  // of an angle, which its slope goes over to
     const double angle = std::sqrt(limit.value);
-    return binding_words(
-        {"base_attitude", limit.is_upper, angle, limit.margin, 2 * angle * limit.multiplier, "rad"},
-        unit);
+    return binding_words({"base_attitude", limit.is_upper, angle, limit.margin / (2 * angle),
+                          2 * angle * limit.multiplier, "rad"},
+                         unit);
   }
   const auto [at, words] = size(limit.value);
   const double one = 1 / size(1).first;
@@ -362,21 +363,24 @@ std::string curve_words(const Plan& plan) {
   return text;
 }
 
-/// The free coordinate of the chosen candidate, and of how many others.
+/// The free coordinate of the chosen candidate, and how many candidates have one.
 std::string roll_words(const Plan& plan) {
-  int count = 0;
-  std::string text;
-  for (const SolutionFamily& family : plan.families) {
-    const std::optional<int> joint = free_joint(family);
-    if (!joint) continue;
-    ++count;
-    const auto& ends = family.points;
-    text = fmt::format("{} may have any angle from {:.2f} to {:.2f} deg, nothing depends on it",
-                       plan.problem.robot.joints[static_cast<std::size_t>(*joint)].name,
-                       ends.front().phi[*joint] * kDegrees, ends.back().phi[*joint] * kDegrees);
-  }
-  if (count == 0) return "";
-  return fmt::format("{} ({} of {} candidates)", text, count, plan.candidates.size());
+  const auto chosen = std::find_if(
+      plan.candidates.begin(), plan.candidates.end(),
+      [&](const auto& c) { return is_same_configuration(c.configuration, plan.configuration); });
+  if (chosen == plan.candidates.end() || chosen->family < 0) return "";
+  const SolutionFamily& family = plan.families[static_cast<std::size_t>(chosen->family)];
+  const std::optional<int> joint = free_joint(family);
+  if (!joint) return "";
+  const auto count =
+      std::count_if(plan.families.begin(), plan.families.end(),
+                    [](const SolutionFamily& f) { return free_joint(f).has_value(); });
+  return fmt::format(
+      "{} may have any angle from {:.2f} to {:.2f} deg, nothing depends on it ({} of {} "
+      "candidates)",
+      plan.problem.robot.joints[static_cast<std::size_t>(*joint)].name,
+      family.points.front().phi[*joint] * kDegrees, family.points.back().phi[*joint] * kDegrees,
+      count, plan.candidates.size());
 }
 
 std::string approach_words(const Approach& approach) {
