@@ -40,10 +40,11 @@ std::string spread_words(const Plan& plan, double nominal, double worst_case, bo
 std::string residual_words(const ResidualSummary& residual) {
   const Vector6d deviations = residual.covariance.diagonal().cwiseSqrt();
   const Vector3d linear = deviations.head<3>(), angular = deviations.tail<3>();
-  std::string text = fmt::format(
-      "{:.4g} m/s and {:.4g} deg/s nominal, standard deviations {} m/s and {} deg/s in B",
-      residual.velocity.head<3>().norm(), residual.velocity.tail<3>().norm() * kDegrees,
-      vector_words(linear), vector_words(angular * kDegrees));
+  std::string text =
+      fmt::format("{} m/s and {} deg/s nominal, standard deviations {} m/s and {} deg/s in B",
+                  size_words(residual.velocity.head<3>().norm(), 4),
+                  size_words(residual.velocity.tail<3>().norm() * kDegrees, 4),
+                  vector_words(linear), vector_words(angular * kDegrees));
   if (residual.separating > 1e-6) {
     text += fmt::format(
         "; {:.3g} % of the velocities separate: there is no contact then, and the "

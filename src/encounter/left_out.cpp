@@ -21,14 +21,11 @@ void add_unused_covariance(const CaptureProblem& problem, std::vector<LeftOut>& 
                         !problem.variables.feature.empty() &&
                         problem.impulse.source != ImpulseSource::Given;
   if (!is_known || law == ContactLaw::Frictionless || problem.uncertainty.residual_velocity) return;
-  const char* const advice = problem.hand_motion.moves()
-                                 ? "of a hand that moves there is no measure over it"
-                                 : "state uncertainty.residual_velocity: from_covariance";
   out.push_back(
       {kUnusedCovarianceRule, "target", "state.covariance",
-       fmt::format("the impulse of this contact follows from the whole relative velocity, which "
-                   "counts as exactly known; the covariance is drawn by trials alone; {}",
-                   advice)});
+       "the impulse of this contact follows from the whole relative velocity, which counts as "
+       "exactly known; the covariance is drawn by trials alone; state "
+       "uncertainty.residual_velocity: from_covariance"});
 }
 
 /// The least ratio of standard deviations over all directions of a velocity; infinite where the

@@ -50,6 +50,8 @@ struct ScenarioImpact {
   S closing_speed_rate = S(0);        ///< per s of contact time, m/s^2
   RigidContact<S> rigid;              ///< of a sticking contact or a latch
   TargetAtHandRates<S> target_rates;  ///< of its target
+  /// Of rigid.apart per s of contact time, the base attitude relative to E fixed; in B.
+  Vector6<S> apart_rate = Vector6<S>::Zero();
   ImpactResponse<S> response;  ///< to a unit impulse; of a rigid contact to the whole impulse
   S p = S(0);                  ///< impulse, N s; of a rigid contact 1
 };
@@ -96,7 +98,7 @@ struct CaptureModel {
   template <class S>
   ScenarioImpact<S> encounter_of(const Placement<S>& at, const Scenario& scenario) const;
   /// The relative velocity of the scenario is off by L s: the target's takes it, whatever the
-  /// nominal one is.
+  /// nominal one is. A hand that moves does so as the nominal target asks.
   template <class S>
   void add_velocity_error(const Scenario& scenario, const S& time, ScenarioImpact<S>& impact) const;
   template <class S>
@@ -132,6 +134,10 @@ struct CaptureModel {
   void add_target_change(const ScenarioImpact<S>& impact, const Vector3<S>& turn,
                          const Vector3<S>& velocity, const Vector3<S>& omega,
                          ScalarGradient<S>& gradient) const;
+  /// The same with what the hand's velocity is decided by, and over the joints.
+  template <class S>
+  ScalarGradient<S> contact_change(const ScenarioImpact<S>& impact,
+                                   const ContactGradient<S>& by_contact) const;
   /// along_p = p d value / dp acts through the closing speed's change in time.
   template <class S>
   void add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,

@@ -106,6 +106,13 @@ void CaptureModel::add_velocity_error(const Scenario& scenario, const S& time,
   };
   add(error, target.velocity, target.omega);
   add(rate, impact.target_rates.velocity, impact.target_rates.omega);
+  if (!encounter.hand_moves()) return;
+  const auto add_apart = [&](const Vector6<S>& at_hand, Vector6<S>& apart) {
+    apart.template head<3>() += R_BE * at_hand.template head<3>();
+    apart.template tail<3>() += R_BE * at_hand.template tail<3>();
+  };
+  add_apart(error, impact.rigid.apart);
+  add_apart(rate, impact.apart_rate);
 }
 
 template <class S>
@@ -153,6 +160,16 @@ void CaptureModel::add_target_change(const ScenarioImpact<S>& impact, const Vect
 }
 
 template <class S>
+ScalarGradient<S> CaptureModel::contact_change(const ScenarioImpact<S>& impact,
+                                               const ContactGradient<S>& by_contact) const {
+  ScalarGradient<S> out(n());
+  out.phi = by_contact.phi;
+  add_target_change<S>(impact, by_contact.turn, by_contact.velocity, by_contact.omega, out);
+  if (encounter.hand_moves()) out.t += by_contact.apart.dot(impact.apart_rate);
+  return out;
+}
+
+template <class S>
 void CaptureModel::add_speed_rate(const ScenarioImpact<S>& impact, const S& along_p,
                                   ScalarGradient<S>& gradient) const {
   const S& speed = impact.encounter.closing_speed;
@@ -165,14 +182,11 @@ template <class S>
 ScalarGradient<S> CaptureModel::impact_gradient(const PostureImpact<S>& posture,
                                                 const ScenarioImpact<S>& impact,
                                                 const ResponseWeights<S>& weights) const {
-  ScalarGradient<S> out(n());
   if (encounter.is_rigid_contact()) {
-    const auto all =
-        contact_gradient<S>(problem.robot, posture, impact.rigid, impact.response, weights);
-    out.phi = all.phi;
-    add_target_change<S>(impact, all.turn, all.velocity, all.omega, out);
-    return out;
+    return contact_change<S>(impact, contact_gradient<S>(problem.robot, posture, impact.rigid,
+                                                         impact.response, weights));
   }
+  ScalarGradient<S> out(n());
   const auto raw = response_gradient<S>(problem.robot, posture, impact.response, weights);
   out.phi = raw.phi;
   add_wrench_turn<S>(impact, raw.F, out);
@@ -183,12 +197,8 @@ template <class S>
 ScalarGradient<S> CaptureModel::motion_before_gradient(const PostureImpact<S>& posture,
                                                        const ScenarioImpact<S>& impact,
                                                        const HandMotionWeights<S>& weights) const {
-  const auto all =
-      stillbase::motion_before_gradient<S>(problem.robot, posture, impact.rigid, weights);
-  ScalarGradient<S> out(n());
-  out.phi = all.phi;
-  add_target_change<S>(impact, all.turn, all.velocity, all.omega, out);
-  return out;
+  return contact_change<S>(
+      impact, stillbase::motion_before_gradient<S>(problem.robot, posture, impact.rigid, weights));
 }
 
 template <class S>
@@ -229,6 +239,8 @@ ScalarGradient<S> CaptureModel::scaled_gradient(const PostureImpact<S>& posture,
   template void CaptureModel::add_target_change(const ScenarioImpact<S>&, const Vector3<S>&,    \
                                                 const Vector3<S>&, const Vector3<S>&,           \
                                                 ScalarGradient<S>&) const;                      \
+  template ScalarGradient<S> CaptureModel::contact_change(const ScenarioImpact<S>&,             \
+                                                          const ContactGradient<S>&) const;     \
   template void CaptureModel::add_speed_rate(const ScenarioImpact<S>&, const S&,                \
                                              ScalarGradient<S>&) const
 

@@ -206,6 +206,7 @@ ContactGradient<S> motion_before_gradient(const RobotModel& robot, const Posture
   out.phi = by_motion.phi;
   out.velocity = by_v;
   out.omega = by_w + contact.target.r.cross(by_v);
+  out.apart = -by_motion.V;
   out.turn = by_v.cross(Vector3<S>(match.V.template head<3>())) +
              by_w.cross(Vector3<S>(match.V.template tail<3>())) + by_motion.n.cross(match.n);
   return out;
@@ -226,6 +227,7 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   out.turn.setZero();
   out.velocity.setZero();
   out.omega.setZero();
+  out.apart.setZero();
 
   // What psi changes by where Delta Omega, Delta phidot and F stay.
   Vector6<S> of_target = Vector6<S>::Zero();  // in the adjoint's right-hand side
@@ -308,6 +310,7 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   out.turn += before.turn;
   out.velocity += before.velocity;
   out.omega += before.omega;
+  out.apart = before.apart;
   return out;
 }
 

@@ -222,10 +222,11 @@ void check_hand_motion(MapReader& map, const CaptureProblem& problem) {
            "base: a contact.hand_velocity needs 'floating' with station_free: true; the robot has "
            "no momentum at the contact, and its base moves with the arm");
   }
-  if (problem.measure.kind != RiskMeasure::Nominal) {
+  if (problem.measure.kind != RiskMeasure::Nominal && !problem.uncertainty.residual_velocity) {
     refuse("objective", "not-supported",
-           "measure: with a contact.hand_velocity the joint rates are those of the nominal target; "
-           "use 'nominal'");
+           "measure: with a contact.hand_velocity the joint rates are those of the nominal target, "
+           "and what differs from it is a relative velocity; state uncertainty.residual_velocity, "
+           "or use 'nominal'");
   }
   const auto is_zero = [](const std::optional<Vector3d>& part) { return part && part->isZero(0); };
   const bool matches_all = hand.velocity == HandVelocity::MatchAll ||

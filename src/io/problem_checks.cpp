@@ -101,11 +101,6 @@ void check_residual(MapReader& map, const CaptureProblem& problem) {
     refuse("uncertainty", "missing-key",
            "residual_velocity: 'from_covariance' needs target.state.covariance");
   }
-  if (problem.hand_motion.moves()) {
-    refuse("uncertainty", "not-supported",
-           "residual_velocity: the measures are those of a hand at rest; leave "
-           "contact.hand_velocity out");
-  }
   if (spread.cone_half_angle > 0 || spread.cone_confidence) {
     refuse("uncertainty", "contradiction",
            "residual_velocity: a worst case is that over the velocity or over a cone of "

@@ -91,7 +91,9 @@ Matrix6d rotated(const Matrix3d& R, const Matrix6d& A) {
 
 /// |y|^2 of the impulse that a relative velocity gives by the contact law, as a linear one: what
 /// separates pulls.
-double square_at(const Situation& at, const Vector6d& V) {
+/// @param before of the robot; empty: at rest
+double square_at(const Situation& at, const Vector6d& V,
+                 const std::optional<MotionOfRobot>& before = std::nullopt) {
   const CaptureProblem& problem = at.problem;
   ContactEvent event = at.event;
   event.velocity = V.head<3>();
@@ -102,11 +104,30 @@ double square_at(const Situation& at, const Vector6d& V) {
     return square_of(problem, at.response, impulse_along(problem, event, at.response, event.n));
   }
   PostureResponse response = at.response;
-  hold_latched(problem, event, response);
+  response.before = before;
+  ContactEvent in_N = event;
+  if (before) {
+    *in_N.velocity += before->hand.head<3>();
+    in_N.omega += before->hand.tail<3>();
+  }
+  hold_latched(problem, in_N, response);
   const Vector6d Fbar = reference::impulse_that_joins(response.dynamics, response.added_inertia,
                                                       response.locked, met_body(problem, event),
                                                       problem.impulse.contact == ContactLaw::Latch);
   return square_of(problem, response, Fbar);
+}
+
+/// The linear part and the constant where the hand moves, from velocities as large as the hand's:
+/// without any there is no contact.
+void add_motion_before(const Situation& at, const MotionOfRobot& before, ResidualCase& out) {
+  const double speed = before.hand.head<3>().norm(), rate = before.hand.tail<3>().norm();
+  for (int i = 0; i < 6; ++i) {
+    const double size = i < 3 ? speed : rate, step = size > 0 ? size : 1;
+    const double plus = square_at(at, step * Vector6d::Unit(i), before);
+    const double minus = square_at(at, -step * Vector6d::Unit(i), before);
+    out.linear[i] = (plus - minus) / (4 * step);
+    out.constant += ((plus + minus) / 2 - step * step * out.form(i, i)) / 6;
+  }
 }
 
 }  // namespace
@@ -117,6 +138,8 @@ ResidualCase residual_case(const Situation& at) {
   const ContactEvent& event = at.event;
   ResidualCase out;
   out.velocity << *event.velocity, event.omega;
+  const std::optional<MotionOfRobot>& before = at.response.before;
+  if (before) out.velocity -= before->hand;
   out.deviations = stated.deviations;
   const Matrix3d R_BN = at.at.base.orientation.conjugate().toRotationMatrix();
   if (stated.covariance) {
@@ -129,9 +152,11 @@ ResidualCase residual_case(const Situation& at) {
     out.covariance.diagonal().head<3>().array() += std::pow(stated.linear_tracking, 2);
     out.covariance.diagonal().tail<3>().array() += std::pow(stated.angular_tracking, 2);
   }
-  const double speed = event.n.dot(*event.velocity);
-  const double variance = event.n.dot(out.covariance.topLeftCorner<3, 3>() * event.n);
-  out.separating = variance > 0 ? std::erfc(speed / std::sqrt(2 * variance)) / 2 : speed <= 0;
+  if (!before || problem.impulse.contact != ContactLaw::Latch) {
+    const double speed = event.n.dot(out.velocity.head<3>());
+    const double variance = event.n.dot(out.covariance.topLeftCorner<3, 3>() * event.n);
+    out.separating = variance > 0 ? std::erfc(speed / std::sqrt(2 * variance)) / 2 : speed <= 0;
+  }
 
   Vector6d alone;
   for (int i = 0; i < 6; ++i) alone[i] = square_at(at, Vector6d::Unit(i));
@@ -142,6 +167,7 @@ ResidualCase residual_case(const Situation& at) {
       out.form(i, j) = out.form(j, i) = (both - alone[i] - alone[j]) / 2;
     }
   }
+  if (before) add_motion_before(at, *before, out);
   return out;
 }
 
@@ -166,7 +192,7 @@ LargestSquare largest_square(const ResidualCase& residual) {
   const Matrix6d L =
       residual.deviations * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   const Matrix6d P = L.transpose() * residual.form * L;
-  const Vector6d q = L.transpose() * residual.form * residual.velocity;
+  const Vector6d q = L.transpose() * residual.slope(residual.velocity);
   const double c = residual.square(residual.velocity);
   const SymmetricEigen axes = symmetric_eigen(P);
 
@@ -225,7 +251,7 @@ bool is_largest_unique(const ResidualCase& residual) {
   // |y|^2 = k^2 s' G s + 2 k b' s + const, |s| = 1.
   const Eigen::SelfAdjointEigenSolver<Matrix6d> G(root.transpose() * residual.form * root);
   const Vector6d b =
-      G.eigenvectors().transpose() * (root.transpose() * residual.form * residual.velocity);
+      G.eigenvectors().transpose() * (root.transpose() * residual.slope(residual.velocity));
   const double largest = G.eigenvalues()[5], second = G.eigenvalues()[4];
   if (!(largest > 0)) return true;
   const double linear = 2 * b.norm() / (residual.deviations * largest);

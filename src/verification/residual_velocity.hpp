@@ -9,16 +9,22 @@ namespace stillbase::verification {
 
 /// The residual velocity at a configuration, and the objective as a function of the velocity.
 struct ResidualCase {
-  Vector6d velocity = Vector6d::Zero();    ///< Vbar, nominal, [v; omega] at the hand, in B
+  /// Vbar, nominal, [v; omega] of target less hand, at the hand, in B.
+  Vector6d velocity = Vector6d::Zero();
   Matrix6d covariance = Matrix6d::Zero();  ///< in B
   double deviations = 0;                   ///< k
-  double separating = 0;                   ///< probability of a negative closing speed
-  /// |y|^2 = V' form V, y the terms of the objective below each other, for any V, also one that
-  /// separates.
+  /// Probability of a negative closing speed; a latch that moves along has hold of the target.
+  double separating = 0;
+  /// |y|^2 = V' form V + 2 linear' V + constant, y the terms of the objective below each other, for
+  /// any V, also one that separates. Of a hand at rest the form alone.
   Matrix6d form = Matrix6d::Zero();
+  Vector6d linear = Vector6d::Zero();
+  double constant = 0;
 
-  double square(const Vector6d& V) const { return V.dot(form * V); }
-  /// E|y|^2 = Vbar' form Vbar + tr(form Sigma).
+  double square(const Vector6d& V) const { return V.dot(form * V + 2 * linear) + constant; }
+  /// Half the gradient of the square.
+  Vector6d slope(const Vector6d& V) const { return form * V + linear; }
+  /// E|y|^2 = |y|^2 at Vbar + tr(form Sigma).
   double mean_square() const { return square(velocity) + (form * covariance).trace(); }
   /// Of V within the ellipsoid: at most 1. Directions without variance have none.
   double distance(const Vector6d& V) const;

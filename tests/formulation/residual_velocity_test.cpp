@@ -15,7 +15,7 @@
 #include "formulation/measures/scenario_program.hpp"
 #include "formulation/objectives/jump_objective_kernel.hpp"
 #include "formulation/some_point.hpp"
-#include "support/capture_problems.hpp"
+#include "support/random_capture.hpp"
 
 namespace stillbase {
 namespace {
@@ -49,6 +49,38 @@ CaptureProblem residual_problem(Random& random, ContactLaw law, double linear = 
   return problem;
 }
 
+/// How the hand moves before a contact.
+struct Moving {
+  HandVelocity velocity;
+  ArrivalRates rates;
+  ContactLaw law;
+};
+
+constexpr Moving kMoving[] = {
+    {HandVelocity::MatchNormal, ArrivalRates::LeastBaseRate, ContactLaw::Latch},
+    {HandVelocity::MatchLinear, ArrivalRates::LeastJointRate, ContactLaw::Latch},
+    {HandVelocity::MatchAll, ArrivalRates::LeastJointRate, ContactLaw::Latch},
+    {HandVelocity::MatchAll, ArrivalRates::LeastBaseRate, ContactLaw::Latch},
+    {HandVelocity::Stated, ArrivalRates::LeastBaseRate, ContactLaw::Latch},
+    {HandVelocity::Stated, ArrivalRates::LeastJointRate, ContactLaw::Sticking}};
+
+CaptureProblem moving_problem(Random& random, const Moving& moving, double linear = 4e-3,
+                              double angular = 0.02) {
+  CaptureProblem problem = tumbling_problem(random, random_arm(random, 7));
+  problem.impulse.contact = moving.law;
+  problem.impulse.restitution = 0;
+  problem.hand_motion.velocity = moving.velocity;
+  problem.hand_motion.rates = moving.rates;
+  if (moving.velocity == HandVelocity::Stated) {
+    problem.hand_motion.linear = Vector3d(0.03, -0.01, 0.005);
+    problem.hand_motion.angular = Vector3d(0.003, 0.002, -0.004);
+  }
+  problem.objective = {{ObjectiveQuantity::BaseAngularVelocity}};
+  problem.uncertainty.residual_velocity.emplace();
+  problem.uncertainty.residual_velocity->covariance = random_covariance(random, linear, angular);
+  return problem;
+}
+
 /// The base's angular velocity right after a contact, as the contact law has it.
 class FullLaw {
  public:
@@ -68,9 +100,17 @@ class FullLaw {
     Matrix6d turn = Matrix6d::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R_BE;
     root_ = turn * model.residual->at(at.time);
+    if (!problem.hand_motion.moves()) return;
+    // As the nominal target asks, whatever the errors are.
+    const HandMotion<double> before = model.impact(at, posture_, model.nominal).rigid.before;
+    hand_ = before.V;
+    rate_before_ = before.Omega.tail<3>();
+    contact_.is_grasped = contact_.law == ContactLaw::Latch;
   }
 
+  /// Of the target.
   Vector6d velocity(const Vector6d& s) const { return mean_ + root_ * s; }
+  const Vector6d& hand() const { return hand_; }
   bool closes(const Vector6d& V) const { return contact_.n.dot(V.head<3>()) > 0; }
   double closing_deviations() const {
     const Vector3d across = root_.topRows<3>().rowwise().squaredNorm().cwiseSqrt();
@@ -81,10 +121,10 @@ class FullLaw {
     ContactTarget target = target_;
     target.angular_velocity = V.tail<3>();
     target.velocity = V.head<3>() - target.angular_velocity.cross(target.r);
-    const ContactImpulse impulse = contact_impulse(contact_, W_h_, Vector6d::Zero(), target);
-    return compute_jump<double>(posture_.factor, posture_.jacobian, impulse.Fbar)
-        .Delta_Omega.tail<3>()
-        .squaredNorm();
+    const ContactImpulse impulse = contact_impulse(contact_, W_h_, hand(), target);
+    const Vector6d jump =
+        compute_jump<double>(posture_.factor, posture_.jacobian, impulse.Fbar).Delta_Omega;
+    return (rate_before_ + jump.tail<3>()).squaredNorm();
   }
   /// The same as if the contact could pull.
   double linear_square(const Vector6d& V) const { return square(closes(V) ? V : Vector6d(-V)); }
@@ -95,6 +135,8 @@ class FullLaw {
   Contact contact_;
   ContactTarget target_;
   Vector6d mean_;
+  Vector6d hand_ = Vector6d::Zero();         ///< before the contact
+  Vector3d rate_before_ = Vector3d::Zero();  ///< of the base
 };
 
 Vector6d normal_vector(Random& random) {
@@ -198,78 +240,183 @@ TEST_CASE("no sample of the ellipsoid exceeds the worst case, and some come near
   CHECK(Measure(problem, formulation).reported(x) == Approx(worst).epsilon(1e-12));
 }
 
+/// Where a test's covariance comes from.
+enum class Source { InTarget, InN, Estimate };
+
+/// Relative: two evaluations of one value, a gradient and its largest component, a Hessian and
+/// differences of gradients.
+struct Agreement {
+  double value, gradient, hessian;
+};
+constexpr Agreement kRestingHand{1e-12, 1e-11, 1e-7};
+/// The rates before the contact come from equations that square the Jacobian's condition.
+constexpr Agreement kMovingHand{1e-9, 1e-9, 1e-5};
+
+/// Of a hand that moves the slowest of some points: joints that race are next to a singular
+/// posture.
+Eigen::VectorXd slow_point(const Formulation& formulation, int index) {
+  constexpr int kPoints = 50;
+  const CaptureModel& model = formulation.parts().model;
+  if (!model.encounter.hand_moves()) return some_point(formulation, index);
+  Eigen::VectorXd out;
+  double slowest = nlp::kInfinity;
+  for (int i = kPoints * index; i < kPoints * (index + 1); ++i) {
+    const Eigen::VectorXd x = some_point(formulation, i);
+    const auto at = model.place<double>(x);
+    const double speed =
+        model.impact(at, model.posture(at), model.nominal).rigid.before.phidot.norm();
+    if (speed >= slowest) continue;
+    slowest = speed;
+    out = x;
+  }
+  return out;
+}
+
+/// Gradients and Hessian of several terms at a point.
+void check_derivatives(CaptureProblem problem, Source source, int point, const Agreement& same) {
+  ResidualVelocity& residual = *problem.uncertainty.residual_velocity;
+  if (source == Source::InN) residual.frame = ResidualFrame::Inertial;
+  if (source == Source::Estimate) {
+    residual.covariance.reset();
+    problem.target_deviations = some_deviations();
+    residual.linear_tracking = 1e-3;
+  }
+  problem.objective = {{ObjectiveQuantity::BaseAngularMomentum, 0.7},
+                       {ObjectiveQuantity::TotalAngularMomentum, 2},
+                       {ObjectiveQuantity::BaseMomentum, 3, 0.5},
+                       {ObjectiveQuantity::JointRateNorm, 0.2}};
+  const Formulation formulation(problem);
+  const Formulation::Parts& parts = formulation.parts();
+  const CaptureModel& model = parts.model;
+  const Eigen::VectorXd x = slow_point(formulation, point);
+  const std::vector<Scenario> scenarios = mean_scenarios(problem);
+  REQUIRE(scenarios.size() == 7);
+  ScenarioEvaluation here;
+  formulation.evaluate_scenarios(x, scenarios, true, here);
+  for (Eigen::Index k = 0; k < 7; ++k) {  // in packs above where the hand is at rest, here alone
+    ScenarioEvaluation alone;
+    formulation.evaluate_scenarios(x, {scenarios[static_cast<std::size_t>(k)]}, true, alone);
+    CHECK(alone.values[0] == Approx(here.values[k]).epsilon(1e-12));
+    CHECK((alone.gradients.row(0) - here.gradients.row(k)).cwiseAbs().maxCoeff() <
+          1e-11 * (1 + here.gradients.row(k).norm()));
+  }
+  const Eigen::VectorXd weights = Eigen::VectorXd::Constant(7, 1. / 7);
+  const auto mean_gradient = [&](const Eigen::VectorXd& at) {
+    ScenarioEvaluation there;
+    formulation.evaluate_scenarios(at, scenarios, true, there);
+    return Eigen::VectorXd(there.gradients.transpose() * weights);
+  };
+  Eigen::MatrixXd hessian;
+  formulation.scenario_hessian(x, scenarios, weights,
+                               Eigen::VectorXd::Zero(formulation.num_constraints()), hessian);
+  VectorX<Tangent> along = x.cast<Tangent>();
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    along[i].d = 1;
+    const auto at = model.place<Tangent>(along);
+    const auto posture = model.posture(at);
+    for (std::size_t k = 0; k < scenarios.size(); ++k) {
+      const Tangent f = parts.jump.objective(posture, model.impact(at, posture, scenarios[k]),
+                                             parts.objective_unit);
+      const auto row = static_cast<Eigen::Index>(k);
+      INFO("source " << static_cast<int>(source) << ", point " << point << ", scenario " << k
+                     << ", variable " << i);
+      CHECK(here.values[row] == Approx(f.v).epsilon(same.value));
+      CHECK(std::abs(here.gradients(row, i) - f.d) <
+            same.gradient * (1 + here.gradients.row(row).cwiseAbs().maxCoeff()));
+    }
+    along[i].d = 0;
+    const double h = 1e-5;
+    const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(x.size(), i);
+    const Eigen::VectorXd column = (mean_gradient(x + step) - mean_gradient(x - step)) / (2 * h);
+    CHECK((hessian.col(i) - column).cwiseAbs().maxCoeff() <
+          same.hessian * (1 + hessian.cwiseAbs().maxCoeff()));
+  }
+}
+
 TEST_CASE("gradients and Hessians over velocity errors agree with automatic differentiation") {
-  const ContactLaw law =
-      GENERATE(ContactLaw::Frictionless, ContactLaw::Sticking, ContactLaw::Latch);
-  // The covariance fixed in the target, fixed in N, carried from the estimate.
-  const int source = GENERATE(0, 1, 2);
-  Random random(64);
-  for (int trial = 0; trial < 3; ++trial) {
-    CaptureProblem problem = residual_problem(random, law, 0.1, 0.1);
-    ResidualVelocity& residual = *problem.uncertainty.residual_velocity;
-    if (source == 1) residual.frame = ResidualFrame::Inertial;
-    if (source == 2) {
-      residual.covariance.reset();
-      problem.target_deviations = some_deviations();
-      residual.linear_tracking = 1e-3;
+  const Source source = GENERATE(Source::InTarget, Source::InN, Source::Estimate);
+  SECTION("a hand at rest") {
+    const ContactLaw law =
+        GENERATE(ContactLaw::Frictionless, ContactLaw::Sticking, ContactLaw::Latch);
+    INFO("law " << static_cast<int>(law));
+    Random random(64);
+    for (int trial = 0; trial < 3; ++trial) {
+      check_derivatives(residual_problem(random, law, 0.1, 0.1), source, trial, kRestingHand);
     }
-    problem.objective = {{ObjectiveQuantity::BaseAngularMomentum, 0.7},
-                         {ObjectiveQuantity::TotalAngularMomentum, 2},
-                         {ObjectiveQuantity::BaseMomentum, 3, 0.5},
-                         {ObjectiveQuantity::JointRateNorm, 0.2}};
-    const Formulation formulation(problem);
-    const Formulation::Parts& parts = formulation.parts();
-    const CaptureModel& model = parts.model;
-    const Eigen::VectorXd x = some_point(formulation, trial);
-    const std::vector<Scenario> scenarios = mean_scenarios(problem);
-    REQUIRE(scenarios.size() == 7);
-    ScenarioEvaluation here;
-    formulation.evaluate_scenarios(x, scenarios, true, here);
-    for (Eigen::Index k = 0; k < 7; ++k) {  // in packs above, here alone
-      ScenarioEvaluation alone;
-      formulation.evaluate_scenarios(x, {scenarios[static_cast<std::size_t>(k)]}, true, alone);
-      CHECK(alone.values[0] == Approx(here.values[k]).epsilon(1e-12));
-      CHECK((alone.gradients.row(0) - here.gradients.row(k)).cwiseAbs().maxCoeff() <
-            1e-11 * (1 + here.gradients.row(k).norm()));
-    }
-    const Eigen::VectorXd weights = Eigen::VectorXd::Constant(7, 1. / 7);
-    const auto mean_gradient = [&](const Eigen::VectorXd& at) {
-      ScenarioEvaluation there;
-      formulation.evaluate_scenarios(at, scenarios, true, there);
-      return Eigen::VectorXd(there.gradients.transpose() * weights);
-    };
-    Eigen::MatrixXd hessian;
-    formulation.scenario_hessian(x, scenarios, weights,
-                                 Eigen::VectorXd::Zero(formulation.num_constraints()), hessian);
-    VectorX<Tangent> along = x.cast<Tangent>();
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      along[i].d = 1;
-      const auto at = model.place<Tangent>(along);
-      const auto posture = model.posture(at);
-      for (std::size_t k = 0; k < scenarios.size(); ++k) {
-        const Tangent f = parts.jump.objective(posture, model.impact(at, posture, scenarios[k]),
-                                               parts.objective_unit);
-        const auto row = static_cast<Eigen::Index>(k);
-        INFO("law " << static_cast<int>(law) << ", source " << source << ", trial " << trial
-                    << ", scenario " << k << ", variable " << i);
-        CHECK(here.values[row] == Approx(f.v).epsilon(1e-12));
-        CHECK(here.gradients(row, i) ==
-              Approx(f.d).epsilon(1e-10).margin(1e-11 * (1 + here.values[row])));
-      }
-      along[i].d = 0;
-      const double h = 1e-5;
-      const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(x.size(), i);
-      const Eigen::VectorXd column = (mean_gradient(x + step) - mean_gradient(x - step)) / (2 * h);
-      CHECK((hessian.col(i) - column).cwiseAbs().maxCoeff() <
-            1e-7 * (1 + hessian.cwiseAbs().maxCoeff()));
+  }
+  SECTION("a hand that moves") {
+    const Moving moving = GENERATE(from_range(std::begin(kMoving), std::end(kMoving)));
+    INFO("velocity " << static_cast<int>(moving.velocity));
+    Random random(70);
+    for (int trial = 0; trial < 3; ++trial) {
+      check_derivatives(moving_problem(random, moving, 0.1, 0.1), source, trial, kMovingHand);
     }
   }
 }
 
+TEST_CASE("with a hand that moves both measures are those of samples of the contact law") {
+  const Moving moving = GENERATE(from_range(std::begin(kMoving), std::end(kMoving)));
+  if (moving.law == ContactLaw::Sticking) return;  // some of its samples pull
+  INFO("velocity " << static_cast<int>(moving.velocity));
+  Random random(71);
+  CaptureProblem problem = moving_problem(random, moving);
+  problem.uncertainty.residual_velocity->deviations = 2.5;
+  const Formulation formulation(problem);
+  const Eigen::VectorXd x = some_point(formulation, 5);
+  const Configuration at = formulation.configuration(x);
+  const FullLaw full(problem, formulation, x);
+  MeanOfSamples samples;
+  double largest = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const Vector6d s = normal_vector(random);
+    samples.add(full.square(full.velocity(s)));
+    largest = std::max(largest, full.square(full.velocity(2.5 * s.normalized())));
+  }
+  problem.measure.kind = RiskMeasure::Expectation;
+  const double mean = Measure(problem, formulation).reported(x);
+  CHECK(std::abs(mean * mean - samples.mean()) < 5 * samples.error());
+  CHECK(mean > nominal_value(problem, formulation, at));
+  problem.measure.kind = RiskMeasure::WorstCase;
+  const double worst = Measure(problem, formulation).reported(x);
+  CHECK(std::sqrt(largest) <= worst * (1 + 1e-12));
+  CHECK(std::sqrt(largest) > 0.9 * worst);
+
+  const ResidualSummary summary = summarize_residual(problem, formulation, at);
+  const Vector6d nominal = full.velocity(Vector6d::Zero()) - full.hand();
+  CHECK((summary.velocity - nominal).norm() < 1e-12);
+  if (moving.velocity == HandVelocity::MatchAll) CHECK(summary.velocity.norm() < 1e-12);
+  CHECK(std::sqrt(full.square(summary.worst_velocity + full.hand())) ==
+        Approx(worst).epsilon(1e-10));
+  CHECK(summary.separating == 0);  // it has hold of the target
+}
+
+TEST_CASE("points of a contact without slip separate by their relative velocity") {
+  Random random(72);
+  const Moving& sticking = kMoving[5];
+  const CaptureProblem problem = moving_problem(random, sticking, 0.04);
+  const Formulation formulation(problem);
+  const Eigen::VectorXd x = some_point(formulation, 5);
+  const FullLaw full(problem, formulation, x);
+  int separating = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    separating += !full.closes(full.velocity(normal_vector(random)) - full.hand());
+  }
+  const double stated =
+      summarize_residual(problem, formulation, formulation.configuration(x)).separating;
+  CHECK(separating > 0.02 * kSamples);
+  CHECK(stated == Approx(separating / double{kSamples}).margin(0.008));
+}
+
 TEST_CASE("the worst case changes as the scenario at which it is taken") {
-  const ContactLaw law = GENERATE(ContactLaw::Frictionless, ContactLaw::Latch);
+  enum class Hand { Frictionless, Latch, Matched };
+  const Hand hand = GENERATE(Hand::Frictionless, Hand::Latch, Hand::Matched);
   Random random(65);
-  CaptureProblem problem = residual_problem(random, law, 0.02, 0.05);
+  CaptureProblem problem =
+      hand == Hand::Matched
+          ? moving_problem(random, kMoving[3], 0.02, 0.05)
+          : residual_problem(random,
+                             hand == Hand::Latch ? ContactLaw::Latch : ContactLaw::Frictionless,
+                             0.02, 0.05);
   problem.uncertainty.residual_velocity->frame = ResidualFrame::Inertial;
   problem.measure.kind = RiskMeasure::WorstCase;
   const Formulation formulation(problem);

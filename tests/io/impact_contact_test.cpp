@@ -133,6 +133,33 @@ TEST_CASE("the motion of the hand is read, at rest without a word, and the copy 
   CHECK_FALSE(copy.approach.abort);
 }
 
+TEST_CASE("a measure of a hand that moves is one over its residual velocity") {
+  const auto measured = [](const std::string& hand, const std::string& measure,
+                           const std::string& uncertainty) -> Changes {
+    return {{"hand_velocity: match_all", "hand_velocity: " + hand},
+            {"objective: base_angular_momentum",
+             "objective: {quantity: base_angular_momentum, measure: " + measure + "}"},
+            {"search:\n", "uncertainty:" + uncertainty + "\nsearch:\n"}};
+  };
+  const std::string matrix =
+      " {residual_velocity: [[1e-6, 0, 0, 0, 0, 0], [0, 1e-6, 0, 0, 0, 0], [0, 0, 1e-6, 0, 0, 0], "
+      "[0, 0, 0, 1e-7, 0, 0], [0, 0, 0, 0, 1e-7, 0], [0, 0, 0, 0, 0, 1e-7]]}";
+  for (const std::string hand : {"match_normal", "match_linear", "match_all"}) {
+    for (const std::string measure : {"expectation", "worst_case", "nominal"}) {
+      const CaptureProblem problem =
+          contact_problem("matched_medium", measured(hand, measure, matrix));
+      CHECK(problem.hand_motion.moves());
+      REQUIRE(problem.uncertainty.residual_velocity);
+      CHECK(problem.uncertainty.residual_velocity->covariance->trace() == Approx(3.3e-6));
+    }
+  }
+  CHECK_THAT(contact_refusal("matched_medium", measured("match_all", "cvar", matrix)),
+             Catch::Contains("'cvar' has no closed form"));
+  CHECK_THAT(contact_refusal("matched_medium",
+                             measured("match_all", "expectation", " {target_mass: 0.1}")),
+             Catch::Contains("state uncertainty.residual_velocity, or use 'nominal'"));
+}
+
 TEST_CASE("a motion of the hand that nothing can follow is refused with the reason") {
   const auto refusal = [](const Changes& changes) {
     return contact_refusal("matched_medium", changes);

@@ -6,7 +6,7 @@
 #include <stillbase/planner/planner.hpp>
 
 #include "formulation/measures/measure.hpp"
-#include "support/capture_problems.hpp"
+#include "support/random_capture.hpp"
 #include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
 #include "verification/objective.hpp"
@@ -23,8 +23,8 @@ Matrix6d random_covariance(Random& random, double linear, double angular) {
 }
 
 /// A latch, planned over its residual velocity.
-Plan latch_plan(RiskMeasure measure) {
-  CaptureProblem problem = test::without_path("servicer_latch");
+Plan latch_plan(const std::string& name, RiskMeasure measure) {
+  CaptureProblem problem = test::without_path(name);
   Random random(91);
   problem.uncertainty = {};
   problem.uncertainty.residual_velocity.emplace();
@@ -38,13 +38,25 @@ Plan latch_plan(RiskMeasure measure) {
 }  // namespace
 
 TEST_CASE("planner and reference agree on the measures over the residual velocity") {
-  const ContactLaw law =
-      GENERATE(ContactLaw::Frictionless, ContactLaw::Sticking, ContactLaw::Latch);
+  using Case = std::pair<ContactLaw, HandVelocity>;
+  const auto [law, hand] = GENERATE(Case(ContactLaw::Frictionless, HandVelocity::Rest),
+                                    Case(ContactLaw::Sticking, HandVelocity::Rest),
+                                    Case(ContactLaw::Latch, HandVelocity::Rest),
+                                    Case(ContactLaw::Latch, HandVelocity::MatchNormal),
+                                    Case(ContactLaw::Latch, HandVelocity::MatchLinear),
+                                    Case(ContactLaw::Latch, HandVelocity::MatchAll),
+                                    Case(ContactLaw::Latch, HandVelocity::Stated),
+                                    Case(ContactLaw::Sticking, HandVelocity::Stated));
   Random random(92);
   for (int source = 0; source < 3; ++source) {
-    CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, source == 1));
+    const bool moves = hand != HandVelocity::Rest;
+    CaptureProblem problem = tumbling_problem(
+        random, moves ? random_arm(random, 7) : random_robot(random, 6, source == 1));
     problem.variables.base_position = PositionFreedom::Free;
     problem.impulse.contact = law;
+    problem.hand_motion.velocity = hand;
+    if (hand == HandVelocity::Stated) problem.hand_motion.linear = Vector3d(0.02, 0.01, 0);
+    if (source == 1) problem.hand_motion.rates = ArrivalRates::LeastBaseRate;
     if (law != ContactLaw::Frictionless) problem.impulse.restitution = 0;
     problem.objective = {
         {ObjectiveQuantity::BaseAngularMomentum, 0.7}, {ObjectiveQuantity::TotalAngularMomentum, 2},
@@ -71,8 +83,10 @@ TEST_CASE("planner and reference agree on the measures over the residual velocit
     const verification::Situation situation(problem, at);
     const verification::ResidualCase found = verification::residual_case(situation);
     const ResidualSummary stated = summarize_residual(problem, formulation, at);
-    INFO("contact law " << static_cast<int>(law) << ", source " << source);
-    CHECK((stated.velocity - found.velocity).norm() < 1e-9 * found.velocity.norm());
+    INFO("contact law " << static_cast<int>(law) << ", hand " << static_cast<int>(hand)
+                        << ", source " << source);
+    const double speed = situation.event.velocity->norm();
+    CHECK((stated.velocity - found.velocity).norm() < 1e-9 * speed);
     CHECK((stated.covariance - found.covariance).norm() < 1e-8 * found.covariance.norm());
     CHECK(stated.separating == Approx(found.separating).margin(1e-9));
     CHECK(found.distance(stated.worst_velocity) == Approx(1).epsilon(1e-6));
@@ -166,7 +180,8 @@ TEST_CASE("a plan says what of its stated uncertainty the measure does not count
 
 TEST_CASE("a plan that states its residual velocity or its measure wrong fails") {
   const RiskMeasure measure = GENERATE(RiskMeasure::Expectation, RiskMeasure::WorstCase);
-  const Plan plan = latch_plan(measure);
+  const std::string name = GENERATE("servicer_latch", "matched_light");
+  const Plan plan = latch_plan(name, measure);
   REQUIRE(plan.objective.residual);
   CHECK(plan.objective.value > plan.objective.nominal);
   CHECK(plan.certificate.proof.status == ProofStatus::NotApplicable);

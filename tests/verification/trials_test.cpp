@@ -291,6 +291,31 @@ TEST_CASE("a residual velocity is drawn as stated, and the mean is the closed fo
   CHECK(std::abs(expectation * expectation - mean) < 5 * error);
 }
 
+TEST_CASE("where the hand moves along, trials have the mean of the closed form") {
+  CaptureProblem problem = test::without_path("matched_light");
+  problem.search.starts = 2;
+  Matrix6d root = Matrix6d::Zero();
+  root.diagonal() << 1e-3, 2e-3, 1e-3, 2e-3, 1e-3, 3e-3;
+  root(3, 1) = 1e-3;
+  problem.uncertainty.residual_velocity.emplace().covariance = root * root.transpose();
+  problem.measure.kind = RiskMeasure::Expectation;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.objective.residual);
+  constexpr int kTrials = 4000;
+  double mean = 0, squares = 0;
+  int hits = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, stated_alone(problem), 7, 0, kTrials, 2)) {
+    const double square = std::pow(outcome.objective, 2);
+    mean += square / kTrials;
+    squares += square * square / kTrials;
+    hits += outcome.hit;
+  }
+  REQUIRE(hits == kTrials);
+  const double error = std::sqrt((squares - mean * mean) / kTrials);
+  CHECK(std::abs(std::pow(plan.objective.value, 2) - mean) < 5 * error);
+  CHECK(plan.objective.value > plan.objective.nominal);
+}
+
 TEST_CASE("the relative velocity of trials has the stated covariance, whatever the estimate has") {
   Plan plan = planar_plan("servicer_latch");
   CaptureProblem& problem = plan.problem;

@@ -181,7 +181,7 @@ S closing_speed_rate(const EncounterModel& model, const ContactKinematics<S>& co
                      const ContactRates<S>& rates, const Scenario& scenario);
 
 /// Law, target and motion of the hand of a sticking contact or a latch. What the hand does is
-/// decided for the nominal target: @pre of a hand that moves the scenario is the nominal one.
+/// decided for the nominal target: @pre of a hand that moves its velocity_error alone is not zero.
 template <class S>
 void set_rigid_contact(const EncounterModel& model, const ContactKinematics<S>& contact,
                        const Scenario& scenario, RigidContact<S>& out);

@@ -53,8 +53,10 @@ struct RigidContact {
   /// Which part of the hand's velocity is decided, and how; None: it is at rest.
   MatchedPart matched = MatchedPart::None;
   ArrivalRates rates = ArrivalRates::LeastJointRate;
-  Vector3<S> n;          ///< where the part is Normal: unit
-  Vector6<S> apart;      ///< the target's velocity at the hand less that of the hand, as decided
+  Vector3<S> n;  ///< where the part is Normal: unit
+  /// The target's velocity at the hand less that of the hand, as decided. What the target is off
+  /// by beside what the hand follows is a part of it.
+  Vector6<S> apart;
   HandMotion<S> before;  ///< of the robot, where the hand moves
   Matrix6<S> A_factor;   ///< of W_h + W_t, factorize_cholesky(); sticking: of its linear part
   /// L^-1 of what unit forces and moments at the hand put on rotation and joints, L that of
@@ -77,6 +79,7 @@ struct ContactGradient {
   Vector3<S> turn;
   Vector3<S> velocity;  ///< over the velocity of the target's centroid
   Vector3<S> omega;     ///< over the target's angular velocity
+  Vector6<S> apart;     ///< over RigidContact::apart; zero where the hand is at rest
 };
 
 /// @param contact, response of respond_to_contact()

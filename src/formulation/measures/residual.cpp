@@ -120,10 +120,15 @@ ResidualSummary summarize_residual(const CaptureProblem& problem, const Formulat
 
   ResidualSummary out;
   out.velocity << R_BE * contact.velocity_at(model.encounter.r), R_BE * contact.omega;
+  if (model.encounter.hand_moves()) {
+    out.velocity -= model.impact(at, model.posture(at), model.nominal).rigid.before.V;
+  }
   out.covariance = root * root.transpose();
   out.deviations = problem.uncertainty.residual_velocity->deviations;
   const VelocityModel velocity(problem, formulation, configuration);
   out.worst_velocity = out.velocity + out.deviations * root * velocity.maxima().front();
+  // A latch that moves along has hold of the target whichever way it drifts.
+  if (model.encounter.hand_moves() && model.encounter.law == ContactLaw::Latch) return out;
   // The normal component is Gaussian.
   const Vector3d n = R_BE * model.encounter.n;
   const double mean = n.dot(out.velocity.head<3>());

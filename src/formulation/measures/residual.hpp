@@ -4,6 +4,8 @@
 // velocity V of target and hand: y = M V. With V = Vbar + L s, s standard normal and Sigma = L L',
 //   expectation  E|y|^2 = |M Vbar|^2 + tr(M Sigma M'),
 //   worst case   max |M (Vbar + k L s)| over |s| <= 1, a trust-region problem.
+// A hand that moves does so as the nominal target asks, whatever the error is: y = y_0 + M V then,
+// y_0 of the robot's motion before the contact.
 //
 // Both are values at a few scenarios (Scenario::velocity_error), so that gradients and Hessians are
 // theirs: the expectation is the mean over seven of them whatever M is, the worst case has the
