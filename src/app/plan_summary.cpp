@@ -315,7 +315,7 @@ std::string certificate_words(const Certificate& certificate) {
 
 std::string coverage_words(const Certificate& certificate) {
   if (certificate.had_rounds && certificate.unseen == 0) {
-    return "no better minimum is possible: the worst case is zero";
+    return "no better minimum is possible: the measure is zero";
   }
   if (certificate.had_rounds) {
     return fmt::format(

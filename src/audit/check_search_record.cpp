@@ -100,9 +100,12 @@ bool is_known_solver(const Context& context, const std::string& name) {
 void check_rounds(const Context& context, Objections& objections) {
   const Certificate& certificate = context.plan.certificate;
   const CaptureProblem& problem = context.problem;
-  const bool are_possible = problem.search.starts == kAutomaticStarts &&
-                            problem.measure.kind == RiskMeasure::WorstCase &&
-                            !simulates_turn(problem) && context.plan.objective.user_terms.empty();
+  const bool is_mean_of_residual = problem.measure.kind == RiskMeasure::Expectation &&
+                                   problem.uncertainty.residual_velocity.has_value();
+  const bool are_possible =
+      problem.search.starts == kAutomaticStarts &&
+      (problem.measure.kind == RiskMeasure::WorstCase || is_mean_of_residual) &&
+      !simulates_turn(problem) && context.plan.objective.user_terms.empty();
   objections.demand(are_possible || !certificate.had_rounds,
                     "rounds of starts that the problem does not ask for");
   const bool is_solved =
@@ -118,7 +121,7 @@ void check_rounds(const Context& context, Objections& objections) {
     }
     const double size = std::pow(least, 1 / objective_power(problem).exponent);
     objections.demand(size <= kNoWorstCase * typical_objective(problem),
-                      "unseen is zero, but the worst case is not");
+                      "unseen is zero, but the measure is not");
     return;
   }
   const double reached = -std::log(certificate.unseen);

@@ -13,6 +13,7 @@
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
+#include "formulation/measures/residual.hpp"
 #include "formulation/projection.hpp"
 #include "search/continua.hpp"
 #include "search/measure_search.hpp"
@@ -62,9 +63,11 @@ bool ends_at_minima(const nlp::OptimizerInfo& info) {
   return info.uses_gradient && !info.global && info.name != "gradient-projection";
 }
 
-/// Of simulations and of functions of the user a direction costs too much for rounds of starts.
-bool is_worst_case_of_jump(const CaptureProblem& problem) {
-  return problem.measure.kind == RiskMeasure::WorstCase && !simulates_turn(problem) &&
+/// Of samples, simulations and functions of the user a value costs too much for rounds of starts.
+bool may_have_rounds(const CaptureProblem& problem) {
+  const RiskMeasure measure = problem.measure.kind;
+  const bool is_closed_form = measure == RiskMeasure::Expectation && has_residual(problem);
+  return (measure == RiskMeasure::WorstCase || is_closed_form) && !simulates_turn(problem) &&
          problem.user.terms.empty();
 }
 
@@ -345,7 +348,7 @@ class Search {
   /// The local minima of the problem's measure, beside the solutions of the nominal problem.
   void find_minima_of_measure() {
     const PhaseClock::Phase phase(options_.clock, "search.measure");
-    const bool in_rounds = options_.is_adaptive && is_worst_case_of_jump(problem_);
+    const bool in_rounds = options_.is_adaptive && may_have_rounds(problem_);
     out_.had_rounds = in_rounds;
     MoreStarts more;
     if (in_rounds) more = [this](int round) { return fresh_starts(round); };

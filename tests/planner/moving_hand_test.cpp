@@ -131,7 +131,8 @@ TEST_CASE("without matching the same posture states the impulse that matching sa
 }
 
 TEST_CASE("shipped problems with a matched hand are planned and hold", "[.slow]") {
-  const std::string name = GENERATE("matched_light", "matched_medium", "matched_heavy");
+  const std::string name =
+      GENERATE("matched_light", "matched_medium", "matched_heavy", "matched_residual");
   const Plan plan = make_plan(test::shipped(name));
   check_matched(plan, judge_plan(plan, {}));
 }

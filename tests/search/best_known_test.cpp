@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 #include <stillbase/core/file.hpp>
@@ -29,8 +30,9 @@ std::vector<BestKnown> best_known() {
   return out;
 }
 
-double best_of_search(const std::string& name) {
+double best_of_search(const std::string& name, std::optional<std::uint64_t> seed = {}) {
   CaptureProblem problem = test::shipped(name);
+  if (seed) problem.search.seed = *seed;
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
   options.starts = first_starts(problem.search);
@@ -54,8 +56,8 @@ void hold(const BestKnown& known) {
   const double found = best_of_search(known.problem);
   INFO(known.problem << ": found " << found << ", best known " << known.value);
   // With many free variables there are many minima within a few percent.
-  const bool has_many =
-      known.problem.rfind("deos", 0) == 0 || known.problem == "servicer_compromise";
+  const bool has_many = known.problem == "deos_client_224" || known.problem == "deos_features" ||
+                        known.problem == "servicer_compromise";
   const double apart = has_many ? 0.05 : 1e-6;
   CHECK(found <= known.value * (1 + apart) + 1e-9);
   // Better than the best known: write the new one into the file.
@@ -72,6 +74,15 @@ TEST_CASE("searches reach the best known values") {
   REQUIRE(best_known().size() >= 15);
   for (const BestKnown& known : best_known()) {
     if (!is_long(known.problem)) hold(known);
+  }
+}
+
+TEST_CASE("the least mean over a residual velocity does not depend on the seed") {
+  const std::string name = GENERATE("deos_latch_residual", "matched_residual");
+  const double best = best_of_search(name);
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    INFO(name << ", seed " << seed);
+    CHECK(best_of_search(name, seed) == Approx(best).epsilon(1e-6));
   }
 }
 

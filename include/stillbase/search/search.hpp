@@ -86,7 +86,8 @@ inline int first_starts(const SearchSpec& search) {
 struct SearchOptions {
   std::string optimizer = "nlopt-slsqp";
   int starts = 64;
-  /// Whether a worst case has further rounds of starts, until its best minimum was reached often.
+  /// Whether a worst case, or a mean over the residual velocity, has further rounds of starts,
+  /// until its best minimum was reached often.
   bool is_adaptive = false;
   std::uint64_t seed = 1;
   int max_candidates = 32;
@@ -140,7 +141,7 @@ struct SearchResult {
   /// has reached: the share of the starts whose solution, or curve of solutions, was reached once
   /// (Good and Turing). Near 1 where more than one direction is open at the solutions.
   ///
-  /// Of a worst case with rounds of starts: exp(-k), k starts having ended at the best minimum.
+  /// Of a measure with rounds of starts: exp(-k), k starts having ended at the best minimum.
   /// With that probability as many starts would all have missed a better one that is as easy to
   /// reach. Zero where the worst case is: there is none.
   double unseen = 1;

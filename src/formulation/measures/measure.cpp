@@ -123,6 +123,11 @@ RoughSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     return exchange(optimizer, options, x0, limits);
   }
+  if (has_residual(problem_)) {
+    nlp::OptimizeOptions rough = options;
+    rough.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
+    return {finish(optimizer, rough, x0), {}};
+  }
   return {{x0, 0}, {}};
 }
 

@@ -71,7 +71,8 @@ class Measure {
   ///
   /// Worst case by an exchange method: minimise the worst of the active directions (epigraph), add
   /// the worst directions of the cone at the solution, until none is much worse than the active
-  /// ones. Samples: nothing, one solve is all that they need.
+  /// ones. Mean over the residual velocity: the solve of finish() with fewer evaluations. Samples:
+  /// nothing, their solve costs too much for many starts.
   RoughSolution minimize_roughly(const nlp::Optimizer& optimizer,
                                  const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
                                  const RoughLimits& limits = {});

@@ -293,12 +293,13 @@ void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& ce
     "that the search told apart", kNeeded);
   t("unseen", Number(certificate.unseen, {.lower = 0, .upper = 1}),
     "estimated probability that one more start ends at a solution that none has reached; with "
-    "rounds of starts: that a better minimum of the worst case, as easy to reach, was missed. "
-    "Above "
+    "rounds of starts: that a better minimum of the measure, as easy to reach, was missed. Above "
     "0.05 the plan is then `feasible`, not `optimal`",
     kNeeded);
   t("had_rounds", Flag(certificate.had_rounds),
-    "whether the starts of a worst case went on in rounds", kNeeded);
+    "whether the starts of a worst case, or of a mean over the residual velocity, went on in "
+    "rounds",
+    kNeeded);
   t("proof", Map([&](Table& m) { proof_fields(m, problem, certificate.proof); }), "", kNeeded);
 }
 

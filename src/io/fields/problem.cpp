@@ -16,7 +16,8 @@ void search_fields(Table& t, SearchSpec& search) {
                     [&search] { search.starts = kAutomaticStarts; }),
             Integer(search.starts, 1, kMaxStarts)}),
     "number of start points, 16 times as many where the equations leave no freedom, or `auto`: 64, "
-    "and of a worst case rounds of further ones until eight have ended at the best minimum");
+    "and of a worst case or a mean over the residual velocity rounds of further ones until eight "
+    "have ended at the best minimum");
   t("seed", Seed(search.seed), "same seed, same bytes");
   t("max_candidates", Integer(search.max_candidates, 1, kManyTimes), "solutions kept in the plan");
 }
