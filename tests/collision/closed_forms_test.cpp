@@ -64,7 +64,7 @@ TEST_CASE("distances of spheres and capsules in closed form agree with FCL") {
     const double by_fcl = distance(a, pose_a, b, pose_b);
     if (closed > 0) {
       ++apart;
-      CHECK(closed == Approx(by_fcl).margin(1e-7));
+      CHECK(closed == Approx(by_fcl).epsilon(0).margin(1e-7));
     } else {
       CHECK(by_fcl == 0);
     }
@@ -93,10 +93,10 @@ TEST_CASE("capsule against box agrees with a convex search along the axis") {
     const double in_closed_form =
         round_box_distance(moved(capsule, pose_a),
                            {box.size / 2, pose_b.orientation.toRotationMatrix(), pose_b.position});
-    CHECK(in_closed_form == Approx(expected).margin(1e-9));
+    CHECK(in_closed_form == Approx(expected).epsilon(0).margin(1e-9));
     if (expected > 1e-6) {
       ++apart;
-      CHECK(by_fcl == Approx(expected).margin(2e-6));
+      CHECK(by_fcl == Approx(expected).epsilon(0).margin(2e-6));
     } else if (expected < -1e-6) {
       CHECK(by_fcl == 0);
     }
@@ -135,7 +135,7 @@ TEST_CASE("a convex mesh of a box keeps the distances of the box") {
     const Pose pose_a = random_pose(random, 1.5), pose_b = random_pose(random, 0.5);
     const Sphere sphere{0.2};
     CHECK(distance(sphere, pose_a, mesh, pose_b) ==
-          Approx(distance(sphere, pose_a, Box{2 * half}, pose_b)).margin(2e-6));
+          Approx(distance(sphere, pose_a, Box{2 * half}, pose_b)).epsilon(0).margin(2e-6));
   }
   CHECK(point_distance(mesh, Vector3d(1.5, 0, 0)) == Approx(1.0));
   CHECK(point_distance(mesh, Vector3d(0.1, 0.1, 0.1)) == 0);
@@ -185,7 +185,8 @@ TEST_CASE("nearest points lie on their shapes, as far apart as the shapes are") 
         REQUIRE(points.has_value() == (between > 0));
         if (!points) continue;
         ++apart;
-        CHECK((points->front() - points->back()).norm() == Approx(between).margin(1e-12));
+        CHECK((points->front() - points->back()).norm() ==
+              Approx(between).epsilon(0).margin(1e-12));
         CHECK(point_distance(first, at.inverse() * points->front()) < 1e-12);
         CHECK(point_distance(second, other.inverse() * points->back()) < 1e-12);
       }
@@ -233,6 +234,7 @@ TEST_CASE("the gap of bounding boxes is no more than the distance of the shapes"
     CHECK(gap <= exact + 1e-6);
     CHECK(gap == Approx(box_gap({box_b.half, R_b, pose_b * box_b.centre},
                                 {box_a.half, R_a, pose_a * box_a.centre}))
+                     .epsilon(0)
                      .margin(1e-12));
     apart += exact > 0.1;
     sharp += exact > 0.1 && gap > 0.5 * exact;
@@ -299,7 +301,7 @@ TEST_CASE("the distance of boxes agrees with projections, and FCL's with it") {
     CHECK(distance >= gap - 1e-12);
     CHECK(distance <= projected_distance(a, b) + 1e-12);
     CHECK(distance >= projected_distance(a, b) - 2e-4);
-    CHECK(found == Approx(distance).margin(2e-6));
+    CHECK(found == Approx(distance).epsilon(0).margin(2e-6));
   }
   CHECK(apart > 200);
 }
@@ -317,8 +319,8 @@ TEST_CASE("FCL is not believed where it finds boxes centimetres too far apart") 
   forearm.R << 0.8049441652120422, 0.41359844548707236, 0.425442377745525, -0.26888121822434063,
       0.8934332830577988, -0.35983309910395644, -0.5289307907252925, 0.1752520887614194,
       0.8303727620818716;
-  CHECK(separate_box_distance(elbow, forearm) == Approx(0.046).margin(1e-9));
+  CHECK(separate_box_distance(elbow, forearm) == Approx(0.046).epsilon(0).margin(1e-9));
   CHECK(fcl_distance(*make_fcl_shape(Box{2 * elbow.half}), elbow.R, elbow.p,
                      *make_fcl_shape(Box{2 * forearm.half}), forearm.R,
-                     forearm.p) == Approx(0.046).margin(1e-6));
+                     forearm.p) == Approx(0.046).epsilon(0).margin(1e-6));
 }

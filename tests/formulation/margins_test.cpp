@@ -66,7 +66,7 @@ TEST_CASE("distances of spheres and capsules are those of the collision scene's 
     const double expected =
         round_distance(ends(pose_a, a.half.z(), a.radius), ends(pose_b, b.half.z(), b.radius));
     CHECK(separate<double>(at(a, pose_a), at(b, pose_b)).distance ==
-          Approx(expected).margin(1e-12));
+          Approx(expected).epsilon(0).margin(1e-12));
   }
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("a capsule's distance from a box is the least over its axis, inside th
     const double expected = sampled(a, length, b, size) - 0.1;
     inside += expected < -0.1;
     CHECK(found <= expected + 1e-12);
-    CHECK(found == Approx(expected).margin(5e-5));
+    CHECK(found == Approx(expected).epsilon(0).margin(5e-5));
     CHECK(separate<double>(at(block, b), at(round, a)).distance == found);
   }
   CHECK(inside > 20);
@@ -113,6 +113,7 @@ TEST_CASE("the distance of two boxes is exact, and negative when they overlap") 
         return PlacedBox{size / 2, pose.orientation.toRotationMatrix(), pose.position};
       };
       CHECK(gap == Approx(separate_box_distance(placed(size_a, pose_a), placed(size_b, pose_b)))
+                       .epsilon(0)
                        .margin(1e-9));
     } else if (distance <= 0) {
       ++overlapping;
@@ -132,7 +133,7 @@ TEST_CASE("a bar over a parallel face is as far as its edges, whichever corner i
     const Pose across{{x, y, 0.5 + 0.05 + 0.03},
                       rotation_exp(Vector3d(0, 0, x * y > 0 ? -kPi / 4 : kPi / 4))};
     CHECK(separate<double>(at(block, pose), at(bar, pose * across)).distance ==
-          Approx(0.03).margin(1e-12));
+          Approx(0.03).epsilon(0).margin(1e-12));
   }
 }
 
@@ -207,7 +208,7 @@ TEST_CASE("what lies before the end of a cylinder is as far as the end is") {
   for (const double height : {0.16, 0.2, 0.5}) {
     const Pose above{Vector3d(0.03, 0.02, height), Eigen::Quaterniond::Identity()};
     const Separation<double> found = separate<double>(at(ball, above), at(drum, Pose{}));
-    CHECK(found.distance == Approx(height - 0.1 - 0.05).margin(1e-12));
+    CHECK(found.distance == Approx(height - 0.1 - 0.05).epsilon(0).margin(1e-12));
     CHECK((found.normal - Vector3d::UnitZ()).norm() < 1e-12);
   }
 }

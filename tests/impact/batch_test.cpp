@@ -152,8 +152,8 @@ TEST_CASE("sine and cosine of packs take angles beyond their reduction, infinity
     double x[8] = {1e7, 0, -1e300, 1, 2, 3, 4, 5};
     kernel->sin_cos(x, s, c);
     for (int i = 0; i < kernel->lanes; ++i) {
-      CHECK(s[i] == Approx(std::sin(x[i])).margin(1e-15));
-      CHECK(c[i] == Approx(std::cos(x[i])).margin(1e-15));
+      CHECK(s[i] == Approx(std::sin(x[i])).epsilon(0).margin(1e-15));
+      CHECK(c[i] == Approx(std::cos(x[i])).epsilon(0).margin(1e-15));
     }
     x[0] = std::numeric_limits<double>::infinity();
     kernel->sin_cos(x, s, c);

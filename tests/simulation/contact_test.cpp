@@ -104,7 +104,7 @@ TEST_CASE("the servo formula holds for short contacts and a free joint for short
 }
 
 TEST_CASE("the damping of a contact leaves the restitution asked for", "[simulation]") {
-  CHECK(contact_damping(1, 1e5, 10) == Approx(0).margin(1e-9));
+  CHECK(contact_damping(1, 1e5, 10) == Approx(0).epsilon(0).margin(1e-9));
   CHECK_THROWS_AS(contact_damping(0, 1e5, 10), std::invalid_argument);
   double before = 0;
   for (const double e : {0.9, 0.5, std::exp(-2.0), 0.1, 0.01, 0.001}) {

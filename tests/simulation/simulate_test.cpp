@@ -75,10 +75,10 @@ TEST_CASE("passing a joint stop is reported with its time", "[simulation]") {
   const LimitEvent &first = result.summary.limits[0], &second = result.summary.limits[1];
   CHECK(first.kind == LimitKind::LowerStop);
   CHECK(first.joint == 2);
-  CHECK(first.time == Approx(-std::log(1 - 0.2)).margin(1e-7));
+  CHECK(first.time == Approx(-std::log(1 - 0.2)).epsilon(0).margin(1e-7));
   CHECK(second.kind == LimitKind::UpperStop);
   CHECK(second.joint == 1);
-  CHECK(second.time == Approx(-std::log(1 - 0.25)).margin(1e-7));
+  CHECK(second.time == Approx(-std::log(1 - 0.25)).epsilon(0).margin(1e-7));
 }
 
 TEST_CASE("exceeding a joint's rate limit is reported", "[simulation]") {
@@ -156,7 +156,8 @@ TEST_CASE("interval lengths that no step divides end at the horizon all the same
     CHECK(result.trace.back().time == 0.1234);
     REQUIRE(result.trace.size() == 13);
     for (std::size_t i = 0; i < 12; ++i) {
-      CHECK(result.trace[i].time == Approx(0.011 * static_cast<double>(i)).margin(1e-15));
+      CHECK(result.trace[i].time ==
+            Approx(0.011 * static_cast<double>(i)).epsilon(0).margin(1e-15));
     }
   }
 }

@@ -137,9 +137,9 @@ TEST_CASE("distances of boxes, flat ones too, are those of their edges") {
     ++apart;
     const DistanceBounds found = bounds(a, pose_a, b, pose_b);
     CHECK(found.upper - found.lower <= 1e-9);
-    CHECK(found.upper == Approx(expected).margin(1e-7));
+    CHECK(found.upper == Approx(expected).epsilon(0).margin(1e-7));
     const DistanceBounds as_meshes = bounds(mesh_of(a), pose_a, mesh_of(b), pose_b);
-    CHECK(as_meshes.upper == Approx(found.upper).margin(1e-9));
+    CHECK(as_meshes.upper == Approx(found.upper).epsilon(0).margin(1e-9));
   }
   CHECK(apart > 40);
 }
@@ -182,7 +182,7 @@ TEST_CASE("bounds hold where the search ends early, and agree with FCL where it 
     }
     ++apart;
     CHECK(found.upper - found.lower <= 1e-9);
-    CHECK(found.upper == Approx(other).margin(5e-4));
+    CHECK(found.upper == Approx(other).epsilon(0).margin(5e-4));
     const DistanceBounds early =
         convex_distance(placed(a, pose_a), placed(b, pose_b), 0.3 * found.upper);
     CHECK(early.lower >= 0.3 * found.upper - 1e-12);

@@ -170,8 +170,8 @@ TEST_CASE("an error of a predicted target's closing speed is drawn in m/s") {
     least = std::min(least, outcome.impulse / nominal.impulse);
     most = std::max(most, outcome.impulse / nominal.impulse);
   }
-  CHECK(least == Approx(0.9).margin(0.01));
-  CHECK(most == Approx(1.1).margin(0.01));
+  CHECK(least == Approx(0.9).epsilon(0).margin(0.01));
+  CHECK(most == Approx(1.1).epsilon(0).margin(0.01));
 }
 
 TEST_CASE("errors of an estimate with covariance are drawn as normal and not cut") {
@@ -239,10 +239,10 @@ TEST_CASE("percentiles, mean and worst case are those of the outcomes") {
 
 TEST_CASE("Wilson's interval: published values, edges, and coverage") {
   // 95 %: 81 of 263 gives 0.2553 to 0.3662 (Newcombe 1998, table I), 0 of 20 gives 0 to 0.1611.
-  CHECK(wilson_interval(81, 263).lower == Approx(0.2553).margin(5e-5));
-  CHECK(wilson_interval(81, 263).upper == Approx(0.3662).margin(5e-5));
-  CHECK(wilson_interval(0, 20).lower == Approx(0).margin(1e-12));
-  CHECK(wilson_interval(0, 20).upper == Approx(0.1611).margin(5e-5));
+  CHECK(wilson_interval(81, 263).lower == Approx(0.2553).epsilon(0).margin(5e-5));
+  CHECK(wilson_interval(81, 263).upper == Approx(0.3662).epsilon(0).margin(5e-5));
+  CHECK(wilson_interval(0, 20).lower == Approx(0).epsilon(0).margin(1e-12));
+  CHECK(wilson_interval(0, 20).upper == Approx(0.1611).epsilon(0).margin(5e-5));
   CHECK(wilson_interval(0, 0).upper == 1);
   Random random(1, 9);
   int covered = 0;
