@@ -60,15 +60,16 @@ struct MeasureSearchOptions {
   // Rounds of further starts.
   int first = 24;             ///< starts before the rounds, of either kind
   int least_rounds = 4;       ///< what the first starts end at may be a wide valley
-  int most_rounds = 10;       ///< a search takes at most three times the time of one without rounds
+  int most_rounds = 20;       ///< a search takes at most three times the time of one without rounds
   double zero = 1e-9;         ///< |y|, in typical sizes: nothing is better than that
   int enough = 8;             ///< starts that end at the best minimum end the rounds: five are
                               ///< sometimes those of a wide valley beside a deeper one
   int fresh = 6;              ///< starts of a round on the constraints, and as many among the zeros
   int self_motion_steps = 4;  ///< random ones of a zero, before it is a start
-  int hops = 12;              ///< starts of a round about the best minimum that had none: from
+  int hops = 24;              ///< starts of a round about the best minimum that had none: from
                               ///< there one of ten ends at a better one, of the fresh ones one of
-                              ///< fifty
+                              ///< fifty; with half of them one hard problem of forty is missed by
+                              ///< seven seeds of twenty
   int rough_evaluations = 120;  ///< of a rough solve: with half of it two hard problems of forty
                                 ///< are missed more often, at the same time of the whole search
   double same_value = 1.02;     ///< of |y|^2: ends that are one value; rough solves leave a percent
