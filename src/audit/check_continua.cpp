@@ -8,6 +8,7 @@
 #include <stillbase/plan/free_roll.hpp>
 
 #include "audit/checks.hpp"
+#include "audit/equations.hpp"
 #include "audit/manifold.hpp"
 
 namespace stillbase::audit {
@@ -38,9 +39,8 @@ class Place {
     double sum = (other.rotation_near(rotation_) - rotation_).squaredNorm() +
                  std::pow(other.time_ - time_, 2);
     for (int k = 0; k < phi_.size(); ++k) {
-      const Joint& joint = problem_->robot.joints[k];
       const double d = other.phi_[k] - phi_[k];
-      sum += std::pow(joint.type == JointType::Continuous ? std::remainder(d, 2 * kPi) : d, 2);
+      sum += std::pow(reaches_every_angle(*problem_, k) ? std::remainder(d, 2 * kPi) : d, 2);
     }
     return std::sqrt(sum);
   }

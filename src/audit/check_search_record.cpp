@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "audit/checks.hpp"
+#include "audit/equations.hpp"
 #include "audit/manifold.hpp"
 
 namespace stillbase::audit {
@@ -20,8 +21,13 @@ constexpr double kNoWorstCase = 1e-8;        ///< of the typical objective
 constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
-bool is_same(const Configuration& a, const Configuration& b) {
-  return a.feature == b.feature && (a.phi - b.phi).norm() <= kSameConfiguration &&
+/// @param problem whole turns of its joints count as nothing
+bool is_same(const CaptureProblem& problem, const Configuration& a, const Configuration& b) {
+  Eigen::VectorXd apart = a.phi - b.phi;
+  for (int k = 0; k < apart.size(); ++k) {
+    if (reaches_every_angle(problem, k)) apart[k] = std::remainder(apart[k], 2 * kPi);
+  }
+  return a.feature == b.feature && apart.norm() <= kSameConfiguration &&
          std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
          pose_error(a.base, b.base).largest() <= kSameConfiguration;
 }
@@ -32,9 +38,10 @@ void check_list(const Context& context, ClaimList& claims) {
   Objections objections;
   // The last one may be a sample of the self-motion, added for the approach and reached by no
   // start.
-  const bool has_sample = candidates.size() > 1 && candidates.back().starts_reached == 0 &&
-                          candidates.back().family < 0 &&
-                          is_same(candidates.back().configuration, plan.configuration);
+  const bool has_sample =
+      candidates.size() > 1 && candidates.back().starts_reached == 0 &&
+      candidates.back().family < 0 &&
+      is_same(context.problem, candidates.back().configuration, plan.configuration);
   const std::size_t count = candidates.size() - (has_sample ? 1 : 0);
   const std::size_t most = static_cast<std::size_t>(context.problem.search.max_candidates);
   const std::size_t distinct = static_cast<std::size_t>(plan.certificate.distinct_solutions);
@@ -57,8 +64,9 @@ void check_list(const Context& context, ClaimList& claims) {
   const auto once = std::count(ended.begin(), ended.end(), 1);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      objections.demand(!is_same(candidates[i].configuration, candidates[j].configuration),
-                        fmt::format("{} repeats {}", i, j));
+      objections.demand(
+          !is_same(context.problem, candidates[i].configuration, candidates[j].configuration),
+          fmt::format("{} repeats {}", i, j));
     }
   }
   const bool is_nominal = context.problem.measure.kind == RiskMeasure::Nominal;

@@ -43,6 +43,18 @@ bool is_short(const std::optional<double>& value, double least) {
 
 }  // namespace
 
+bool reaches_every_angle(const CaptureProblem& problem, int k) {
+  const Joint& joint = problem.robot.joints[k];
+  if (joint.type == JointType::Continuous) return true;
+  // The angle itself counts: joints reach their stops in simulations, and drag others along.
+  if (simulates_turn(problem) || !problem.user.empty() || !problem.robot.couplings.empty()) {
+    return false;
+  }
+  const double room = joint.upper - joint.lower - 2 * problem.constraints.joint_limit_margin;
+  return joint.type == JointType::Revolute && problem.variables.joints[k] && room >= 2 * kPi &&
+         room < kInfinity;
+}
+
 FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) {
   const VariableSpec& variables = problem.variables;
   std::vector<double> low, high;
@@ -50,11 +62,12 @@ FreeVariables::FreeVariables(const CaptureProblem& problem) : problem_(problem) 
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
     if (!variables.joints[k]) continue;
-    const bool wraps = joint.type == JointType::Continuous;
+    const bool wraps = reaches_every_angle(problem, k);
+    const double middle = joint.type == JointType::Continuous ? 0 : (joint.lower + joint.upper) / 2;
     joints_.push_back(k);
     wraps_.push_back(wraps);
-    low.push_back(wraps ? -kPi : joint.lower + margin);
-    high.push_back(wraps ? kPi : joint.upper - margin);
+    low.push_back(wraps ? middle - kPi : joint.lower + margin);
+    high.push_back(wraps ? middle + kPi : joint.upper - margin);
   }
   has_angle_ = variables.base_attitude == AttitudeFreedom::Axis;
   if (has_angle_) {
@@ -175,9 +188,7 @@ Eigen::VectorXd FreeVariables::middle_of(const JointBox& box) const {
 bool FreeVariables::holds(const JointBox& box, const Configuration& at) const {
   for (int k = 0; k < problem_.robot.n(); ++k) {
     double apart = at.phi[k] - (box.lower[k] + box.upper[k]) / 2;
-    if (problem_.robot.joints[k].type == JointType::Continuous) {
-      apart = wrapped(apart);
-    }
+    if (reaches_every_angle(problem_, k)) apart = wrapped(apart);
     if (!(beyond(apart, box.lower[k], box.upper[k]) <= kNear)) return false;
   }
   if (has_angle_ != box.base_angle.has_value() || has_time_ != box.contact_time.has_value()) {
@@ -208,7 +219,8 @@ double FreeVariables::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& 
 bool FreeVariables::bring_inside(Eigen::VectorXd& x) const {
   bool is_inside = true;
   for (int i = 0; i < size(); ++i) {
-    if (wraps_[i]) x[i] = wrapped(x[i]);
+    const double middle = (lower[i] + upper[i]) / 2;
+    if (wraps_[i]) x[i] = middle + wrapped(x[i] - middle);
     if (vector_ >= 0 && i >= vector_ && i < vector_ + 3) continue;
     is_inside = is_inside && x[i] >= lower[i] && x[i] <= upper[i];
   }

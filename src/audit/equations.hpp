@@ -12,6 +12,10 @@ namespace stillbase::audit {
 
 using namespace verification;
 
+/// Whether angles of joint k that are whole turns apart are one posture, all of them allowed but
+/// for their number: a continuous joint, or a free revolute one whose limits leave room for a turn.
+bool reaches_every_angle(const CaptureProblem& problem, int k);
+
 /// The variables of a small problem: free joints, rotation of the base (angle about its axis, or a
 /// rotation vector), contact time.
 class FreeVariables {
@@ -35,11 +39,12 @@ class FreeVariables {
   bool holds(const JointBox& box, const Configuration& at) const;
   /// Largest difference of two points, modulo full rotations.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// Wraps angles of a full rotation and rotation vectors to at most pi. @return whether x is
+  /// Wraps angles of a full rotation to at most pi from the middle of their bounds, and rotation
+  /// vectors to at most pi. @return whether x is
   /// within the bounds then, an axis of the base within its cone
   bool bring_inside(Eigen::VectorXd& x) const;
 
-  Eigen::VectorXd lower, upper;  ///< of x; of a full rotation -pi and pi
+  Eigen::VectorXd lower, upper;  ///< of x; of a full rotation pi from its middle
 
  private:
   double base_angle(const Configuration& at) const;

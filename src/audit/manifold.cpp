@@ -7,6 +7,7 @@
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
+#include "audit/equations.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
@@ -101,7 +102,7 @@ std::vector<double> distances_from_limits(const Situation& situation,
   };
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
-    if (!free.joints[k] || joint.type == JointType::Continuous) continue;
+    if (!free.joints[k] || reaches_every_angle(problem, k)) continue;
     between(at.phi[k], joint.lower + wanted.joint_limit_margin,
             joint.upper - wanted.joint_limit_margin, joint.name);
   }

@@ -255,8 +255,16 @@ double Formulation::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
   return parts_->model.layout.distance(parts_->model.problem, a, b);
 }
 
+Eigen::VectorXd Formulation::difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  return parts_->model.layout.difference(a, b);
+}
+
 Eigen::VectorXd Formulation::normalised(const Eigen::VectorXd& x) const {
   return parts_->model.layout.normalised(parts_->model.problem, x);
+}
+
+Eigen::VectorXd Formulation::within_limits(const Eigen::VectorXd& x) const {
+  return parts_->model.layout.within_limits(parts_->model.problem, x);
 }
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
@@ -298,7 +306,7 @@ void Formulation::update_report(const Eigen::VectorXd& x, std::vector<Constraint
     const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
     if (joint.type == JointType::Continuous) continue;
     const auto j = static_cast<Eigen::Index>(i);
-    set(x[j], layout.lower[j], layout.upper[j]);
+    set(x[j], layout.lower_limit[j], layout.upper_limit[j]);
   }
 }
 

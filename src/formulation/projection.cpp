@@ -95,6 +95,7 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
     if (!accepted) break;
   }
   out.violation = r.size() == 0 ? 0 : r.cwiseAbs().maxCoeff();
+  out.x = formulation.within_limits(out.x);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "formulation/projection.hpp"
 
@@ -29,7 +30,8 @@ bool is_near(const CaptureProblem& problem, const JointBox& box, const Configura
     const double middle = (box.lower[k] + box.upper[k]) / 2;
     double apart = at.phi[k] - middle;
     const auto index = static_cast<std::size_t>(k);
-    if (problem.robot.joints[index].type == JointType::Continuous) apart = wrap_angle(apart);
+    const bool is_every_angle = problem.robot.joints[index].type == JointType::Continuous;
+    if (is_every_angle || has_whole_turns(problem, k)) apart = wrap_angle(apart);
     if (std::abs(apart) > (box.upper[k] - box.lower[k]) / 2 + options.near) return false;
   }
   if (box.base_angle) {

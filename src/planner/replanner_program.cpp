@@ -33,8 +33,8 @@ const CaptureProblem& replannable(const CaptureProblem& problem) {
 
 ReplanProgram::ReplanProgram(const CaptureProblem& problem, double most_rotation)
     : formulation_(replannable(problem)),
-      lower_(formulation_.lower()),
-      upper_(formulation_.upper()),
+      lower_(parts().model.layout.lower_limit),
+      upper_(parts().model.layout.upper_limit),
       row_lower_(formulation_.constraint_lower()),
       row_upper_(formulation_.constraint_upper()),
       piece_(formulation_.nominal_scenario()),
@@ -48,8 +48,8 @@ void ReplanProgram::stay_within(double distance, const JointVectord& phi) {
   for (std::size_t i = 0; i < layout.joints.size(); ++i) {
     const auto j = static_cast<Eigen::Index>(i);
     const double planned = phi[layout.joints[i]];
-    lower_[j] = std::max(layout.lower[j], planned - distance);
-    upper_[j] = std::min(layout.upper[j], planned + distance);
+    lower_[j] = std::max(layout.lower_limit[j], planned - distance);
+    upper_[j] = std::min(layout.upper_limit[j], planned + distance);
   }
 }
 

@@ -99,8 +99,7 @@ struct Enclosure {
 ///   K(X) = c - Y f(c) + (E - Y J(X)) (X - c),  Y near J(c)^-1,
 /// dropped when K and X are disjoint, proven to hold exactly one zero when K lies inside X, and
 /// divided otherwise. So that zeros on an edge are found as well, X is tried enlarged by a quarter.
-/// @param periodic variables that are angles within [-pi, pi]: points 2 pi apart are
-/// one
+/// @param periodic variables that are angles within one turn: points 2 pi apart are one
 /// @pre a RoundUpward stands on the stack
 template <int N>
 Enclosure<N> enclose_zeros(const System<N>& system, const Box<N>& domain,

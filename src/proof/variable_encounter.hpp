@@ -41,6 +41,7 @@ struct Variable {
   bool is_periodic = false;          ///< an angle, and all angles are allowed
   int joint = -1;                    ///< of a Joint
   Vector3d axis = Vector3d::Zero();  ///< of the base, unit, in N; those of sigma at right angles
+  double middle = 0;                 ///< of the turn in which a periodic one is searched
 };
 
 /// An encounter, and the variables that it is a function of.
@@ -83,8 +84,8 @@ Box<N> domain_of(const VariableEncounter& encounter) {
   Box<N> box;
   for (std::size_t i = 0; i < encounter.variables.size(); ++i) {
     const Variable& variable = encounter.variables[i];
-    box.side[i] = variable.is_periodic ? Interval(-kPi.upper(), kPi.upper())
-                                       : Interval(variable.lower, variable.upper);
+    const Interval turn = Interval(variable.middle) + Interval(-kPi.upper(), kPi.upper());
+    box.side[i] = variable.is_periodic ? turn : Interval(variable.lower, variable.upper);
   }
   return box;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <stillbase/impact/gradient.hpp>
+#include <stillbase/plan/turns.hpp>
 
 namespace stillbase::proof {
 namespace {
@@ -17,8 +18,11 @@ void set_variables(const CaptureProblem& problem, VariableEncounter& out) {
     if (!variables.joints[index]) continue;
     const Joint& joint = problem.robot.joints[index];
     const double margin = problem.constraints.joint_limit_margin;
+    const bool has_turns = has_whole_turns(problem, k);
+    const bool is_periodic = has_turns || joint.type == JointType::Continuous;
+    const double middle = has_turns ? (joint.lower + joint.upper) / 2 : 0;
     out.variables.push_back({VariableKind::Joint, joint.lower + margin, joint.upper - margin,
-                             joint.type == JointType::Continuous, k});
+                             is_periodic, k, Vector3d::Zero(), middle});
   }
   const AttitudeFreedom attitude = variables.base_attitude;
   const double largest = variables.base_attitude_max;

@@ -95,7 +95,7 @@ class RatedCurve {
 
   std::size_t nearest_sample(const Eigen::VectorXd& x) const {
     const auto apart = [&](const CurvePoint& point) {
-      return formulation_.normalised(point.x - x).squaredNorm();
+      return formulation_.difference(point.x, x).squaredNorm();
     };
     return static_cast<std::size_t>(std::min_element(curve_.points.begin(), curve_.points.end(),
                                                      [&](const CurvePoint& a, const CurvePoint& b) {

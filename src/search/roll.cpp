@@ -36,8 +36,9 @@ std::optional<SolutionFamily> roll_through(
   const Eigen::Index k = roll_variable(problem, formulation);
   if (k < 0) return std::nullopt;
   const bool is_closed = is_continuous(problem);
-  const double lower = is_closed ? -kPi : formulation.lower()[k];
-  const double upper = is_closed ? kPi : formulation.upper()[k];
+  const VariableLayout& layout = formulation.parts().model.layout;
+  const double lower = is_closed ? -kPi : layout.lower_limit[k];
+  const double upper = is_closed ? kPi : layout.upper_limit[k];
   if (!(upper > lower)) return std::nullopt;
   const auto at = [&](int i, int count) {
     Eigen::VectorXd there = x;

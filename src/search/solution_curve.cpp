@@ -75,13 +75,13 @@ std::optional<CurvePoint> stepped(const Formulation& formulation, const CurvePoi
 std::optional<double> step_to(const Formulation& formulation, const CurvePoint& from,
                               const Eigen::VectorXd& x, double longest,
                               const CurveOptions& options) {
-  const Eigen::VectorXd d = formulation.normalised(x - from.x);
+  const Eigen::VectorXd d = formulation.difference(x, from.x);
   const double h = from.tangent.dot(d);
   if (h < -options.same_point || h > longest + options.same_point) return std::nullopt;
   if ((d - h * from.tangent).norm() > options.off_tangent * h + options.same_point)
     return std::nullopt;
   const auto there = correct(formulation, from.x + h * from.tangent, from.tangent, options);
-  if (!there || formulation.normalised(*there - x).norm() > options.same_point) return std::nullopt;
+  if (!there || formulation.difference(*there, x).norm() > options.same_point) return std::nullopt;
   return h;
 }
 
@@ -177,7 +177,7 @@ std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const E
     curve.length = curve.points.back().arc + *ahead.closing_step;
     // Full rotations of continuous joints lie between the last point and the first.
     const CurvePoint& last = curve.points.back();
-    const Eigen::VectorXd back = formulation.normalised(start.x - last.x);
+    const Eigen::VectorXd back = formulation.difference(start.x, last.x);
     curve.arc_length =
         arc_length_of(curve) + length_between(last, {last.x + back, start.tangent, 0});
     return curve;

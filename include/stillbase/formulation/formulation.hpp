@@ -112,14 +112,20 @@ class Formulation final : public nlp::Problem {
   Configuration configuration(const Eigen::VectorXd& x) const;
   /// The variables of a configuration: the inverse of configuration().
   Eigen::VectorXd variables(const Configuration& configuration) const;
-  /// A start point for u in [0,1)^N: joints within their limits (2 pi for continuous ones),
+  /// A start point for u in [0,1)^N: joints within their limits (2 pi for those of every angle),
   /// attitudes uniform over rotations, times uniform.
   Eigen::VectorXd start_point(const Eigen::VectorXd& u) const;
   /// Distance of two points on the configuration manifold: angles wrapped, rotations by their
   /// angle.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// Continuous angles wrapped to (-pi, pi].
+  /// a - b, angles that are whole turns apart being equal: within [-pi, pi].
+  Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  /// Continuous angles wrapped to (-pi, pi], those of joints with whole turns (plan/turns.hpp)
+  /// brought next to the middle of their limits. A search does not know the limits of these.
   Eigen::VectorXd normalised(const Eigen::VectorXd& x) const;
+  /// The same posture with the joints that have whole turns within their limits, moved only where
+  /// they are beyond them.
+  Eigen::VectorXd within_limits(const Eigen::VectorXd& x) const;
 
   /// Values of all constraints in their own units, by name.
   std::vector<ConstraintValue> report(const Eigen::VectorXd& x) const;

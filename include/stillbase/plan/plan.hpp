@@ -124,6 +124,12 @@ struct SolutionFamily {
   std::vector<Configuration> points;
 };
 
+/// Whole turns that the limits of a joint leave room for: with any of them the posture is the same.
+struct JointTurns {
+  std::string joint;
+  int least = 0, most = 0;  ///< turns of 2 pi, least <= 0 <= most
+};
+
 struct Candidate {
   Configuration configuration;
   double objective = 0;  ///< nominal
@@ -137,6 +143,8 @@ struct Candidate {
   bool is_judged = true;        ///< as ObjectiveValue::is_judged
   /// Of a candidate that ranks before the chosen one: why it was not chosen. Empty: of the others.
   std::string excluded = {};
+  /// Joints that have room for whole turns from the stated angle, each independent of the others.
+  std::vector<JointTurns> turns = {};
 };
 
 enum class ApproachStatus {

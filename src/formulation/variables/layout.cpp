@@ -5,6 +5,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/plan/turns.hpp>
 
 namespace stillbase {
 
@@ -36,6 +37,9 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
         joint.type == JointType::Continuous ? 0 : problem.constraints.joint_limit_margin;
     low.push_back(joint.lower + margin);
     high.push_back(joint.upper - margin);
+    angles_.push_back(has_whole_turns(problem, k)           ? Angle::WholeTurns
+                      : joint.type == JointType::Continuous ? Angle::Continuous
+                                                            : Angle::Limited);
   }
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
     const double turn = largest_attitude(problem.variables);
@@ -50,8 +54,13 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
     high.push_back(problem.variables.contact_time_upper);
   }
   size = static_cast<int>(low.size());
-  lower = Eigen::Map<Eigen::VectorXd>(low.data(), size);
-  upper = Eigen::Map<Eigen::VectorXd>(high.data(), size);
+  lower = lower_limit = Eigen::Map<Eigen::VectorXd>(low.data(), size);
+  upper = upper_limit = Eigen::Map<Eigen::VectorXd>(high.data(), size);
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    if (angles_[i] != Angle::WholeTurns) continue;
+    lower[static_cast<int>(i)] = -kInfinity;
+    upper[static_cast<int>(i)] = kInfinity;
+  }
 }
 
 JointVectord VariableLayout::joint_positions(const CaptureProblem& problem,
@@ -139,7 +148,7 @@ Eigen::VectorXd VariableLayout::start_point(const CaptureProblem& problem,
 
 double VariableLayout::distance(const CaptureProblem& problem, const Eigen::VectorXd& a,
                                 const Eigen::VectorXd& b) const {
-  const Eigen::VectorXd apart = normalised(problem, a - b);
+  const Eigen::VectorXd apart = difference(a, b);
   double sum = 0;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const double d = apart[static_cast<int>(i)];
@@ -153,11 +162,33 @@ double VariableLayout::distance(const CaptureProblem& problem, const Eigen::Vect
   return std::sqrt(sum);
 }
 
+Eigen::VectorXd VariableLayout::difference(const Eigen::VectorXd& a,
+                                           const Eigen::VectorXd& b) const {
+  Eigen::VectorXd out = a - b;
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    double& apart = out[static_cast<int>(i)];
+    if (angles_[i] != Angle::Limited) apart = wrap_angle(apart);
+  }
+  return out;
+}
+
 Eigen::VectorXd VariableLayout::normalised(const CaptureProblem& problem, Eigen::VectorXd x) const {
-  for (std::size_t i = 0; i < joints.size(); ++i) {
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
     double& angle = x[static_cast<int>(i)];
     const Joint& joint = problem.robot.joints[static_cast<std::size_t>(joints[i])];
-    if (joint.type == JointType::Continuous) angle = wrap_angle(angle);
+    if (angles_[i] == Angle::Continuous) angle = wrap_angle(angle);
+    if (angles_[i] == Angle::WholeTurns) angle = central_angle(joint, angle);
+  }
+  return x;
+}
+
+Eigen::VectorXd VariableLayout::within_limits(const CaptureProblem& problem,
+                                              Eigen::VectorXd x) const {
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    if (angles_[i] != Angle::WholeTurns) continue;
+    if (x[j] >= lower_limit[j] && x[j] <= upper_limit[j]) continue;
+    x[j] = central_angle(problem.robot.joints[static_cast<std::size_t>(joints[i])], x[j]);
   }
   return x;
 }

@@ -1,0 +1,37 @@
+// Angles of a joint that are whole turns apart: one posture, several ways to hold it.
+//
+// A revolute joint whose limits are at least 2 pi apart reaches every angle, some of them more than
+// once. q and q + 2 pi are the same posture with the same impact; they differ in the distance from
+// the limits alone.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <stillbase/plan/plan.hpp>
+
+namespace stillbase {
+
+/// Whether whole turns of a joint are one posture: it is revolute, free, and its limits less
+/// `joint_limit_margin` are at least 2 pi apart. Not where angles count as such: with functions of
+/// the user, a simulated objective (joints reach their stops) or joints that follow others. Not of
+/// continuous joints, which have no limits and are wrapped everywhere.
+bool has_whole_turns(const CaptureProblem& problem, int joint);
+
+/// The angle nearest to the middle of the joint's limits, of those whole turns apart.
+/// @pre has_whole_turns()
+double central_angle(const Joint& joint, double angle);
+
+/// The whole turns that there is room for from a configuration.
+/// @param rolled joint that may have any angle anyway, see free_joint()
+std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
+                                    const Configuration& configuration, std::optional<int> rolled);
+
+/// The other configurations that are whole turns away, the one whose joints turn the least from the
+/// start posture, in sum, first.
+/// @param most at most so many of them
+std::vector<Configuration> other_turns(const CaptureProblem& problem,
+                                       const Configuration& configuration,
+                                       std::optional<int> rolled, std::size_t most);
+
+}  // namespace stillbase

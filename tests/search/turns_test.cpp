@@ -1,0 +1,101 @@
+// Postures that are whole turns of a joint apart, which a search lists once.
+#include <catch2/catch.hpp>
+
+#include <stillbase/plan/turns.hpp>
+#include <stillbase/search/search.hpp>
+
+#include "support/capture_problems.hpp"
+#include "support/shipped_problem.hpp"
+
+namespace stillbase {
+namespace {
+
+CaptureProblem with_limits(CaptureProblem problem, double lower, double upper) {
+  for (Joint& joint : problem.robot.joints) {
+    joint.type = JointType::Revolute;
+    joint.lower = lower;
+    joint.upper = upper;
+  }
+  return problem;
+}
+
+SearchResult searched(const CaptureProblem& problem) {
+  SearchOptions options;
+  options.starts = 32;
+  options.max_candidates = 200;
+  return search(problem, Formulation(problem), options);
+}
+
+double apart(const Configuration& a, const Configuration& b) {
+  double sum = 0;
+  for (int k = 0; k < a.phi.size(); ++k) sum += std::abs(wrap_angle(a.phi[k] - b.phi[k]));
+  return sum;
+}
+
+/// Whether each candidate of one result is one of the other, modulo whole turns.
+void check_same_solutions(const SearchResult& a, const SearchResult& b) {
+  CHECK(a.distinct_solutions == b.distinct_solutions);
+  for (const Candidate& one : a.candidates) {
+    double nearest = kInfinity;
+    for (const Candidate& other : b.candidates) {
+      nearest = std::min(nearest, apart(one.configuration, other.configuration));
+    }
+    CHECK(nearest < 1e-4);
+  }
+}
+
+void check_within_limits(const CaptureProblem& problem, const SearchResult& found) {
+  for (const Candidate& candidate : found.candidates) {
+    for (int k = 0; k < problem.robot.n(); ++k) {
+      const Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+      CHECK(candidate.configuration.phi[k] >= joint.lower);
+      CHECK(candidate.configuration.phi[k] <= joint.upper);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("isolated solutions that are whole turns apart are one") {
+  const CaptureProblem endless = test::without_path("planar_two_link_c2_a");
+  const SearchResult expected = searched(endless);
+  REQUIRE(expected.distinct_solutions >= 2);
+  for (const auto& [lower, upper] : {std::pair(-6.1, 6.1), std::pair(-0.5, 12.5)}) {
+    const CaptureProblem problem = with_limits(endless, lower, upper);
+    const SearchResult found = searched(problem);
+    check_same_solutions(found, expected);
+    check_within_limits(problem, found);
+  }
+}
+
+TEST_CASE("a limit that the same posture keeps a turn away makes no minimum") {
+  Random random(5);
+  for (int trial = 0; trial < 4; ++trial) {
+    const CaptureProblem endless =
+        point_mass_problem(random_planar_robot(random, 3), Vector3d::UnitX());
+    CaptureProblem problem = endless;
+    problem.objective = {{ObjectiveQuantity::JointRateNorm}};
+    const SearchResult expected = searched(problem);
+    // Limits at which the best posture is in the middle of the range, near its end and beyond it.
+    for (const double lower : {-3.2, -1.6, -0.1}) {
+      const CaptureProblem limited = with_limits(problem, lower, lower + 6.5);
+      const SearchResult found = searched(limited);
+      check_same_solutions(found, expected);
+      check_within_limits(limited, found);
+      CHECK(found.candidates.front().objective ==
+            Approx(expected.candidates.front().objective).margin(1e-9));
+    }
+  }
+}
+
+TEST_CASE("limits less than a turn apart are limits") {
+  const CaptureProblem problem = with_limits(test::without_path("planar_two_link_c2_a"), -3.1, 3.1);
+  for (int k = 0; k < 2; ++k) CHECK_FALSE(has_whole_turns(problem, k));
+  const CaptureProblem wide = with_limits(problem, -3.2, 3.2);
+  CHECK(has_whole_turns(wide, 0));
+  CaptureProblem with_margin = wide;
+  with_margin.constraints.joint_limit_margin = 0.1;
+  CHECK_FALSE(has_whole_turns(with_margin, 0));
+}
+
+}  // namespace stillbase
