@@ -364,11 +364,15 @@ std::string curve_words(const Plan& plan) {
   return text;
 }
 
+auto chosen_candidate(const Plan& plan) {
+  return std::find_if(plan.candidates.begin(), plan.candidates.end(), [&](const auto& c) {
+    return is_same_configuration(c.configuration, plan.configuration);
+  });
+}
+
 /// The free coordinate of the chosen candidate, and how many candidates have one.
 std::string roll_words(const Plan& plan) {
-  const auto chosen = std::find_if(
-      plan.candidates.begin(), plan.candidates.end(),
-      [&](const auto& c) { return is_same_configuration(c.configuration, plan.configuration); });
+  const auto chosen = chosen_candidate(plan);
   if (chosen == plan.candidates.end() || chosen->family < 0) return "";
   const SolutionFamily& family = plan.families[static_cast<std::size_t>(chosen->family)];
   const std::optional<int> joint = free_joint(family);
@@ -382,6 +386,24 @@ std::string roll_words(const Plan& plan) {
       plan.problem.robot.joints[static_cast<std::size_t>(*joint)].name,
       family.points.front().phi[*joint] * kDegrees, family.points.back().phi[*joint] * kDegrees,
       count, plan.candidates.size());
+}
+
+/// Whole turns that may be added to the chosen configuration, and how many candidates have some.
+std::string turn_words(const Plan& plan) {
+  const auto chosen = chosen_candidate(plan);
+  if (chosen == plan.candidates.end() || chosen->turns.empty()) return "";
+  std::vector<std::string> joints;
+  for (const JointTurns& turns : chosen->turns) {
+    joints.push_back(
+        turns.least == turns.most - 1
+            ? fmt::format("{} by {:+d} deg", turns.joint, 360 * (turns.least + turns.most))
+            : fmt::format("{} by {:+d} to {:+d} deg in steps of 360 deg", turns.joint,
+                          360 * turns.least, 360 * turns.most));
+  }
+  const auto count = std::count_if(plan.candidates.begin(), plan.candidates.end(),
+                                   [](const Candidate& c) { return !c.turns.empty(); });
+  return fmt::format("the posture stays the same with {} ({} of {} candidates have such turns)",
+                     fmt::join(joints, ", "), count, plan.candidates.size());
 }
 
 std::string approach_words(const Approach& approach) {
@@ -512,7 +534,8 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
       lines.push_back({"coverage", coverage_words(plan.certificate)});
     }
     for (const auto& [name, words] :
-         {std::pair{"curves", curve_words(plan)}, std::pair{"free", roll_words(plan)}}) {
+         {std::pair{"curves", curve_words(plan)}, std::pair{"free", roll_words(plan)},
+          std::pair{"turns", turn_words(plan)}}) {
       if (!words.empty()) lines.push_back({name, words});
     }
     if (is_feasible) lines.push_back({"approach", approach_words(plan.approach)});

@@ -14,6 +14,7 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
     };
     run("candidates", [](const Context& c, ClaimList& l) {
       audit::check_candidates(c, l);
+      audit::check_turns(c, l);
       audit::check_nominal_optimum(c, l);
       audit::check_choice(c, l);
     });

@@ -10,6 +10,9 @@ using namespace verification;
 /// All candidates, and that the configuration is one of them.
 void check_candidates(const Context& context, ClaimList& claims);
 
+/// Whole turns of joints that candidates state; no check where no joint has room for one.
+void check_turns(const Context& context, ClaimList& claims);
+
 /// The configuration that the nominal objective alone would choose; no check where none is stated.
 void check_nominal_optimum(const Context& context, ClaimList& claims);
 

@@ -14,6 +14,7 @@
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
 #include <stillbase/plan/free_roll.hpp>
+#include <stillbase/plan/turns.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -164,6 +165,17 @@ void move_roll(const Candidate& candidate, std::vector<SolutionFamily>& families
     const double angle = point.phi[*joint];
     point = candidate.configuration;
     point.phi[*joint] = angle;
+  }
+}
+
+/// The whole turns that there is room for from each candidate.
+void state_turns(Plan& plan) {
+  for (Candidate& candidate : plan.candidates) {
+    std::optional<int> rolled;
+    if (candidate.family >= 0) {
+      rolled = free_joint(plan.families[static_cast<std::size_t>(candidate.family)]);
+    }
+    candidate.turns = whole_turns(plan.problem, candidate.configuration, rolled);
   }
 }
 
@@ -319,10 +331,11 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     if (plan.status == PlanStatus::Optimal && may_be_missed) plan.status = PlanStatus::Feasible;
   }
   plan.candidates = std::move(found.candidates);
+  plan.families = std::move(found.families);
+  if (solved) state_turns(plan);
   const double equal = SearchOptions{}.equal_nominal * formulation.objective_unit();
   if (solved) state_choice(plan, equal, options.improvement);
   plan.certificate.proof.gap = gap_to_bound(plan);
-  plan.families = std::move(found.families);
   for (const auto& [phase, seconds] : options.clock->seconds()) {
     const auto known = before.find(phase);
     plan.timing[phase] = seconds.wall - (known == before.end() ? 0 : known->second.wall);

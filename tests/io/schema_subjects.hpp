@@ -248,7 +248,10 @@ inline Subject plan_subject() {
   for (auto* boxes : {&choice.certificate.proof.solutions, &choice.certificate.proof.undecided}) {
     for (JointBox& box : *boxes) box.contact_time = Ends{59, 60};
   }
-  for (Candidate& candidate : choice.candidates) candidate.configuration.feature = "upper_edge";
+  for (Candidate& candidate : choice.candidates) {
+    candidate.configuration.feature = "upper_edge";
+    candidate.turns = {{"joint_1", -1, 0}};
+  }
   for (SolutionFamily& family : choice.families) {
     for (Configuration& point : family.points) point.feature = "upper_edge";
   }

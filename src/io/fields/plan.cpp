@@ -225,6 +225,13 @@ static void fields(Table& t, BindingLimit& limit) {
   t("unit", Text(limit.unit), "of limit and margin", kNeeded);
 }
 
+static void fields(Table& t, JointTurns& turns) {
+  constexpr int kMost = 1000;
+  t("joint", Text(turns.joint), "name", kNeeded);
+  t("least", Integer(turns.least, -kMost, 0), "turns of 2 pi, to the lower limit", kNeeded);
+  t("most", Integer(turns.most, 0, kMost), "the same to the upper limit", kNeeded);
+}
+
 namespace {
 
 void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
@@ -319,6 +326,9 @@ void candidate_fields(Table& t, const CaptureProblem& problem, int families, Can
   t("collision", Text(candidate.collision), "\"a with b\" when not", kNeeded);
   t("excluded", WrittenIf(Text(candidate.excluded), !candidate.excluded.empty()),
     "why it was not chosen, of a candidate that ranks before the chosen one", {.without = "none"});
+  t("turns", WrittenIf(maps_of(candidate.turns), !candidate.turns.empty()),
+    "joints of which whole turns may be added, each by itself: the posture stays the same",
+    {.without = "none"});
 }
 
 void choice_fields(Table& t, Choice& choice) {
