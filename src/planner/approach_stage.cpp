@@ -14,6 +14,7 @@
 #include "encounter/encounter_motions.hpp"
 #include "planner/candidates.hpp"
 #include "planner/contact_refinement.hpp"
+#include "planner/other_forms.hpp"
 #include "planner/self_motion.hpp"
 
 namespace stillbase {
@@ -66,12 +67,13 @@ class Stage {
   }
 
  private:
-  /// A goal of a set: a candidate, or a sample of the self-motion beside one.
+  /// A goal of a set: a candidate, another form of one, or a sample of the self-motion beside one.
   struct Goal {
     std::size_t candidate;
-    std::optional<CertifiedCandidate> sample;
+    std::optional<CertifiedCandidate> other;  ///< in place of the candidate, or beside it
+    bool is_sample = false;
     std::optional<TargetMotion> motion;
-    std::unique_ptr<ContactRefinement> contact;  ///< of a candidate
+    std::unique_ptr<ContactRefinement> contact;  ///< not of a sample
   };
 
   void without_approach() {
@@ -94,9 +96,43 @@ class Stage {
   }
 
   std::unique_ptr<ContactRefinement> contact_at(std::size_t i) const {
-    return std::make_unique<ContactRefinement>(problem_, found_.points[i], found_.candidates[i],
-                                               found_.certificates[i], options_.stop,
-                                               options_.contact_refinement);
+    return contact_at(i, found_.points[i], found_.candidates[i]);
+  }
+  /// @param x, candidate of candidate i, in one of its forms
+  std::unique_ptr<ContactRefinement> contact_at(std::size_t i, const Eigen::VectorXd& x,
+                                                const Candidate& candidate) const {
+    return std::make_unique<ContactRefinement>(problem_, x, candidate, found_.certificates[i],
+                                               options_.stop, options_.contact_refinement);
+  }
+
+  /// Other forms of a candidate as goals, those that touch nothing and keep the limits after the
+  /// impact.
+  std::list<Goal> other_forms(std::size_t i) const {
+    std::vector<Configuration> forms = other_turns_of(problem_, found_, i, options_.other_turns);
+    for (Configuration& roll : other_rolls_of(problem_, found_, i, options_.other_rolls)) {
+      forms.push_back(std::move(roll));
+    }
+    std::vector<Candidate> trials;
+    std::vector<Configuration> to_judge;
+    for (const Configuration& form : forms) {
+      Candidate trial = found_.candidates[i];
+      trial.configuration = form;
+      judge_collisions(problem_, scene_, trial);
+      if (!trial.collision_free && !base_follows_path(problem_)) continue;
+      trials.push_back(trial);
+      to_judge.push_back(form);
+    }
+    after_.judge_all(to_judge);
+    std::list<Goal> out;
+    for (const Candidate& trial : trials) {
+      if (!after_.keeps_limits(trial.configuration)) continue;
+      const Eigen::VectorXd x = variables_of_form(problem_, found_, i, trial.configuration);
+      CertifiedCandidate there = certify_candidate(problem_, x, trial, found_.certificates[i]);
+      auto contact = contact_at(i, x, there.candidate);
+      auto motion = motions_.towards(there.candidate.configuration);
+      out.push_back({i, std::move(there), false, std::move(motion), std::move(contact)});
+    }
+    return out;
   }
 
   void count_calls(const ContactRefinement& contact) {
@@ -136,7 +172,16 @@ class Stage {
       if (path_decides(problem_) && tried++ == problem_.approach.max_approaches) return;
       std::unique_ptr<ContactRefinement> contact;
       const Approach approach = approach_to(i, seed_ + k, &contact);
-      if (!arrives(approach)) continue;
+      if (!arrives(approach)) {
+        if (path_decides(problem_)) continue;
+        const std::list<Goal> goals = other_forms(i);
+        if (goals.empty()) continue;
+        const ApproachToAny any = approach_to_goals(goals, seed_ + k);
+        if (!arrives(any.approach)) continue;
+        const auto form = std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
+        chosen_ = {i, any.approach, form->other, false, true};
+        return;
+      }
       if (!path_decides(problem_)) {
         chosen_ = {i, approach, std::nullopt, false, true};
         return;
@@ -180,8 +225,8 @@ class Stage {
     return approach;
   }
 
-  /// Tries each candidate, at most `max_approaches`. Where one fails its neighbours mostly fail
-  /// too, so that they come last.
+  /// Tries each candidate, at most `max_approaches`, and other forms of the good ones before the
+  /// other candidates. Where one fails its neighbours mostly fail too, so that they come last.
   void one_by_one() {
     const std::vector<std::size_t>& order = order_.order;
     std::vector<std::size_t> sequence, neighbours;
@@ -196,13 +241,60 @@ class Stage {
       sequence.resize(static_cast<std::size_t>(problem_.approach.max_approaches));
     }
     int done = 0;
+    bool are_forms_tried = false;
     for (const std::size_t i : sequence) {
       if (tried_ && options_.stop.reached()) return;
+      if (!are_forms_tried && !is_goal(i)) {
+        are_forms_tried = true;
+        if (to_other_forms()) return;
+      }
       progress(done++);
       std::unique_ptr<ContactRefinement> contact;
       const Approach approach = approach_to(order[i], seed_ + i, &contact);
       if (take(approach, order[i], contact.get())) return;
     }
+    if (!are_forms_tried) to_other_forms();
+  }
+
+  /// Goes for other forms of the good candidates: for all at once, where one path can, then for at
+  /// most `max_approaches` one by one.
+  /// @return as take()
+  bool to_other_forms() {
+    std::list<std::list<Goal>> forms;
+    for (std::size_t k = 0; k < order_.holding && !options_.stop.reached(); ++k) {
+      if (static_cast<int>(forms.size()) == problem_.approach.max_approaches) break;
+      if (is_goal(k)) forms.push_back(other_forms(order_.order[k]));
+    }
+    // The first form of each candidate, then the second one of each.
+    std::list<Goal> goals;
+    while (!forms.empty()) {
+      forms.remove_if([](const auto& rest) { return rest.empty(); });
+      for (auto& rest : forms) goals.splice(goals.end(), rest, rest.begin());
+    }
+    if (goals.empty()) return false;
+    if (!base_follows_path(problem_) && to_any_of(goals)) return true;
+    int done = 0;
+    for (const Goal& goal : goals) {
+      if (options_.stop.reached() || done == problem_.approach.max_approaches) return false;
+      progress(done++);
+      const Approach approach =
+          plan_approach(problem_, configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
+                        seed_, options_.stop, solver_calls_, goal.contact->solver(), path_options_);
+      count_calls(*goal.contact);
+      if (arrives(approach) && take_form(approach, goal)) return true;
+    }
+    return false;
+  }
+
+  /// Records an approach to another form of a candidate. @return as take()
+  bool take_form(const Approach& approach, const Goal& reached) {
+    const bool holds = take(approach, reached.candidate, reached.contact.get());
+    // Where the path decides, its end is certified.
+    if (path_decides(problem_)) return holds;
+    chosen_.certified = reached.other;
+    chosen_.is_sample = reached.is_sample;
+    chosen_.holds = true;
+    return true;
   }
 
   bool are_neighbours(std::size_t a, std::size_t b) const {
@@ -227,28 +319,39 @@ class Stage {
     return goals.size() > count && to_any_of(goals);
   }
 
+  const Candidate& candidate_of(const Goal& goal) const {
+    return goal.other ? goal.other->candidate : found_.candidates[goal.candidate];
+  }
+  const Configuration& configuration_of(const Goal& goal) const {
+    return candidate_of(goal).configuration;
+  }
+
+  /// One run of the planner for all of them.
+  ApproachToAny approach_to_goals(const std::list<Goal>& goals, std::uint64_t seed) {
+    std::vector<ApproachGoal> asked;
+    const double most = rank_of(problem_, found_.candidates[order_.order.front()]);
+    for (const Goal& goal : goals) {
+      // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
+      const double part = most > 0 ? rank_of(problem_, candidate_of(goal)) / most : 1;
+      asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
+                       1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
+    }
+    const ApproachToAny any =
+        plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);
+    for (const Goal& goal : goals) {
+      if (goal.contact) count_calls(*goal.contact);
+    }
+    return any;
+  }
+
   /// @return whether an approach leads to a configuration whose limits hold after the impact
   bool to_any_of(const std::list<Goal>& goals) {
     if (options_.stop.reached()) return false;
     progress(0);
-    std::vector<ApproachGoal> asked;
-    const double most = rank_of(problem_, found_.candidates[order_.order.front()]);
-    for (const Goal& goal : goals) {
-      const Candidate& candidate =
-          goal.sample ? goal.sample->candidate : found_.candidates[goal.candidate];
-      // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
-      const double part = most > 0 ? rank_of(problem_, candidate) / most : 1;
-      asked.push_back({candidate.configuration, goal.motion ? &*goal.motion : nullptr,
-                       1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
-    }
-    const ApproachToAny any =
-        plan_approach_to_any(problem_, asked, seed_, options_.stop, solver_calls_, path_options_);
-    for (const Goal& goal : goals) {
-      if (goal.contact) count_calls(*goal.contact);
-    }
+    const ApproachToAny any = approach_to_goals(goals, seed_);
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
     for (const Goal& goal : goals) {
-      if (goal.sample) continue;
+      if (goal.other) continue;
       excluded_[goal.candidate] = arrives(any.approach) ? "a path to another one was found first"
                                                         : no_path_words(any.approach);
     }
@@ -256,26 +359,27 @@ class Stage {
       if (path_decides(problem_)) chosen_.approach = any.approach;
       return false;
     }
-    const bool holds = take(any.approach, reached.candidate, reached.contact.get());
-    if (reached.sample) {
-      chosen_.certified = reached.sample;
-      chosen_.is_sample = true;
-    }
-    return holds;
+    return reached.other ? take_form(any.approach, reached)
+                         : take(any.approach, reached.candidate, reached.contact.get());
+  }
+
+  /// Whether the candidate at this place of the order is nearly as good as the best one, and keeps
+  /// the limits after the impact. Within the null space, and where the base follows the path, any
+  /// contact that can be reached is a goal: it is improved along the path.
+  bool is_goal(std::size_t place) const {
+    if (place >= order_.holding) return false;
+    const Candidate& best = found_.candidates[order_.order.front()];
+    return path_decides(problem_) || is_good(problem_, found_.candidates[order_.order[place]], best,
+                                             problem_.approach.goal_factor);
   }
 
   std::list<Goal> good_candidates() const {
     std::list<Goal> goals;
-    const Candidate& best = found_.candidates[order_.order.front()];
     for (std::size_t k = 0; k < order_.holding; ++k) {
+      if (!is_goal(k)) continue;
       const std::size_t i = order_.order[k];
       const Candidate& candidate = found_.candidates[i];
-      // Within the null space any contact that can be reached is a goal: it is improved along the
-      // path.
-      const bool is_goal = path_decides(problem_) ||
-                           is_good(problem_, candidate, best, problem_.approach.goal_factor);
-      if (!is_goal) continue;
-      goals.push_back({i, {}, motions_.towards(candidate.configuration), contact_at(i)});
+      goals.push_back({i, {}, false, motions_.towards(candidate.configuration), contact_at(i)});
     }
     return goals;
   }
@@ -302,7 +406,7 @@ class Stage {
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
       if (!after_.keeps_limits(at)) continue;
-      goals.push_back({beside, std::move(sample), motions_.towards(at), nullptr});
+      goals.push_back({beside, std::move(sample), true, motions_.towards(at), nullptr});
     }
   }
 

@@ -26,6 +26,7 @@
 #include "planner/completeness.hpp"
 #include "planner/feature_choice.hpp"
 #include "planner/further_search.hpp"
+#include "planner/other_forms.hpp"
 
 namespace stillbase {
 
@@ -283,11 +284,15 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   Proof proof;
   const SearchOptions search_options = search_options_of(problem, scene, options);
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
+  if (problem.approach.enabled) take_nearest_turns(problem, found);
   {
     const PhaseClock::Phase phase(options.clock, "collision");
     judge_collisions(problem, scene, jobs_of(problem, options), options.stop, found.candidates);
   }
   AfterImpactJudge after(problem, options.stop, jobs_of(problem, options), options.clock);
+  const bool is_allowed =
+      !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
+  if (is_allowed) take_forms_that_hold(problem, scene, options, after, found);
   // Where every solution is enclosed there is nothing to search for.
   if (proof.status == ProofStatus::NotApplicable) {
     add_candidates_that_hold(problem, scene, search_options, options, after, found,

@@ -73,6 +73,9 @@ struct PlannerOptions {
   /// every candidate of the first one may be at a limit, which rates then exceed as the arm moves.
   double further_rate_reserve = 0.05;
   int bound_rounds = 8;  ///< of bound and repeated search, at most
+  /// Of one candidate, where the first way to hold it fails: whole turns away, by the shortest way
+  /// from the start posture, and rolls of a free last joint, evenly over its range.
+  std::size_t other_turns = 4, other_rolls = 6;
   ApproachOptions approach;
   SelfMotionOptions self_motion;
   ContactRefinementOptions contact_refinement;
@@ -90,11 +93,18 @@ struct PlannerOptions {
 ///    problem's post-impact limits under its first controller, at once;
 /// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`).
 ///    A sample that is reached is certified and becomes the last candidate, reached by no start;
-/// 3. candidates one by one: those that keep the limits, then the other ones (`verify` says which
-///    limit fails);
-/// 4. none: the best candidate stands with the reason of its failure.
-/// A floating base with a stated start has its candidates tried one by one.
-/// Without an approach asked for, its status is GoalInvalid when no candidate is free of collision.
+/// 3. the good candidates one by one;
+/// 4. all of them whole turns of joints away and at other rolls of a free last joint, at once (one
+///    by one for a floating base with a stated start);
+/// 5. the other candidates one by one: those that keep the limits, then those that do not (`verify`
+///    says which limit fails);
+/// 6. none: the best candidate stands with the reason of its failure.
+/// Of postures that are whole turns apart each candidate is the one nearest to the start, without
+/// an approach the one in the middle of the joints' limits. Of a candidate that touches something
+/// or breaks a limit after the impact the other rolls and turns are judged as well, and the first
+/// one that does not takes its place. A floating base with a stated start has its candidates tried
+/// one by one. Without an approach asked for, its status is GoalInvalid when no candidate is free
+/// of collision.
 /// @return a plan in every case: `status` and `approach.status` say what holds
 /// @throws InputError for a problem whose parts do not fit together
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options = {});
