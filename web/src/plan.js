@@ -9,7 +9,7 @@ import {Viewer} from './viewer.js';
 
 /// Topics of the summary by what they answer.
 const kQuestions = [
-  ['What was decided', ['found', 'choice', 'posture', 'base', 'contact', 'impulse']],
+  ['What was decided', ['found', 'choice', 'posture', 'base', 'contact', 'impulse', 'free', 'turns']],
   ['How good it is', ['momentum', 'case', 'binding', 'approach', 'afterwards']],
   ['How sure it is', ['search', 'certificate', 'coverage', 'curves', 'proof', 'solvers']],
 ];

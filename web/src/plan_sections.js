@@ -184,6 +184,17 @@ export function spreads(document) {
       'What uncertainty of the direction costs', h('div', {class: 'plots one'}, plot.element));
 }
 
+/// The joint of a candidate whose angle is free, with the ends of its range; null: none. Its curve
+/// states two points, of a whole turn three, that differ in this joint alone.
+function freeRoll(plan, candidate) {
+  const points = plan.families?.[candidate.family]?.points ?? [];
+  if (points.length < 2 || points.length > 3) return null;
+  const ends = [points[0].joint_positions, points.at(-1).joint_positions];
+  const differing = ends[0].flatMap((x, k) => x === ends[1][k] ? [] : [k]);
+  return differing.length === 1 ? {joint: differing[0], ends: ends.map(end => end[differing[0]])} :
+                                  null;
+}
+
 export function candidateTable(document) {
   const {content: plan} = document;
   if (!plan.candidates.length) return null;
@@ -204,12 +215,22 @@ export function candidateTable(document) {
       better ? `${better} candidate${better > 1 ? 's rank' : ' ranks'} before the chosen one and ${
                    better > 1 ? 'were' : 'was'} excluded.` :
                'No candidate ranks before the chosen one.';
-  const posture = candidate =>
-      candidate.joint_positions
-          .map(
-              (x, k) => document.scene.robot.joints[k].slides ? `${fixed(x, 3)} m` :
-                                                                `${fixed(degrees(x), 1)}°`)
-          .join(', ');
+  const {joints} = document.scene.robot;
+  const angle = x => `${fixed(degrees(x), 1)}°`;
+  const posture = candidate => {
+    const roll = freeRoll(plan, candidate);
+    return candidate.joint_positions
+        .map((x, k) => {
+          if (joints[k].slides) return `${fixed(x, 3)} m`;
+          if (k === roll?.joint) return `${angle(x)} (any from ${roll.ends.map(angle).join(' to ')})`;
+          const turns = candidate.turns?.find(each => each.joint === joints[k].name);
+          const others = turns ? [turns.least, turns.most].filter(turn => turn !== 0) : [];
+          return others.length ?
+              `${angle(x)} (or ${others.map(turn => angle(x + 2 * Math.PI * turn)).join(', ')})` :
+              angle(x);
+        })
+        .join(', ');
+  };
   const row = (candidate, i) =>
       [`${i + 1}`, candidate.objective, candidate.worst_case, candidate.value,
        fixed(candidate.contact_time, 3), posture(candidate), reason(candidate, i)];
