@@ -98,6 +98,8 @@ test(
           return at;
         }, 0);
         assert.match(words, /worst case over the cone/);
+        assert.match(words, /joint_7 may have any angle from -\d/, 'the free roll');
+        assert.match(words, /° \(any from −145\.0° to 145\.0°\)/, 'its range in the table');
         assert.ok(words.includes(json('plan.json').content_sha256));
         assert.equal(await page.evaluate(`document.querySelectorAll('.plot').length`), 11);
       });
