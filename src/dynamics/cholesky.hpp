@@ -26,13 +26,10 @@ template <class S>
   }
 }
 
+/// L' x = b.
 template <class S>
-[[gnu::always_inline]] inline void solve(const S* L, Eigen::Index stride, Eigen::Index n, S* b) {
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const S s = b[k];
-    for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= L[i + k * stride] * s;
-    b[k] = s * L[k + k * stride];
-  }
+[[gnu::always_inline]] inline void solve_transposed(const S* L, Eigen::Index stride, Eigen::Index n,
+                                                    S* b) {
   for (Eigen::Index i = n - 1; i >= 0; --i) {
     S s = b[i];
     // The entry found last comes last: the others need not wait for it.
@@ -41,24 +38,35 @@ template <class S>
   }
 }
 
-/// Calls run(n), for the sizes of usual arms with n as a constant.
-template <class Run>
-void with_known_size(Eigen::Index n, Run run) {
-  using std::integral_constant;
-  switch (n) {
-    case 3:
-      return run(integral_constant<Eigen::Index, 3>());
-    case 5:
-      return run(integral_constant<Eigen::Index, 5>());
-    case 6:
-      return run(integral_constant<Eigen::Index, 6>());
-    case 9:
-      return run(integral_constant<Eigen::Index, 9>());
-    case 10:
-      return run(integral_constant<Eigen::Index, 10>());
-    default:
-      return run(n);
+template <class S>
+[[gnu::always_inline]] inline void solve(const S* L, Eigen::Index stride, Eigen::Index n, S* b) {
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const S s = b[k];
+    for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= L[i + k * stride] * s;
+    b[k] = s * L[k + k * stride];
   }
+  solve_transposed(L, stride, n, b);
+}
+
+/// Calls run(n), for doubles and the sizes of usual arms with n as a constant.
+template <class S, class Run>
+void with_size(Eigen::Index n, Run run) {
+  using std::integral_constant;
+  if constexpr (std::is_same_v<S, double>) {
+    switch (n) {
+      case 3:
+        return run(integral_constant<Eigen::Index, 3>());
+      case 5:
+        return run(integral_constant<Eigen::Index, 5>());
+      case 6:
+        return run(integral_constant<Eigen::Index, 6>());
+      case 9:
+        return run(integral_constant<Eigen::Index, 9>());
+      case 10:
+        return run(integral_constant<Eigen::Index, 10>());
+    }
+  }
+  return run(n);
 }
 
 }  // namespace cholesky_loops
@@ -68,23 +76,23 @@ void with_known_size(Eigen::Index n, Run run) {
 /// be a quarter of the time at these sizes. The upper triangle is not read.
 template <class Matrix>
 void factorize_cholesky(Matrix& A) {
-  const auto run = [&A](auto n) { cholesky_loops::factorize(A.data(), A.outerStride(), n); };
-  if constexpr (std::is_same_v<typename Matrix::Scalar, double>) {
-    cholesky_loops::with_known_size(A.rows(), run);
-  } else {
-    run(A.rows());
-  }
+  cholesky_loops::with_size<typename Matrix::Scalar>(
+      A.rows(), [&A](auto n) { cholesky_loops::factorize(A.data(), A.outerStride(), n); });
 }
 
 /// Solves A x = b in place with the factor of factorize_cholesky(). b: contiguous.
 template <class Matrix, class Vector>
 void solve_cholesky(const Matrix& L, Vector&& b) {
-  const auto run = [&](auto n) { cholesky_loops::solve(L.data(), L.outerStride(), n, b.data()); };
-  if constexpr (std::is_same_v<typename Matrix::Scalar, double>) {
-    cholesky_loops::with_known_size(L.rows(), run);
-  } else {
-    run(L.rows());
-  }
+  cholesky_loops::with_size<typename Matrix::Scalar>(
+      L.rows(), [&](auto n) { cholesky_loops::solve(L.data(), L.outerStride(), n, b.data()); });
+}
+
+/// Solves L' x = b in place, L the unit triangular factor.
+template <class Matrix, class Vector>
+void solve_transposed_cholesky(const Matrix& L, Vector&& b) {
+  cholesky_loops::with_size<typename Matrix::Scalar>(L.rows(), [&](auto n) {
+    cholesky_loops::solve_transposed(L.data(), L.outerStride(), n, b.data());
+  });
 }
 
 }  // namespace stillbase

@@ -11,6 +11,7 @@ namespace stillbase {
 
 /// The first Rows rows and columns of W_h = J H^-1 J'. With the base translation eliminated,
 /// H^-1 is that of A = L D L' and of the mass; so W_h = [E/M, 0; 0, 0] + Z' D^-1 Z.
+/// The lower triangle.
 /// @param Z the first Rows columns of RigidContact::Z are filled
 template <int Rows, class S>
 static Eigen::Matrix<S, Rows, Rows> hand_inverse_inertia(const PostureImpact<S>& posture,
@@ -33,14 +34,18 @@ static Eigen::Matrix<S, Rows, Rows> hand_inverse_inertia(const PostureImpact<S>&
   }
   Eigen::Matrix<S, Rows, Rows> W = Eigen::Matrix<S, Rows, Rows>::Zero();
   for (Eigen::Index i = 0; i < 3; ++i) W(i, i) = inverse_mass;
-  for (Eigen::Index k = 0; k < 3 + n; ++k) {
-    const Row z = Z.row(k).template head<Rows>();
-    for (Eigen::Index i = k + 1; i < 3 + n; ++i) {
-      Z.row(i).template head<Rows>() -= z * factor.L(i, k);
+  cholesky_loops::with_size<S>(3 + n, [&](auto size) {
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const Row z = Z.row(k).template head<Rows>();
+      for (Eigen::Index i = k + 1; i < size; ++i) {
+        Z.row(i).template head<Rows>() -= z * factor.L(i, k);
+      }
+      const Row scaled = z * factor.L(k, k);
+      for (Eigen::Index j = 0; j < Rows; ++j) {
+        for (Eigen::Index i = j; i < Rows; ++i) W(i, j) += z[i] * scaled[j];
+      }
     }
-    const Row scaled = z * factor.L(k, k);
-    for (Eigen::Index j = 0; j < Rows; ++j) W.col(j) += z.transpose() * scaled[j];
-  }
+  });
   return W;
 }
 
@@ -58,11 +63,7 @@ static GeneralizedMotion<S> pushed_motion(const PostureImpact<S>& posture,
     for (Eigen::Index i = 1; i < columns; ++i) sum += contact.Z(k, i) * F[i];
     x[k] = sum * factor.L(k, k);
   }
-  for (Eigen::Index i = size - 1; i >= 0; --i) {
-    S sum = x[i];
-    for (Eigen::Index k = size - 1; k > i; --k) sum -= factor.L(k, i) * x[k];
-    x[i] = sum;
-  }
+  solve_transposed_cholesky(factor.L, x);
   GeneralizedMotion<S> out;
   const S inverse_mass = S(1) / factor.mass;
   const Vector3<S> omega = x.template head<3>();
