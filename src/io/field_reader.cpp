@@ -66,7 +66,7 @@ void MapReader::operator()(const std::string& key, const Value& value, const std
   }
   if (node == nullptr) {
     const bool is_needed = about.when || about.need == Need::Required;
-    const bool is_left_out = value.leave_out && value.leave_out(context_, path_of(key));
+    const bool is_left_out = value.leave_out && value.leave_out(context_, path_of(key), node_.line);
     if (is_needed && !is_left_out) miss(key);
   } else if (!value.read(context_, *node, path_of(key))) {
     refused_.insert(key);

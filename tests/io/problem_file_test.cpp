@@ -108,8 +108,8 @@ TEST_CASE("unknown, duplicate and missing keys are refused with the nearest know
                  {"impact.restitutoin", "did you mean 'restitution'?"});
   refuses_change("  restitution: 0.5\n  joint", "  source: rigid_body\n  joint", "duplicate-key",
                  {"'source'", "line 23"});
-  refuses(replaced(kProblem, "objective: base_angular_momentum\n", ""), 0, "missing-key",
-          {"objective.quantity"});
+  refuses(replaced(kProblem, "objective: base_angular_momentum\n", ""), line_of(kProblem, "format"),
+          "missing-key", {"objective.quantity"});
   refuses(replaced(kProblem, "  mass: 50 kg\n", ""), 11, "missing-key", {"target.mass"});
 }
 

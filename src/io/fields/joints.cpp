@@ -71,7 +71,7 @@ JointValues::JointValues(JointVectord& x, const RobotModel& robot, JointDimensio
     x = values;
     return true;
   };
-  leave_out = [&, options](ReadContext&, const std::string&) {
+  leave_out = [&, options](ReadContext&, const std::string&, int) {
     if (options.without) x = JointVectord::Constant(robot.n(), *options.without);
     return false;
   };
@@ -128,7 +128,7 @@ JointFlags::JointFlags(std::vector<bool>& x, const RobotModel& robot) {
     }
     return context.findings.size() == before;
   };
-  leave_out = [&](ReadContext&, const std::string&) {
+  leave_out = [&](ReadContext&, const std::string&, int) {
     x.assign(robot.joints.size(), true);
     return false;
   };

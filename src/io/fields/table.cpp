@@ -115,9 +115,10 @@ Map::Map(const TableBody& body, const MapOptions& options) {
   is_written = options.is_written;
   fits = is_map;
   if (options.is_section) {
-    leave_out = [body](ReadContext& context, const std::string& path) {
+    leave_out = [body](ReadContext& context, const std::string& path, int line) {
       Node empty;
       empty.kind = Node::Kind::Map;
+      empty.line = line;
       read_fields(body, context, empty, path);
       return true;
     };

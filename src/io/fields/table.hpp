@@ -56,8 +56,9 @@ struct Value {
   std::function<bool(const Node&)> fits = is_scalar;
   bool is_written = true;
   /// Puts a default in place that the data cannot hold before the field is known to be absent.
+  /// @param line of the map that lacks the field
   /// @return whether the field may be left out although it is needed
-  std::function<bool(ReadContext&, const std::string& path)> leave_out = nullptr;
+  std::function<bool(ReadContext&, const std::string& path, int line)> leave_out = nullptr;
   /// Of a word of a closed list: the list, and a function that makes the data hold its word i.
   std::vector<std::string> words = {};
   std::function<void(std::size_t)> choose = nullptr;
