@@ -40,11 +40,13 @@ PlannerTask task_of(const std::string& path) {
   PlannerTask out;
   out.problem = read_problem(path);
   if (!out.problem.approach.enabled) {
-    throw InputError({{path, 0, "no-approach", "the problem asks for no approach"}});
+    throw InputError(
+        {{path, 0, "no-approach", "approach.enabled: the problem asks for no approach"}});
   }
   if (out.problem.approach.base == BaseMode::Floating && !out.problem.approach.station_free) {
     throw InputError({{path, 0, "path-decides",
-                       "the configuration depends on the path, so that planners would not be given "
+                       "approach.station_free: the configuration depends on the path, so that "
+                       "planners would not be given "
                        "the same task"}});
   }
   PlannerOptions options;

@@ -141,7 +141,7 @@ int check_files(const CheckRequest& request) {
         write_stdout(contact_suggestions(*report.robot));
       }
     } catch (const InputError& error) {
-      say(error.what());
+      say(with_lines(error).what());
       code = kInputRefused;
     } catch (const CommandLineError& error) {
       say(fmt::format("stillbase: {}", error.what()));

@@ -58,7 +58,7 @@ int run_tool(int argc, const char* const* argv) {
   try {
     return run_command_line(program, commands, argc, argv);
   } catch (const InputError& error) {
-    say(error.what());
+    say(with_lines(error).what());
     return kInputRefused;
   } catch (const FileError& error) {
     say(fmt::format("stillbase: {}", error.what()));

@@ -271,7 +271,10 @@ int replan(const ReplanRequest& request) {
       return play(plan, estimates, options, deadline);
     } catch (const InputError& error) {
       std::vector<Finding> findings = error.findings();
-      for (Finding& finding : findings) finding.file = request.plan;
+      for (Finding& finding : findings) {
+        finding.file = request.plan;
+        if (finding.rule != "no-configuration") finding.message = "problem." + finding.message;
+      }
       throw InputError(findings);
     }
   }();

@@ -18,8 +18,8 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
+#include <stillbase/io/problem_file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "io/scalars.hpp"
@@ -58,7 +58,33 @@ void write_stderr(std::string_view text) {
   (void)std::fflush(stderr);
 }
 
+/// The key with which a finding's message begins, "robot.arms"; empty: none.
+std::string key_of(const std::string& message) {
+  const std::string key = message.substr(0, message.find(':'));
+  const bool is_key =
+      key.size() < message.size() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '[' || c == ']';
+      });
+  return is_key ? key : "";
+}
+
 }  // namespace
+
+InputError with_lines(const InputError& error) {
+  std::vector<Finding> findings = error.findings();
+  for (Finding& finding : findings) {
+    const std::string key = key_of(finding.message), extension = extension_of(finding.file);
+    const bool has_keys = extension == ".yaml" || extension == ".yml" || extension == ".json";
+    if (finding.line != 0 || key.empty() || !has_keys) continue;
+    try {
+      finding.line = line_of_key(finding.file, key);
+      if (finding.line == 0) finding.line = line_of_key(finding.file, "format");
+    } catch (const std::exception&) {
+      // What cannot be read again has no lines: the finding stays as it is.
+    }
+  }
+  return InputError(findings);
+}
 
 void open_standard_descriptors() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {

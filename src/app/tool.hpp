@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stillbase/core/error.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
@@ -32,6 +33,10 @@ struct ExitMeaning {
   std::string codes, text;
 };
 std::vector<ExitMeaning> exit_meanings();
+
+/// The same findings; those of a problem or plan file that name a key (`variables.joints: ...`) and
+/// no line have the line of that key, of the section that lacks it, or of `format` for the file.
+InputError with_lines(const InputError& error);
 
 /// A command line that no parser can know to be wrong: exit code 2.
 class CommandLineError : public std::runtime_error {

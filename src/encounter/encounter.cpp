@@ -67,13 +67,14 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
     out.n = *impulse.direction;
     if (impulse.source == ImpulseSource::RigidBody) {
       refuse("impulse-source",
-             "impact.source rigid_body takes its direction from the contact feature; remove "
-             "impact.direction");
+             "impact.direction: the source rigid_body takes its direction from the contact "
+             "feature; leave "
+             "it out");
     }
   } else {
     if (!problem.target || problem.variables.feature.empty()) {
       refuse("impulse-direction",
-             "without impact.direction a target with a contact feature is needed");
+             "impact.direction: without it a target with a contact feature is needed");
     }
     out.frame = ContactFrame::Target;
     out.n = chosen_feature(problem).normal;
@@ -98,7 +99,7 @@ EncounterModel encounter_model(const CaptureProblem& problem) {
   const HandMotionSpec& motion = problem.hand_motion;
   if (motion.moves() && (!out.is_rigid_contact() || !out.follows_target() || !out.is_rigid())) {
     refuse("hand-velocity",
-           "contact.hand_velocity needs the contact 'sticking' or 'latch' with a predicted rigid "
+           "contact.hand_velocity: needs the contact 'sticking' or 'latch' with a predicted rigid "
            "body");
   }
   out.matched = matched_part(motion);

@@ -22,7 +22,10 @@ CaptureModel::CaptureModel(const CaptureProblem& p)
   const auto refuse = [&p](const std::string& rule, const std::string& message) {
     throw InputError({Finding{p.source, 0, rule, message}});
   };
-  if (layout.size == 0) refuse("no-variables", "variables: nothing is free to be planned");
+  if (layout.size == 0)
+    refuse("no-variables",
+           "variables: nothing is free to be planned; free joints, base_attitude, base_position or "
+           "contact_time, or use `stillbase analyze`");
   if (!p.uncertainty.residual_velocity) return;
   if (!encounter.follows_target() || encounter.magnitude_is_given()) {
     refuse("not-used",

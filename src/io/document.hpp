@@ -49,6 +49,9 @@ struct DocumentLimits {
   std::size_t nodes = 100'000;
 };
 
+/// Of a plan, the largest of the files.
+inline constexpr DocumentLimits kPlanLimits{.bytes = 64u << 20, .depth = 32, .nodes = 1'000'000};
+
 /// Parses one YAML document (JSON is YAML).
 ///
 /// Refused: several documents, anchors, aliases, merge keys, tags, keys that are not text,

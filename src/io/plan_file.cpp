@@ -43,8 +43,7 @@ std::string fingerprint(std::string_view text, ReadContext& context) {
 
 PlanFile read_plan(std::string_view text, const std::string& source) {
   io::ReadContext context{source, {}, {}};
-  const io::Node root =
-      io::parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 1'000'000});
+  const io::Node root = io::parse_document(text, context, io::kPlanLimits);
   PlanFile file;
   io::refuse_other_format(root, source, "stillbase.plan");
   io::Map([&](io::Table& t) { io::plan_fields(t, file, ""); }).read(context, root, "");
@@ -86,9 +85,7 @@ std::vector<InputFile> input_files(const std::string& problem_path) {
 
 std::string stated_format(std::string_view text, const std::string& source) {
   io::ReadContext context{source, {}, {}};
-  // As large as a plan may be.
-  const io::Node root =
-      io::parse_document(text, context, {.bytes = 64u << 20, .depth = 32, .nodes = 200'000});
+  const io::Node root = io::parse_document(text, context, io::kPlanLimits);
   const io::Node* format = root.find("format");
   return format == nullptr ? "" : format->text;
 }

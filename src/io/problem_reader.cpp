@@ -52,8 +52,7 @@ CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remar
 
 int line_of_key(const std::string& path, const std::string& key) {
   io::ReadContext context{path, {}, {}};
-  const io::Node root =
-      io::parse_document(read_text_file(path, io::DocumentLimits{}.bytes), context);
+  const io::Node root = io::parse_document(read_text_file(path), context, io::kPlanLimits);
   int line = 0;
   const io::Node* node = &root;
   for (std::size_t begin = 0; begin < key.size() && node != nullptr;) {

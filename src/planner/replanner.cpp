@@ -24,8 +24,8 @@ constexpr int kWindowInstants = 9;  ///< as direction_cone()
 
 CaptureProblem problem_of(const Plan& plan) {
   if (plan.configuration.phi.size() != plan.problem.robot.n()) {
-    throw InputError({Finding{plan.problem.source, 0, "not-replannable",
-                              "the plan has no configuration to begin with"}});
+    throw InputError({Finding{plan.problem.source, 0, "no-configuration",
+                              "configuration: the plan has none to begin with"}});
   }
   return at_feature(plan.problem, plan.configuration.feature);
 }

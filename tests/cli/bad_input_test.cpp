@@ -45,6 +45,30 @@ TEST_CASE("a problem file that breaks a rule is refused with file, line, rule an
   require_refused(shop, outcome, "problem.yaml:" + std::to_string(line), bad.rule, bad.key);
 }
 
+TEST_CASE("what only the planner finds has the line of the key, or of the section that lacks it") {
+  const Workshop shop;
+  const int line = shop.write_changed("problem.yaml", kProblem, "  joints: all", "  joints: none");
+  const auto place = [](int at) { return "problem.yaml:" + std::to_string(at); };
+  require_refused(shop, shop.run("plan problem.yaml -o plan.json"), place(line - 1), "no-variables",
+                  "variables: nothing is free");
+  shop.write_changed("one.yaml", kProblem, "  joints: all", "  joints: [joint_1]");
+  const Outcome few = shop.run("check one.yaml");
+  INFO(few.err);
+  CHECK(few.code == 3);
+  CHECK(few.says("one.yaml:" + std::to_string(line - 1) + ": too-few-variables: variables: "));
+}
+
+TEST_CASE("what a misspelt section leaves out has the line of the map that lacks it") {
+  const Workshop shop;
+  const int line = shop.write_changed("problem.yaml", kProblem, "\nimpact:", "\nimpct:") + 1;
+  const int first = shop.write_changed("problem.yaml", kProblem, "format:", "format:");
+  shop.write_changed("problem.yaml", kProblem, "\nimpact:", "\nimpct:");
+  const Outcome outcome = shop.run("plan problem.yaml -o plan.json");
+  require_refused(shop, outcome, "problem.yaml:" + std::to_string(first), "missing-key",
+                  "impact.source");
+  require_refused(shop, outcome, "problem.yaml:" + std::to_string(line), "unknown-key", "'impct'");
+}
+
 TEST_CASE("a start outside the joint limits is refused") {
   const Workshop shop;
   const int line = shop.write_changed("problem.yaml", "problems/iiwa_client_50.yaml",

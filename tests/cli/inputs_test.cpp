@@ -107,7 +107,7 @@ TEST_CASE("a changed plan is neither simulated nor checked nor tried") {
     INFO(command << outcome.err);
     CHECK(outcome.code == 3);
     CHECK(outcome.out.empty());
-    CHECK(outcome.says("changed.json: fingerprint: content_sha256"));
+    CHECK(outcome.says("changed.json:1: fingerprint: content_sha256"));
   }
   CHECK(shop.run("simulate plan.json --controller rns").code == 0);
   CHECK(shop.run("check plan.json").code == 0);

@@ -128,7 +128,11 @@ TEST_CASE("replan refuses wrong input with its place") {
             .code == 0);
   const Outcome stated = shop.run("replan stated.json --estimates stream.csv");
   CHECK(stated.code == 3);
-  CHECK(stated.says("stated.json: not-replannable: impact.direction"));
+  CHECK(stated.says(": not-replannable: problem.impact.direction: "));
+  const std::string plan = shop.text("stated.json");
+  const auto at = static_cast<long>(plan.find("\"direction\"", plan.find("\"impact\": {")));
+  const auto line = 1 + std::count(plan.begin(), plan.begin() + at, '\n');
+  CHECK(stated.says("stated.json:" + std::to_string(line) + ": "));
 }
 
 TEST_CASE("the shipped stream is what its script makes") {

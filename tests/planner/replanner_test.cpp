@@ -388,7 +388,7 @@ TEST_CASE("problems that a replanner does not cover are refused with the reason"
   CHECK_THAT(refusal(plan_of("deos_latch_residual")), Catch::Contains("residual_velocity"));
   Plan empty = plan_of("iiwa_client_50");
   empty.configuration = {};
-  CHECK_THAT(refusal(empty), Catch::Contains("no configuration"));
+  CHECK_THAT(refusal(empty), Catch::Contains("no-configuration: configuration: "));
 }
 
 }  // namespace stillbase

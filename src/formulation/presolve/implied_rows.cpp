@@ -119,8 +119,8 @@ CaptureProblem freed(CaptureProblem problem) {
 [[noreturn]] void refuse_too_few(const CaptureProblem& problem, int equations, int variables) {
   throw InputError({Finding{
       problem.source, 0, "too-few-variables",
-      "the constraints impose " + std::to_string(equations) + " independent equations, but only " +
-          std::to_string(variables) +
+      "variables: the constraints impose " + std::to_string(equations) +
+          " independent equations, but only " + std::to_string(variables) +
           " variables are free; free more joints, the base attitude or the contact time"}});
 }
 
