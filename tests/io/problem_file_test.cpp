@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "io/document.hpp"
 #include "io/problem_text.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -101,6 +102,34 @@ TEST_CASE("purpose and limits after the impact have defaults, and controllers al
   refuses(limit("residual_base_rate_max: .nan"), line, "not-finite", {"residual_base_rate_max"});
   refuses(limit("residual_base_rate_max: -1 deg/s"), line, "out-of-range",
           {"residual_base_rate_max"});
+}
+
+TEST_CASE("shipped problems leave what decides their result to no default") {
+  for (const std::string& path : shipped_problems()) {
+    INFO(path);
+    stillbase::io::ReadContext context{path, {}, {}};
+    const stillbase::io::Node root = stillbase::io::parse_document(file_text(path), context);
+    const auto states = [&root](const std::string& section, const std::string& key) {
+      const stillbase::io::Node* const map = root.find(section);
+      return map != nullptr && map->find(key) != nullptr;
+    };
+    const CaptureProblem problem = read_problem(path);
+    for (const auto& [section, key] :
+         std::vector<std::pair<std::string, std::string>>{{"robot", "start"},
+                                                          {"impact", "joint_resistance"},
+                                                          {"variables", "base_position"},
+                                                          {"hand", "approach_axis"},
+                                                          {"post_impact", "horizon"}}) {
+      INFO(section << "." << key);
+      CHECK(states(section, key));
+    }
+    CHECK((states("uncertainty", "cone_half_angle") || states("uncertainty", "residual_velocity")));
+    if (problem.approach.enabled) CHECK(states("approach", "station_free"));
+    if (problem.impulse.source == ImpulseSource::Given) continue;
+    CHECK(states("impact", "restitution"));
+    CHECK(states("constraints", "closing_speed_min"));
+    if (!problem.impulse.direction) CHECK(states("target", "state"));
+  }
 }
 
 TEST_CASE("unknown, duplicate and missing keys are refused with the nearest known key") {
