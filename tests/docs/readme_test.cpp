@@ -2,17 +2,20 @@
 // the problems, and every line of output below it must come out again.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <stillbase/core/file.hpp>
+#include <stillbase/io/problem_file.hpp>
 
 #include "support/temporary_folder.hpp"
 
@@ -193,6 +196,42 @@ void check_equations(const fs::path& page) {
     INFO("equation (" << i << ")");
     CHECK(numbers[i]);
   }
+}
+
+TEST_CASE("the README's factors are of every problem ranked over a cone, and of the best known") {
+  std::vector<std::string> wanted, listed;
+  for (const auto& entry : fs::directory_iterator(kRoot / "problems")) {
+    if (entry.path().extension() != ".yaml") continue;
+    const CaptureProblem problem = read_problem(entry.path().string());
+    const bool has_cone = problem.uncertainty.cone_half_angle > 0;
+    if (problem.measure.kind == RiskMeasure::WorstCase && has_cone) wanted.push_back(problem.name);
+  }
+  std::map<std::string, double> best_known;
+  std::istringstream table(read_text_file((kRoot / "problems/best_known.csv").string()));
+  for (std::string line; std::getline(table, line);) {
+    const std::size_t comma = line.find(',');
+    if (comma == std::string::npos || line.front() == '#') continue;
+    best_known[line.substr(0, comma)] = std::atof(line.c_str() + comma + 1);
+  }
+  const std::regex row(
+      "\\| `([a-z0-9_]+)` \\| ([0-9.e-]+) [^|]+ \\| ([0-9.e-]+) [^|]+ \\| ([0-9.]+) \\| .*");
+  const std::string readme = read_text_file((kRoot / "README.md").string());
+  std::istringstream text(readme);
+  std::smatch cells;
+  for (std::string line; std::getline(text, line);) {
+    if (!std::regex_match(line, cells, row)) continue;
+    INFO(line);
+    listed.push_back(cells[1]);
+    const double robust = std::stod(cells[3]), factor = std::stod(cells[4]);
+    // Three digits are shown.
+    CHECK(robust == Approx(best_known[cells[1]]).epsilon(0.006));
+    CHECK(factor == Approx(std::stod(cells[2]) / robust).epsilon(0.012));
+    if (listed.size() > 1) continue;
+    CHECK(readme.find("has up to " + std::string(cells[4]) + " times") != std::string::npos);
+  }
+  std::sort(wanted.begin(), wanted.end());
+  std::sort(listed.begin(), listed.end());
+  CHECK(listed == wanted);
 }
 
 TEST_CASE("every function that README and theory give for an equation exists and is tested") {
