@@ -16,6 +16,7 @@
 #include <stillbase/search/search.hpp>
 #include <stillbase/search/trade_off.hpp>
 
+#include "app/after_impact_advice.hpp"
 #include "app/check_report.hpp"
 #include "app/command_line.hpp"
 #include "app/plan_summary.hpp"
@@ -244,6 +245,8 @@ int plan_capture(const PlanRequest& request) {
   if (!broken.empty()) {
     say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
                     broken, plan.problem.post_impact.controllers.front()));
+    say(fmt::format("the status '{}' is that of the search alone; what may help: {}",
+                    to_string(plan.status), after_impact_advice(plan)));
   }
   const bool is_met = plan.status != PlanStatus::Infeasible && arrives(plan);
   if (std::string windows = window_words(plan.problem); !is_met && !windows.empty()) {

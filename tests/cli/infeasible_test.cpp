@@ -1,4 +1,7 @@
 // Shipped problems that no posture solves: which limit, by how much, and the exit code.
+#include <sstream>
+#include <string>
+
 #include <catch2/catch.hpp>
 
 #include <nlohmann/json.hpp>
@@ -18,10 +21,49 @@ TEST_CASE("captures that break a limit after the grasp in every posture name it"
     CHECK(run.code == 4);
     CHECK(run.says("no configuration was found that keeps the limits after the impact: " + words));
     const auto file = nlohmann::json::parse(shop.text(name + ".json"));
-    const auto& binding = file.at("managed_momentum").at("limits").at(0);
-    CHECK(binding.at("limit") == limit);
-    CHECK(binding.at("margin").get<double>() < -0.3 * binding.at("most").get<double>());
+    const auto& tightest = file.at("managed_momentum").at("limits").at(0);
+    CHECK(tightest.at("limit") == limit);
+    CHECK(tightest.at("margin").get<double>() < -0.3 * tightest.at("most").get<double>());
+    CHECK(run.says("what may help: "));
   };
   plan("detumble_wheels_too_small", "wheel_momentum", "wheel momentum of ");
   plan("detumble_grip_too_weak", "grip_moment", "grip moment of hand: ");
+}
+
+TEST_CASE("what may help where wheels are too small helps") {
+  const Workshop shop;
+  const std::string shipped = "problems/detumble_wheels_too_small.yaml";
+  const std::string stated = "capacity: [1, 1, 1.2]";
+  const auto plan = [&](const std::string& wheels, const std::string& wait) {
+    shop.write_changed("problem.yaml", shipped, stated, wheels);
+    std::string text = shop.text("problem.yaml");
+    text.replace(text.find("wait: 3 s"), 9, "wait: " + wait);
+    shop.write("problem.yaml", text);
+    return shop.run("plan problem.yaml --starts 16 -o plan.json --force");
+  };
+  const Outcome small = plan("capacity: [2.3, 2.3, 2.3]", "3 s");
+  INFO(small.err);
+  REQUIRE(small.code == 4);
+  CHECK(small.says("the status 'optimal' is that of the search alone; what may help: "));
+  const auto numbers_after = [&](const std::string& key) {
+    const std::size_t at = small.err.find(key);
+    REQUIRE(at != std::string::npos);
+    const std::size_t begin = small.err.find('(', at) + 1;
+    return small.err.substr(begin, small.err.find(')', begin) - begin);
+  };
+  // A tenth more than it has to be: a wheel that is nearly full rests late.
+  std::string capacity = "capacity: [";
+  std::istringstream each(numbers_after("post_impact.wheels.capacity above"));
+  for (std::string number; std::getline(each, number, ',');) {
+    capacity += std::to_string(1.1 * std::stod(number)) + ", ";
+  }
+  capacity.replace(capacity.size() - 2, 2, "]");
+  CHECK(plan(capacity, "3 s").code == 0);
+  const std::string preset = numbers_after("post_impact.wheels.preset of");
+  CHECK(small.says("with approach.wait above 10."));
+  CHECK(plan("capacity: [2.35, 2.35, 2.35], preset: [" + preset + "]", "11 s").code == 0);
+
+  const Outcome smallest = plan(stated, "3 s");
+  CHECK(smallest.code == 4);
+  CHECK(smallest.says("a preset is not enough"));
 }
