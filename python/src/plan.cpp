@@ -216,7 +216,7 @@ void register_plan(py::module_& m) {
         for (const Candidate& c : p.file.plan.candidates) out.append(PlanCandidate{c});
         return out;
       },
-      "What the search found, the best first.");
+      "What the search found, in its order: docs/plan-file.md, the choice.");
   plan.def_property_readonly(
       "approach", [](std::shared_ptr<PlanResult> p) { return PlanApproach{std::move(p)}; },
       "Path to the configuration.");

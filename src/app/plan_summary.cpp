@@ -115,8 +115,14 @@ std::string choice_words(const Plan& plan) {
       ++known->second;
     }
   }
+  const auto chosen =
+      std::find_if(plan.candidates.begin(), plan.candidates.end(), [&](const Candidate& c) {
+        return is_same_configuration(c.configuration, plan.configuration);
+      });
+  const auto place = chosen - plan.candidates.begin();
   std::string text =
       fmt::format("candidate {} of {}", plan.choice.better + 1, plan.candidates.size());
+  if (place != plan.choice.better) text += fmt::format(" by the measure, listed at {}", place + 1);
   const auto& loss = plan.choice.loss_percent;
   if (!loss) text += ", the least measure being zero";
   if (loss && *loss > 0) text += fmt::format(", {:.3g} % above the least measure", *loss);

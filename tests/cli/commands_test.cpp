@@ -452,3 +452,22 @@ TEST_CASE("an effort of best goes on to other candidates where the path decides 
   }
   CHECK(tried >= 1);
 }
+
+TEST_CASE("a candidate whose configuration the path decides is counted by its measure") {
+  const Workshop shop;
+  const Outcome run = shop.run("plan " + quoted(source_path("problems/iiwa_fixed_start.yaml")) +
+                               " --starts 16 -o plan.json");
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  const json plan = json::parse(shop.text("plan.json"));
+  const auto& candidates = plan.at("candidates");
+  const auto chosen = std::find_if(candidates.begin(), candidates.end(), [&](const json& one) {
+    return one.at("joint_positions") == plan.at("configuration").at("joint_positions");
+  });
+  const auto place = chosen - candidates.begin();
+  const int better = plan.at("choice").at("better");
+  REQUIRE(better > place);
+  CHECK(run.says("candidate " + std::to_string(better + 1) + " of " +
+                 std::to_string(candidates.size()) + " by the measure, listed at " +
+                 std::to_string(place + 1) + ", "));
+}

@@ -562,7 +562,9 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
          [&](Candidate& candidate) {
            return Map([&](Table& m) { candidate_fields(m, problem, families, candidate); });
          }),
-    "", kNeeded);
+    "distinct solutions in the order of the search; the end of a path that decides the "
+    "configuration keeps the place of its candidate",
+    kNeeded);
   Choice choice = plan.choice;
   t("choice",
     Map([&](Table& m) { choice_fields(m, choice); },
