@@ -457,14 +457,14 @@ std::string managed_words(const ManagedMomentum& managed) {
   return text + fmt::format(", {} N m s are left at the horizon", size_words(*managed.remaining));
 }
 
-/// The limit that binds.
+/// The limit of which most is used after the contact, kept or not.
 std::string limit_use_words(const LimitUse& use) {
   const bool is_angle = use.unit == "rad" || use.unit == "rad/s";
   const double scale = is_angle ? kDegrees : 1;
   const std::string unit = use.unit == "rad" ? "deg" : use.unit == "rad/s" ? "deg/s" : use.unit;
   std::string name = to_string(use.limit);
   std::replace(name.begin(), name.end(), '_', ' ');
-  std::string text = fmt::format("{} limit: {} of {}, ", use.margin() < 0 ? "exceeded" : "binding",
+  std::string text = fmt::format("{} limit: {} of {}, ", use.margin() < 0 ? "exceeded" : "tightest",
                                  name, use.place);
   // Of ranges the value is a distance from their middle, which says little.
   const bool is_range = use.limit == CaptureLimit::JointStop || use.place == "contact_time";

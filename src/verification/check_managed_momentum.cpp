@@ -191,7 +191,7 @@ double floor_of(const LimitUse& use, const Vector3d& angular) {
   return kNoRotation * std::min(use.most, 1.0);
 }
 
-/// Stated limits against the recomputed ones, and whether the first one binds.
+/// Stated limits against the recomputed ones, and whether the first one is the tightest.
 void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vector3d& angular,
                     double time_step, Objections& objections) {
   std::map<CaptureLimit, int> times;
@@ -277,8 +277,9 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
   const Uses uses = all_uses(context, angular, run);
   compare_limits(*stated, uses, angular, step, objections);
-  claims.none_wrong("capture_limits", objections,
-                    stated->limits.empty() ? "no limit" : words(stated->limits.front()) + " binds");
+  claims.none_wrong(
+      "capture_limits", objections,
+      stated->limits.empty() ? "no limit" : "tightest: " + words(stated->limits.front()));
 }
 
 /// Demands of the problem that hold or not, whatever the plan says.

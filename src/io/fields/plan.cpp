@@ -495,7 +495,8 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
     "and joints have at most 1 % of their largest rate; null: not within the horizon",
     needed("s"));
   t("limits", maps_of(managed.limits),
-    "how much of each limit is used from the contact to the horizon; the first one binds", kNeeded);
+    "how much of each limit is used from the contact to the horizon, the tightest one first",
+    kNeeded);
 }
 
 namespace {
@@ -597,7 +598,7 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
   t("managed_momentum",
     Map([&](Table& m) { managed_momentum_fields(m, managed); },
         {.name = "managed_momentum", .is_written = plan.managed_momentum.has_value()}),
-    "the momentum that has to go somewhere after the contact, and which limit binds",
+    "the momentum that has to go somewhere after the contact, and which limit is tightest",
     {.without = "no target"});
   if (map != nullptr && map->has("managed_momentum")) plan.managed_momentum = managed;
   t("warnings", WrittenIf(maps_of(plan.warnings), !plan.warnings.empty()),
