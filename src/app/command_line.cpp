@@ -122,12 +122,34 @@ void check_option(const std::string& argument, const std::vector<std::string>& k
                                      io::did_you_mean(name, known)));
 }
 
+/// CLI11 leaves out what is empty between two commas.
+/// @param next the argument behind this one, its value unless it has one of its own
+void check_list(const std::vector<Option>& options, const std::string& argument,
+                const std::string& next) {
+  const std::size_t equals = argument.find('=');
+  const std::string name = argument.substr(0, equals);
+  const bool is_list = std::any_of(options.begin(), options.end(), [&](const Option& option) {
+    const std::vector<std::string> flags = flags_of(option);
+    return std::holds_alternative<std::vector<std::string>*>(option.target) &&
+           std::find(flags.begin(), flags.end(), name) != flags.end();
+  });
+  if (!is_list) return;
+  const std::string list = equals == std::string::npos ? next : argument.substr(equals + 1);
+  if (("," + list + ",").find(",,") == std::string::npos) return;
+  throw CommandLineError(fmt::format("{} {}: an element of the list is empty", name, list));
+}
+
 /// What CLI11 does not refuse by itself, or without a suggestion: empty values, subcommands and
 /// options that do not exist.
 void check_arguments(const std::vector<Command>& commands, const std::vector<const char*>& argv) {
   const std::vector<std::string> arguments(argv.begin() + 1, argv.end());
-  for (const std::string& argument : arguments) {
-    if (argument.empty()) throw CommandLineError("an argument is empty");
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    if (argument.empty()) {
+      const bool is_value = i > 0 && arguments[i - 1].rfind('-', 0) == 0;
+      throw CommandLineError(is_value ? arguments[i - 1] + ": the value is empty"
+                                      : "an argument is empty");
+    }
     if (argument.rfind("--", 0) == 0 && argument.size() > 2 && argument.back() == '=') {
       throw CommandLineError(argument + ": the value is empty");
     }
@@ -135,10 +157,15 @@ void check_arguments(const std::vector<Command>& commands, const std::vector<con
   std::string path;
   std::vector<std::string> known{"-h", "--help", "-V", "--version"};
   const std::vector<Command>* level = &commands;
-  for (const std::string& argument : arguments) {
+  const std::vector<Option>* options = nullptr;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
     if (argument == "--") return;
     if (argument[0] == '-') {
       check_option(argument, known, path);
+      // An option without a value is CLI11's own finding.
+      const std::string next = i + 1 < arguments.size() ? arguments[i + 1] : "-";
+      if (options != nullptr) check_list(*options, argument, next);
       continue;
     }
     if (level->empty()) continue;
@@ -156,6 +183,7 @@ void check_arguments(const std::vector<Command>& commands, const std::vector<con
       for (const std::string& flag : flags_of(option)) known.push_back(flag);
     }
     level = &chosen->subcommands;
+    options = &chosen->options;
   }
 }
 

@@ -35,8 +35,17 @@ TEST_CASE("option values that mean nothing are refused") {
   for (const char* seed : {"-1", "1.5", "1e3", "18446744073709551616", "+1", "0x1"}) {
     require_wrong_command_line(shop, plan + "--seed=" + seed, "--seed");
   }
-  require_wrong_command_line(shop, plan + "--optimizer ''", "empty");
-  require_wrong_command_line(shop, plan + "--optimizer=", "empty");
+  // An empty value is not one that was left out.
+  for (const char* option : {"--optimizer", "--starts", "--seed", "--pareto", "--time-limit"}) {
+    const std::string name = option;
+    require_wrong_command_line(shop, plan + name + " ''", name + ": the value is empty");
+    require_wrong_command_line(shop, plan + name + "=", name + "=: the value is empty");
+  }
+  for (const char* list : {"nlopt-slsqp,", ",ipopt", "nlopt-slsqp,,ipopt", ","}) {
+    const std::string said = std::string("--optimizers ") + list + ": an element of the list";
+    require_wrong_command_line(shop, std::string("bench problem.yaml --optimizers ") + list, said);
+    require_wrong_command_line(shop, std::string("bench problem.yaml --optimizers=") + list, said);
+  }
   require_wrong_command_line(shop, "plan problem.yaml -o ''", "empty");
   require_wrong_command_line(shop, "plan ''", "empty");
   require_wrong_command_line(shop, "inspect robots/iiwa_on_cube.urdf --hand ''", "empty");
