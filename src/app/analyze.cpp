@@ -25,10 +25,15 @@ using io::AnalysisComparison;
 using io::AnalysisRow;
 using io::PostureIndices;
 
-/// Of a direction in the xy plane, in [0, 360) deg.
+/// Azimuth of a direction, from x towards y, in [0, 360) deg.
 double angle_deg(const Vector3d& direction) {
   const double angle = std::atan2(direction.y(), direction.x()) * 180 / kPi;
   return angle < 0 ? angle + 360 : angle;
+}
+
+/// Angle of a direction with the xy plane, deg.
+double elevation_deg(const Vector3d& direction) {
+  return std::atan2(direction.z(), direction.head<2>().norm()) * kDegrees;
 }
 
 std::vector<AnalysisRow> sweep(CaptureProblem problem, int directions) {
@@ -102,7 +107,7 @@ std::string analysis_csv(const Analysis& analysis) {
       text += fmt::format(",{}_{}_{}", joint.name, part, joint.is_prismatic() ? "m_s" : "rad_s");
     }
   }
-  text += '\n';
+  text += ",elevation_deg\n";
   for (const AnalysisRow& row : analysis.rows) {
     const ImpactSummary& impact = row.impact;
     text += fmt::format("{},{},{},{}", row.direction_deg, impact.Fbar.head<3>().norm(),
@@ -112,7 +117,7 @@ std::string analysis_csv(const Analysis& analysis) {
     add_columns(text, impact.Delta_phidot);
     add_columns(text, impact.Delta_phidot_rns);
     add_columns(text, impact.Delta_phidot_orthogonal);
-    text += '\n';
+    text += fmt::format(",{}\n", elevation_deg(impact.Fbar.head<3>()));
   }
   return text;
 }
@@ -187,8 +192,25 @@ void add_marks(PlotPanel& panel, const ZeroDirections& zero, const std::string& 
   }
 }
 
+/// The impulse as a vector, where one angle in the xy plane does not say it; else empty.
+std::string impulse_words(const AnalysisRow& row) {
+  constexpr double kInPlane = 1e-9;  // rad
+  const Vector3d force = row.impact.Fbar.head<3>(), moment = row.impact.Fbar.tail<3>();
+  const double size = force.norm();
+  const double elevation = elevation_deg(force);
+  if (!(size > 0) || std::abs(elevation) < kInPlane * kDegrees) return "";
+  std::string text = fmt::format(
+      "impulse along {} in the base frame: azimuth {:.2f} deg (the direction below), "
+      "elevation {:.2f} deg\n",
+      vector_words(force / size), row.direction_deg, elevation);
+  if (!moment.isZero(0)) text += fmt::format("with a moment of {} N m s\n", vector_words(moment));
+  return text + '\n';
+}
+
 std::string analysis_words(const Analysis& analysis) {
-  std::string text = fmt::format("{:>9} {}", "direction", impact_head());
+  // A sweep stays in the plane.
+  std::string text = analysis.rows.size() == 1 ? impulse_words(analysis.rows.front()) : "";
+  text += fmt::format("{:>9} {}", "direction", impact_head());
   text += fmt::format("{:>9} {}", "deg", impact_units());
   for (const AnalysisRow& row : analysis.rows) {
     text += fmt::format("{:>9.2f} {}", row.direction_deg, impact_numbers(row.impact));

@@ -300,6 +300,24 @@ TEST_CASE("analyze shows the impact under every joint resistance and the directi
   CHECK(analysis.at("posture").at("zero_directions").at("in_space").at("total").at("rank") == 2);
 }
 
+TEST_CASE("analyze states an impulse that leaves the xy plane as a vector") {
+  const Workshop shop;
+  const std::string command = "analyze " + quoted(source_path("problems/spart_given_push.yaml"));
+  const Outcome outcome = shop.run(command);
+  INFO(outcome.out);
+  REQUIRE(outcome.code == 0);
+  // Along (-2, -1, -2) in B, with a moment.
+  CHECK(outcome.out.find("impulse along (-0.6667, -0.3333, -0.6667) in the base frame: azimuth "
+                         "206.57 deg (the direction below), elevation -41.81 deg\nwith a moment of "
+                         "(0, 0.01, 0.005) N m s\n") == 0);
+  CHECK(shop.run(command + " -o one.csv").code == 0);
+  const std::string csv = shop.text("one.csv");
+  CHECK(csv.find(",elevation_deg\n") != std::string::npos);
+  CHECK(csv.find(",-41.81") != std::string::npos);
+  const std::string planar = quoted(source_path("problems/planar_two_link_sweep_a.yaml"));
+  CHECK(shop.run("analyze " + planar).out.find("elevation") == std::string::npos);
+}
+
 TEST_CASE("analyze draws a sweep and says so when there is none") {
   const Workshop shop;
   const std::string command =

@@ -154,8 +154,8 @@ void analysis_fields(Table& t, Analysis& analysis) {
     List(analysis.rows,
          [&robot](AnalysisRow& row) {
            return Map([&](Table& m) {
-             m("direction_deg", Number(row.direction_deg), "of the impulse, from x of B about z",
-               needed("deg"));
+             m("direction_deg", Number(row.direction_deg),
+               "azimuth of the impulse (`impulse.force`), from x of B about z", needed("deg"));
              impact_object_fields(m, row.impact, robot);
            });
          }),
