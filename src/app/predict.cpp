@@ -37,13 +37,14 @@ struct PredictRequest {
 /// A target, how it moves, and how well that is known.
 struct Subject {
   TargetEstimate estimate;
-  std::optional<EstimateDeviations> deviations;
+  std::optional<EstimateDeviations> deviations;  ///< empty: not known
+  bool is_estimate = true;                       ///< false: a target file, which has no state
 };
 
 Subject subject_of(const PredictRequest& request) {
   const std::string text = read_text_file(request.input);
   if (stated_format(text, request.input) == "stillbase.target") {
-    Subject subject{{read_target_text(text, request.input), {}}, {}};
+    Subject subject{{read_target_text(text, request.input), {}}, {}, false};
     if (!request.angular_velocity.empty()) {
       subject.estimate.state.angular_velocity =
           Eigen::Map<const Vector3d>(request.angular_velocity.data());
@@ -219,6 +220,30 @@ std::string prediction_words(const TargetPrediction& prediction) {
   return text;
 }
 
+/// What the numbers do not know, a line on stderr; empty: every error is stated.
+std::string unknown_words(const Subject& subject) {
+  if (!subject.is_estimate) {
+    return "a target alone has no estimate: it begins at the origin of N, in its axes and without "
+           "linear velocity; errors are not known";
+  }
+  if (!subject.deviations) {
+    return "target.state.covariance is not stated: the numbers are those of the estimate, and "
+           "their "
+           "standard deviations are not known";
+  }
+  const EstimateDeviations& known = *subject.deviations;
+  std::vector<std::string> exact;
+  for (const auto& [name, deviation] :
+       {std::pair{"position", known.position}, std::pair{"orientation", known.orientation},
+        std::pair{"linear_velocity", known.linear_velocity},
+        std::pair{"angular_velocity", known.angular_velocity}}) {
+    if (deviation.isZero(0)) exact.emplace_back(name);
+  }
+  if (exact.empty()) return "";
+  return fmt::format("target.state.covariance states no error of {}: they count as exact",
+                     fmt::join(exact, ", "));
+}
+
 int predict_target(const PredictRequest& request) {
   request.output.check({".json", ".csv"});
   for (const double x : request.angular_velocity) {
@@ -240,6 +265,7 @@ int predict_target(const PredictRequest& request) {
   } else if (!request.output.is_given()) {
     write_stdout(prediction_words(prediction));
   }
+  if (const std::string unknown = unknown_words(subject); !unknown.empty()) say(unknown);
   return signal_exit_code() != 0 ? signal_exit_code() : kDone;
 }
 

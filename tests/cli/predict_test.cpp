@@ -50,6 +50,22 @@ TEST_CASE("predict moves the centroid straight and turns the features with the t
   CHECK(std::abs(dot) == Approx(1).epsilon(1e-3));
 }
 
+TEST_CASE("predict says which errors of the target are not known") {
+  const Workshop shop;
+  const std::string range = " --from 0 --to 1 --step 1";
+  const Outcome known = shop.run("predict " + kKnown + range);
+  CHECK(known.out.find("standard deviations") != std::string::npos);
+  CHECK(known.err.empty());
+  const Outcome nominal = shop.run("predict " + kClient + range);
+  CHECK(nominal.out.find("standard deviations") == std::string::npos);
+  CHECK(nominal.says("target.state.covariance is not stated"));
+  CHECK(nominal.says("their standard deviations are not known"));
+  CHECK(shop.run("predict targets/client_50.yaml" + range).says("a target alone has no estimate"));
+  shop.write_changed("part.yaml", "problems/ets7_client.yaml", "      orientation: 2 deg\n", "");
+  CHECK(shop.run("predict part.yaml" + range)
+            .says("covariance states no error of orientation: they count as exact"));
+}
+
 TEST_CASE("predict states the covariance of features where the estimate has one") {
   const Workshop shop;
   const std::string command = "predict " + kKnown + " --from 0 --to 10 --step 10";
