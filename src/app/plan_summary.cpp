@@ -256,7 +256,7 @@ std::string contact_words(const Plan& plan) {
   return fmt::format("{}, {} of {} features", time, plan.configuration.feature, choice);
 }
 
-std::string impulse_words(const ImpactSummary& impact) {
+std::string impulse_words(const CaptureProblem& problem, const ImpactSummary& impact) {
   const Vector3d f = impact.Fbar.head<3>();
   const double size = f.norm();
   if (impact.before) {
@@ -265,8 +265,11 @@ std::string impulse_words(const ImpactSummary& impact) {
         "at {:.4g} m/s",
         size_words(size), impact.before->Fbar_at_rest.head<3>().norm(), impact.closing_speed);
   }
-  return fmt::format("{:.4g} N s along {} in the base frame, closing at {:.4g} m/s", size,
-                     vector_words(size > 0 ? Vector3d(f / size) : f), impact.closing_speed);
+  const std::string text = fmt::format("{:.4g} N s along {} in the base frame", size,
+                                       vector_words(size > 0 ? Vector3d(f / size) : f));
+  // A given impulse comes from no motion.
+  if (problem.impulse.source == ImpulseSource::Given) return text + ", as stated";
+  return text + fmt::format(", closing at {:.4g} m/s", impact.closing_speed);
 }
 
 /// The hand that moves at the contact, and what the base has of it.
@@ -525,7 +528,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     for (const PlanWarning& warning : plan.warnings) {
       lines.push_back({"warning", warning.code + ": " + warning.message});
     }
-    lines.push_back({"impulse", impulse_words(plan.impact)});
+    lines.push_back({"impulse", impulse_words(plan.problem, plan.impact)});
     if (plan.impact.before) {
       lines.push_back({"hand", hand_words(*plan.impact.before, plan.impact.base)});
     }

@@ -318,6 +318,16 @@ TEST_CASE("analyze states an impulse that leaves the xy plane as a vector") {
   CHECK(shop.run("analyze " + planar).out.find("elevation") == std::string::npos);
 }
 
+TEST_CASE("the summary of a given impulse states no closing speed") {
+  const Workshop shop;
+  const std::string problem = quoted(source_path("problems/spart_given_push.yaml"));
+  const Outcome outcome = shop.run("plan " + problem + " --starts 4 -o plan.json");
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  CHECK(outcome.says("0.1 N s along (-0.6667, -0.3333, -0.6667) in the base frame, as stated\n"));
+  CHECK_FALSE(outcome.says("closing at"));
+}
+
 TEST_CASE("analyze draws a sweep and says so when there is none") {
   const Workshop shop;
   const std::string command =
