@@ -188,7 +188,7 @@ TEST_CASE("a grip's wrench that is not the rate of the target's momentum is foun
   }
 }
 
-TEST_CASE("the joint rate at the horizon is recomputed") {
+TEST_CASE("what a plan says of the time after the horizon is recomputed") {
   Plan plan = arm_plan();
   plan.problem.approach.enabled = false;
   plan.after_horizon = motion_after_horizon(plan.problem, plan.configuration, plan.impact,
@@ -204,4 +204,14 @@ TEST_CASE("the joint rate at the horizon is recomputed") {
   CHECK(fails(plan) == "");
   plan.after_horizon->joint_rate *= 1.001;
   CHECK(fails(plan) == "after_horizon_joint_rate ");
+  plan.after_horizon->joint_rate /= 1.001;
+  std::optional<double>& stop_time = plan.after_horizon->stop_time;
+  if (stop_time) {
+    *stop_time *= 1.01;
+    CHECK(fails(plan) == "after_horizon_stop_time ");
+    stop_time.reset();
+  } else {
+    stop_time = 2 * plan.problem.post_impact.horizon;
+  }
+  CHECK(fails(plan) == "after_horizon ");
 }
