@@ -152,6 +152,19 @@ void register_candidate(py::module_& m) {
   candidate.def_property_readonly(
       "collision", [](const PlanCandidate& c) { return c.candidate.collision; },
       "'a with b' where something touches.");
+  candidate.def_property_readonly(
+      "excluded", [](const PlanCandidate& c) { return c.candidate.excluded; },
+      "Why one that ranks before the chosen one was not chosen; '' of the others.");
+  candidate.def_property_readonly(
+      "turns",
+      [](const PlanCandidate& c) {
+        py::dict turns;
+        for (const JointTurns& joint : c.candidate.turns) {
+          turns[py::str(joint.joint)] = py::make_tuple(joint.least, joint.most);
+        }
+        return turns;
+      },
+      "By joint, (least, most) whole turns from the stated angle that its limits leave room for.");
 }
 
 }  // namespace

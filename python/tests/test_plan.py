@@ -30,6 +30,8 @@ class Planning(unittest.TestCase):
         self.assertEqual(plan.impact.case, "C2")
         best = plan.candidates[0]
         self.assertLessEqual(best.worst_case, plan.candidates[-1].worst_case)
+        self.assertEqual(best.excluded, f"at the contact: {best.collision}")
+        self.assertEqual(best.turns, {})
         np.testing.assert_allclose(
             self.problem.impact_at(plan.configuration).Delta_Omega, plan.impact.Delta_Omega
         )
