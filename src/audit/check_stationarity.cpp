@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -107,6 +108,14 @@ class Stationarity {
   /// with the others may make it a minimum.
   bool may_be_at_kink(double limit) const { return kinks_.cols() > 0 && kink_residual_ <= limit; }
   bool has_kink() const { return kinks_.cols() > 0; }
+  /// Whether several features of two bodies are at their limit. A search has one distance of the
+  /// bodies, with the gradient of one feature.
+  bool has_equal_features() const {
+    std::set<std::string> pairs;
+    return std::any_of(active_.begin(), active_.end(), [&](std::size_t i) {
+      return names_[i].rfind(" bodies", 0) == 0 && !pairs.insert(names_[i]).second;
+    });
+  }
   Eigen::Index directions() const { return open_.cols(); }
   std::size_t active_limits() const { return active_.size(); }
 
@@ -330,7 +339,9 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
     return;
   }
   // A plan that is feasible only states a large one: at a kink that of one side.
-  if (found.has_kink()) return claims.not_verified("kkt_residual", kKinked);
+  const bool is_of_one_side =
+      found.residual() <= limit && stated > limit && found.has_equal_features();
+  if (found.has_kink() || is_of_one_side) return claims.not_verified("kkt_residual", kKinked);
   if (context.problem.measure.kind == RiskMeasure::Cvar) {
     return claims.not_verified("kkt_residual", "samples at the quantile share their weight");
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
@@ -164,9 +166,11 @@ std::vector<double> distances_from_limits(const Situation& situation,
       if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
       // Where several of the smooth distances of two boxes are the least one, that has a kink.
       const double least = shapes.distance(i, j).value_or(kInfinity);
+      const std::string pair =
+          names != nullptr ? fmt::format(" bodies {} and {}", i, j) : std::string();
       bool is_of_feature = false;
       for (const double of_feature : shapes.feature_distances(i, j)) {
-        single(of_feature - *wanted.clearance);
+        single(of_feature - *wanted.clearance, pair);
         is_of_feature = is_of_feature || of_feature <= least + kSameDistance;
       }
       single(is_of_feature ? kInfinity : least - *wanted.clearance);
