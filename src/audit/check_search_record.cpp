@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/rotation.hpp>
+
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
 #include "audit/manifold.hpp"
@@ -195,6 +197,23 @@ void check_status(const Context& context, ClaimList& claims) {
   claims.none_wrong("search_record", objections, "optimizer, calls, starts and status fit");
 }
 
+/// What the polish reduces, of the path to the posture at rest from which a hand that moves runs
+/// to the contact: its time, or the largest change of the base's attitude from there.
+double polished(const Approach& approach) {
+  std::size_t rest = approach.times.size() - 1;
+  while (rest > 0 && !approach.joint_velocities[rest].isZero(0)) --rest;
+  if (approach.polish == PathPolish::Time) {
+    return approach.duration - (approach.times.back() - approach.times[rest]);
+  }
+  const Eigen::Quaterniond to_rest = approach.base_poses[rest].orientation.conjugate();
+  double largest = 0;
+  for (std::size_t i = 0; i < rest; ++i) {
+    const Eigen::Quaterniond turn = to_rest * approach.base_poses[i].orientation;
+    largest = std::max(largest, rotation_log(turn).norm());
+  }
+  return largest;
+}
+
 /// The numbers of the polish that the plan states.
 void check_polish(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
@@ -208,12 +227,10 @@ void check_polish(const Context& context, ClaimList& claims) {
     return;
   }
   const double stated = approach.after_polish;
-  const double found =
-      approach.polish == PathPolish::Time ? approach.duration : approach.attitude_excursion;
   claims.at_most("approach_polish", stated - approach.before_polish, 0, "s or rad",
                  "the polished path is no worse than the planned one");
-  claims.at_most("approach_polish_stated", std::abs(stated - found), kCopied, "s or rad",
-                 "stated result of the polish");
+  claims.at_most("approach_polish_stated", std::abs(stated - polished(approach)), kCopied,
+                 "s or rad", "stated result of the polish");
 }
 
 /// What only a repeated search can confirm.

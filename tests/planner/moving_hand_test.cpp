@@ -27,8 +27,10 @@ const Claim* find_claim(const Verification& verification, const std::string& nam
   return nullptr;
 }
 
-Plan matched_plan(const std::string& name, int starts, std::uint64_t seed = 1) {
+Plan matched_plan(const std::string& name, int starts, std::uint64_t seed = 1,
+                  PathPolish polish = PathPolish::None) {
   CaptureProblem problem = test::shipped(name);
+  problem.approach.polish = polish;
   problem.search.starts = starts;
   problem.search.seed = seed;
   return make_plan(problem);
@@ -128,6 +130,15 @@ TEST_CASE("without matching the same posture states the impulse that matching sa
   CHECK_FALSE(at_rest.before);
   // The momentum of the pair is the target's, whatever the hand does.
   CHECK(plan.impact.total.isApprox(at_rest.total, 1e-10));
+}
+
+TEST_CASE("a polished path to a matched hand holds") {
+  const PathPolish polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
+  Plan plan = matched_plan("matched_light", 6, 1, polish);
+  check_matched(plan, judge_plan(plan, {}));
+  plan.approach.after_polish *= 0.999;
+  CHECK_THAT(failed_names(judge_plan(plan, {})),
+             Catch::Matchers::Equals(std::vector<std::string>{"approach_polish_stated"}));
 }
 
 TEST_CASE("shipped problems with a matched hand are planned and hold", "[.slow]") {
