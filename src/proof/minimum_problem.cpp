@@ -228,6 +228,7 @@ std::string minimum_objection(const CaptureProblem& problem) {
   if (problem.uncertainty.residual_velocity && problem.measure.kind != RiskMeasure::Nominal) {
     return "there is no bound for a measure over the residual velocity";
   }
+  if (problem.robot.is_coupled()) return "some joints follow others";
   if (simulates_turn(problem)) return "the turn after the impact is simulated";
   const bool is_mean =
       problem.measure.kind == RiskMeasure::Expectation || problem.measure.kind == RiskMeasure::Cvar;

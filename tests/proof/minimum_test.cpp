@@ -215,6 +215,10 @@ TEST_CASE("problems that cannot be bounded say why, and constraints that are lef
   CHECK_FALSE(minimum_objection(test::shipped("iiwa_client_50")).empty());
   CaptureProblem problem = test::shipped("planar_three_link_null");
   CHECK(minimum_objection(problem).empty());
+  CaptureProblem coupled = problem;
+  coupled.robot.coupled_tree = coupled.robot.joints;
+  coupled.robot.couplings = {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
+  CHECK(minimum_objection(coupled) == "some joints follow others");
   problem.constraints.clearance = 0.01;
   problem.constraints.coupling_singular_value_min = 1e-3;
   const double best = 1.678e-5;  // not above the least one by more than the gap
