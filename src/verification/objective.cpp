@@ -21,6 +21,13 @@ double momentum_scale(const TermCase& at) { return at.response.rounding_scale(at
 
 double impulse_size(const TermCase& at) { return at.Fbar.head<3>().norm(); }
 
+/// With a hand that moves the impulse is what is left of one that would stop the robot.
+double impulse_scale(const TermCase& at) {
+  const auto& before = at.response.before;
+  if (!before) return impulse_size(at);
+  return impulse_size(at) + at.response.dynamics.mass * before->hand.head<3>().norm();
+}
+
 double base_momentum(const TermCase& at) {
   Vector6d momentum = at.response.H_b * at.response.impact(at.Fbar).Delta_Omega;
   momentum.tail<3>() /= at.term.length;
@@ -40,7 +47,7 @@ double root_of_base_energy(const TermCase& at) {
 double joint_rate_scale(const TermCase& at) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector6d along = impulse_size(at) * Vector6d::Unit(axis);
+    const Vector6d along = impulse_scale(at) * Vector6d::Unit(axis);
     largest = std::max(largest, at.response.impact(along).Delta_phidot.norm());
   }
   return largest;
@@ -63,15 +70,15 @@ const QuantityRecord kRecords[] = {
     {ObjectiveQuantity::TotalAngularMomentum,
      [](const TermCase& at) { return at.response.impact(at.Fbar).total.norm(); }, 1, momentum_scale,
      &reference::Impact::total},
-    {ObjectiveQuantity::BaseMomentum, base_momentum, 1, impulse_size, nullptr},
-    {ObjectiveQuantity::ImpulseMagnitude, impulse_size, 1, impulse_size, nullptr},
+    {ObjectiveQuantity::BaseMomentum, base_momentum, 1, impulse_scale, nullptr},
+    {ObjectiveQuantity::ImpulseMagnitude, impulse_size, 1, impulse_scale, nullptr},
     {ObjectiveQuantity::JointRateNorm,
      [](const TermCase& at) { return at.response.impact(at.Fbar).Delta_phidot.norm(); }, 1,
      joint_rate_scale, nullptr},
     {ObjectiveQuantity::BaseEnergy, root_of_base_energy, 2,
      // As if the whole impulse went into the base.
      [](const TermCase& at) {
-       return std::max(impulse_size(at) / std::sqrt(2 * at.problem.robot.base.mass),
+       return std::max(impulse_scale(at) / std::sqrt(2 * at.problem.robot.base.mass),
                        root_of_base_energy(at));
      },
      nullptr},

@@ -139,6 +139,7 @@ ResidualCase residual_case(const Situation& at) {
   ResidualCase out;
   out.velocity << *event.velocity, event.omega;
   const std::optional<MotionOfRobot>& before = at.response.before;
+  out.size = out.velocity.norm() + (before ? before->hand.norm() : 0.0);
   if (before) out.velocity -= before->hand;
   out.deviations = stated.deviations;
   const Matrix3d R_BN = at.at.base.orientation.conjugate().toRotationMatrix();
@@ -179,7 +180,7 @@ double ResidualCase::distance(const Vector6d& V) const {
   for (int i = 0; i < 6; ++i) {
     if (eigen.values[i] > kNoVariance * eigen.values[5]) {
       sum += d[i] * d[i] / eigen.values[i];
-    } else if (std::abs(d[i]) > kNoDistance * (V.norm() + velocity.norm())) {
+    } else if (std::abs(d[i]) > kNoDistance * (V.norm() + size)) {
       return kInfinity;
     }
   }

@@ -11,6 +11,7 @@ namespace stillbase::verification {
 struct ResidualCase {
   /// Vbar, nominal, [v; omega] of target less hand, at the hand, in B.
   Vector6d velocity = Vector6d::Zero();
+  double size = 0;  ///< of the velocities of target and hand, of which Vbar is the difference
   Matrix6d covariance = Matrix6d::Zero();  ///< in B
   double deviations = 0;                   ///< k
   /// Probability of a negative closing speed; a latch that moves along has hold of the target.

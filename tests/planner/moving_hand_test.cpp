@@ -132,6 +132,29 @@ TEST_CASE("without matching the same posture states the impulse that matching sa
   CHECK(plan.impact.total.isApprox(at_rest.total, 1e-10));
 }
 
+TEST_CASE("what a matched hand makes vanish is compared with what it would be at rest") {
+  CaptureProblem problem = test::without_path("matched_light");
+  problem.search.starts = 6;
+  problem.objective.front().quantity = ObjectiveQuantity::ImpulseMagnitude;
+  const Plan plan = make_plan(problem);
+  CHECK(plan.objective.nominal < 1e-12);
+  const Verification judged = judge_plan(plan, {});
+  for (const char* name : {"objective_nominal", "objective_terms", "candidates_objective"}) {
+    const Claim* claim = find_claim(judged, name);
+    REQUIRE(claim != nullptr);
+    CHECK(claim->pass);
+  }
+}
+
+TEST_CASE("a covariance of zero is a point, also where the hand moves") {
+  CaptureProblem problem = test::without_path("matched_residual");
+  problem.search.starts = 6;
+  problem.uncertainty.residual_velocity->covariance = Matrix6d::Zero();
+  const Plan plan = make_plan(problem);
+  const std::vector<std::string> failed = failed_names(judge_plan(plan, {}));
+  CHECK(std::count(failed.begin(), failed.end(), "worst_velocity") == 0);
+}
+
 TEST_CASE("a polished path to a matched hand holds") {
   const PathPolish polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
   Plan plan = matched_plan("matched_light", 6, 1, polish);
