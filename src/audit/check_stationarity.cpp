@@ -282,6 +282,10 @@ class Stationarity {
     Combination out;
     out.multipliers = nonnegative_solution(C, b);
     const double sum = out.multipliers.head(m).sum();
+    if (!is_lifted() && !(sum > 0)) {
+      out.residual = kInfinity;
+      return out;
+    }
     if (!is_lifted()) out.multipliers /= sum;
     const Eigen::VectorXd left = C.topRows(k) * out.multipliers;
     out.residual = std::max(largest_component(manifold_.directions() * left),
@@ -330,7 +334,8 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
       "first-order conditions by differences along the configurations that keep the equations, {} "
       "active limits",
       found.active_limits());
-  if (found.residual() > limit && found.may_be_at_kink(limit)) {
+  const bool has_none = found.residual() == kInfinity && found.has_kink();
+  if (has_none || (found.residual() > limit && found.may_be_at_kink(limit))) {
     return claims.not_verified("kkt_residual", kKinked);
   }
   // Also a minimum that other candidates are better than is one.
