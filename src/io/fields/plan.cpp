@@ -226,7 +226,7 @@ static void fields(Table& t, BindingLimit& limit) {
 }
 
 static void fields(Table& t, JointTurns& turns) {
-  constexpr int kMost = 1000;
+  constexpr int kMost = 1'000'000;
   t("joint", Text(turns.joint), "name", kNeeded);
   t("least", Integer(turns.least, -kMost, 0), "turns of 2 pi, to the lower limit", kNeeded);
   t("most", Integer(turns.most, 0, kMost), "the same to the upper limit", kNeeded);
