@@ -194,11 +194,13 @@ void add_marks(PlotPanel& panel, const ZeroDirections& zero, const std::string& 
 
 /// The impulse as a vector, where one angle in the xy plane does not say it; else empty.
 std::string impulse_words(const AnalysisRow& row) {
-  constexpr double kInPlane = 1e-9;  // rad
+  constexpr double kInPlane = 1e-9;    // rad
+  constexpr double kNoImpulse = 1e-9;  // N s
   const Vector3d force = row.impact.Fbar.head<3>(), moment = row.impact.Fbar.tail<3>();
   const double size = force.norm();
   const double elevation = elevation_deg(force);
-  if (!(size > 0) || std::abs(elevation) < kInPlane * kDegrees) return "";
+  if (size < kNoImpulse) return "no impulse: hand and target have no relative velocity\n\n";
+  if (std::abs(elevation) < kInPlane * kDegrees) return "";
   std::string text = fmt::format(
       "impulse along {} in the base frame: azimuth {:.2f} deg (the direction below), "
       "elevation {:.2f} deg\n",

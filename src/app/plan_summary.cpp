@@ -170,8 +170,10 @@ std::string nominal_optimum_words(const Plan& plan) {
   const ObjectiveValue& objective = plan.objective;
   std::string text = "optimum for the nominal direction alone: ";
   text += has_samples(plan)
-              ? fmt::format("nominal {} {}, over the samples {} {}", size_words(nominal.nominal),
-                            objective.unit, size_words(nominal.value), objective.unit)
+              ? fmt::format(
+                    "nominal {} {}, over the {} {} {}", size_words(nominal.nominal), objective.unit,
+                    plan.problem.uncertainty.residual_velocity ? "relative velocity" : "samples",
+                    size_words(nominal.value), objective.unit)
               : spread_words(plan, nominal.nominal, nominal.value, true);
   if (nominal.value < objective.value * (1 - 1e-6)) {
     return text +

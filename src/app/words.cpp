@@ -64,6 +64,11 @@ std::string size_words(double x, int digits) {
 }
 
 std::string after_horizon_words(const AfterHorizon& after, double horizon) {
+  if (after.stop_time && *after.stop_time <= horizon) {
+    return fmt::format(
+        "{} reaches its stop {:.4g} s after the impact, before the horizon of {:.4g} s",
+        after.joint, *after.stop_time, horizon);
+  }
   if (!after.moves) return fmt::format("the joints rest at the horizon of {:.4g} s", horizon);
   return fmt::format("joints still move at {} rad/s at the horizon of {:.4g} s: {}",
                      size_words(after.joint_rate), horizon,
