@@ -199,8 +199,10 @@ std::string impulse_words(const AnalysisRow& row) {
   const Vector3d force = row.impact.Fbar.head<3>(), moment = row.impact.Fbar.tail<3>();
   const double size = force.norm();
   const double elevation = elevation_deg(force);
-  if (size < kNoImpulse) return "no impulse: hand and target have no relative velocity\n\n";
-  if (std::abs(elevation) < kInPlane * kDegrees) return "";
+  if (row.impact.before && row.impact.Fbar.norm() < kNoImpulse) {
+    return "no impulse: hand and target have no relative velocity\n\n";
+  }
+  if (!(size > 0) || std::abs(elevation) < kInPlane * kDegrees) return "";
   std::string text = fmt::format(
       "impulse along {} in the base frame: azimuth {:.2f} deg (the direction below), "
       "elevation {:.2f} deg\n",

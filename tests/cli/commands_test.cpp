@@ -300,6 +300,18 @@ TEST_CASE("analyze shows the impact under every joint resistance and the directi
   CHECK(analysis.at("posture").at("zero_directions").at("in_space").at("total").at("rank") == 2);
 }
 
+TEST_CASE("analyze gives no direction to an impulse that a matched hand makes vanish") {
+  const Workshop shop;
+  const Outcome matched = shop.run("analyze " + quoted(source_path("problems/matched_light.yaml")));
+  REQUIRE(matched.code == 0);
+  CHECK(matched.out.find("no impulse: hand and target have no relative velocity") !=
+        std::string::npos);
+  CHECK(matched.out.find("azimuth") == std::string::npos);
+  const Outcome hit = shop.run("analyze " + quoted(source_path("problems/deos_latch.yaml")));
+  REQUIRE(hit.code == 0);
+  CHECK(hit.out.find("no impulse") == std::string::npos);
+}
+
 TEST_CASE("analyze states an impulse that leaves the xy plane as a vector") {
   const Workshop shop;
   const std::string command = "analyze " + quoted(source_path("problems/spart_given_push.yaml"));
