@@ -280,12 +280,13 @@ class Stationarity {
     Eigen::VectorXd b = Eigen::VectorXd::Zero(k + 1);
     b[k] = -weight;
     Combination out;
-    out.multipliers = nonnegative_solution(C, b);
-    const double sum = out.multipliers.head(m).sum();
-    if (!is_lifted() && !(sum > 0)) {
+    if (!C.allFinite()) {
+      out.multipliers.setZero(C.cols());
       out.residual = kInfinity;
       return out;
     }
+    out.multipliers = nonnegative_solution(C, b);
+    const double sum = out.multipliers.head(m).sum();
     if (!is_lifted()) out.multipliers /= sum;
     const Eigen::VectorXd left = C.topRows(k) * out.multipliers;
     out.residual = std::max(largest_component(manifold_.directions() * left),
@@ -334,8 +335,10 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
       "first-order conditions by differences along the configurations that keep the equations, {} "
       "active limits",
       found.active_limits());
-  const bool has_none = found.residual() == kInfinity && found.has_kink();
-  if (has_none || (found.residual() > limit && found.may_be_at_kink(limit))) {
+  // Two boxes pass a feature on one side of the configuration only: it has no distance on the
+  // other.
+  const bool is_undefined = found.residual() == kInfinity && found.has_kink();
+  if (is_undefined || (found.residual() > limit && found.may_be_at_kink(limit))) {
     return claims.not_verified("kkt_residual", kKinked);
   }
   // Also a minimum that other candidates are better than is one.
