@@ -78,8 +78,7 @@ std::string after_impact_advice(const Plan& plan) {
       default:
         return fmt::format(
             "post_impact.horizon of about {:.3g} s, now {:.3g} s; more post_impact.wheels.torque, "
-            "now "
-            "{} N m",
+            "now {} N m",
             use->value, use->most, vector_words(spec.wheels.torque));
     }
   }
