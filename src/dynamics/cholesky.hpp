@@ -38,13 +38,20 @@ template <class S>
   }
 }
 
+/// L D x = b.
 template <class S>
-[[gnu::always_inline]] inline void solve(const S* L, Eigen::Index stride, Eigen::Index n, S* b) {
+[[gnu::always_inline]] inline void solve_scaled(const S* L, Eigen::Index stride, Eigen::Index n,
+                                                S* b) {
   for (Eigen::Index k = 0; k < n; ++k) {
     const S s = b[k];
     for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= L[i + k * stride] * s;
     b[k] = s * L[k + k * stride];
   }
+}
+
+template <class S>
+[[gnu::always_inline]] inline void solve(const S* L, Eigen::Index stride, Eigen::Index n, S* b) {
+  solve_scaled(L, stride, n, b);
   solve_transposed(L, stride, n, b);
 }
 
@@ -87,7 +94,15 @@ void solve_cholesky(const Matrix& L, Vector&& b) {
       L.rows(), [&](auto n) { cholesky_loops::solve(L.data(), L.outerStride(), n, b.data()); });
 }
 
-/// Solves L' x = b in place, L the unit triangular factor.
+/// The first half of solve_cholesky(): solves L D x = b in place.
+template <class Matrix, class Vector>
+void solve_scaled_cholesky(const Matrix& L, Vector&& b) {
+  cholesky_loops::with_size<typename Matrix::Scalar>(L.rows(), [&](auto n) {
+    cholesky_loops::solve_scaled(L.data(), L.outerStride(), n, b.data());
+  });
+}
+
+/// The second half: solves L' x = b in place.
 template <class Matrix, class Vector>
 void solve_transposed_cholesky(const Matrix& L, Vector&& b) {
   cholesky_loops::with_size<typename Matrix::Scalar>(L.rows(), [&](auto n) {

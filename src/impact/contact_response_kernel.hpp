@@ -4,6 +4,7 @@
 #include <stillbase/impact/contact_response.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/inertia_factor_kernel.hpp"
 #include "impact/gradient_kernel.hpp"
 #include "impact/hand_motion_kernel.hpp"
 
@@ -49,29 +50,32 @@ static Eigen::Matrix<S, Rows, Rows> hand_inverse_inertia(const PostureImpact<S>&
   return W;
 }
 
-/// H^-1 J' F from Z: half a solve.
-/// @param F sticking: without moment
+/// How many components an impulse of the contact has.
+inline Eigen::Index impulse_size(ContactLaw law) { return law == ContactLaw::Latch ? 6 : 3; }
+
+/// half += that of J' F, from Z. @param F sticking: without moment
 template <class S>
-static GeneralizedMotion<S> pushed_motion(const PostureImpact<S>& posture,
-                                          const RigidContact<S>& contact, const Vector6<S>& F) {
-  const InertiaFactor<S>& factor = posture.factor;
-  const Eigen::Index n = factor.H_vphi.cols(), size = 3 + n;
-  const Eigen::Index columns = contact.law == ContactLaw::Latch ? 6 : 3;
-  Eigen::Matrix<S, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJointsOf<S> + 3, 1> x(size);
-  for (Eigen::Index k = 0; k < size; ++k) {
+static void push(const PostureImpact<S>& posture, const RigidContact<S>& contact,
+                 const Vector6<S>& F, HalfSolution<S>& half) {
+  const Eigen::Index columns = impulse_size(contact.law);
+  half.f += F.template head<3>();
+  for (Eigen::Index k = 0; k < half.x.size(); ++k) {
     S sum = contact.Z(k, 0) * F[0];
     for (Eigen::Index i = 1; i < columns; ++i) sum += contact.Z(k, i) * F[i];
-    x[k] = sum * factor.L(k, k);
+    half.x[k] += sum * posture.factor.L(k, k);
   }
-  solve_transposed_cholesky(factor.L, x);
-  GeneralizedMotion<S> out;
-  const S inverse_mass = S(1) / factor.mass;
-  const Vector3<S> omega = x.template head<3>();
-  out.phidot = x.tail(n);
-  Vector3<S> p = F.template head<3>();
-  for (Eigen::Index k = 0; k < n; ++k) p -= factor.H_vphi.col(k) * x[3 + k];
-  out.Omega.template head<3>() = p * inverse_mass - omega.cross(factor.r_bg);
-  out.Omega.template tail<3>() = omega;
+}
+
+/// J x of the motion x that is half solved for; sticking: its linear part.
+template <class S>
+static Vector6<S> hand_twist(const PostureImpact<S>& posture, const RigidContact<S>& contact,
+                             const HalfSolution<S>& half) {
+  const Eigen::Index columns = impulse_size(contact.law);
+  Vector6<S> out = Vector6<S>::Zero();
+  out.template head<3>() = half.f * (S(1) / posture.factor.mass);
+  for (Eigen::Index k = 0; k < half.x.size(); ++k) {
+    for (Eigen::Index i = 0; i < columns; ++i) out[i] += contact.Z(k, i) * half.x[k];
+  }
   return out;
 }
 
@@ -162,7 +166,10 @@ ImpactResponse<S> respond_to_contact(const PostureImpact<S>& posture, RigidConta
   }
   factorize_cholesky(A);
   solve_cholesky(A, F);
-  const GeneralizedMotion<S> d = pushed_motion<S>(posture, contact, F);
+  HalfSolution<S> half{Vector3<S>::Zero(), {}};
+  half.x.setZero(contact.Z.rows());
+  push<S>(posture, contact, F, half);
+  const GeneralizedMotion<S> d = solve_inertia_backward(posture.factor, half);
   ImpactResponse<S> out{.F = F,
                         .d = {d.Omega, d.phidot},
                         .total = {},
@@ -222,7 +229,6 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   const bool is_latch = contact.law == ContactLaw::Latch;
   const TargetAtHand<S>& target = contact.target;
   const Vector6<S>& F = response.F;
-  const Vector3<S> f = F.template head<3>(), t = F.template tail<3>();
   ContactGradient<S> out;
   out.phi.setZero(n);
   out.turn.setZero();
@@ -263,7 +269,7 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
     out.turn -= (by_r_gh + by_r_bh).cross(target.r);
   } else {
     const Vector3<S> r_gh = posture.kinematics.r_bh - posture.inertia.r_bg;
-    by_r_gh = f.cross(weights.total);
+    by_r_gh = F.template head<3>().cross(weights.total);
     by_F.template head<3>() += weights.total.cross(r_gh);
     by_F.template tail<3>() += weights.total;
   }
@@ -277,36 +283,35 @@ ContactGradient<S> contact_gradient(const RobotModel& robot, const PostureImpact
   }
   const GeneralizedMotion<S> of_motion =
       weights_of_motion<S>(posture, weights, is_latch ? &of_target : nullptr);
-  GeneralizedMotion<S> lambda = solve_inertia(posture.factor, of_motion.Omega, of_motion.phidot);
-  by_F += hand_twist(posture.jacobian, lambda);
-  Vector6<S> mu = by_F;
+  HalfSolution<S> half = solve_inertia_forward(posture.factor, of_motion.Omega, of_motion.phidot);
+  Vector6<S> mu = by_F + hand_twist<S>(posture, contact, half);
   if (!is_latch) mu.template tail<3>().setZero();
   solve_cholesky(contact.A_factor, mu);
-  const GeneralizedMotion<S> eta = pushed_motion<S>(posture, contact, mu);
-  lambda.Omega -= eta.Omega;
-  lambda.phidot -= eta.phidot;
+  const Vector6<S> minus_mu = -mu;
+  push<S>(posture, contact, minus_mu, half);
+  const GeneralizedMotion<S> lambda = solve_inertia_backward(posture.factor, half);
+  // J d = W_h F, which with the hand's velocity before is the target's after the contact, and
+  // J lambda + by_F = W_t mu; of a sticking contact their linear parts, which alone count.
+  const Vector6<S> of_mu = target_velocity<S>(target, mu);
+  const Vector6<S> after = target.velocity_at_hand() - target_velocity<S>(target, F);
+  const Vector6<S> of_lambda = of_mu - by_F;
+  Vector6<S> hand_change = after;
+  if (moves) hand_change -= contact.before.V;
   const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
-  add_hand_gradient<S>(robot, posture, axes, lambda, F, out.phi);
-  add_hand_gradient<S>(robot, posture, axes, d, -mu, out.phi);
-  add_inertia_gradient<S>(robot, posture, axes, lambda, d, S(-1), out.phi);
+  add_motion_gradient<S>(robot, posture, axes, {lambda, minus_mu}, {d, F},
+                         cross_by_parts<S>(of_lambda, F) - cross_by_parts<S>(hand_change, mu),
+                         out.phi);
   add_explicit_gradient<S>(robot, posture, axes, response, weights, by_r_gh, out.phi);
 
-  // In the axes of the target only W_h turns, and F on its way back to B. There W_h F, with the
-  // hand's velocity before, is that of the target after the contact, and by_F - W_h mu = W_t mu.
-  const Vector6<S> after = target.velocity_at_hand() - target_velocity<S>(target, F);
-  const Vector6<S> of_mu = target_velocity<S>(target, mu);
-  const Vector3<S> mu_v = mu.template head<3>(), mu_w = mu.template tail<3>();
-  out.turn += mu_v.cross(Vector3<S>(after.template head<3>())) +
-              mu_w.cross(Vector3<S>(after.template tail<3>())) +
-              Vector3<S>(of_mu.template head<3>()).cross(f) +
-              Vector3<S>(of_mu.template tail<3>()).cross(t);
-  out.velocity += mu_v;
-  out.omega += mu_w + target.r.cross(mu_v);
+  // In the axes of the target only W_h turns, and F on its way back to B.
+  out.turn += cross_by_parts<S>(mu, after) + cross_by_parts<S>(of_mu, F);
+  out.velocity += mu.template head<3>();
+  out.omega += mu.template tail<3>() + target.r.cross(Vector3<S>(mu.template head<3>()));
   if (!moves) return out;
 
   // Through the motion before: as it adds to that after it, and as the hand's velocity.
-  const ContactGradient<S> before =
-      motion_before_gradient<S>(robot, posture, contact, {of_motion.Omega, of_motion.phidot, -mu});
+  const ContactGradient<S> before = motion_before_gradient<S>(
+      robot, posture, contact, {of_motion.Omega, of_motion.phidot, minus_mu});
   out.phi += before.phi;
   out.turn += before.turn;
   out.velocity += before.velocity;

@@ -4,6 +4,7 @@
 #include <stillbase/impact/gradient.hpp>
 
 #include "dynamics/cholesky.hpp"
+#include "dynamics/inertia_factor_kernel.hpp"
 #include "dynamics/inertia_kernel.hpp"
 
 namespace stillbase {
@@ -33,15 +34,23 @@ static JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin
   return axes;
 }
 
-/// Twists of all bodies and momenta of the subtrees that they carry.
+/// A motion, and an impulse [force; moment about the hand's origin] that the hand carries with it.
+template <class S>
+struct LoadedMotion {
+  const GeneralizedMotion<S>& x;
+  const Vector6<S>& F;
+};
+
+/// Twists of all bodies and momenta of the subtrees that they carry, less the impulse at the hand.
 template <class S>
 struct SubtreeMomenta {
   JointAxes<S> V;
   JointAxes<S> P;
 
   SubtreeMomenta(const RobotModel& robot, const PostureImpact<S>& posture, const JointAxes<S>& axes,
-                 const GeneralizedMotion<S>& x) {
+                 const LoadedMotion<S>& loaded) {
     const Kinematics<S>& kin = posture.kinematics;
+    const GeneralizedMotion<S>& x = loaded.x;
     const SpatialVector<S> base{x.Omega.template head<3>(), x.Omega.template tail<3>()};
     const std::vector<Joint>& tree = robot.tree();
     for (int k = 0; k < kin.n; ++k) {
@@ -53,6 +62,11 @@ struct SubtreeMomenta {
       P[k].w = kin.c[k].cross(P[k].v);
       P[k].w.noalias() += posture.inertia.I[k] * V[k].w;
     }
+    if (robot.hand_body != kBase) {
+      const Vector3<S> f = loaded.F.template head<3>();
+      P[robot.hand_body].v -= f;
+      P[robot.hand_body].w -= loaded.F.template tail<3>() + kin.r_bh.cross(f);
+    }
     for (int k = kin.n - 1; k >= 0; --k) {
       const int parent = tree[k].parent;
       if (parent == kBase) continue;
@@ -62,22 +76,47 @@ struct SubtreeMomenta {
   }
 };
 
-/// gradient += sign * d/dphi (lambda' H x), lambda and x fixed: each subtree moves as a rigid body
-/// under its joint, so only the twist that it inherits counts.
+/// gradient += d/dphi (a' J' F_b + b' J' F_a - a' H b), motions and impulses fixed in B: each
+/// subtree and the impulse on it move as a rigid body under its joint, so only the twist that it
+/// inherits counts. That the impulses do not turn with the hand adds their moment on its velocity.
+/// @param hand_moment J a x F_b + J b x F_a, x of the linear parts plus x of the angular parts
 template <class S>
-static void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                                 const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
-                                 const GeneralizedMotion<S>& x, const S& sign,
-                                 JointVector<S>& gradient) {
-  const SubtreeMomenta<S> a(robot, posture, axes, lambda);
-  const SubtreeMomenta<S> b(robot, posture, axes, x);
+static void add_motion_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                const JointAxes<S>& axes, const LoadedMotion<S>& a,
+                                const LoadedMotion<S>& b, const Vector3<S>& hand_moment,
+                                JointVector<S>& gradient) {
+  const SubtreeMomenta<S> of_a(robot, posture, axes, a);
+  const SubtreeMomenta<S> of_b(robot, posture, axes, b);
   for (int k = 0; k < posture.kinematics.n; ++k) {
     // (S_k x V_a) . P_b + (S_k x V_b) . P_a, x the cross product of twists, with S_k taken out.
-    const Vector3<S> linear = a.V[k].w.cross(b.P[k].v) + b.V[k].w.cross(a.P[k].v);
-    const Vector3<S> angular = a.V[k].v.cross(b.P[k].v) + b.V[k].v.cross(a.P[k].v) +
-                               a.V[k].w.cross(b.P[k].w) + b.V[k].w.cross(a.P[k].w);
-    gradient[robot.coordinate(k)] -= sign * (axes[k].v.dot(linear) + axes[k].w.dot(angular));
+    const SpatialVector<S>&V_a = of_a.V[k], &P_a = of_a.P[k], &V_b = of_b.V[k], &P_b = of_b.P[k];
+    const Vector3<S> linear = V_a.w.cross(P_b.v) + V_b.w.cross(P_a.v);
+    const Vector3<S> angular =
+        V_a.v.cross(P_b.v) + V_b.v.cross(P_a.v) + V_a.w.cross(P_b.w) + V_b.w.cross(P_a.w);
+    gradient[robot.coordinate(k)] += axes[k].v.dot(linear) + axes[k].w.dot(angular);
   }
+  const std::vector<Joint>& tree = robot.tree();
+  for (int k = robot.hand_body; k != kBase; k = tree[k].parent) {
+    gradient[robot.coordinate(k)] += axes[k].w.dot(hand_moment);
+  }
+}
+
+/// gradient += d/dphi (a' H b), a and b fixed.
+template <class S>
+static void add_inertia_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
+                                 const JointAxes<S>& axes, const GeneralizedMotion<S>& a,
+                                 const GeneralizedMotion<S>& b, JointVector<S>& gradient) {
+  const Vector6<S> none = Vector6<S>::Zero();
+  const GeneralizedMotion<S> minus_a{-a.Omega, -a.phidot};
+  add_motion_gradient<S>(robot, posture, axes, {minus_a, none}, {b, none}, Vector3<S>::Zero(),
+                         gradient);
+}
+
+/// Of linear and of angular parts, summed.
+template <class S>
+static Vector3<S> cross_by_parts(const Vector6<S>& a, const Vector6<S>& b) {
+  const Vector3<S> a_v = a.template head<3>(), a_w = a.template tail<3>();
+  return a_v.cross(Vector3<S>(b.template head<3>())) + a_w.cross(Vector3<S>(b.template tail<3>()));
 }
 
 /// gradient += d/dphi (u' Htilde_omega w), u and w fixed: the robot turns as one body about its
@@ -103,37 +142,6 @@ static void add_locked_rotation_gradient(const RobotModel& robot, const PostureI
     Lu.noalias() += body.I * u;
     gradient[robot.coordinate(k)] +=
         S(2) * uw * v.dot(h) - v.dot(w) * uh - v.dot(u) * wh - zu.dot(Lw) - zw.dot(Lu);
-  }
-}
-
-/// gradient += d/dphi (lambda' J' F), lambda and F fixed.
-template <class S>
-static void add_hand_gradient(const RobotModel& robot, const PostureImpact<S>& posture,
-                              const JointAxes<S>& axes, const GeneralizedMotion<S>& lambda,
-                              const Vector6<S>& F, JointVector<S>& gradient) {
-  const Kinematics<S>& kin = posture.kinematics;
-  const Vector3<S> f = F.template head<3>();
-  const Vector3<S> moment = F.template tail<3>() + kin.r_bh.cross(f);
-  // From the hand to the base: the twist that the joints beyond k add, V_N - V_k.
-  Vector3<S> v = Vector3<S>::Zero();
-  Vector3<S> w = Vector3<S>::Zero();
-  Vector3<S> omega_N = lambda.Omega.template tail<3>();
-  const std::vector<Joint>& tree = robot.tree();
-  for (int k = robot.hand_body; k != kBase; k = tree[k].parent) {
-    if (!tree[k].is_prismatic()) omega_N += axes[k].w * lambda.phidot[robot.coordinate(k)];
-  }
-  for (int k = robot.hand_body; k != kBase; k = tree[k].parent) {
-    const int coordinate = robot.coordinate(k);
-    const SpatialVector<S>& axis = axes[k];
-    const Vector3<S> dv = axis.w.cross(v) + axis.v.cross(w);
-    const Vector3<S> dw = axis.w.cross(w);
-    // Of a coupled robot the column of the Jacobian is the sum over several bodies.
-    const Vector3<S> dh = robot.is_coupled()
-                              ? Vector3<S>(axis.v + axis.w.cross(kin.r_bh))
-                              : Vector3<S>(posture.jacobian.J_phi.template block<3, 1>(0, k));
-    gradient[coordinate] += dv.dot(f) + dw.dot(moment) + omega_N.dot(dh.cross(f));
-    v += axis.v * lambda.phidot[coordinate];
-    w += axis.w * lambda.phidot[coordinate];
   }
 }
 
@@ -164,7 +172,8 @@ PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistanc
       .inertia = compute_inertia(robot, out.kinematics),
       .tilde = compute_tilde_inertia(out.inertia),
       .jacobian = compute_hand_jacobian(robot, out.kinematics),
-      .factor = factorize_inertia(out.inertia, resistance.added_inertia, resistance.locked),
+      .factor =
+          factorize_inertia(out.inertia, out.tilde, resistance.added_inertia, resistance.locked),
   };
   return out;
 }
@@ -236,14 +245,14 @@ static void add_explicit_gradient(const RobotModel& robot, const PostureImpact<S
   if (weights.momentum != Vector6<S>::Zero()) {
     const GeneralizedMotion<S> u{weights.momentum, JointVector<S>::Zero(n)};
     const GeneralizedMotion<S> base{response.d.Delta_Omega, JointVector<S>::Zero(n)};
-    add_inertia_gradient(robot, posture, axes, u, base, S(1), gradient);
+    add_inertia_gradient<S>(robot, posture, axes, u, base, gradient);
   }
 
   // r_gh = r_bh - r_bg.
+  const Vector3<S> by_first_moment = by_r_gh / posture.inertia.mass;
   for (int k = 0; k < n; ++k) {
-    const Vector3<S> dr = posture.jacobian.J_phi.template block<3, 1>(0, k) -
-                          posture.inertia.H_bphi.template block<3, 1>(0, k) / posture.inertia.mass;
-    gradient[k] += dr.dot(by_r_gh);
+    gradient[k] += posture.jacobian.J_phi.template block<3, 1>(0, k).dot(by_r_gh) -
+                   posture.inertia.H_bphi.template block<3, 1>(0, k).dot(by_first_moment);
   }
 }
 
@@ -263,9 +272,10 @@ ResponseGradient<S> response_gradient(const RobotModel& robot, const PostureImpa
   const GeneralizedMotion<S> lambda{adjoint.Omega + d.Omega * s, adjoint.phidot + d.phidot * s};
   const GeneralizedMotion<S> lambda_hand{lambda.Omega + d.Omega * s, lambda.phidot + d.phidot * s};
   const JointAxes<S> axes = joint_axes(robot, posture.kinematics);
-  add_hand_gradient(robot, posture, axes, lambda_hand, response.F, out.phi);
-  add_inertia_gradient(robot, posture, axes, lambda, d, S(-1), out.phi);
   out.F = hand_twist(posture.jacobian, lambda_hand);
+  const Vector6<S> F_s = response.F * s;
+  add_motion_gradient<S>(robot, posture, axes, {lambda, F_s}, {d, response.F},
+                         cross_by_parts<S>(out.F, response.F), out.phi);
 
   // total = r_gh x f + t.
   const Vector3<S> by_r_gh = f.cross(weights.total);
@@ -287,8 +297,8 @@ JointVector<S> coupling_gradient(const RobotModel& robot, const PostureImpact<S>
   }
   JointVector<S> gradient;
   gradient.setZero(robot.n());
-  add_inertia_gradient(robot, posture, joint_axes(robot, posture.kinematics),
-                       locked_rotation(posture, y), x, S(1), gradient);
+  add_inertia_gradient<S>(robot, posture, joint_axes(robot, posture.kinematics),
+                          locked_rotation(posture, y), x, gradient);
   return gradient;
 }
 
@@ -338,8 +348,9 @@ static void add_zero_momentum_gradient(const RobotModel& robot, const PostureImp
   load.template tail<3>() += posture.kinematics.r_bh.cross(Vector3<S>(y.template head<3>()));
   const GeneralizedMotion<S> mu{BaseInverse<S>(posture)(load),
                                 JointVector<S>::Zero(x.phidot.size())};
-  add_hand_gradient(robot, posture, axes, x, y, gradient);
-  add_inertia_gradient(robot, posture, axes, mu, x, S(-1), gradient);
+  const Vector6<S> none = Vector6<S>::Zero();
+  add_motion_gradient<S>(robot, posture, axes, {x, none}, {mu, y},
+                         cross_by_parts<S>(hand_twist(posture.jacobian, x), y), gradient);
 }
 
 template <class S>
