@@ -42,6 +42,29 @@ TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
   }
 }
 
+TEST_CASE("a worst direction is stationary to more digits than its value tells") {
+  Random random(38);
+  for (int trial = 0; trial < 12; ++trial) {
+    CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+    problem.uncertainty.cone_half_angle = 0.05 + 0.05 * trial;
+    const Formulation formulation(problem);
+    const Configuration configuration = formulation.configuration(
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 9)));
+    const DirectionModel model(problem, formulation, configuration);
+    const ConeMaximum maximum = cone_maxima(problem, formulation, configuration).front();
+    const Vector3d d = model.encounter.contact.R_EB.transpose() * maximum.scenario.direction;
+    Vector3d g;
+    Matrix3d H;
+    REQUIRE(model.log_derivatives(d, g, H));
+    // Of a maximum on the rim, where the slope may point outward, the slope along it.
+    const bool on_rim = model.coordinates(d).norm() > model.half_angle * (1 - 1e-9);
+    const Vector3d along = g - g.dot(d) * d;
+    const double slope = on_rim ? g.dot(model.n.cross(d).normalized()) : along.norm();
+    INFO("trial " << trial << (on_rim ? ", on the rim" : ""));
+    CHECK(std::abs(slope) <= 1e-10 * H.norm());
+  }
+}
+
 TEST_CASE("the derivatives of ln |y|^2 over the direction are those of its differences") {
   Random random(37);
   for (int trial = 0; trial < 6; ++trial) {

@@ -143,7 +143,7 @@ Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& 
 struct ClimbOptions {
   int steps = 50, halvings = 6;
   double least_step = 1e-10;   ///< rad: a shorter one ends the climb
-  double visible_step = 1e-7;  ///< rad: shorter parts of a step change the value by rounding alone
+  double visible_step = 1e-7;  ///< rad: a shorter step changes the value by rounding alone
   int rounds = 4;              ///< of a climb and a compass search, which leaves saddles
 };
 
@@ -157,7 +157,8 @@ Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptio
       if (length < (halving == 0 ? options.least_step : options.visible_step)) return place;
       const Eigen::Vector2d c = moved_along(model, place.c, step, part);
       const Place trial{c, model.value(c)};
-      rose = trial.value > place.value;
+      // Of a step that values do not see the derivatives decide.
+      rose = trial.value > place.value || length < options.visible_step;
       if (rose) place = trial;
     }
     if (!rose) break;
@@ -165,8 +166,7 @@ Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptio
   return place;
 }
 
-/// The maximum that a place belongs to. The value is flat there: a step of 1e-8 rad leaves an error
-/// of about 1e-16.
+/// The maximum that a place belongs to.
 Place refine(const DirectionModel& model, Place place) {
   const double alpha = model.half_angle;
   if (!(alpha > 0)) return place;
