@@ -52,16 +52,26 @@ double best_of_search(const std::string& name, std::optional<std::uint64_t> seed
   return best;
 }
 
-void hold(const BestKnown& known) {
-  const double found = best_of_search(known.problem);
+void hold(const BestKnown& known, double found) {
   INFO(known.problem << ": found " << found << ", best known " << known.value);
   // With many free variables there are many minima within a few percent.
-  const bool has_many = known.problem == "deos_client_224" || known.problem == "deos_features" ||
-                        known.problem == "servicer_compromise";
+  const bool has_many =
+      known.problem == "deos_client_224" || known.problem == "servicer_compromise";
   const double apart = has_many ? 0.05 : 1e-6;
   CHECK(found <= known.value * (1 + apart) + 1e-9);
   // Better than the best known: write the new one into the file.
   CHECK(found >= known.value * (1 - 1e-6) - 1e-9);
+}
+
+/// Of the seed of the problem. Over two features with a free base its starts are spread thin: two
+/// or three seeds of five see the best minimum, which ones is decided by rounding.
+double best_of_long_search(const std::string& problem) {
+  if (problem != "deos_features") return best_of_search(problem);
+  double best = nlp::kInfinity;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    best = std::min(best, best_of_search(problem, seed));
+  }
+  return best;
 }
 
 bool is_long(const std::string& problem) {
@@ -73,7 +83,7 @@ bool is_long(const std::string& problem) {
 TEST_CASE("searches reach the best known values") {
   REQUIRE(best_known().size() >= 15);
   for (const BestKnown& known : best_known()) {
-    if (!is_long(known.problem)) hold(known);
+    if (!is_long(known.problem)) hold(known, best_of_search(known.problem));
   }
 }
 
@@ -88,7 +98,7 @@ TEST_CASE("the least mean over a residual velocity does not depend on the seed")
 
 TEST_CASE("long searches reach the best known values", "[.slow]") {
   for (const BestKnown& known : best_known()) {
-    if (is_long(known.problem)) hold(known);
+    if (is_long(known.problem)) hold(known, best_of_long_search(known.problem));
   }
 }
 
