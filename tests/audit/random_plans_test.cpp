@@ -86,6 +86,10 @@ TEST_CASE(
 
 TEST_CASE("of two joints at their stops a plan may state either one") { hold(34, 35); }
 
+TEST_CASE("worst directions of a value that hardly changes along the rim are known to its slope") {
+  hold(71, 72);
+}
+
 TEST_CASE("plans of 300 random problems pass verification and audit", "[.slow]") {
   hold_asked(300);
 }
