@@ -10,6 +10,7 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 
+#include "audit/differences.hpp"
 #include "audit/manifold.hpp"
 #include "audit/smooth_parts.hpp"
 
@@ -19,8 +20,9 @@ namespace {
 /// Distance from a limit that counts as reached. What is further beyond it is no limit of the
 /// plan: shapes of neighbours overlap by construction.
 constexpr double kActive = 1e-6;
-constexpr double kGradientStep = 2e-3;   ///< rad, m, s; errors grow with its fourth power
+constexpr double kGradientStep = 2e-3;   ///< rad, m, s; the longest
 constexpr double kCurvatureStep = 1e-2;  ///< likewise
+constexpr double kKinkStep = 2.5e-4;     ///< likewise; what bends strongly is no kink within it
 constexpr double kStatedMinimum = 1e-6;  ///< KKT residual of a minimum with exact derivatives
 /// The same by differences.
 constexpr double kMinimum = 1e-5;
@@ -36,6 +38,7 @@ constexpr double kSameMultiplier = 0.01;  ///< relative to the largest one
 /// Multiplier, per unit of a limit and of the value, from which a limit has to be in the list.
 constexpr double kLeastListed = 1e-3;
 constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
+constexpr double kSameBend = 1e-5;       ///< of two estimates of a curvature, likewise
 
 /// min |C y + b| over y >= 0 (Lawson and Hanson, Solving Least Squares Problems, 1974).
 Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::VectorXd& b) {
@@ -175,9 +178,8 @@ class Stationarity {
     const auto differences = [&](Eigen::Index count, const auto& value) {
       Eigen::MatrixXd out;
       for (Eigen::Index i = 0; i < count; ++i) {
-        const Eigen::VectorXd h = kGradientStep * Eigen::VectorXd::Unit(count, i);
-        const Eigen::VectorXd slope =
-            (8 * (value(h) - value(-h)) - (value(2 * h) - value(-2 * h))) / (12 * kGradientStep);
+        const Eigen::VectorXd slope = slopes_at_zero(
+            [&](double h) { return value(h * Eigen::VectorXd::Unit(count, i)); }, kGradientStep);
         out.conservativeResize(slope.size(), count);
         out.col(i) = slope;
       }
@@ -226,7 +228,7 @@ class Stationarity {
         return Eigen::VectorXd((values_at(u) + values_at(Eigen::VectorXd(-u)) - 2 * here) / step);
       };
       return Eigen::VectorXd(
-          (2 * bend(kGradientStep) - bend(2 * kGradientStep)).segment(parts, m).cwiseAbs());
+          (2 * bend(kKinkStep) - bend(2 * kKinkStep)).segment(parts, m).cwiseAbs());
     };
     Eigen::MatrixXd along(m, n);
     for (Eigen::Index k = 0; k < n; ++k) along.col(k) = jumps(Eigen::VectorXd::Unit(n, k));
@@ -305,13 +307,14 @@ class Stationarity {
     const auto lagrangian = [&](double step) {
       const Eigen::VectorXd values = values_at(Eigen::VectorXd(step * u));
       const Eigen::Index m = values.size() - static_cast<Eigen::Index>(active_.size());
-      return values.head(m).dot(multipliers_.head(m)) -
-             values.tail(values.size() - m).dot(multipliers_.tail(values.size() - m));
+      return Eigen::VectorXd::Constant(
+          1, values.head(m).dot(multipliers_.head(m)) -
+                 values.tail(values.size() - m).dot(multipliers_.tail(values.size() - m)));
     };
-    const double h = kCurvatureStep;
-    return (16 * (lagrangian(h) + lagrangian(-h)) - (lagrangian(2 * h) + lagrangian(-2 * h)) -
-            30 * lagrangian(0)) /
-           (12 * h * h);
+    const double bend =
+        bends_at_zero(lagrangian, kCurvatureStep, kSameBend * largest_curvature_)[0];
+    largest_curvature_ = std::max(largest_curvature_, std::abs(bend));
+    return bend;
   }
 
   const CaptureProblem& problem_;
@@ -323,8 +326,9 @@ class Stationarity {
   Eigen::VectorXd multipliers_;      ///< of the parts, then of the active limits
   Eigen::MatrixXd open_;             ///< directions u that the active limits leave open
   double residual_ = 0;
-  Eigen::MatrixXd kinks_;     ///< a column for each active limit with one
-  double kink_residual_ = 0;  ///< with the gradients of both sides of every kink
+  Eigen::MatrixXd kinks_;         ///< a column for each active limit with one
+  double kink_residual_ = 0;      ///< with the gradients of both sides of every kink
+  double largest_curvature_ = 0;  ///< of the directions so far
   std::string objection_;
 };
 

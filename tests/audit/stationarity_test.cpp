@@ -155,9 +155,24 @@ TEST_CASE("an invented minimum at a kink of a limit fails, a feasible configurat
   // Two corners of the base's box are equally far from the target's end: no slope counts as the
   // limit's.
   CHECK_THAT(said(plan), Catch::Contains("no gradient here"));
-  // An invented minimum is none with the slopes of either side.
+  // The search may have come as near to a minimum between the sides as differences show. One of
+  // another quantity is invented, and none with the slopes of either side.
   plan.status = PlanStatus::Optimal;
   plan.certificate.kkt_residual = 1e-9;
+  plan.problem.objective.front().quantity = ObjectiveQuantity::ImpulseMagnitude;
+  CHECK_THAT(said(plan), Catch::StartsWith("fails"));
+}
+
+TEST_CASE("the steps of differences are shortened beside a singular posture") {
+  // A joint's rate before the contact is at its limit where the arm is nearly straight.
+  CaptureProblem problem = test::without_path("matched_medium");
+  problem.objective.front().quantity = ObjectiveQuantity::BaseMomentum;
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(problem, options);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  CHECK_THAT(said(plan), Catch::StartsWith("first-order conditions"));
+  plan.configuration.phi[1] += 1e-3;
   CHECK_THAT(said(plan), Catch::StartsWith("fails"));
 }
 
