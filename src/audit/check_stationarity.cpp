@@ -99,12 +99,13 @@ class Stationarity {
     for (std::size_t i = 0; i < distances.size(); ++i) {
       if (std::abs(distances[i]) <= kActive) active_.push_back(i);
     }
-    if (manifold_.objection().empty()) differentiate();
+    if (objection().empty()) differentiate();
   }
 
   /// Why nothing can be said; empty: it can.
   const std::string& objection() const {
-    return manifold_.objection().empty() ? objection_ : manifold_.objection();
+    if (!manifold_.objection().empty()) return manifold_.objection();
+    return parts_.objection().empty() ? objection_ : parts_.objection();
   }
   double residual() const { return residual_; }
   /// Whether an active limit has no gradient here, and those of both sides of its kink together
@@ -470,10 +471,6 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   const ApproachSpec& approach = problem.approach;
   if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free) {
     problem.base = plan.configuration.base;
-  }
-  if (problem.uncertainty.residual_velocity && problem.measure.kind == RiskMeasure::WorstCase &&
-      !is_largest_unique(residual_case(context.situation))) {
-    return give_up("two velocities of the ellipsoid are nearly equally bad: no gradient there");
   }
   Stationarity found(problem, plan.configuration);
   if (!found.objection().empty()) return give_up(found.objection());

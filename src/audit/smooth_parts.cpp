@@ -28,11 +28,11 @@ bool is_over_velocity(const CaptureProblem& problem) {
   return problem.uncertainty.residual_velocity && problem.measure.kind != RiskMeasure::Nominal;
 }
 
-/// The measure over the residual velocity, smooth where the worst velocity is unique.
-double square_over_velocity(const Situation& at) {
-  const ResidualCase residual = residual_case(at);
-  return at.problem.measure.kind == RiskMeasure::WorstCase ? largest_square(residual).value
-                                                           : residual.mean_square();
+/// Axes of N from those of B for both halves of a velocity.
+Vector6d turned_to(const Eigen::Quaterniond& R, const Vector6d& V) {
+  Vector6d out;
+  out << R * Vector3d(V.head<3>()), R * Vector3d(V.tail<3>());
+  return out;
 }
 
 /// The place where the slopes of the value vanish, by Newton's method with differences; along the
@@ -147,11 +147,6 @@ std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& va
 SmoothParts::SmoothParts(const Situation& situation)
     : problem_(situation.problem), n_(situation.event.n) {
   const double typical = 2 * std::pow(typical_objective(problem_), 2);
-  if (is_over_velocity(problem_)) {
-    size_ = square_over_velocity(situation);
-    if (!(size_ > kZero * kZero * typical)) size_ = typical;
-    return;
-  }
   switch (problem_.measure.kind) {
     case RiskMeasure::Nominal:
       size_ = typical;
@@ -160,7 +155,7 @@ SmoothParts::SmoothParts(const Situation& situation)
       size_ = values(situation)[0];
       break;
     case RiskMeasure::WorstCase:
-      find_maxima(situation);
+      is_over_velocity(problem_) ? find_velocities(situation) : find_maxima(situation);
       break;
     case RiskMeasure::Cvar:
       find_tail(situation);
@@ -172,9 +167,7 @@ SmoothParts::SmoothParts(const Situation& situation)
 
 Eigen::VectorXd SmoothParts::values(const Situation& at) const {
   const RiskMeasure kind = problem_.measure.kind;
-  if (is_over_velocity(problem_)) {
-    return Eigen::VectorXd::Constant(1, square_over_velocity(at) / size_);
-  }
+  if (is_over_velocity(problem_)) return over_velocity(at);
   if (is_sampled(kind)) return sampled(at);
   if (kind == RiskMeasure::Nominal) {
     return Eigen::VectorXd::Constant(1, square_along(at, at.event.n) / size_);
@@ -213,6 +206,35 @@ void SmoothParts::find_maxima(const Situation& situation) {
     };
     if (std::none_of(maxima_.begin(), maxima_.end(), is_same)) maxima_.push_back(place);
   }
+}
+
+/// As find_maxima() over the ellipsoid, whose places are kept in N.
+void SmoothParts::find_velocities(const Situation& situation) {
+  const ResidualCase residual = residual_case(situation);
+  for (const Vector6d& s : local_maxima(residual)) {
+    const double value = residual.square(residual.at(s));
+    if (velocities_.empty()) size_ = value;
+    if (value < (1 - kActiveMaximum) * size_) break;
+    if (!is_isolated(residual, s)) {
+      objection_ =
+          "equally bad velocities of the ellipsoid form a curve, or nearly do: no gradient";
+    }
+    velocities_.push_back(turned_to(situation.at.base.orientation, s));
+  }
+}
+
+Eigen::VectorXd SmoothParts::over_velocity(const Situation& at) const {
+  const ResidualCase residual = residual_case(at);
+  if (problem_.measure.kind == RiskMeasure::Expectation) {
+    return Eigen::VectorXd::Constant(1, residual.mean_square() / size_);
+  }
+  Eigen::VectorXd out(static_cast<Eigen::Index>(velocities_.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const Vector6d s =
+        turned_to(at.at.base.orientation.conjugate(), velocities_[static_cast<std::size_t>(i)]);
+    out[i] = residual.square(residual.at(s)) / size_;
+  }
+  return out;
 }
 
 /// Of the mean over the tail: samples above the quantile count in full; what is left of the tail is

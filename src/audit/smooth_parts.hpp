@@ -1,6 +1,7 @@
 // The measure of a problem near one configuration as the largest of smooth functions.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "audit/checks.hpp"
@@ -13,12 +14,14 @@ struct ConePlace {
 };
 
 /// |y|^2 of the measure over a constant size: the largest of one function (nominal value,
-/// expectation), of one for each worst direction of the cone, or of one for each sample at the
-/// quantile of a tail.
+/// expectation), of one for each worst direction of the cone or worst residual velocity, or of one
+/// for each sample at the quantile of a tail.
 class SmoothParts {
  public:
   explicit SmoothParts(const Situation& situation);
 
+  /// Why the measure has no such parts there; empty: it has.
+  const std::string& objection() const { return objection_; }
   /// The largest ones at the configuration of the constructor, at another configuration.
   Eigen::VectorXd values(const Situation& at) const;
   /// The worst directions of the cone in B, at the configuration of the constructor; none of other
@@ -28,13 +31,17 @@ class SmoothParts {
  private:
   Vector3d direction(const Situation& at, const ConePlace& place) const;
   void find_maxima(const Situation& situation);
+  void find_velocities(const Situation& situation);
   void find_tail(const Situation& situation);
+  Eigen::VectorXd over_velocity(const Situation& at) const;
   Eigen::VectorXd sampled(const Situation& at) const;
 
   const CaptureProblem& problem_;
   Vector3d n_;
   double size_ = 1;
   std::vector<ConePlace> maxima_;
+  std::vector<Vector6d> velocities_;  ///< as local_maxima() has them, in N
+  std::string objection_;
   Eigen::VectorXd weights_;  ///< of the samples above the quantile
   std::vector<Eigen::Index> at_quantile_;
   double remaining_ = 0;  ///< weight of those

@@ -187,19 +187,31 @@ double ResidualCase::distance(const Vector6d& V) const {
   return std::sqrt(sum) / deviations;
 }
 
-/// Over |s| <= 1 with V = Vbar + k L s: c + 2 q's + s'P s.
-LargestSquare largest_square(const ResidualCase& residual) {
-  const SymmetricEigen eigen = symmetric_eigen(residual.covariance);
-  const Matrix6d L =
-      residual.deviations * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
-  const Matrix6d P = L.transpose() * residual.form * L;
-  const Vector6d q = L.transpose() * residual.slope(residual.velocity);
-  const double c = residual.square(residual.velocity);
-  const SymmetricEigen axes = symmetric_eigen(P);
+Vector6d ResidualCase::at(const Vector6d& s) const { return velocity + deviations * root() * s; }
 
-  LargestSquare out{residual.velocity, c, c};
-  // The value rises with s -> (P s + q) / |P s + q|.
-  const auto ascend = [&](Vector6d s) {
+Matrix6d ResidualCase::root() const {
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() *
+         eigen.vectors.transpose();
+}
+
+namespace {
+
+/// |y|^2 over the ball |s| <= 1, V = Vbar + k root s: c + 2 q's + s'P s.
+struct OverBall {
+  Matrix6d P;
+  Vector6d q;
+  double c;
+
+  explicit OverBall(const ResidualCase& residual) {
+    const Matrix6d L = residual.deviations * residual.root();
+    P = L.transpose() * residual.form * L;
+    q = L.transpose() * residual.slope(residual.velocity);
+    c = residual.square(residual.velocity);
+  }
+  double square(const Vector6d& s) const { return c + s.dot(P * s + 2 * q); }
+  /// The value rises with s -> (P s + q) / |P s + q|.
+  Vector6d ascend(Vector6d s) const {
     for (int i = 0; i < 5000; ++i) {
       const Vector6d next = P * s + q;
       if (!(next.norm() > 0)) break;
@@ -207,14 +219,51 @@ LargestSquare largest_square(const ResidualCase& residual) {
       s = next.normalized();
       if ((s - before).norm() < 1e-12) break;
     }
-    const Vector6d V = residual.velocity + L * s;
+    return s;
+  }
+};
+
+}  // namespace
+
+std::vector<Vector6d> local_maxima(const ResidualCase& residual) {
+  constexpr double kSame = 1e-6;  // of the unit ball
+  const OverBall ball(residual);
+  const SymmetricEigen axes = symmetric_eigen(ball.P);
+  std::vector<Vector6d> out;
+  for (int i = 5; i >= 0; --i) {
+    for (const double side : {1.0, -1.0}) {
+      const Vector6d s = ball.ascend(side * axes.vectors.col(i));
+      const auto is_same = [&s](const Vector6d& other) { return (other - s).norm() < kSame; };
+      if (std::none_of(out.begin(), out.end(), is_same)) out.push_back(s);
+    }
+  }
+  std::stable_sort(out.begin(), out.end(), [&ball](const Vector6d& a, const Vector6d& b) {
+    return ball.square(a) > ball.square(b);
+  });
+  return out;
+}
+
+bool is_isolated(const ResidualCase& residual, const Vector6d& s) {
+  constexpr double kApart = 1e-2;  // relative
+  const OverBall ball(residual);
+  // (P s + q) = mu s at a maximum; along the sphere the square bends by P - mu E.
+  const double mu = s.dot(ball.P * s + ball.q);
+  const Eigen::MatrixXd across = PivotedQr(s).complement();
+  const Eigen::VectorXd bends = symmetric_eigenvalues(across.transpose() * ball.P * across);
+  return !(mu > 0) || bends[bends.size() - 1] < (1 - kApart) * mu;
+}
+
+LargestSquare largest_square(const ResidualCase& residual) {
+  const OverBall ball(residual);
+  const auto& [P, q, c] = ball;
+  const SymmetricEigen axes = symmetric_eigen(P);
+  LargestSquare out{residual.velocity, c, c};
+  const auto take = [&](const Vector6d& s) {
+    const Vector6d V = residual.at(s);
     const double value = residual.square(V);
     if (value > out.value) out = {V, value, value};
   };
-  for (int i = 0; i < 6; ++i) {
-    ascend(axes.vectors.col(i));
-    ascend(-axes.vectors.col(i));
-  }
+  take(local_maxima(residual).front());
   // For every mu >= lambda_max(P): value <= c + mu + q' (mu E - P)^-1 q, convex in mu.
   const Vector6d along = axes.vectors.transpose() * q;
   const double largest = std::max(axes.values[5], 0.0), reach = along.norm();
@@ -238,28 +287,10 @@ LargestSquare largest_square(const ResidualCase& residual) {
   // Where the largest eigenvalues are close, the ascent takes long to where the bound is attained.
   if (high > largest) {
     const Eigen::ArrayXd shifted = high - axes.values.array();
-    ascend((axes.vectors * (along.array() / shifted).matrix()).normalized());
+    take(ball.ascend((axes.vectors * (along.array() / shifted).matrix()).normalized()));
   }
   out.bound = std::max(out.value, std::isfinite(bound) ? bound : c + largest + reach);
   return out;
-}
-
-bool is_largest_unique(const ResidualCase& residual) {
-  constexpr double kApart = 1e-2;  // relative
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> spread(residual.covariance);
-  const Vector6d sizes = spread.eigenvalues().cwiseMax(0).cwiseSqrt();
-  const Matrix6d root = spread.eigenvectors() * sizes.asDiagonal();
-  // |y|^2 = k^2 s' G s + 2 k b' s + const, |s| = 1.
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> G(root.transpose() * residual.form * root);
-  const Vector6d b =
-      G.eigenvectors().transpose() * (root.transpose() * residual.slope(residual.velocity));
-  const double largest = G.eigenvalues()[5], second = G.eigenvalues()[4];
-  if (!(largest > 0)) return true;
-  const double linear = 2 * b.norm() / (residual.deviations * largest);
-  if (largest - second < kApart * largest && linear < 1) return false;
-  // With a linear part that is felt, one side of the longest axis must win clearly.
-  const bool is_felt = linear > 1e-9;
-  return !is_felt || 4 * std::abs(b[5]) > kApart * residual.deviations * largest;
 }
 
 }  // namespace stillbase::verification

@@ -27,6 +27,10 @@ struct ResidualCase {
   Vector6d slope(const Vector6d& V) const { return form * V + linear; }
   /// E|y|^2 = |y|^2 at Vbar + tr(form Sigma).
   double mean_square() const { return square(velocity) + (form * covariance).trace(); }
+  /// Symmetric root of the covariance.
+  Matrix6d root() const;
+  /// Vbar + k root() s: the ellipsoid for |s| <= 1.
+  Vector6d at(const Vector6d& s) const;
   /// Of V within the ellipsoid: at most 1. Directions without variance have none.
   double distance(const Vector6d& V) const;
 };
@@ -41,8 +45,11 @@ struct LargestSquare {
 };
 LargestSquare largest_square(const ResidualCase& residual);
 
-/// Whether one place alone, or one and its opposite by symmetry, is that far from all others that
-/// the largest square is smooth there.
-bool is_largest_unique(const ResidualCase& residual);
+/// The local maxima of |y|^2 over the ellipsoid, each as s of ResidualCase::at(), the largest
+/// first; perhaps saddles behind them.
+std::vector<Vector6d> local_maxima(const ResidualCase& residual);
+/// Whether |y|^2 falls clearly from a maximum s in all directions along the ellipsoid: equally bad
+/// velocities that form a curve, or nearly do, have no gradient.
+bool is_isolated(const ResidualCase& residual, const Vector6d& s);
 
 }  // namespace stillbase::verification

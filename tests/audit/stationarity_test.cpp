@@ -8,6 +8,7 @@
 
 #include "support/shipped_problem.hpp"
 #include "verification/failed_claims.hpp"
+#include "verification/residual_velocity.hpp"
 
 namespace stillbase {
 namespace {
@@ -173,6 +174,29 @@ TEST_CASE("the steps of differences are shortened beside a singular posture") {
   REQUIRE(plan.status == PlanStatus::Optimal);
   CHECK_THAT(said(plan), Catch::StartsWith("first-order conditions"));
   plan.configuration.phi[1] += 1e-3;
+  CHECK_THAT(said(plan), Catch::StartsWith("fails"));
+}
+
+TEST_CASE("a minimum where the two ends of a segment of velocities are equally bad is one") {
+  CaptureProblem problem = test::without_path("matched_residual");
+  problem.measure.kind = RiskMeasure::WorstCase;
+  Matrix6d& covariance = problem.uncertainty.residual_velocity->covariance.emplace();
+  covariance.setZero();
+  covariance(0, 0) = 4e-6;
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(problem, options);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  const verification::Situation at(plan.problem, plan.configuration);
+  const verification::ResidualCase residual = verification::residual_case(at);
+  const auto ends = verification::local_maxima(residual);
+  const double worst = residual.square(residual.at(ends[0]));
+  REQUIRE(residual.square(residual.at(ends[1])) == Approx(worst).epsilon(1e-6));
+  REQUIRE(residual.square(residual.velocity) < 0.99 * worst);
+  CHECK_THAT(said(plan), Catch::StartsWith("first-order conditions"));
+  // Where the nominal value is least both ends are equally bad too, and no minimum.
+  REQUIRE(plan.nominal_optimum);
+  plan.configuration = plan.nominal_optimum->configuration;
   CHECK_THAT(said(plan), Catch::StartsWith("fails"));
 }
 

@@ -120,6 +120,26 @@ TEST_CASE("the largest square over an ellipsoid and its bound are one, in the ha
   }
 }
 
+TEST_CASE("equally bad velocities are isolated unless they form a curve") {
+  verification::ResidualCase residual;
+  residual.form = Matrix6d::Identity();
+  residual.deviations = 2;
+  residual.covariance.diagonal() << 4, 1, 1, 1, 1, 0;
+  const auto ends = verification::local_maxima(residual);
+  CHECK(residual.square(residual.at(ends[0])) == Approx(16));
+  CHECK(residual.square(residual.at(ends[1])) == Approx(16));
+  CHECK((ends[0] + ends[1]).norm() < 1e-9);
+  CHECK(verification::is_isolated(residual, ends[0]));
+  // Off the middle one end is worse, the other stays a local maximum.
+  residual.velocity[0] = 0.1;
+  const auto apart = verification::local_maxima(residual);
+  CHECK(residual.square(residual.at(apart[0])) == Approx(4.1 * 4.1));
+  CHECK(residual.square(residual.at(apart[1])) == Approx(3.9 * 3.9));
+  residual.velocity.setZero();
+  residual.covariance(1, 1) = 4;
+  CHECK_FALSE(verification::is_isolated(residual, verification::local_maxima(residual).front()));
+}
+
 TEST_CASE("a plan says that its relative velocity is stated better than its target is known") {
   CaptureProblem problem = test::without_path("servicer_latch");
   problem.uncertainty = {};
