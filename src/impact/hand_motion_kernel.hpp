@@ -8,6 +8,11 @@
 
 namespace stillbase {
 
+/// The equations of the multipliers have the square of the condition of P Jhat_phi: what a round
+/// leaves open the next one solves for. Two would leave 1e-6 of the rates where the least singular
+/// value is 1e-6 of the largest.
+inline constexpr int kMatchRounds = 4;
+
 /// Whether component i of P V counts.
 inline bool counts(MatchedPart part, int i) {
   switch (part) {
@@ -106,20 +111,17 @@ HandMotion<S> match_hand(const PostureImpact<S>& posture, const HandMatch<S>& ma
     out.factor.col(i) = select_part<S>(match, matrix_times<S>(out.hand, rates));
   }
   factorize_cholesky(out.factor);
-  out.mu = select_part<S>(match, match.V);
-  solve_cholesky(out.factor, out.mu);
-  const auto move = [&] {
-    out.phidot =
-        weighted<S>(match, out, transposed_times<S>(out.hand, spread_part<S>(match, out.mu)));
+  out.mu.setZero();
+  out.phidot = JointVector<S>::Zero(n);
+  Vector6<S> open = select_part<S>(match, match.V);
+  for (int i = 0; i < kMatchRounds; ++i) {
+    solve_cholesky(out.factor, open);
+    out.mu += open;
+    out.phidot +=
+        weighted<S>(match, out, transposed_times<S>(out.hand, spread_part<S>(match, open)));
     out.V = matrix_times<S>(out.hand, out.phidot);
-  };
-  move();
-  // The equations of the multipliers have the square of the Jacobian's condition: what they leave
-  // open is solved for once more.
-  Vector6<S> open = select_part<S>(match, Vector6<S>(match.V - out.V));
-  solve_cholesky(out.factor, open);
-  out.mu += open;
-  move();
+    open = select_part<S>(match, Vector6<S>(match.V - out.V));
+  }
   out.Omega = matrix_times<S>(out.base, out.phidot);
   return out;
 }
@@ -132,10 +134,15 @@ HandMotionGradient<S> hand_motion_gradient(const RobotModel& robot, const Postur
       transposed_times<S>(motion.base, weights.Omega) + transposed_times<S>(motion.hand, weights.V);
   if (weights.phidot.size() == w.size()) w += weights.phidot;
   const JointVector<S> Qw = weighted<S>(match, motion, w);
-  Vector6<S> kappa = select_part<S>(match, matrix_times<S>(motion.hand, Qw));
-  solve_cholesky(motion.factor, kappa);
-  const Vector6<S> by_V = spread_part<S>(match, kappa);
-  const JointVector<S> a = Qw - weighted<S>(match, motion, transposed_times<S>(motion.hand, by_V));
+  Vector6<S> kappa = Vector6<S>::Zero(), by_V = kappa;
+  JointVector<S> a = Qw;
+  for (int i = 0; i < kMatchRounds; ++i) {
+    Vector6<S> open = select_part<S>(match, matrix_times<S>(motion.hand, a));
+    solve_cholesky(motion.factor, open);
+    kappa += open;
+    by_V = spread_part<S>(match, kappa);
+    a -= weighted<S>(match, motion, transposed_times<S>(motion.hand, spread_part<S>(match, open)));
+  }
   const GeneralizedMotion<S> x{motion.Omega, motion.phidot};
   const GeneralizedMotion<S> x_a{matrix_times<S>(motion.base, a), a};
 
