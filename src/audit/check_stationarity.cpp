@@ -190,9 +190,15 @@ class Stationarity {
     if (k > 0) {
       const Eigen::MatrixXd slopes =
           differences(k, [&](const Eigen::VectorXd& u) { return values_at(u); });
+      find_kinks(m);
+      // Two boxes pass a feature on one side of the configuration only: it has no distance on the
+      // other.
+      if (!slopes.allFinite() || !kinks_.allFinite()) {
+        objection_ = kKinked;
+        return;
+      }
       const Eigen::MatrixXd limits = slopes.bottomRows(slopes.rows() - m).transpose();
       find_multipliers(slopes.topRows(m).transpose(), limits);
-      find_kinks(m);
       if (kinks_.cols() > 0) {
         Eigen::MatrixXd with_sides(k, limits.cols() + 2 * kinks_.cols());
         with_sides << limits, kinks_, -kinks_;
@@ -283,11 +289,6 @@ class Stationarity {
     Eigen::VectorXd b = Eigen::VectorXd::Zero(k + 1);
     b[k] = -weight;
     Combination out;
-    if (!C.allFinite()) {
-      out.multipliers.setZero(C.cols());
-      out.residual = kInfinity;
-      return out;
-    }
     out.multipliers = nonnegative_solution(C, b);
     const double sum = out.multipliers.head(m).sum();
     if (!is_lifted()) out.multipliers /= sum;
@@ -340,10 +341,7 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
       "first-order conditions by differences along the configurations that keep the equations, {} "
       "active limits",
       found.active_limits());
-  // Two boxes pass a feature on one side of the configuration only: it has no distance on the
-  // other.
-  const bool is_undefined = found.residual() == kInfinity && found.has_kink();
-  if (is_undefined || (found.residual() > limit && found.may_be_at_kink(limit))) {
+  if (found.residual() > limit && found.may_be_at_kink(limit)) {
     return claims.not_verified("kkt_residual", kKinked);
   }
   // Also a minimum that other candidates are better than is one.

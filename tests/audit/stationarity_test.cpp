@@ -200,4 +200,23 @@ TEST_CASE("a minimum where the two ends of a segment of velocities are equally b
   CHECK_THAT(said(plan), Catch::StartsWith("fails"));
 }
 
+namespace {
+
+/// A latch with a matched hand, for the mean over a stated covariance of what is left.
+CaptureProblem matched_problem(double linear_variance, double angular_variance) {
+  CaptureProblem problem = test::without_path("matched_residual");
+  Vector6d variances;
+  variances << Vector3d::Constant(linear_variance), Vector3d::Constant(angular_variance);
+  problem.uncertainty.residual_velocity->covariance = variances.asDiagonal();
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("a limit without a value on one side of the configuration leaves the conditions open") {
+  CaptureProblem problem = matched_problem(1, 1e-12);
+  problem.search.starts = 16;
+  CHECK(failures(make_plan(problem)).find("kkt_residual") == std::string::npos);
+}
+
 }  // namespace stillbase
