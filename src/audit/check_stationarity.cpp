@@ -33,6 +33,9 @@ constexpr double kMinimumSimulated = 1e-3;
 constexpr double kKink = 1e-3;
 constexpr const char* kKinked =
     "an active limit has no gradient here, as the distance of boxes with two equally wide gaps";
+/// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies with
+/// a common end, differ by rounding alone.
+constexpr double kSameLimit = 1e-7;
 constexpr double kSameResidual = 0.01;    ///< relative, between stated and recomputed large ones
 constexpr double kSameMultiplier = 0.01;  ///< relative to the largest one
 /// Multiplier, per unit of a limit and of the value, from which a limit has to be in the list.
@@ -204,7 +207,11 @@ class Stationarity {
         with_sides << limits, kinks_, -kinks_;
         kink_residual_ = nearest_to_zero(slopes.topRows(m).transpose(), with_sides).residual;
       }
-      open_ = limits.cols() > 0 ? PivotedQr(limits).complement() : Eigen::MatrixXd::Identity(k, k);
+      open_ = Eigen::MatrixXd::Identity(k, k);
+      if (limits.cols() > 0) {
+        const Svd svd = right_svd(limits.transpose());
+        open_ = svd.V.rightCols(k - numerical_rank(svd.sigma, kSameLimit));
+      }
     } else {
       multipliers_.setZero(m + static_cast<Eigen::Index>(active_.size()));
       open_.resize(0, 0);

@@ -213,6 +213,16 @@ CaptureProblem matched_problem(double linear_variance, double angular_variance) 
 
 }  // namespace
 
+TEST_CASE("limits of two bodies with a common end restrict once") {
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(matched_problem(9e-4, 9e-4), options);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  CHECK(failures(plan).find("reduced_curvature") == std::string::npos);
+  *plan.certificate.reduced_hessian_min_eigenvalue += 0.1;
+  CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
+}
+
 TEST_CASE("a limit without a value on one side of the configuration leaves the conditions open") {
   CaptureProblem problem = matched_problem(1, 1e-12);
   problem.search.starts = 16;
