@@ -180,7 +180,7 @@ void register_trials(py::module_& m) {
     trials.def_property_readonly(
         name, [member](const Trials& t) { return column_of(t.outcomes, member); }, doc);
   };
-  column("hit", &TrialOutcome::hit, "Target and hand close in, (k,).");
+  column("hit", &TrialOutcome::hit, "The contact takes place, (k,).");
   column("finished", &TrialOutcome::finished, "The simulation reached the horizon, (k,).");
   column("success", &TrialOutcome::success, "Contact, and the problem's limits hold, (k,).");
   column("impulse", &TrialOutcome::impulse, "(k,), N s.");

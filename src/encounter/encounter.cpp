@@ -189,7 +189,8 @@ ImpactSummary impact_at(const CaptureProblem& problem, const EncounterModel& mod
       contact.target.omega.setZero();
       contact.matched = MatchedPart::None;
     };
-    if (!(encounter.closing_speed > 0)) exchange_nothing();
+    // That of a hand at rest. One that moves along has been told what it leaves.
+    if (!model.hand_moves() && !(encounter.closing_speed > 0)) exchange_nothing();
     const ImpactSummary impact = summary();
     const bool pulls =
         model.law == ContactLaw::Sticking && impact.Fbar.head<3>().dot(encounter.F.head<3>()) < 0;

@@ -264,9 +264,9 @@ bool is_rigid_contact(const CaptureProblem& problem) {
 
 bool separates(const CaptureProblem& problem, const ContactEvent& event,
                const PostureResponse& response, const Vector3d& d) {
-  const bool sticks = problem.impulse.contact == ContactLaw::Sticking;
-  if (!sticks || !response.before || !event.velocity) return false;
-  return !(d.dot(*event.velocity - response.before->hand.head<3>()) > 0);
+  if (response.before && problem.impulse.contact == ContactLaw::Latch) return false;
+  const double of_hand = response.before ? d.dot(response.before->hand.head<3>()) : 0;
+  return !(closing_speed(problem, event, d) - of_hand > 0);
 }
 
 Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
@@ -278,9 +278,8 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
     Fbar.head<3>() = impulse.magnitude * d;
     return Fbar;
   }
-  const double v_n = closing_speed(problem, event, d);
+  if (separates(problem, event, response, d)) return Vector6d::Zero();
   if (is_rigid_contact(problem)) {
-    if (!(v_n > 0) || separates(problem, event, response, d)) return Vector6d::Zero();
     Fbar = joining_impulse(problem, met_body(problem, event), response);
     const bool pulls = problem.impulse.contact == ContactLaw::Sticking && d.dot(Fbar.head<3>()) < 0;
     return pulls ? Vector6d(Vector6d::Zero()) : Fbar;
@@ -289,7 +288,8 @@ Vector6d impulse_along(const CaptureProblem& problem, const ContactEvent& event,
   if (impulse.source == ImpulseSource::RigidBody) {
     inverse_mass += rotational_inverse_mass(event.target_inertia, event.r, d);
   }
-  if (v_n > 0) Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
+  const double v_n = closing_speed(problem, event, d);
+  Fbar.head<3>() = (1 + impulse.restitution) * v_n / inverse_mass * d;
   return Fbar;
 }
 

@@ -135,8 +135,8 @@ void hold_latched(const CaptureProblem& problem, const ContactEvent& event,
 void prepare_contact(const CaptureProblem& problem, const ContactEvent& event,
                      const Configuration& at, PostureResponse& response);
 
-/// Whether the points of a sticking contact with a hand that moves go apart along d: nothing pushes
-/// them together. A latch holds them.
+/// Whether the points of hand and target do not close in along d, the hand as it moves: nothing
+/// pushes them together. A latch whose hand moves along holds them whatever the sign.
 bool separates(const CaptureProblem& problem, const ContactEvent& event,
                const PostureResponse& response, const Vector3d& d);
 

@@ -118,6 +118,18 @@ Vector6d velocity_of(const ContactEvent& event) {
   return out;
 }
 
+/// Whether the contact takes place as drawn. The least closing speed is one towards a hand at rest:
+/// it does not count where the hand moves along.
+bool is_hit(const CaptureProblem& truth, const ContactEvent& event, const PostureResponse& response,
+            const Vector3d& d, const Vector6d& Fbar) {
+  if (truth.impulse.source == ImpulseSource::Given) return true;
+  if (separates(truth, event, response, d)) return false;
+  const bool would_pull = truth.impulse.contact == ContactLaw::Sticking && Fbar.isZero(0);
+  if (response.before) return !would_pull;
+  const double least = truth.constraints.closing_speed_min - kFeasibilityTolerance;
+  return !would_pull && closing_speed(truth, event, d) >= least;
+}
+
 TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
                        int trial, const StopCondition& stop) {
   Random random(seed, static_cast<std::uint64_t>(trial));
@@ -238,12 +250,7 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   hold_latched(truth, event, response);
   const Vector6d Fbar = impulse_along(truth, event, response, d);
   outcome.impulse = Fbar.head<3>().norm();
-  const double least = truth.constraints.closing_speed_min - kFeasibilityTolerance;
-  const double speed = closing_speed(truth, event, d);
-  outcome.hit = truth.impulse.source == ImpulseSource::Given || (speed > 0 && speed >= least);
-  if (is_joining) {  // it may pull
-    outcome.hit = outcome.hit && !Fbar.isZero(0) && !separates(truth, event, response, d);
-  }
+  outcome.hit = is_hit(truth, event, response, d, Fbar);
   outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();

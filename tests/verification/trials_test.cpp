@@ -316,6 +316,27 @@ TEST_CASE("where the hand moves along, trials have the mean of the closed form")
   CHECK(plan.objective.value > plan.objective.nominal);
 }
 
+TEST_CASE("a latch whose hand moves along holds a target that drifts away") {
+  CaptureProblem problem = test::without_path("matched_light");
+  problem.search.starts = 2;
+  problem.post_impact.controllers = {"none"};
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(4e-4);  // beside a nominal velocity of 0.017 m/s
+  problem.uncertainty.residual_velocity.emplace().covariance = covariance;
+  problem.measure.kind = RiskMeasure::Expectation;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.objective.residual);
+  CHECK(plan.objective.residual->separating == 0);
+  const Vector3d nominal = run_trials(plan, nothing(), 1, 0, 1, 1)[0].target_velocity.head<3>();
+  int receding = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, stated_alone(problem), 1, 0, 100, 2)) {
+    receding += outcome.target_velocity.head<3>().dot(nominal) < 0;
+    CHECK(outcome.hit);
+    CHECK(outcome.impulse > 0);
+  }
+  CHECK(receding > 5);  // even from a hand at rest
+}
+
 TEST_CASE("the relative velocity of trials has the stated covariance, whatever the estimate has") {
   Plan plan = planar_plan("servicer_latch");
   CaptureProblem& problem = plan.problem;

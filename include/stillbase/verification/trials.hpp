@@ -12,12 +12,13 @@
 // a stated covariance is all that the relative velocity is off by, so that velocity is the nominal
 // one plus its error, while the errors of the estimate decide place and attitude of the target
 // alone; one that is carried from the estimate's covariance is the sum of the estimate's errors and
-// the hand's tracking, and both are drawn. Normal as well, not cut. Contacts whose points separate
-// have no impulse. A contact that closes in more slowly than the problem's closing_speed_min is a
-// miss. The impulse follows from the contact law with the drawn values, by `reference`. The plant
-// after it is the robot as drawn, while the controller is made for the robot of the plan. All
-// numbers are drawn from the stream (seed, trial), so that results depend on neither order nor
-// workers.
+// the hand's tracking, and both are drawn. Normal as well, not cut. Contacts whose points separate,
+// the hand as it moves, have no impulse and are a miss; a latch whose hand moves along holds
+// whatever the sign. Towards a hand that waits, a contact that closes in more slowly than the
+// problem's closing_speed_min is a miss, too. The impulse follows from the contact law with the
+// drawn values, by `reference`. The plant after it is the robot as drawn, while the controller is
+// made for the robot of the plan. All numbers are drawn from the stream (seed, trial), so that
+// results depend on neither order nor workers.
 #pragma once
 
 #include <cstdint>
@@ -59,7 +60,7 @@ Perturbations perturbations_for(const CaptureProblem& problem);
 /// Deviations from nominal that one trial drew, and its result.
 struct TrialOutcome {
   std::vector<double> inputs;  ///< in the order of trial_input_names()
-  bool hit = false;            ///< target and hand close in, at closing_speed_min at least
+  bool hit = false;            ///< the contact takes place
   bool finished = false;       ///< the simulation reached the horizon
   bool success = false;  ///< contact, the problem's limits hold after it, no joint stop reached
   double impulse = 0;    ///< N s

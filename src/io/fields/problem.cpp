@@ -48,7 +48,9 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
     Number(constraints.joint_limit_margin, Dimension::JointPosition, kDistance),
     "kept from every joint limit");
   t("closing_speed_min", Number(constraints.closing_speed_min, Dimension::Velocity, kSpeedPositive),
-    "smallest closing speed; without it the best plan would be to miss the target");
+    "smallest closing speed of the nominal target towards a hand at rest, also where "
+    "`contact.hand_velocity` has the hand move along; without it the best plan would be to miss "
+    "the target. A trial below it is a miss where the hand waits");
   t("joint_rate_scale", Number(constraints.joint_rate_scale, kLargePositive),
     "the joint rates right after the nominal impact stay below this part of the robot file's "
     "limits");

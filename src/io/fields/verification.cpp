@@ -129,7 +129,7 @@ void trials_fields(Table& t, Trials& trials) {
   t("interrupted", Flag(is_interrupted), "fewer than wanted", kNeeded);
   t("seed", Seed(setting.seed), "of all draws", kNeeded);
   t("perturbations", map_of(setting.sizes), "half ranges and standard deviations", kNeeded);
-  t("hits", Integer(report.hits, 0, kMany), "trials in which target and hand close in", kNeeded);
+  t("hits", Integer(report.hits, 0, kMany), "trials in which the contact takes place", kNeeded);
   t("finished", Integer(report.finished, 0, kMany), "simulations that reached the horizon",
     kNeeded);
   t("successes", Integer(report.successes, 0, kMany), "trials that keep all limits", kNeeded);
