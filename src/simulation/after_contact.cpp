@@ -147,9 +147,10 @@ LatchedRobot latch_target(const ContactCase& subject) {
 AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
                                     const Controller& controller,
                                     const SimulationOptions& options) {
-  // A hand that moves with the target is held by a latch that gives no impulse.
+  // A hand that moves with the target is held by a latch that gives no impulse, whichever way the
+  // target moves.
   const bool is_grasp = subject.law == ContactLaw::Latch && moves(subject);
-  const bool is_contact = (subject.impulse > 0 || is_grasp) && subject.closing_speed > 0;
+  const bool is_contact = is_grasp || (subject.impulse > 0 && subject.closing_speed > 0);
   const bool is_compliant = spec.contact.model == ContactModel::Compliant;
   const bool is_latch = subject.law == ContactLaw::Latch;
   if ((is_compliant || is_latch) && !subject.target) {

@@ -131,6 +131,20 @@ TEST_CASE("a latch holds the target, and a controller without it in its model do
   CHECK(unknown.simulation.summary.attitude_turned > 1.5 * held.simulation.summary.attitude_turned);
 }
 
+TEST_CASE("a latch of a hand that moves along holds a target that recedes", "[simulation]") {
+  ContactCase subject = random_case(0);
+  subject.law = ContactLaw::Latch;
+  subject.target->state.velocity *= -1;
+  subject.closing_speed *= -1;
+  subject.impulse = 0;
+  REQUIRE(subject.closing_speed < 0);
+  Controller none;
+  none.kind = ControllerKind::None;
+  CHECK_FALSE(simulate_after_contact(subject, {}, none, short_run(0.1)).is_held);
+  subject.before.phidot[0] = 0.01;
+  CHECK(simulate_after_contact(subject, {}, none, short_run(0.1)).is_held);
+}
+
 TEST_CASE("controllers know the target that the case states for them", "[simulation]") {
   ContactCase subject = random_case(0);
   subject.law = ContactLaw::Latch;
