@@ -181,7 +181,16 @@ std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
   out.joint_rate = phidot.norm();
   out.moves = phidot.size() > 0 &&
               phidot.cwiseAbs().maxCoeff() * kHorizonsAfter * options.horizon > kNoTravel;
-  if (!out.moves) return out;
+  const auto state_first_stop = [&out](const AfterContact& after) {
+    for (const LimitEvent& event : after.simulation.summary.limits) {
+      if (event.kind != LimitKind::LowerStop && event.kind != LimitKind::UpperStop) continue;
+      out.stop_time = event.time;
+      out.joint = after.robot.joints[static_cast<std::size_t>(event.joint)].name;
+      return;
+    }
+  };
+  state_first_stop(run);  // joints may rest at stops
+  if (out.stop_time || !out.moves) return out;
   SimulationOptions longer = options;
   longer.horizon = kHorizonsAfter * options.horizon;
   longer.output_period = 0;
@@ -189,12 +198,7 @@ std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
   longer.ends_at_stop = true;
   const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
   if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
-  for (const LimitEvent& event : after.simulation.summary.limits) {
-    if (event.kind != LimitKind::LowerStop && event.kind != LimitKind::UpperStop) continue;
-    out.stop_time = event.time;
-    out.joint = after.robot.joints[static_cast<std::size_t>(event.joint)].name;
-    break;
-  }
+  state_first_stop(after);
   return out;
 }
 

@@ -188,8 +188,9 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
   }
   Objections objections;
   const auto words = [](const AfterHorizon& x) {
-    if (!x.moves) return std::string("at rest");
-    if (!x.stop_time) return std::string("moving, no stop within ten horizons");
+    if (!x.stop_time) {
+      return std::string(x.moves ? "moving, no stop within ten horizons" : "at rest");
+    }
     return fmt::format("{} at its stop {:.6g} s after the impact", x.joint, *x.stop_time);
   };
   const bool has_same_end = have_same_end(*stated, *found);

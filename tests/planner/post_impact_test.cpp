@@ -78,6 +78,27 @@ TEST_CASE("a joint that moves at the horizon is followed to its stop") {
   CHECK(post_impact_failure(problem, at, impact, {}) == "");
 }
 
+TEST_CASE("joints that rest at their stops state when they reached them") {
+  CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
+  const Configuration at{problem.start, problem.base};
+  const ImpactSummary impact = impact_at(problem, at);
+  problem.post_impact.horizon = 5;
+  const std::string damping = "joint_damping";
+  const AfterContact run = simulate_post_impact(problem, at, impact, damping);
+  const JointVectord turned = run.simulation.trace.back().state.phi - at.phi;
+  REQUIRE(turned.cwiseAbs().minCoeff() > 1e-3);
+  for (int k = 0; k < 2; ++k) {
+    Joint& joint = problem.robot.joints[static_cast<std::size_t>(k)];
+    (turned[k] > 0 ? joint.upper : joint.lower) = at.phi[k] + turned[k] / 2;
+  }
+  const auto stopped = motion_after_horizon(problem, at, impact, damping);
+  REQUIRE(stopped);
+  CHECK_FALSE(stopped->moves);
+  REQUIRE(stopped->stop_time);
+  CHECK(*stopped->stop_time < 5);
+  CHECK_FALSE(stopped->joint.empty());
+}
+
 TEST_CASE("a joint that rests at the horizon has no time after it") {
   CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
   const Configuration at{problem.start, problem.base};
