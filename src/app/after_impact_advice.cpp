@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include <stillbase/core/constants.hpp>
+#include <stillbase/planner/post_impact.hpp>
 
 #include "app/words.hpp"
 
@@ -12,41 +17,15 @@ namespace stillbase::app {
 namespace {
 
 const char* const kSlowerTarget = "a target that turns or comes slower (target.state)";
+/// On what is used of a limit: a wheel that is nearly full rests late.
+constexpr double kRoom = 1.1;
 
 /// Per axis, N m s; an axis without a wheel holds nothing.
 Vector3d capacity_of(const WheelSpec& wheels) {
   return (wheels.torque.array() > 0).select(wheels.momentum, Vector3d::Zero());
 }
 
-/// A preset of the other sign lets a wheel take up to twice its capacity, if it fills in time.
-std::string preset_words(const WheelSpec& wheels, const Vector3d& angular, double wait) {
-  const Vector3d capacity = capacity_of(wheels);
-  const Vector3d beyond = (angular.cwiseAbs() - capacity).cwiseMax(0);
-  if ((beyond.array() > capacity.array()).any()) {
-    return "a preset is not enough: with one a wheel takes at most twice its capacity";
-  }
-  double needed = 0;
-  Vector3d preset = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    if (beyond[i] == 0) continue;
-    preset[i] = std::copysign(beyond[i], -angular[i]);
-    needed = std::max(needed, beyond[i] / wheels.torque[i]);
-  }
-  std::string text = fmt::format("post_impact.wheels.preset of {} N m s", vector_words(preset));
-  if (needed > wait) text += fmt::format(" with approach.wait above {:.4g} s", needed);
-  return text;
-}
-
-std::string wheel_words(const CaptureProblem& problem, const Vector3d& angular) {
-  const WheelSpec& wheels = problem.post_impact.wheels;
-  const Vector3d capacity = capacity_of(wheels);
-  const Vector3d held = (wheels.preset + angular).cwiseAbs();
-  return fmt::format("post_impact.wheels.capacity above {} N m s, now {}; {}; {}",
-                     vector_words(held.cwiseMax(capacity)), vector_words(capacity),
-                     preset_words(wheels, angular, problem.approach.wait), kSlowerTarget);
-}
-
-/// The limit that decides, where it is one of the grasp or the horizon; null: another one.
+/// The limit of the grasp or the horizon that is exceeded; null: none is.
 const LimitUse* exceeded_use(const ManagedMomentum& managed) {
   constexpr double kRounding = 1e-6;
   const auto at =
@@ -59,33 +38,191 @@ const LimitUse* exceeded_use(const ManagedMomentum& managed) {
   return at == managed.limits.end() ? nullptr : &*at;
 }
 
-}  // namespace
+/// Simulates changes of `post_impact` in the plan's configuration.
+class Trials {
+ public:
+  Trials(const Plan& plan, const StopCondition& stop) : plan_(plan), stop_(stop) {}
 
-std::string after_impact_advice(const Plan& plan) {
-  const PostImpactSpec& spec = plan.problem.post_impact;
-  const auto& managed = plan.managed_momentum;
-  if (const LimitUse* use = managed ? exceeded_use(*managed) : nullptr) {
-    switch (use->limit) {
-      case CaptureLimit::WheelMomentum:
-        return wheel_words(plan.problem, managed->angular);
-      case CaptureLimit::GripForce:
-      case CaptureLimit::GripMoment:
-        return fmt::format(
-            "post_impact.grip.{} above {:.4g} {}, the load when it was exceeded; {}; less "
-            "post_impact.wheels.torque or smaller gains",
-            use->limit == CaptureLimit::GripForce ? "force" : "moment", use->value, use->unit,
-            kSlowerTarget);
-      default:
-        return fmt::format(
-            "post_impact.horizon of about {:.3g} s, now {:.3g} s; more post_impact.wheels.torque, "
-            "now {} N m",
-            use->value, use->most, vector_words(spec.wheels.torque));
+  const PostImpactSpec& spec() const { return plan_.problem.post_impact; }
+
+  /// What fails with it; empty: nothing.
+  std::string failure(const PostImpactSpec& changed) const {
+    return post_impact_failure(changed_to(changed), plan_.configuration, plan_.impact, stop_);
+  }
+  bool helps(const PostImpactSpec& changed) const { return failure(changed).empty(); }
+
+ private:
+  CaptureProblem changed_to(const PostImpactSpec& changed) const {
+    CaptureProblem problem = plan_.problem;
+    problem.post_impact = changed;
+    return problem;
+  }
+
+  const Plan& plan_;
+  const StopCondition& stop_;
+};
+
+/// The next number with three digits: what is said is what was tried.
+double rounded_up(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
+  return std::ceil(x / unit * (1 - 1e-12)) * unit;
+}
+
+/// A change, and what fails next where it does not help alone.
+std::string with_next(const std::string& change, const std::string& next) {
+  return next.empty() ? change : fmt::format("{}, and then: {}", change, next);
+}
+
+/// Longer horizons one after the other; empty: with none.
+std::string longer_horizon(const Trials& trials, double needed) {
+  constexpr double kLonger = 1.25;
+  constexpr int kMany = 8;
+  PostImpactSpec changed = trials.spec();
+  changed.horizon = rounded_up(needed);
+  std::string before;
+  for (int i = 0; i < kMany; ++i, changed.horizon = rounded_up(kLonger * changed.horizon)) {
+    const std::string failure = trials.failure(changed);
+    if (failure.empty()) {
+      return fmt::format("post_impact.horizon of {:.3g} s, now {:.3g} s", changed.horizon,
+                         trials.spec().horizon);
+    }
+    if (failure == before) break;  // what fails does not wait for the horizon
+    before = failure;
+  }
+  return "";
+}
+
+/// Wheels with twice and four times the torque, and weaker ones.
+std::string other_torque(const Trials& trials) {
+  for (const double factor : {2.0, 4.0, 0.5, 0.25}) {
+    PostImpactSpec changed = trials.spec();
+    changed.wheels.torque *= factor;
+    if (changed.wheels.exist() && trials.helps(changed)) {
+      return fmt::format("post_impact.wheels.torque of {} N m, now {}",
+                         vector_words(changed.wheels.torque),
+                         vector_words(trials.spec().wheels.torque));
     }
   }
-  return fmt::format(
-      "another first one of post_impact.controllers; a larger constraints.joint_limit_margin; a "
-      "shorter post_impact.horizon, now {:.3g} s; larger limits ({})",
-      spec.horizon, limit_words(spec));
+  return "";
+}
+
+std::string other_controller(const Trials& trials) {
+  for (const std::string& name : trials.spec().controllers) {
+    PostImpactSpec changed = trials.spec();
+    changed.controllers = {name};
+    if (name != trials.spec().controllers.front() && trials.helps(changed)) {
+      return fmt::format("{} as the first of post_impact.controllers", name);
+    }
+  }
+  return "";
+}
+
+/// What is asked of the base, where nothing else fails.
+std::string other_limits(const Trials& trials) {
+  PostImpactSpec changed = trials.spec();
+  changed.residual_base_rate_max = changed.attitude_change_max = kInfinity;
+  if (!trials.helps(changed)) return "";
+  return fmt::format("larger limits ({})", limit_words(trials.spec()));
+}
+
+std::string shorter_horizon(const Trials& trials) {
+  for (const double factor : {0.8, 0.5, 0.25}) {
+    PostImpactSpec changed = trials.spec();
+    changed.horizon *= factor;
+    if (trials.helps(changed)) {
+      return fmt::format("post_impact.horizon of {:.3g} s, now {:.3g} s", changed.horizon,
+                         trials.spec().horizon);
+    }
+  }
+  return "";
+}
+
+/// The grip twice as strong, and again, from a little above its load on; empty: none is enough, or
+/// the load is far from what it bears. A controller that keeps to the grip brakes harder with it.
+std::string stronger_grip(const Trials& trials, const LimitUse& use) {
+  constexpr double kNear = 0.9;
+  constexpr int kMany = 14;
+  const bool is_force = use.limit == CaptureLimit::GripForce;
+  if (!is_force && use.limit != CaptureLimit::GripMoment) return "";
+  if (use.part() < kNear) return "";
+  PostImpactSpec changed = trials.spec();
+  double& borne = *(is_force ? changed.grip.force : changed.grip.moment);
+  const double first = rounded_up(kRoom * use.value);
+  std::string next;
+  borne = first;
+  for (int i = 0; i < kMany; ++i, borne = rounded_up(2 * borne)) {
+    const std::string failure = trials.failure(changed);
+    if (i == 0) next = failure;
+    if (!failure.empty()) continue;
+    const std::string words =
+        fmt::format("post_impact.grip.{} of {:.3g} {}, now {:.3g} {}",
+                    is_force ? "force" : "moment", borne, use.unit, use.most, use.unit);
+    return next.empty() ? words
+                        : fmt::format("{} (with {:.3g} {}: {})", words, first, use.unit, next);
+  }
+  return "";
+}
+
+std::string larger_wheels(const Trials& trials, const Vector3d& angular) {
+  const Vector3d capacity = capacity_of(trials.spec().wheels);
+  const Vector3d held = (trials.spec().wheels.preset + angular).cwiseAbs();
+  PostImpactSpec changed = trials.spec();
+  changed.wheels.momentum = changed.wheels.momentum.cwiseMax(kRoom * held);
+  return with_next(fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
+                               vector_words(held.cwiseMax(capacity)), vector_words(capacity)),
+                   trials.failure(changed));
+}
+
+/// A preset of the other sign lets a wheel take up to twice its capacity, if it fills in time.
+std::string preset_wheels(const Trials& trials, const Vector3d& angular, double wait) {
+  PostImpactSpec changed = trials.spec();
+  WheelSpec& wheels = changed.wheels;
+  const Vector3d capacity = capacity_of(wheels);
+  const Vector3d beyond = (angular.cwiseAbs() - capacity).cwiseMax(0);
+  if ((beyond.array() > capacity.array()).any()) {
+    return "a preset is not enough: with one a wheel takes at most twice its capacity";
+  }
+  double needed = 0;
+  wheels.preset.setZero();
+  for (int i = 0; i < 3; ++i) {
+    if (beyond[i] == 0) continue;
+    wheels.preset[i] = std::copysign(beyond[i], -angular[i]);
+    needed = std::max(needed, beyond[i] / wheels.torque[i]);
+  }
+  std::string text =
+      fmt::format("post_impact.wheels.preset of {} N m s", vector_words(wheels.preset));
+  if (needed > wait) text += fmt::format(" with approach.wait above {:.4g} s", needed);
+  return with_next(text, trials.failure(changed));
+}
+
+}  // namespace
+
+std::string after_impact_advice(const Plan& plan, const StopCondition& stop) {
+  const Trials trials(plan, stop);
+  const auto& managed = plan.managed_momentum;
+  std::vector<std::string> advice;
+  const auto add = [&](std::string words) {
+    if (!words.empty()) advice.push_back(std::move(words));
+  };
+  std::string untried = kSlowerTarget;
+  const LimitUse* use = managed ? exceeded_use(*managed) : nullptr;
+  if (use != nullptr && use->limit == CaptureLimit::WheelMomentum) {
+    add(larger_wheels(trials, managed->angular));
+    add(preset_wheels(trials, managed->angular, plan.problem.approach.wait));
+  } else {
+    for (const LimitUse& one : managed ? managed->limits : std::vector<LimitUse>{}) {
+      add(stronger_grip(trials, one));
+    }
+    const bool is_late = use != nullptr && use->place == "horizon";
+    if (is_late) add(longer_horizon(trials, use->value));
+    if (use == nullptr) add(shorter_horizon(trials));
+    if (is_late || use == nullptr) untried += ", a larger constraints.joint_limit_margin";
+    add(other_torque(trials));
+    add(other_controller(trials));
+    add(other_limits(trials));
+  }
+  if (advice.empty()) advice.emplace_back("in this configuration nothing tried in post_impact");
+  return fmt::format("{}; with a new search: {}", fmt::join(advice, "; "), untried);
 }
 
 }  // namespace stillbase::app

@@ -30,6 +30,35 @@ TEST_CASE("captures that break a limit after the grasp in every posture name it"
   plan("detumble_grip_too_weak", "grip_moment", "grip moment of hand: ");
 }
 
+TEST_CASE("what may help where a grip is too weak was tried") {
+  const Workshop shop;
+  const auto plan = [&](const std::string& moment) {
+    shop.write_changed("problem.yaml", "problems/detumble_grip_too_weak.yaml", "moment: 0.02 N m",
+                       "moment: " + moment + " N m");
+    return shop.run("plan problem.yaml --starts 16 -o plan.json --force");
+  };
+  const auto advised = [](const Outcome& outcome) {
+    const std::string key = "what may help: post_impact.grip.moment of ";
+    const std::size_t at = outcome.err.find(key);
+    REQUIRE(at != std::string::npos);
+    const std::size_t begin = at + key.size();
+    return outcome.err.substr(begin, outcome.err.find(' ', begin) - begin);
+  };
+  const Outcome weak = plan("0.02");
+  INFO(weak.err);
+  REQUIRE(weak.code == 4);
+  CHECK(plan(advised(weak)).code == 0);
+  // A little more than the load keeps the grip, and lets the controller brake too late.
+  const std::size_t next = weak.err.find("(with ");
+  REQUIRE(next != std::string::npos);
+  const std::string slight = weak.err.substr(next + 6, weak.err.find(' ', next + 6) - next - 6);
+  const Outcome stronger = plan(slight);
+  INFO(stronger.err);
+  REQUIRE(stronger.code == 4);
+  CHECK(stronger.says("before the horizon of 60 s"));
+  CHECK(plan(advised(stronger)).code == 0);
+}
+
 TEST_CASE("what may help where wheels are too small helps") {
   const Workshop shop;
   const std::string shipped = "problems/detumble_wheels_too_small.yaml";
