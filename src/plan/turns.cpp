@@ -13,6 +13,16 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kSlack = 1e-9;  ///< rad: an angle at its limit is within it
 
+/// Whether other bodies' joints follow this one, or its body moves otherwise than by its angle.
+bool takes_part_in_coupling(const RobotModel& robot, int joint) {
+  int bodies = 0;
+  for (const Coupling& coupling : robot.couplings) {
+    if (coupling.joint != joint) continue;
+    if (++bodies > 1 || coupling.ratio != 1) return true;
+  }
+  return false;
+}
+
 /// Turns from an angle to the last one within limits in the sense of `sign`.
 int turns_until(double room) { return static_cast<int>(std::floor((room + kSlack) / kTurn)); }
 
@@ -22,7 +32,8 @@ bool has_whole_turns(const CaptureProblem& problem, int joint) {
   const auto index = static_cast<std::size_t>(joint);
   const Joint& at = problem.robot.joints[index];
   if (at.type != JointType::Revolute || !problem.variables.joints[index]) return false;
-  if (!problem.user.empty() || simulates_turn(problem) || problem.robot.is_coupled()) return false;
+  if (!problem.user.empty() || simulates_turn(problem)) return false;
+  if (takes_part_in_coupling(problem.robot, joint)) return false;
   const double range = at.upper - at.lower - 2 * problem.constraints.joint_limit_margin;
   return std::isfinite(range) && range >= kTurn;
 }

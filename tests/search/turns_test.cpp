@@ -1,6 +1,8 @@
 // Postures that are whole turns of a joint apart, which a search lists once.
 #include <catch2/catch.hpp>
 
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/rotation.hpp>
 #include <stillbase/plan/turns.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -85,6 +87,37 @@ TEST_CASE("a limit that the same posture keeps a turn away makes no minimum") {
       CHECK(found.candidates.front().objective ==
             Approx(expected.candidates.front().objective).margin(1e-9));
     }
+  }
+}
+
+TEST_CASE("a joint that others follow keeps its limits, and no other joint does") {
+  Random random(3);
+  CaptureProblem problem =
+      with_limits(point_mass_problem(random_planar_robot(random, 4), Vector3d::UnitX()), -6.5, 6.5);
+  RobotModel& robot = problem.robot;
+  robot.coupled_tree = robot.joints;
+  robot.joints.resize(3);
+  robot.couplings = {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, -0.5, 0.1}};
+  problem.start = JointVectord::Zero(3);
+  problem.variables.joints.assign(3, true);
+  CHECK(has_whole_turns(problem, 0));
+  CHECK_FALSE(has_whole_turns(problem, 1));
+  CHECK(has_whole_turns(problem, 2));
+  const Configuration at{Eigen::Vector3d(1, 1, 1), problem.base};
+  for (const JointTurns& turns : whole_turns(problem, at, std::nullopt)) {
+    CHECK(turns.joint != robot.joints[1].name);
+  }
+  // Whole turns of the others leave the impact as it is.
+  const Formulation formulation(problem);
+  const auto value = [&](const Configuration& form) {
+    Eigen::VectorXd y;
+    Eigen::MatrixXd jacobian;
+    formulation.objective_vector(formulation.variables(form), y, jacobian);
+    return y.norm();
+  };
+  REQUIRE(value(at) > 0);
+  for (const Configuration& form : other_turns(problem, at, std::nullopt, 8)) {
+    CHECK(value(form) == Approx(value(at)).epsilon(1e-9));
   }
 }
 

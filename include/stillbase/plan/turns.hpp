@@ -14,7 +14,7 @@ namespace stillbase {
 
 /// Whether whole turns of a joint are one posture: it is revolute, free, and its limits less
 /// `joint_limit_margin` are at least 2 pi apart. Not where angles count as such: with functions of
-/// the user, a simulated objective (joints reach their stops) or joints that follow others. Not of
+/// the user, a simulated objective (joints reach their stops) or a joint that others follow. Not of
 /// continuous joints, which have no limits and are wrapped everywhere.
 bool has_whole_turns(const CaptureProblem& problem, int joint);
 
