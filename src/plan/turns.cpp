@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/plan/scenario.hpp>
@@ -21,6 +22,14 @@ bool takes_part_in_coupling(const RobotModel& robot, int joint) {
     if (++bodies > 1 || coupling.ratio != 1) return true;
   }
   return false;
+}
+
+/// How far the joints are from the start posture, in sum, rad, then the sum of their angles: what
+/// is less goes first. Ways that differ by rounding are equal.
+std::pair<double, double> way_from_start(const CaptureProblem& problem, const Configuration& at) {
+  constexpr double kSameWay = 1e-9;  // rad
+  const double way = (at.phi - problem.start).lpNorm<1>();
+  return {std::round(way / kSameWay), at.phi.lpNorm<1>()};
 }
 
 /// Turns from an angle to the last one within limits in the sense of `sign`.
@@ -58,27 +67,39 @@ std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
   return out;
 }
 
+bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
+                        const Configuration& b) {
+  return way_from_start(problem, a) < way_from_start(problem, b);
+}
+
 std::vector<Configuration> other_turns(const CaptureProblem& problem,
                                        const Configuration& configuration,
                                        std::optional<int> rolled, std::size_t most) {
-  constexpr std::size_t kMany = 4096;  // of a long arm all of whose joints have copies
+  // The joints' ways add up: of the nearest in sum, each part is among the nearest of its kind.
+  const std::size_t kept = most + 1;
+  const auto width = static_cast<int>(kept);
   std::vector<Configuration> out{configuration};
   for (const JointTurns& turns : whole_turns(problem, configuration, rolled)) {
-    const auto& joints = problem.robot.joints;
-    const auto joint = std::find_if(joints.begin(), joints.end(),
-                                    [&](const auto& j) { return j.name == turns.joint; });
-    const std::size_t count = out.size();
-    for (int turn = turns.least; turn <= turns.most && out.size() < kMany; ++turn) {
-      for (std::size_t i = 0; i < count && turn != 0; ++i) {
-        out.push_back(out[i]);
-        out.back().phi[joint - joints.begin()] += turn * kTurn;
+    const int k = find_joint(problem.robot, turns.joint);
+    const double wanted = std::round((problem.start[k] - configuration.phi[k]) / kTurn);
+    const int nearest = static_cast<int>(std::clamp<double>(wanted, turns.least, turns.most));
+    const int first = std::max(turns.least, nearest - width);
+    const int last = std::min(turns.most, nearest + width);
+    std::vector<Configuration> grown;
+    for (const Configuration& at : out) {
+      for (int turn = first; turn <= last; ++turn) {
+        grown.push_back(at);
+        grown.back().phi[k] += turn * kTurn;
       }
     }
+    std::stable_sort(grown.begin(), grown.end(), [&](const auto& a, const auto& b) {
+      return is_nearer_to_start(problem, a, b);
+    });
+    if (grown.size() > kept) grown.resize(kept);
+    out = std::move(grown);
   }
-  out.erase(out.begin());
-  const auto way = [&](const Configuration& at) { return (at.phi - problem.start).lpNorm<1>(); };
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const Configuration& a, const Configuration& b) { return way(a) < way(b); });
+  const auto is_same = [&](const Configuration& at) { return at.phi == configuration.phi; };
+  out.erase(std::remove_if(out.begin(), out.end(), is_same), out.end());
   if (out.size() > most) out.resize(most);
   return out;
 }

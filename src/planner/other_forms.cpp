@@ -23,11 +23,10 @@ std::optional<int> rolled_joint(const SearchResult& found, std::size_t candidate
 }  // namespace
 
 void take_nearest_turns(const CaptureProblem& problem, SearchResult& found) {
-  const auto way = [&](const Configuration& at) { return (at.phi - problem.start).lpNorm<1>(); };
   for (std::size_t i = 0; i < found.candidates.size(); ++i) {
     Configuration& at = found.candidates[i].configuration;
     for (const Configuration& other : other_turns_of(problem, found, i, 1)) {
-      if (!(way(other) < way(at))) continue;
+      if (!is_nearer_to_start(problem, other, at)) continue;
       found.points[i] = variables_of_form(problem, found, i, other);
       at = other;
     }

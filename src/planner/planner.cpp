@@ -284,7 +284,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   Proof proof;
   const SearchOptions search_options = search_options_of(problem, scene, options);
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
-  if (problem.approach.enabled) take_nearest_turns(problem, found);
+  take_nearest_turns(problem, found);
   {
     const PhaseClock::Phase phase(options.clock, "collision");
     judge_collisions(problem, scene, jobs_of(problem, options), options.stop, found.candidates);

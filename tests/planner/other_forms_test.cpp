@@ -46,6 +46,23 @@ TEST_CASE("the approach leads to the posture that is fewer turns away") {
   CHECK(failures(plan) == "");
 }
 
+TEST_CASE("candidates stand nearest to the start posture, however wide the limits are") {
+  CaptureProblem problem = wide_planar();
+  problem.approach.enabled = false;
+  problem.post_impact.controllers.clear();
+  for (Joint& joint : problem.robot.joints) {
+    joint.lower = -9000;
+    joint.upper = 9000;
+  }
+  problem.start << 5000, -3000;
+  const Plan plan = make_plan(problem);
+  REQUIRE_FALSE(plan.candidates.empty());
+  for (const Candidate& candidate : plan.candidates) {
+    CHECK((candidate.configuration.phi - problem.start).cwiseAbs().maxCoeff() <= kPi + 1e-9);
+  }
+  CHECK(failures(plan) == "");
+}
+
 TEST_CASE("a posture that runs into a stop is taken a turn away from it") {
   CaptureProblem problem = wide_planar();
   problem.approach.enabled = false;

@@ -90,6 +90,26 @@ TEST_CASE("a limit that the same posture keeps a turn away makes no minimum") {
   }
 }
 
+TEST_CASE("the form nearest to the start posture goes first, however wide the limits are") {
+  CaptureProblem problem = with_limits(test::without_path("planar_two_link_c2_a"), -9000, 9000);
+  problem.start << 5000, -3000;
+  Configuration at{Eigen::Vector2d(0.5, -0.25), problem.base};
+  const std::vector<Configuration> forms = other_turns(problem, at, std::nullopt, 5);
+  REQUIRE(forms.size() == 5);
+  for (int k = 0; k < 2; ++k) {
+    CHECK(std::abs(forms.front().phi[k] - problem.start[k]) <= kPi);
+    CHECK(wrap_angle(forms.front().phi[k] - at.phi[k]) == Approx(0).margin(1e-9));
+  }
+  for (std::size_t i = 1; i < forms.size(); ++i) {
+    CHECK_FALSE(is_nearer_to_start(problem, forms[i], forms[i - 1]));
+  }
+  // Of two as near, the smaller angle.
+  problem.start << 2 * kPi, 0;
+  at.phi << 3 * kPi, 0;
+  CHECK(other_turns(problem, at, std::nullopt, 1).front().phi[0] == Approx(kPi));
+  CHECK(is_nearer_to_start(problem, other_turns(problem, at, std::nullopt, 1).front(), at));
+}
+
 TEST_CASE("a joint that others follow keeps its limits, and no other joint does") {
   Random random(3);
   CaptureProblem problem =

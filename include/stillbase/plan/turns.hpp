@@ -27,8 +27,12 @@ double central_angle(const Joint& joint, double angle);
 std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
                                     const Configuration& configuration, std::optional<int> rolled);
 
-/// The other configurations that are whole turns away, the one whose joints turn the least from the
-/// start posture, in sum, first.
+/// Whether the joints of a turn less from the start posture than those of b, in sum; as much, but
+/// with smaller angles.
+bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
+                        const Configuration& b);
+
+/// The other configurations that are whole turns away, the nearest to the start posture first.
 /// @param most at most so many of them
 std::vector<Configuration> other_turns(const CaptureProblem& problem,
                                        const Configuration& configuration,
