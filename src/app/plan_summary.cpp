@@ -324,7 +324,7 @@ std::string certificate_words(const Certificate& certificate) {
   return text + fmt::format("; curvature {:.3g} in some direction: not a minimum", *curvature);
 }
 
-std::string coverage_words(const Certificate& certificate) {
+std::string coverage_words(const Certificate& certificate, PlanStatus status) {
   if (certificate.had_rounds && certificate.unseen == 0) {
     return "no better minimum is possible: the measure is zero";
   }
@@ -334,7 +334,8 @@ std::string coverage_words(const Certificate& certificate) {
         "probability of about {:.2g}{}",
         certificate.unseen,
         certificate.unseen > kUnseenLevel
-            ? fmt::format(": above {}, so the plan is feasible and not optimal", kUnseenLevel)
+            ? fmt::format(": above {}, so the plan is '{}' and not 'optimal'", kUnseenLevel,
+                          to_string(status))
             : "");
   }
   constexpr int kFew = 10;  // starts that say nothing of a continuum
@@ -542,7 +543,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     lines.push_back({"certificate", certificate_words(plan.certificate)});
     if (is_feasible && proof.status != ProofStatus::Complete) {
-      lines.push_back({"coverage", coverage_words(plan.certificate)});
+      lines.push_back({"coverage", coverage_words(plan.certificate, plan.status)});
     }
     for (const auto& [name, words] :
          {std::pair{"curves", curve_words(plan)}, std::pair{"free", roll_words(plan)},

@@ -467,6 +467,16 @@ TEST_CASE("candidates that were not judged before a limit are not called collidi
   CHECK_FALSE(outcome.says(" 0 of them free of collision"));
 }
 
+TEST_CASE("a plan that a limit ended is called so, and nothing else") {
+  const Workshop shop;
+  const Outcome outcome = shop.run("plan '" + source_path("problems/deos_latch_residual.yaml") +
+                                   "' --time-limit 0.1 -o plan.json");
+  INFO(outcome.err);
+  CHECK(outcome.code == 6);
+  CHECK(outcome.says("the plan is 'limit' and not 'optimal'"));
+  CHECK_FALSE(outcome.says("feasible"));
+}
+
 TEST_CASE("an effort of best goes on to other candidates where the path decides on the posture") {
   const Workshop shop;
   const std::string problem = "problems/iiwa_fixed_start.yaml";
