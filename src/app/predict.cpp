@@ -13,6 +13,7 @@
 #include <stillbase/io/target_file.hpp>
 
 #include "app/command_line.hpp"
+#include "app/quantity.hpp"
 #include "app/words.hpp"
 #include "io/fields/results.hpp"
 
@@ -27,9 +28,8 @@ using io::TargetPrediction;
 constexpr double kMostRows = 1e6;  ///< of the target and its features
 
 struct PredictRequest {
-  std::string input;
-  std::vector<double> from, to, angular_velocity;
-  double step = 0;
+  std::string input, from, to, step;
+  std::vector<double> angular_velocity;
   OutputFile output;
   bool json = false;
 };
@@ -65,24 +65,22 @@ Subject subject_of(const PredictRequest& request) {
 
 /// @throws CommandLineError for a range that is no range, or has too many rows
 std::vector<double> times_of(const PredictRequest& request, std::size_t features) {
-  const double from = request.from.front(), to = request.to.front(), step = request.step;
-  // Also of what is not a number. Problem files state instants within the same range.
-  if (!(std::abs(from) <= io::kInstant.upper) || !(std::abs(to) <= io::kInstant.upper)) {
-    throw CommandLineError(fmt::format("--from, --to: must be finite, from {:g} to {:g} s",
-                                       -io::kInstant.upper, io::kInstant.upper));
-  }
+  // Problem files state instants within the same range.
+  const double from = read_quantity("--from", request.from, io::Dimension::Time, io::kInstant);
+  const double to = read_quantity("--to", request.to, io::Dimension::Time, io::kInstant);
+  const double step = read_quantity("--step", request.step, io::Dimension::Time, io::kPositive);
   if (to < from) {
     throw CommandLineError(
-        fmt::format("--to {:g}: is before --from {:g}; exchange both", to, from));
+        fmt::format("--to {}: is before --from {}; exchange both", request.to, request.from));
   }
   // A last instant that rounding alone puts behind the end is the end.
   const double intervals = std::floor((to - from) / step * (1 + 1e-12) + 1e-9);
   const double rows = (intervals + 1) * static_cast<double>(features + 1);
   if (!(rows <= kMostRows)) {
     throw CommandLineError(fmt::format(
-        "--step {:g}: {:.4g} rows of the target and its {} features; at most {:g} are written: "
+        "--step {}: {:.4g} rows of the target and its {} features; at most {:g} are written: "
         "a larger step or a shorter range",
-        step, rows, features, kMostRows));
+        request.step, rows, features, kMostRows));
   }
   std::vector<double> times;
   for (int i = 0; i <= static_cast<int>(intervals); ++i) {
@@ -279,9 +277,10 @@ Command predict_command() {
                "problem with the target's estimate, or a target alone: at the origin, at time 0 in "
                "the axes of N",
                &request->input, true},
-              {"--from", "A", "first instant, s", &request->from, true, 0, 0, 1},
-              {"--to", "B", "end of the range, s", &request->to, true, 0, 0, 1},
-              {"--step", "S", "between two instants, s", &request->step, true},
+              {"--from", "TIME", "first instant, such as -5min, without a unit s", &request->from,
+               true},
+              {"--to", "TIME", "end of the range, the same", &request->to, true},
+              {"--step", "TIME", "between two instants, such as 500ms", &request->step, true},
               {"--angular-velocity", "X Y Z", "of a target alone at time 0, in N, rad/s",
                &request->angular_velocity, false, 0, 0, 3},
               {"--json", "", "print one JSON object", &request->json}} +

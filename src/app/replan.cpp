@@ -14,9 +14,9 @@
 #include <stillbase/planner/replanner.hpp>
 
 #include "app/command_line.hpp"
+#include "app/quantity.hpp"
 #include "app/words.hpp"
 #include "io/fields/replan.hpp"
-#include "io/scalars.hpp"
 
 namespace stillbase::app {
 
@@ -31,23 +31,7 @@ struct ReplanRequest {
   bool json = false, timing = false;
 };
 
-/// In SI: "10ms", "10 ms" or "0.01" of a time; 0: none is given.
-double quantity_of(const std::string& option, const std::string& text, io::Dimension dimension) {
-  constexpr double kLargest = 3e7;  // of seconds about a year
-  if (text.empty()) return 0;
-  const io::Scanned number = io::scan_number(text);
-  std::string_view unit = number.remainder;
-  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
-  const std::optional<double> factor =
-      unit.empty() ? std::optional<double>(1) : io::unit_factor(unit, dimension);
-  const bool is_good = number.result == io::Scanned::Result::Good && factor && number.value > 0 &&
-                       number.value * *factor < kLargest;
-  if (!is_good) {
-    throw CommandLineError(fmt::format("{} {}: must be a number > 0 with one of the units {}",
-                                       option, text, io::units_of(dimension)));
-  }
-  return number.value * *factor;
-}
+constexpr io::Range kSensible{.lower = 0, .upper = 3e7, .is_lower_open = true};  // s: about a year
 
 StopCondition stop_after(double seconds) {
   StopCondition stop = stop_condition();
@@ -253,11 +237,13 @@ int exit_code_of(const ReplanRecord& record) {
 
 int replan(const ReplanRequest& request) {
   request.output.check({".json", ".csv"});
-  const double deadline = quantity_of("--deadline", request.deadline, io::Dimension::Time);
+  const double deadline = request.deadline.empty() ? 0
+                                                   : read_quantity("--deadline", request.deadline,
+                                                                   io::Dimension::Time, kSensible);
   ReplanOptions options;
   if (!request.stay_within.empty()) {
-    options.stay_within =
-        quantity_of("--stay-within", request.stay_within, io::Dimension::JointPosition);
+    options.stay_within = read_quantity("--stay-within", request.stay_within,
+                                        io::Dimension::JointPosition, kSensible);
   }
   for (const std::string& input : {request.plan, request.estimates}) {
     if (is_same_file(input, request.output.path)) {

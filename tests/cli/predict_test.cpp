@@ -50,6 +50,16 @@ TEST_CASE("predict moves the centroid straight and turns the features with the t
   CHECK(std::abs(dot) == Approx(1).epsilon(1e-3));
 }
 
+TEST_CASE("predict takes times with units") {
+  const Workshop shop;
+  const Outcome seconds =
+      shop.run("predict " + kClient + " --from -60 --to 72.5 --step 0.5 --json");
+  REQUIRE(seconds.code == 0);
+  const Outcome units =
+      shop.run("predict " + kClient + " --from -1min --to '72.5 s' --step 500ms --json");
+  CHECK(units.out == seconds.out);
+}
+
 TEST_CASE("predict says which errors of the target are not known") {
   const Workshop shop;
   const std::string range = " --from 0 --to 1 --step 1";
@@ -120,12 +130,13 @@ TEST_CASE("predict refuses ranges that are none, too long, or too many rows") {
     CHECK(outcome.says(reason));
   };
   refuses("--from 5 --to 1 --step 1", "is before --from");
-  refuses("--from nan --to 1 --step 1", "finite");
+  refuses("--from nan --to 1 --step 1", "in [-1e+06, 1e+06]");
   refuses("--from 0 --to 1e400 --step 1", "");
   refuses("--from 0 --to 1 --step 0", "> 0");
   refuses("--from 0 --to 1 --step -1", "> 0");
   refuses("--from 0 --to 1e6 --step 0.001", "rows");
-  refuses("--from 0 --to 1e300 --step 1e299", "finite");
+  refuses("--from 0 --to 1e300 --step 1e299", "in [-1e+06, 1e+06]");
+  refuses("--from '1 deg' --to 1 --step 1", "with one of the units s, ms, min, h");
   refuses("--from 0 --to 9e5 --step 1e5", "rad");
   refuses("--from 0 --to 1", "--step");
   // Without a motion of the target there is nothing to predict.

@@ -112,7 +112,8 @@ TEST_CASE("replan refuses wrong input with its place") {
   CHECK(shop.run("replan plan.json").code == 2);
   CHECK(shop.run("replan plan.json --estimates none.csv").code == 3);
   CHECK(shop.run("replan plan.json --estimates stream.csv --stay-within 5s")
-            .says("--stay-within 5s: must be a number > 0 with one of the units rad, deg"));
+            .says("--stay-within 5s: must be a number in (0, 3e+07], alone or with one of the "
+                  "units rad, deg"));
   for (const char* wrong : {"0", "-1", "10 m", "fast", "nan"}) {
     INFO(wrong);
     const Outcome refused =
