@@ -175,9 +175,6 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
     refuse("impact", "missing-key",
            "direction: must be stated when there is no target with a contact feature");
   }
-  if (impulse.source == ImpulseSource::PointMass && !problem.target) {
-    refuse("impact", "missing-key", "source: 'point_mass' needs the section 'target' for the mass");
-  }
   if (impulse.source == ImpulseSource::RigidBody &&
       (!has_feature || problem.target->is_point_mass)) {
     refuse("impact", "missing-key",

@@ -225,6 +225,18 @@ TEST_CASE("names that do not exist are refused with those that do") {
                  {"base_angular_velocity"});
 }
 
+TEST_CASE("an impulse of a target without a target names the section that is missing") {
+  const std::string text(kProblem);
+  const std::size_t begin = text.find("target:\n"), end = text.find("impact:\n");
+  REQUIRE(begin < end);
+  const std::string without = text.substr(0, begin) + text.substr(end);
+  for (const char* source : {"rigid_body", "point_mass"}) {
+    const std::string problem = replaced(without, "rigid_body", source);
+    refuses(problem, line_of(problem, "impact:"), "missing-key",
+            {"target: must be stated", std::string("impact.source '") + source + "'"});
+  }
+}
+
 TEST_CASE("a measure over an uncertainty that is not stated is refused") {
   for (const char* measure : {"worst_case", "cvar", "expectation"}) {
     const std::string certain = replaced(kProblem, "cone_half_angle: 10 deg", "cone_half_angle: 0");

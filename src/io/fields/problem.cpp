@@ -1,4 +1,6 @@
 // A problem file: its sections in order, and the small ones among them.
+#include <fmt/format.h>
+
 #include <stillbase/nlp/optimizer.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -74,6 +76,18 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
     "obstacles and target; see `constraints.clearance` in problems/README.md");
 }
 
+/// What the impulse of a target needs is said where the source is stated, before what names parts
+/// of the target.
+void check_target_is_stated(MapReader& map, ImpulseSource source) {
+  if (source == ImpulseSource::Given || map.has("target")) return;
+  map.context().add(
+      map.line_of("impact"), "missing-key",
+      fmt::format("{}: must be stated: impact.source '{}' needs its {}", map.path_of("target"),
+                  word_of(kImpulseSourceNames, source),
+                  source == ImpulseSource::RigidBody ? "mass, inertia, motion and contact feature"
+                                                     : "mass"));
+}
+
 }  // namespace
 
 void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources) {
@@ -89,6 +103,7 @@ void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sou
         {.is_written = problem.target.has_value()}),
     "the body that is captured; left out for a given impulse without body", {.without = "none"});
   t("impact", section(impact_fields), "", kNeeded);
+  if (t.reader() != nullptr) check_target_is_stated(*t.reader(), problem.impulse.source);
   t("contact",
     Map([&problem](Table& m) { contact_fields(m, problem); },
         {.is_written = problem.hand_motion.moves(), .is_section = true}),

@@ -59,7 +59,10 @@ void feature_field(Table& t, CaptureProblem& problem) {
     for (const ContactFeature& feature : problem.target->features) names.push_back(feature.name);
   }
   if (t.reader() != nullptr && names.size() == 1) variables.feature = names[0];
-  const auto one = [&](std::string& name) { return Text(name, names, "features of the target"); };
+  const char* const known = problem.target || t.reader() == nullptr
+                                ? "features of the target"
+                                : "features of the target, which is not stated";
+  const auto one = [&](std::string& name) { return Text(name, names, known); };
   const bool is_choice = !variables.features.empty();
   t("feature",
     Either(
