@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <stillbase/core/constants.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "approach/time_law.hpp"
 
@@ -63,7 +64,7 @@ ApproachTask make_task(const CaptureProblem& problem, const Configuration& goal,
   }
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
-    if (joint.type == JointType::Continuous) {
+    if (is_endless(problem.robot, k)) {
       task.start[k] += 2 * kPi * std::round((goal.phi[k] - task.start[k]) / (2 * kPi));
     }
     task.limits.rate[k] = joint.max_velocity * problem.approach.velocity_scale;

@@ -45,14 +45,14 @@ bool is_short(const std::optional<double>& value, double least) {
 
 bool reaches_every_angle(const CaptureProblem& problem, int k) {
   const Joint& joint = problem.robot.joints[k];
-  if (joint.type == JointType::Continuous) return true;
-  // The angle itself counts: joints reach their stops in simulations, or drag others along.
-  if (simulates_turn(problem) || !problem.user.empty()) return false;
+  // The angle itself counts: joints drag others along, or reach their stops in simulations.
   const std::vector<Coupling>& couplings = problem.robot.couplings;
   const auto drags = [k](const Coupling& c) { return c.joint == k && c.ratio != 1; };
   if (std::any_of(couplings.begin(), couplings.end(), drags)) return false;
   const auto is_moved = [k](const Coupling& c) { return c.joint == k; };
   if (std::count_if(couplings.begin(), couplings.end(), is_moved) > 1) return false;
+  if (joint.type == JointType::Continuous) return true;
+  if (simulates_turn(problem) || !problem.user.empty()) return false;
   const double room = joint.upper - joint.lower - 2 * problem.constraints.joint_limit_margin;
   return joint.type == JointType::Revolute && problem.variables.joints[k] && room >= 2 * kPi &&
          room < kInfinity;

@@ -14,16 +14,6 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kSlack = 1e-9;  ///< rad: an angle at its limit is within it
 
-/// Whether other bodies' joints follow this one, or its body moves otherwise than by its angle.
-bool takes_part_in_coupling(const RobotModel& robot, int joint) {
-  int bodies = 0;
-  for (const Coupling& coupling : robot.couplings) {
-    if (coupling.joint != joint) continue;
-    if (++bodies > 1 || coupling.ratio != 1) return true;
-  }
-  return false;
-}
-
 /// How far the joints are from the start posture, in sum, rad, then the sum of their angles: what
 /// is less goes first. Ways that differ by rounding are equal.
 std::pair<double, double> way_from_start(const CaptureProblem& problem, const Configuration& at) {
@@ -36,6 +26,20 @@ std::pair<double, double> way_from_start(const CaptureProblem& problem, const Co
 int turns_until(double room) { return static_cast<int>(std::floor((room + kSlack) / kTurn)); }
 
 }  // namespace
+
+bool takes_part_in_coupling(const RobotModel& robot, int joint) {
+  int bodies = 0;
+  for (const Coupling& coupling : robot.couplings) {
+    if (coupling.joint != joint) continue;
+    if (++bodies > 1 || coupling.ratio != 1) return true;
+  }
+  return false;
+}
+
+bool is_endless(const RobotModel& robot, int joint) {
+  return robot.joints[static_cast<std::size_t>(joint)].type == JointType::Continuous &&
+         !takes_part_in_coupling(robot, joint);
+}
 
 bool has_whole_turns(const CaptureProblem& problem, int joint) {
   const auto index = static_cast<std::size_t>(joint);

@@ -3,27 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/plan/turns.hpp>
+
 #include "formulation/formulation_parts.hpp"
 
 namespace stillbase {
 
 namespace {
 
-/// The variable that is the angle of the hand's joint; -1: none is.
-Eigen::Index roll_variable(const CaptureProblem& problem, const Formulation& formulation) {
-  const int joint = problem.robot.hand_body;
-  if (joint < 0 ||
-      problem.robot.joints[static_cast<std::size_t>(joint)].type == JointType::Prismatic) {
-    return -1;
-  }
-  const std::vector<int>& joints = formulation.parts().model.layout.joints;
-  const auto at = std::find(joints.begin(), joints.end(), joint);
-  return at == joints.end() ? -1 : at - joints.begin();
+/// The joint that turns the hand's body alone; -1: none does.
+int roll_joint(const RobotModel& robot) {
+  if (robot.hand_body < 0) return -1;
+  const int joint = robot.coordinate(robot.hand_body);
+  const bool is_prismatic =
+      robot.joints[static_cast<std::size_t>(joint)].type == JointType::Prismatic;
+  return is_prismatic || takes_part_in_coupling(robot, joint) ? -1 : joint;
 }
 
-bool is_continuous(const CaptureProblem& problem) {
-  return problem.robot.joints[static_cast<std::size_t>(problem.robot.hand_body)].type ==
-         JointType::Continuous;
+/// The variable that is its angle; -1: none is.
+Eigen::Index roll_variable(const CaptureProblem& problem, const Formulation& formulation) {
+  const std::vector<int>& joints = formulation.parts().model.layout.joints;
+  const auto at = std::find(joints.begin(), joints.end(), roll_joint(problem.robot));
+  return at == joints.end() ? -1 : at - joints.begin();
 }
 
 double size_of(double half_square) { return std::sqrt(2 * half_square); }
@@ -35,7 +36,8 @@ std::optional<SolutionFamily> roll_through(
     const std::function<double(const Eigen::VectorXd&)>& value, const RollOptions& options) {
   const Eigen::Index k = roll_variable(problem, formulation);
   if (k < 0) return std::nullopt;
-  const bool is_closed = is_continuous(problem);
+  const int joint = roll_joint(problem.robot);
+  const bool is_closed = is_endless(problem.robot, joint);
   const VariableLayout& layout = formulation.parts().model.layout;
   const double lower = is_closed ? -kPi : layout.lower_limit[k];
   const double upper = is_closed ? kPi : layout.upper_limit[k];
@@ -70,7 +72,7 @@ std::optional<SolutionFamily> roll_through(
   const Configuration middle = formulation.configuration(x);
   for (int i = 0; i <= parts; ++i) {
     out.points.push_back(middle);
-    out.points.back().phi[problem.robot.hand_body] = at(i, parts)[k];
+    out.points.back().phi[joint] = at(i, parts)[k];
   }
   return out;
 }
@@ -118,7 +120,7 @@ void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
     const SolutionFamily& roll = families[static_cast<std::size_t>(solution.family)];
     for (int i = 0; i <= options.angles; ++i) {
       Eigen::VectorXd turned = solution.x;
-      const double lower = roll.points.front().phi[problem.robot.hand_body];
+      const double lower = roll.points.front().phi[roll_joint(problem.robot)];
       turned[k] = lower + roll.length * i / options.angles;
       if (!touches_nothing(turned)) continue;
       solution.x = turned;

@@ -314,10 +314,16 @@ void check_clearance(const Context& context, const std::vector<BaseTrack>& track
 
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
                           bool modulo_full_rotations) {
+  // A joint that others follow is elsewhere after a full rotation, and so are they.
+  std::vector<int> bodies(static_cast<std::size_t>(robot.n()), 0);
+  for (const Coupling& c : robot.couplings) {
+    bodies[static_cast<std::size_t>(c.joint)] += c.ratio == 1 ? 1 : 2;
+  }
   double largest = 0;
   for (int k = 0; k < robot.n(); ++k) {
     const double difference = a(k) - b(k);
-    const bool wraps = modulo_full_rotations && robot.joints[k].type == JointType::Continuous;
+    const bool wraps = modulo_full_rotations && robot.joints[k].type == JointType::Continuous &&
+                       bodies[static_cast<std::size_t>(k)] <= 1;
     largest = std::max(largest, std::abs(wraps ? wrap_angle(difference) : difference));
   }
   return largest;

@@ -3,6 +3,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/rotation.hpp>
+#include <stillbase/plan/free_roll.hpp>
 #include <stillbase/plan/turns.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -139,6 +140,47 @@ TEST_CASE("a joint that others follow keeps its limits, and no other joint does"
   for (const Configuration& form : other_turns(problem, at, std::nullopt, 8)) {
     CHECK(value(form) == Approx(value(at)).epsilon(1e-9));
   }
+}
+
+TEST_CASE("a joint without limits that another follows is not wrapped") {
+  Random random(3);
+  CaptureProblem problem = point_mass_problem(random_planar_robot(random, 3), Vector3d::UnitX());
+  RobotModel& robot = problem.robot;
+  for (Joint& joint : robot.joints) joint.type = JointType::Continuous;
+  robot.coupled_tree = robot.joints;
+  robot.joints.resize(2);
+  robot.couplings = {{0, 1, 0}, {1, 1, 0}, {1, 0.5, 0}};
+  problem.start = JointVectord::Zero(2);
+  problem.variables.joints.assign(2, true);
+  const Formulation formulation(problem);
+  Eigen::VectorXd x = formulation.variables({Eigen::Vector2d(4, 4), problem.base});
+  x = formulation.normalised(x);
+  CHECK(x[0] == Approx(4 - 2 * kPi));
+  CHECK(x[1] == 4);
+}
+
+TEST_CASE("the last joint may roll freely behind a joint that follows another") {
+  CaptureProblem problem = test::without_path("deos_latch");
+  problem.search.starts = 8;
+  problem.constraints.clearance.reset();
+  RobotModel& robot = problem.robot;
+  REQUIRE(robot.n() == 7);
+  const auto without_fourth = [](const JointVectord& all) {
+    JointVectord out(6);
+    out << all.head(3), all.tail(3);
+    return out;
+  };
+  robot.coupled_tree = robot.joints;
+  robot.joints.erase(robot.joints.begin() + 3);
+  robot.couplings = {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0.5, 0}, {3, 1, 0}, {4, 1, 0}, {5, 1, 0}};
+  problem.start = without_fourth(problem.start);
+  problem.resistance.rotor_inertia = without_fourth(problem.resistance.rotor_inertia);
+  problem.variables.joints.assign(6, true);
+  const SearchResult found = searched(problem);
+  REQUIRE_FALSE(found.candidates.empty());
+  const int family = found.candidates.front().family;
+  REQUIRE(family >= 0);
+  CHECK(free_joint(found.families[static_cast<std::size_t>(family)]) == 5);
 }
 
 TEST_CASE("limits less than a turn apart are limits") {

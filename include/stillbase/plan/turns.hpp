@@ -12,6 +12,12 @@
 
 namespace stillbase {
 
+/// Whether other bodies' joints follow this one, or its own body moves otherwise than by its angle.
+bool takes_part_in_coupling(const RobotModel& robot, int joint);
+
+/// Whether a joint is continuous and whole turns of it are one posture: no other joint follows it.
+bool is_endless(const RobotModel& robot, int joint);
+
 /// Whether whole turns of a joint are one posture: it is revolute, free, and its limits less
 /// `joint_limit_margin` are at least 2 pi apart. Not where angles count as such: with functions of
 /// the user, a simulated objective (joints reach their stops) or a joint that others follow. Not of

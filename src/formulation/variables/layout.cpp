@@ -37,9 +37,9 @@ VariableLayout::VariableLayout(const CaptureProblem& problem) {
         joint.type == JointType::Continuous ? 0 : problem.constraints.joint_limit_margin;
     low.push_back(joint.lower + margin);
     high.push_back(joint.upper - margin);
-    angles_.push_back(has_whole_turns(problem, k)           ? Angle::WholeTurns
-                      : joint.type == JointType::Continuous ? Angle::Continuous
-                                                            : Angle::Limited);
+    angles_.push_back(has_whole_turns(problem, k) ? Angle::WholeTurns
+                      : is_endless(robot, k)      ? Angle::Continuous
+                                                  : Angle::Limited);
   }
   if (problem.variables.base_attitude != AttitudeFreedom::Fixed) {
     const double turn = largest_attitude(problem.variables);
