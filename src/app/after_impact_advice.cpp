@@ -25,6 +25,13 @@ Vector3d capacity_of(const WheelSpec& wheels) {
   return (wheels.torque.array() > 0).select(wheels.momentum, Vector3d::Zero());
 }
 
+/// Whether an axis has momentum to take and no wheel.
+bool lacks_wheel(const WheelSpec& wheels, const Vector3d& angular) {
+  constexpr double kNoMomentum = 1e-9;
+  const double least = kNoMomentum * angular.norm();
+  return ((wheels.torque.array() == 0) && (angular.array().abs() > least)).any();
+}
+
 /// The limit of the grasp or the horizon that is exceeded; null: none is.
 const LimitUse* exceeded_use(const ManagedMomentum& managed) {
   constexpr double kRounding = 1e-6;
@@ -163,14 +170,23 @@ std::string stronger_grip(const Trials& trials, const LimitUse& use) {
   return "";
 }
 
+/// Axes that have none get a wheel with the largest torque of the others.
 std::string larger_wheels(const Trials& trials, const Vector3d& angular) {
-  const Vector3d capacity = capacity_of(trials.spec().wheels);
-  const Vector3d held = (trials.spec().wheels.preset + angular).cwiseAbs();
+  const WheelSpec& stated = trials.spec().wheels;
+  const Vector3d capacity = capacity_of(stated);
+  const Vector3d held = (stated.preset + angular).cwiseAbs();
   PostImpactSpec changed = trials.spec();
-  changed.wheels.momentum = changed.wheels.momentum.cwiseMax(kRoom * held);
-  return with_next(fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
-                               vector_words(held.cwiseMax(capacity)), vector_words(capacity)),
-                   trials.failure(changed));
+  WheelSpec& wheels = changed.wheels;
+  wheels.momentum = capacity.cwiseMax(kRoom * held);
+  std::string text = fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
+                                 vector_words(held.cwiseMax(capacity)), vector_words(capacity));
+  if (lacks_wheel(stated, angular)) {
+    const double most = stated.torque.maxCoeff();
+    wheels.torque = (stated.torque.array() > 0).select(stated.torque, most);
+    text = fmt::format("post_impact.wheels.torque of {} N m, now {}, with {}",
+                       vector_words(wheels.torque), vector_words(stated.torque), text);
+  }
+  return with_next(text, trials.failure(changed));
 }
 
 /// A preset of the other sign lets a wheel take up to twice its capacity, if it fills in time.
@@ -208,7 +224,9 @@ std::string after_impact_advice(const Plan& plan, const StopCondition& stop) {
   const LimitUse* use = managed ? exceeded_use(*managed) : nullptr;
   if (use != nullptr && use->limit == CaptureLimit::WheelMomentum) {
     add(larger_wheels(trials, managed->angular));
-    add(preset_wheels(trials, managed->angular, plan.problem.approach.wait));
+    if (!lacks_wheel(trials.spec().wheels, managed->angular)) {
+      add(preset_wheels(trials, managed->angular, plan.problem.approach.wait));
+    }
   } else {
     for (const LimitUse& one : managed ? managed->limits : std::vector<LimitUse>{}) {
       add(stronger_grip(trials, one));
