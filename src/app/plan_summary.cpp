@@ -454,9 +454,9 @@ std::string managed_words(const ManagedMomentum& managed) {
       fmt::format("momentum to be managed: {} N m s, {} N s", size_words(managed.angular.norm()),
                   size_words(managed.linear.norm()));
   if (!managed.least_time) return text;
-  text += fmt::format("; the wheels need at least {:.4g} s", *managed.least_time);
+  text += fmt::format("; the wheels alone need at least {:.4g} s", *managed.least_time);
   if (managed.rest_time) {
-    return text + fmt::format(", all but {:.4g} % is in them after {:.4g} s", 100 * kAtRest,
+    return text + fmt::format(", all but {:.4g} % is taken after {:.4g} s", 100 * kAtRest,
                               *managed.rest_time);
   }
   if (!managed.remaining) return text;

@@ -109,13 +109,12 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
                         four(summary.peak_grip_moment));
   }
   if (summary.peak_wheel_torque > 0) {
-    text +=
-        fmt::format("  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
-                    summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
-                    summary.rest_time
-                        ? fmt::format("all but {:.4g} % of the momentum is in them after {:.4g} s",
-                                      100 * kAtRest, *summary.rest_time)
-                        : "not at rest at the horizon");
+    text += fmt::format(
+        "  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
+        summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
+        summary.rest_time ? fmt::format("all but {:.4g} % of the momentum is taken after {:.4g} s",
+                                        100 * kAtRest, *summary.rest_time)
+                          : "not at rest at the horizon");
   }
   // A contact that takes time changes the momentum of the robot: that of the pair stays.
   text += fmt::format("  momentum drift  {:.2g} (relative)\n",
