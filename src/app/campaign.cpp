@@ -207,6 +207,7 @@ void summarize(Group& group) {
   group.result.trials.first.sizes = perturbations_for(problem);
   group.result.trials.first.seed = piece.seed;
   group.result.trials.second = summarize_trials(outcomes, 0, objective_unit_name(problem));
+  group.result.trials.second.failures = count_failures(outcomes, problem.post_impact);
 }
 
 /// In the order in which the cases name them.

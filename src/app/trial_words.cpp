@@ -26,10 +26,16 @@ std::string driver_words(const TrialReport& report, const std::string& output) {
 }  // namespace
 
 std::string success_words(const TrialReport& report) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{} trials: {} succeed, probability {:.4f} (95 % interval {:.4f} to {:.4f}, Wilson)",
       report.trials, report.successes, report.success_probability, report.success_lower,
       report.success_upper);
+  const char* before = "; others fail by ";
+  for (const auto& [failure, count] : report.failures) {
+    text += fmt::format("{}{} ({})", before, failure, count);
+    before = ", ";
+  }
+  return text;
 }
 
 std::string trial_words(const TrialReport& report) {

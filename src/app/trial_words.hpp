@@ -7,7 +7,7 @@
 
 namespace stillbase::app {
 
-/// How many trials succeed, with the interval of the probability.
+/// How many trials succeed, with the interval of the probability, and what the others fail by.
 std::string success_words(const TrialReport& report);
 
 /// That, and for each result its percentiles, its worst case, the trial of the worst case and the

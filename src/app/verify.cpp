@@ -40,11 +40,11 @@ std::optional<Trials> trials_of(const Plan& plan, const VerifyRequest& request,
   trials.first.seed = request.seed;
   trials.first.wanted = request.trials;
   ProgressLine progress;
-  trials.second = summarize_trials(
-      run_trials(plan, trials.first.sizes, request.seed, 0, request.trials,
-                 jobs_or_processors(request.jobs), stop,
-                 [&progress](int done, int total) { progress.show("trials", done, total); }),
-      0, objective_unit_name(plan.problem));
+  const std::vector<TrialOutcome> outcomes = run_trials(
+      plan, trials.first.sizes, request.seed, 0, request.trials, jobs_or_processors(request.jobs),
+      stop, [&progress](int done, int total) { progress.show("trials", done, total); });
+  trials.second = summarize_trials(outcomes, 0, objective_unit_name(plan.problem));
+  trials.second.failures = count_failures(outcomes, plan.problem.post_impact);
   return trials;
 }
 

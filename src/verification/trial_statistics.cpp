@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include <stillbase/verification/trials.hpp>
@@ -82,6 +83,20 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, int>> count_failures(const std::vector<TrialOutcome>& outcomes,
+                                                        const PostImpactSpec& spec) {
+  std::map<std::string, int> counts;
+  for (const TrialOutcome& outcome : outcomes) {
+    if (const std::string failure = trial_failure(outcome, spec); !failure.empty()) {
+      ++counts[failure];
+    }
+  }
+  std::vector<std::pair<std::string, int>> out(counts.begin(), counts.end());
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return out;
+}
 
 Interval wilson_interval(int successes, int trials, double z) {
   if (trials <= 0) return {};

@@ -73,14 +73,7 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
     outcome.peak_wheel_part = std::max(outcome.peak_wheel_part, held / wheels.momentum[i]);
   }
   outcome.rests = summary.rest_time.has_value();
-  const bool must_rest = controller->kind == ControllerKind::Detumble;
   outcome.stop_hits = summary.stop_hits;
-  outcome.success = outcome.hit && outcome.finished && outcome.stop_hits == 0 &&
-                    outcome.residual_base_rate <= spec.residual_base_rate_max &&
-                    outcome.attitude_turned <= spec.attitude_change_max &&
-                    outcome.peak_rate_part <= 1 + 1e-6 && outcome.peak_torque_part <= 1 + 1e-6 &&
-                    outcome.peak_grip_part <= 1 + 1e-6 && outcome.peak_wheel_part <= 1 + 1e-6 &&
-                    (outcome.rests || !must_rest);
 }
 
 /// Errors of a target's estimate, normal and not cut.
@@ -256,12 +249,12 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
   if (truth.post_impact.controllers.empty()) {
     outcome.finished = true;
-    outcome.success = outcome.hit;
   } else {
     const ContactCase subject =
         contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster, velocity_error);
     simulate_trial(truth, nominal, sizes, subject, seed, trial, stop, outcome);
   }
+  outcome.success = trial_failure(outcome, truth.post_impact).empty();
   return outcome;
 }
 
@@ -299,6 +292,24 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
   take(problem.post_impact.sensor.joint_rate_error, sizes.joint_rate_error);
   if (is_predicted) take(stated.contact_time, sizes.contact_time);
   return sizes;
+}
+
+std::string trial_failure(const TrialOutcome& outcome, const PostImpactSpec& spec) {
+  constexpr double kWhole = 1 + 1e-6;  // of a limit that is just kept
+  if (!outcome.hit) return "no contact";
+  if (spec.controllers.empty()) return "";
+  if (!outcome.finished) return "simulation";
+  if (outcome.stop_hits > 0) return "joint stops";
+  const auto exceeds = [](double value, double most) { return !(value <= most); };  // NaN does
+  if (exceeds(outcome.residual_base_rate, spec.residual_base_rate_max)) return "base rate";
+  if (exceeds(outcome.attitude_turned, spec.attitude_change_max)) return "attitude change";
+  if (exceeds(outcome.peak_rate_part, kWhole)) return "joint rates";
+  if (exceeds(outcome.peak_torque_part, kWhole)) return "joint torques";
+  if (exceeds(outcome.peak_grip_part, kWhole)) return "load of the grip";
+  if (exceeds(outcome.peak_wheel_part, kWhole)) return "full wheels";
+  const auto controller = chosen_controller(spec);
+  const bool must_rest = controller && controller->kind == ControllerKind::Detumble;
+  return must_rest && !outcome.rests ? "no rest within the horizon" : "";
 }
 
 std::vector<std::string> trial_input_names() {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -207,6 +208,29 @@ TEST_CASE("a contact below the smallest closing speed is a miss") {
   }
   CHECK(hits > 30);
   CHECK(hits < 90);
+}
+
+TEST_CASE("each outcome fails by one thing at most") {
+  PostImpactSpec spec;
+  spec.controllers = {"rns_damped"};
+  spec.residual_base_rate_max = 1;
+  spec.attitude_change_max = 1;
+  TrialOutcome good;
+  good.hit = good.finished = true;
+  CHECK(trial_failure(good, spec) == "");
+  std::vector<TrialOutcome> outcomes(7, good);
+  outcomes[0].hit = false;
+  outcomes[1].residual_base_rate = 2;
+  outcomes[2].residual_base_rate = std::numeric_limits<double>::quiet_NaN();
+  outcomes[3].attitude_turned = 2;
+  outcomes[3].stop_hits = 1;
+  const std::vector<std::pair<std::string, int>> expected{
+      {"base rate", 2}, {"joint stops", 1}, {"no contact", 1}};
+  CHECK(count_failures(outcomes, spec) == expected);
+  spec.controllers = {"detumble"};
+  CHECK(trial_failure(good, spec) == "no rest within the horizon");
+  good.rests = true;
+  CHECK(trial_failure(good, spec) == "");
 }
 
 TEST_CASE("percentiles, mean and worst case are those of the outcomes") {

@@ -25,6 +25,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <stillbase/core/interrupt.hpp>
@@ -79,6 +80,10 @@ struct TrialOutcome {
   Vector6d target_velocity = Vector6d::Zero();
 };
 
+/// What an outcome fails by: the contact, the simulation, or the first limit that it does not keep;
+/// empty: nothing.
+std::string trial_failure(const TrialOutcome& outcome, const PostImpactSpec& spec);
+
 std::vector<std::string> trial_input_names();
 
 /// Trials first .. first + count - 1 of the plan, in this order whatever the number of workers.
@@ -112,6 +117,8 @@ struct TrialReport {
   int trials = 0, hits = 0, finished = 0, successes = 0;
   double success_probability = 0;
   double success_lower = 0, success_upper = 1;  ///< Wilson's score interval, 95 %
+  /// What trials fail by and how many, the most frequent first; see count_failures().
+  std::vector<std::pair<std::string, int>> failures;
   std::vector<Spread> spreads;
   std::vector<Sensitivity> sensitivities;  ///< per output, the strongest first
 };
@@ -120,6 +127,10 @@ struct TrialReport {
 /// @param objective_unit of the problem's objective (objective_unit_name())
 TrialReport summarize_trials(const std::vector<TrialOutcome>& outcomes, int first = 0,
                              const std::string& objective_unit = "as the plan");
+
+/// How many outcomes fail by what, the most frequent first.
+std::vector<std::pair<std::string, int>> count_failures(const std::vector<TrialOutcome>& outcomes,
+                                                        const PostImpactSpec& spec);
 
 /// Wilson's score interval of a probability from `successes` out of `trials`, z standard deviations
 /// (1.96: 95 %). [0, 1] without trials.
