@@ -52,8 +52,9 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
-Recorder::Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops)
-    : robot_(robot), controller_(controller), watch_stops_(watch_stops) {
+Recorder::Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops,
+                   const SensorSpec& sensors)
+    : robot_(robot), controller_(controller), watch_stops_(watch_stops), sensors_(sensors) {
   result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
   result_.summary.peak_torques = JointVectord::Zero(robot.n());
   result_.summary.peak_demanded_torques = JointVectord::Zero(robot.n());
@@ -158,9 +159,13 @@ void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& t
   touched_ = touches;
   const double rate = state.phidot.size() > 0 ? state.phidot.lpNorm<Eigen::Infinity>() : 0;
   peak_rate_ = std::max(peak_rate_, rate);
-  const double least = std::max(kAtRest * rest_L_g_, kNoRotation * rest_L_scale_);
-  const bool rests = !touches && momentum.L_g.norm() <= least &&
-                     rate <= std::max(kJointsAtRest, kAtRest * peak_rate_);
+  // A momentum that the sensors do not tell from none is none.
+  const double unseen = sensors_.base_rate_error * terms.tilde.Htilde_omega.trace() +
+                        sensors_.joint_rate_error * terms.tilde.Htilde_omegaphi.norm();
+  const double least = std::max({kAtRest * rest_L_g_, kNoRotation * rest_L_scale_, unseen});
+  const bool rests =
+      !touches && momentum.L_g.norm() <= least &&
+      rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, sensors_.joint_rate_error});
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();
   if (rests && !since) since = std::max(t, 0.0);  // a compliant contact starts before zero

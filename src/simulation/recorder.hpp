@@ -8,7 +8,9 @@ namespace stillbase {
 class Recorder {
  public:
   /// @param watch_stops false: stops are enforced, stop_reached() reports them
-  Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops);
+  /// @param sensors of the controller, whose errors keep what rests from resting more exactly
+  Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops,
+           const SensorSpec& sensors);
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
@@ -39,6 +41,7 @@ class Recorder {
   const Controller& controller_;
   SimulationResult result_;
   bool watch_stops_;
+  const SensorSpec& sensors_;
   bool started_ = false;
   bool record_now_ = true;
   double t_ = 0;      ///< of the observation before

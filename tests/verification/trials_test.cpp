@@ -210,6 +210,19 @@ TEST_CASE("a contact below the smallest closing speed is a miss") {
   CHECK(hits < 90);
 }
 
+TEST_CASE("what rests but for the errors of the sensors is at rest") {
+  CaptureProblem problem = test::without_path("detumble_client_1000");
+  problem.search.starts = 8;
+  const Plan plan = make_plan(problem);
+  const Perturbations sizes = perturbations_for(problem);
+  REQUIRE(sizes.base_rate_error > 0);
+  const auto outcomes = run_trials(plan, sizes, 1, 0, 12, 2);
+  CHECK(count_failures(outcomes, problem.post_impact).empty());
+  Perturbations exact = sizes;
+  exact.base_rate_error = exact.joint_rate_error = 0;
+  for (const TrialOutcome& outcome : run_trials(plan, exact, 1, 0, 4, 2)) CHECK(outcome.success);
+}
+
 TEST_CASE("each outcome fails by one thing at most") {
   PostImpactSpec spec;
   spec.controllers = {"rns_damped"};

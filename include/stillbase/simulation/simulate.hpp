@@ -160,7 +160,7 @@ struct SimulationSummary {
   JointVectord highest_positions;                  ///< n, max phi_k
   /// From then on at most kAtRest of the first |L_g| is outside the wheels, of that after the last
   /// contact where one takes time, and no more than that part of the largest joint rate is left, s;
-  /// empty: not at the end.
+  /// or no more of both than one deviation of the sensors' errors. Empty: not at the end.
   std::optional<double> rest_time;
   double peak_contact_force = 0;               ///< N
   Vector3d wheel_momentum = Vector3d::Zero();  ///< at the end, in B, N m s

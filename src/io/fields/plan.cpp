@@ -492,7 +492,8 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
     "angular momentum outside the wheels at the horizon; null: not simulated", needed("N m s"));
   t("rest_time", OrNull(Number(managed.rest_time, kNonNegative), !managed.rest_time),
     "after the contact, from which on at most 1 % of the angular momentum is outside the wheels "
-    "and joints have at most 1 % of their largest rate; null: not within the horizon",
+    "and joints have at most 1 % of their largest rate, or no more than the sensors' errors; null: "
+    "not within the horizon",
     needed("s"));
   t("limits", maps_of(managed.limits),
     "how much of each limit is used from the contact to the horizon, the tightest one first",

@@ -232,7 +232,8 @@ void run_fields(Table& t, const RobotModel& robot, ControllerRun& run) {
     needed("N m"));
   t("rest_time", OrNull(Number(summary.rest_time), !summary.rest_time),
     "from which on at most 1 % of the angular momentum is outside the wheels and joints have at "
-    "most 1 % of their largest rate; null: not within the horizon",
+    "most 1 % of their largest rate, or no more than the sensors' errors; null: not within the "
+    "horizon",
     needed("s"));
   t("thruster_impulse_inertial", Vector(last.state.thruster_impulse), "angular impulse",
     needed("N m s", "N"));
