@@ -232,13 +232,20 @@ std::string search_advice(const CaptureProblem& problem) {
 }
 
 /// Changes of the problem that most likely help where no approach path was found.
-std::string approach_advice(ApproachStatus status) {
+std::string approach_advice(const CaptureProblem& problem, ApproachStatus status) {
   switch (status) {
     case ApproachStatus::StartInvalid:
       return "another robot.start, or the pair in robot.allowed_contacts";
     case ApproachStatus::GoalInvalid:
-    case ApproachStatus::HitEarly:
-      return "constraints.clearance for the search, a shorter approach.wait";
+    case ApproachStatus::HitEarly: {
+      std::string text = "constraints.clearance for the search, a shorter approach.wait";
+      const HandMotionSpec& hand = problem.hand_motion;
+      if (!hand.moves() || !problem.approach.abort) return text;
+      if (hand.velocity == HandVelocity::Stated && !hand.linear) {
+        text += ", contact.hand_velocity.linear of zero along the normal";
+      }
+      return text + ", approach.abort: false where no path to rest is asked for";
+    }
     case ApproachStatus::TimeOut:
     case ApproachStatus::Interrupted:
     case ApproachStatus::Stopped:
@@ -418,12 +425,13 @@ std::string turn_words(const Plan& plan) {
                      fmt::join(joints, ", "), count, plan.candidates.size());
 }
 
-std::string approach_words(const Approach& approach) {
+std::string approach_words(const Plan& plan) {
+  const Approach& approach = plan.approach;
   if (approach.status == ApproachStatus::NotRequested) return "not asked for";
   if (approach.status != ApproachStatus::Found) {
     return fmt::format("none: {}{}{}; what may help: {}", to_string(approach.status),
                        approach.detail.empty() ? "" : ", ", approach.detail,
-                       approach_advice(approach.status));
+                       approach_advice(plan.problem, approach.status));
   }
   std::string text =
       fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);
@@ -550,7 +558,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
           std::pair{"turns", turn_words(plan)}}) {
       if (!words.empty()) lines.push_back({name, words});
     }
-    if (is_feasible) lines.push_back({"approach", approach_words(plan.approach)});
+    if (is_feasible) lines.push_back({"approach", approach_words(plan)});
     if (plan.after_horizon) {
       lines.push_back({"afterwards",
                        after_horizon_words(*plan.after_horizon, plan.problem.post_impact.horizon)});

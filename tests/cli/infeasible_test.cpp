@@ -59,6 +59,26 @@ TEST_CASE("what may help where a grip is too weak was tried") {
   CHECK(plan(advised(stronger)).code == 0);
 }
 
+TEST_CASE("what may help where nothing leads away from a target that closes in helps") {
+  const Workshop shop;
+  const auto plan = [&](const std::string& velocity) {
+    shop.write_changed("problem.yaml", "problems/matched_light.yaml", "hand_velocity: match_all",
+                       "hand_velocity: " + velocity);
+    return shop.run("plan problem.yaml -o plan.json --force");
+  };
+  const Outcome open = plan("{angular: [0.2 deg/s, 0, 0]}");
+  INFO(open.err);
+  REQUIRE(open.code == 9);
+  CHECK(open.says("contact.hand_velocity.linear of zero along the normal, approach.abort: false"));
+  CHECK(plan("{angular: [0.2 deg/s, 0, 0], linear: [0, 0, 0]}").code == 0);
+  shop.write_changed("problem.yaml", "problems/matched_light.yaml", "hand_velocity: match_all",
+                     "hand_velocity: {angular: [0.2 deg/s, 0, 0]}");
+  const std::string text = shop.text("problem.yaml") + "\n";
+  const std::size_t at = text.find("approach:\n") + 10;
+  shop.write("problem.yaml", text.substr(0, at) + "  abort: false\n" + text.substr(at));
+  CHECK(shop.run("plan problem.yaml -o plan.json --force").code == 0);
+}
+
 TEST_CASE("what may help where wheels are too small helps") {
   const Workshop shop;
   const std::string shipped = "problems/detumble_wheels_too_small.yaml";
