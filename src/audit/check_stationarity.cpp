@@ -32,7 +32,8 @@ constexpr double kMinimumSimulated = 1e-3;
 /// step: more is a kink, as of two boxes that change their separating axis.
 constexpr double kKink = 1e-3;
 constexpr const char* kKinked =
-    "an active limit has no gradient here, as the distance of boxes with two equally wide gaps";
+    "an active limit has no gradient here: its slopes on both sides differ, as of the distance of "
+    "boxes with two equally wide gaps";
 /// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies with
 /// a common end, differ by rounding alone.
 constexpr double kSameLimit = 1e-7;
