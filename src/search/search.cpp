@@ -17,6 +17,7 @@
 #include "formulation/projection.hpp"
 #include "search/continua.hpp"
 #include "search/measure_search.hpp"
+#include "search/minima_ends.hpp"
 #include "search/ranking.hpp"
 #include "search/roll.hpp"
 #include "search/screening.hpp"
@@ -362,8 +363,12 @@ class Search {
     out_.stopped = out_.stopped || found.stopped;
     if (in_rounds) out_.unseen = found.is_zero ? 0 : std::exp(-found.reached);
     std::vector<Solution> minima;
-    for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
-    rescue_best(minima);
+    const MinimaEnds ends(problem_, formulation_, measure_, options_);
+    for (const Eigen::VectorXd& x : found.points) ends.keep(x, minima);
+    if (rescuer_) {
+      const long calls = ends.finish(*rescuer_, briefly(), minima);
+      if (calls > 0) out_.solver_calls[options_.rescuer] += calls;
+    }
     improve_prediction(minima);
     // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
@@ -408,70 +413,6 @@ class Search {
       if (!simulates_ && out_.families.empty()) follow_curves();
       state_nominal_optimum();
     }
-  }
-
-  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) {
-    const double violation = largest_violation(problem_, formulation_, x);
-    if (!(violation <= kFeasibilityTolerance)) return;
-    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima,
-                  options_.same_configuration);
-  }
-
-  /// Goes on from the best minima where the solver stopped short: from all that are equal to the
-  /// best, because the choice between them comes later. First for the last digits alone.
-  void rescue_best(std::vector<Solution>& minima) {
-    std::vector<Eigen::VectorXd> seen;
-    int rescued = 0;
-    while (rescuer_ && !options_.stop.reached()) {
-      Solution* const best = best_not_in(seen, minima);
-      if (best == nullptr) return;
-      if (measure_.certify(best->x).kkt_residual > kOptimal &&
-          !takes_place_of(*best, measure_.end_by_newton(best->x)) &&
-          rescued < options_.rescued_minima) {
-        ++rescued;
-        const MeasureSolution further = measure_.finish(*rescuer_, briefly(), best->x);
-        out_.solver_calls[options_.rescuer] += further.solver_calls;
-        const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
-        const Eigen::VectorXd x = formulation_.normalised(exact.x);
-        if (!takes_place_of(*best, x) && measure_.value(x) < best->objective) {
-          seen.push_back(best->x);
-          keep_minimum(x, minima);
-          continue;
-        }
-      }
-      seen.push_back(best->x);
-    }
-  }
-
-  /// Puts x in the place of a minimum that it equals but for rounding, where its KKT residual is
-  /// smaller.
-  bool takes_place_of(Solution& minimum, const Eigen::VectorXd& x) {
-    const double value = measure_.value(x),
-                 violation = largest_violation(problem_, formulation_, x);
-    if (!(violation <= kFeasibilityTolerance) ||
-        !(value <= minimum.objective * (1 + options_.equal_minima)) ||
-        !(formulation_.distance(x, minimum.x) <= options_.same_configuration) ||
-        !(measure_.certify(x).kkt_residual < measure_.certify(minimum.x).kkt_residual)) {
-      return false;
-    }
-    minimum.x = x;
-    minimum.objective = value;
-    minimum.violation = violation;
-    return true;
-  }
-
-  /// The best of the minima that are equal to the best of all; null: all are among those seen.
-  Solution* best_not_in(const std::vector<Eigen::VectorXd>& seen,
-                        std::vector<Solution>& minima) const {
-    double lowest = kInfinity;
-    for (const Solution& minimum : minima) lowest = std::min(lowest, minimum.objective);
-    Solution* best = nullptr;
-    for (Solution& minimum : minima) {
-      if (!(minimum.objective <= lowest * (1 + options_.equal_minima))) continue;
-      if (std::find(seen.begin(), seen.end(), minimum.x) != seen.end()) continue;
-      if (best == nullptr || better(minimum, *best)) best = &minimum;
-    }
-    return best;
   }
 
   /// Where solves of the measure begin: the starts' postures, the solutions of the nominal problem,
