@@ -178,8 +178,9 @@ std::string larger_wheels(const Trials& trials, const Vector3d& angular) {
   PostImpactSpec changed = trials.spec();
   WheelSpec& wheels = changed.wheels;
   wheels.momentum = capacity.cwiseMax(kRoom * held);
-  std::string text = fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
-                                 vector_words(held.cwiseMax(capacity)), vector_words(capacity));
+  std::string text =
+      fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
+                  vector_words(held.cwiseMax(capacity)), vector_words(stated.momentum));
   if (lacks_wheel(stated, angular)) {
     const double most = stated.torque.maxCoeff();
     wheels.torque = (stated.torque.array() > 0).select(stated.torque, most);

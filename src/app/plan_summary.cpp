@@ -214,10 +214,46 @@ std::string nearest_words(const Plan& plan) {
                      is_latch ? "the target's momentum" : "|f| |r_gh| + |t|");
 }
 
+/// What loosens the constraints of a name that begins so.
+struct Loosening {
+  const char* name;
+  const char* advice;
+};
+constexpr Loosening kLoosenings[] = {
+    {"closing_speed", "a smaller constraints.closing_speed_min, a target that comes faster"},
+    {"arrival_rate",
+     "a larger approach.velocity_scale, less of the motion in contact.hand_velocity, a target that "
+     "turns or comes slower"},
+    {"clearance", "a smaller constraints.clearance"},
+    {"base_attitude", "a larger variables.base_attitude.max"},
+};
+
+/// Those of the constraints that the nearest attempt violates, the most violated one of a kind
+/// deciding on the order.
+std::vector<std::string> loosening_advice(const Plan& plan) {
+  std::vector<std::pair<double, std::string>> found;
+  for (const Loosening& loosening : kLoosenings) {
+    double worst = 0;
+    for (const ConstraintValue& constraint : plan.constraints) {
+      if (constraint.name.rfind(loosening.name, 0) != 0) continue;
+      if (!(constraint.violation > kFeasibilityTolerance)) continue;
+      const double bound =
+          constraint.value > constraint.upper ? constraint.upper : constraint.lower;
+      worst = std::max(worst, constraint.violation / std::max(std::abs(bound), 1e-9));
+    }
+    if (worst > 0) found.emplace_back(-worst, loosening.advice);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> out;
+  for (auto& [order, advice] : found) out.push_back(std::move(advice));
+  return out;
+}
+
 /// Changes of the problem that most likely help a search that found nothing.
-std::string search_advice(const CaptureProblem& problem) {
+std::string search_advice(const Plan& plan) {
+  const CaptureProblem& problem = plan.problem;
   const VariableSpec& variables = problem.variables;
-  std::vector<std::string> advice;
+  std::vector<std::string> advice = loosening_advice(plan);
   if (variables.base_attitude == AttitudeFreedom::Fixed) {
     advice.emplace_back("free variables.base_attitude");
   }
@@ -240,7 +276,11 @@ std::string approach_advice(const CaptureProblem& problem, ApproachStatus status
     case ApproachStatus::HitEarly: {
       std::string text = "constraints.clearance for the search, a shorter approach.wait";
       const HandMotionSpec& hand = problem.hand_motion;
-      if (!hand.moves() || !problem.approach.abort) return text;
+      if (!hand.moves()) return text;
+      text +=
+          ", a larger approach.acceleration_limit or approach.velocity_scale, a larger "
+          "constraints.joint_limit_margin";
+      if (!problem.approach.abort) return text;
       if (hand.velocity == HandVelocity::Stated && !hand.linear) {
         text += ", contact.hand_velocity.linear of zero along the normal";
       }
@@ -462,7 +502,8 @@ std::string managed_words(const ManagedMomentum& managed) {
       fmt::format("momentum to be managed: {} N m s, {} N s", size_words(managed.angular.norm()),
                   size_words(managed.linear.norm()));
   if (!managed.least_time) return text;
-  text += fmt::format("; the wheels alone need at least {:.4g} s", *managed.least_time);
+  text += fmt::format("; the wheels alone need at least {:.4g} s while the base keeps its attitude",
+                      *managed.least_time);
   if (managed.rest_time) {
     return text + fmt::format(", all but {:.4g} % is taken after {:.4g} s", 100 * kAtRest,
                               *managed.rest_time);
@@ -527,7 +568,7 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
       lines.push_back({"", fmt::format("{} = {:.6g} violates its bounds by {:.3g}", constraint.name,
                                        constraint.value, constraint.violation)});
     }
-    if (!is_feasible) lines.push_back({"", search_advice(plan.problem)});
+    if (!is_feasible) lines.push_back({"", search_advice(plan)});
     lines.push_back({"search", search_words(plan)});
     if (plan.choice.better > 0) lines.push_back({"choice", choice_words(plan)});
     lines.push_back({"posture", posture_words(plan.problem.robot, plan.configuration.phi)});

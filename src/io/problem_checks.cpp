@@ -187,6 +187,9 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
   if (impulse.source != ImpulseSource::Given && !impulse.moment.isZero(0)) {
     refuse("impact", "not-used", "moment: only a given impulse has a moment");
   }
+  if (impulse.source != ImpulseSource::Given && impulse.magnitude != ImpulseSpec{}.magnitude) {
+    refuse("impact", "not-used", "magnitude: only a given impulse has one; here it follows");
+  }
   if (impulse.source == ImpulseSource::PointMass && impulse.direction &&
       !(impulse.closing_speed >= problem.constraints.closing_speed_min)) {
     refuse("impact", "out-of-range",

@@ -317,8 +317,11 @@ bool is_sampled(RiskMeasure measure) {
 ResidualNumbers residual_numbers(const CaptureProblem& problem, const ResidualCase& residual) {
   const int power = power_of(problem);
   const LargestSquare largest = largest_square(residual);
-  return {raised(std::sqrt(residual.mean_square()), power), raised(std::sqrt(largest.value), power),
-          raised(std::sqrt(largest.bound), power)};
+  // Squares that vanish are rounding, of either sign.
+  const auto of_square = [&](double square) {
+    return raised(std::sqrt(std::max(square, 0.0)), power);
+  };
+  return {of_square(residual.mean_square()), of_square(largest.value), of_square(largest.bound)};
 }
 
 double residual_along(const CaptureProblem& problem, const ResidualCase& residual,

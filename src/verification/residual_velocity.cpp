@@ -117,7 +117,7 @@ double square_at(const Situation& at, const Vector6d& V,
   return square_of(problem, response, Fbar);
 }
 
-/// The linear part and the constant where the hand moves, from velocities as large as the hand's:
+/// The linear part where the hand moves, from velocities as large as the hand's:
 /// without any there is no contact.
 void add_motion_before(const Situation& at, const MotionOfRobot& before, ResidualCase& out) {
   const double speed = before.hand.head<3>().norm(), rate = before.hand.tail<3>().norm();
@@ -126,7 +126,6 @@ void add_motion_before(const Situation& at, const MotionOfRobot& before, Residua
     const double plus = square_at(at, step * Vector6d::Unit(i), before);
     const double minus = square_at(at, -step * Vector6d::Unit(i), before);
     out.linear[i] = (plus - minus) / (4 * step);
-    out.constant += ((plus + minus) / 2 - step * step * out.form(i, i)) / 6;
   }
 }
 
@@ -169,6 +168,7 @@ ResidualCase residual_case(const Situation& at) {
     }
   }
   if (before) add_motion_before(at, *before, out);
+  out.nominal = square_at(at, out.velocity, before);
   return out;
 }
 
@@ -207,7 +207,7 @@ struct OverBall {
     const Matrix6d L = residual.deviations * residual.root();
     P = L.transpose() * residual.form * L;
     q = L.transpose() * residual.slope(residual.velocity);
-    c = residual.square(residual.velocity);
+    c = residual.nominal;
   }
   double square(const Vector6d& s) const { return c + s.dot(P * s + 2 * q); }
   /// The value rises with s -> (P s + q) / |P s + q|.

@@ -16,17 +16,20 @@ struct ResidualCase {
   double deviations = 0;                   ///< k
   /// Probability of a negative closing speed; a latch that moves along has hold of the target.
   double separating = 0;
-  /// |y|^2 = V' form V + 2 linear' V + constant, y the terms of the objective below each other, for
-  /// any V, also one that separates. Of a hand at rest the form alone.
+  /// |y|^2 = V' form V + 2 linear' V and a constant, y the terms of the objective below each other,
+  /// for any V, also one that separates. Of a hand at rest the form alone.
   Matrix6d form = Matrix6d::Zero();
   Vector6d linear = Vector6d::Zero();
-  double constant = 0;
+  double nominal = 0;  ///< |y|^2 at Vbar by the contact law itself: the form has its rounding
 
-  double square(const Vector6d& V) const { return V.dot(form * V + 2 * linear) + constant; }
+  double square(const Vector6d& V) const {
+    const Vector6d d = V - velocity;
+    return nominal + d.dot(form * d + 2 * slope(velocity));
+  }
   /// Half the gradient of the square.
   Vector6d slope(const Vector6d& V) const { return form * V + linear; }
   /// E|y|^2 = |y|^2 at Vbar + tr(form Sigma).
-  double mean_square() const { return square(velocity) + (form * covariance).trace(); }
+  double mean_square() const { return nominal + (form * covariance).trace(); }
   /// Symmetric root of the covariance.
   Matrix6d root() const;
   /// Vbar + k root() s: the ellipsoid for |s| <= 1.

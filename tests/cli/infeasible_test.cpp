@@ -79,6 +79,16 @@ TEST_CASE("what may help where nothing leads away from a target that closes in h
   CHECK(shop.run("plan problem.yaml -o plan.json --force").code == 0);
 }
 
+TEST_CASE("what may help where no posture keeps a constraint names its key") {
+  const Workshop shop;
+  shop.write_changed("problem.yaml", "problems/servicer_latch.yaml", "closing_speed_min: 0.005",
+                     "closing_speed_min: 0.05");
+  const Outcome run = shop.run("plan problem.yaml --starts 4 -o plan.json");
+  INFO(run.err);
+  CHECK(run.code == 4);
+  CHECK(run.says("what may help: a smaller constraints.closing_speed_min, "));
+}
+
 TEST_CASE("what may help where wheels are too small helps") {
   const Workshop shop;
   const std::string shipped = "problems/detumble_wheels_too_small.yaml";

@@ -180,6 +180,8 @@ TEST_CASE("a motion of the hand that nothing can follow is refused with the reas
   CHECK_THAT(sticking("match_normal"), Catch::Contains("points that move together"));
   CHECK_THAT(sticking("{linear: [0, 0, 0]}"), Catch::Contains("nothing pushes"));
   CHECK_THAT(sticking("{angular: [0, 0, 0.1 deg/s]}"), Catch::Contains("state 'linear'"));
+  CHECK_THAT(refusal({{"contact: latch", "contact: latch\n  magnitude: 3"}}),
+             Catch::Contains("not-used: impact.magnitude: only a given impulse has one"));
   CHECK_THAT(refusal({{"base: floating", "base: held"}}), Catch::Contains("needs 'floating'"));
   CHECK_THAT(refusal({{"objective: base_angular_momentum", "objective: impulse_magnitude"}}),
              Catch::Contains("the impulse is zero in every posture"));

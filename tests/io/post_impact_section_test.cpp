@@ -149,6 +149,7 @@ TEST_CASE("a section that makes no sense is refused with its key") {
       {"  controllers: [detumble]\n", "0.1", "free", "controllers"},
       {"  grip: {force: 10 N}\n", "0.1", "free", "not-used: post_impact.grip"},
       {"  grip: {force: 0}\n", "0.1", "free", "post_impact.grip.force"},
+      {"  grip: {}\n", "0.1", "free", "missing-key: post_impact.grip: must state force"},
       {"  grip: {moment: 1 N}\n", "0.1", "free", "post_impact.grip.moment"},
       {"  contact: compliant\n  model: {target_mass_scale: 0}\n", "0.1", "free",
        "not-used: post_impact.model.target_mass_scale"},

@@ -198,6 +198,17 @@ TEST_CASE("a plan says what of its stated uncertainty the measure does not count
   CHECK(failures(loud) == "unused_uncertainty ");
 }
 
+TEST_CASE("a measure that vanishes where nothing is uncertain passes") {
+  CaptureProblem problem = test::without_path("servicer_latch");
+  problem.uncertainty = {};
+  problem.uncertainty.residual_velocity.emplace().covariance = Matrix6d::Zero();
+  problem.measure.kind = RiskMeasure::Expectation;
+  problem.search.starts = 8;
+  const Plan plan = make_plan(problem);
+  CHECK(plan.objective.value < 1e-9);
+  CHECK(failures(plan) == "");
+}
+
 TEST_CASE("a plan that states its residual velocity or its measure wrong fails") {
   const RiskMeasure measure = GENERATE(RiskMeasure::Expectation, RiskMeasure::WorstCase);
   const std::string name = GENERATE("servicer_latch", "matched_light");

@@ -190,6 +190,10 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "what the grip of a latched target bears: the wrench is the rate of its momentum; `detumble` "
     "keeps it",
     {.without = "any load"});
+  if (t.reader() != nullptr && t.reader()->has("grip") && !spec.grip.is_limited()) {
+    t.reader()->refuse("grip", "missing-key",
+                       "must state force, moment or both; leave it out where any load is borne");
+  }
   t("handback_start", Number(spec.handback_start, Dimension::Time, kWait),
     "`rns_handback`: after the impact; `rns_damped` until then");
   t("handback_gain", Number(spec.handback_gain, Dimension::Rate, kGain),
