@@ -71,8 +71,12 @@ std::string found_words(const Plan& plan) {
                   spread_words(plan, objective.nominal, objective.worst_case, objective.is_judged));
   if (!objective.is_judged) return text + "; a limit came before the measure was known";
   if (has_samples(plan)) {
+    const bool is_cvar = plan.problem.measure.kind == RiskMeasure::Cvar;
+    const bool is_root = objective_power(plan.problem).exponent == 1;
     text += fmt::format(", {} over the {} {} {}",
-                        plan.problem.measure.kind == RiskMeasure::Cvar ? "CVaR" : "mean",
+                        is_cvar   ? "CVaR"
+                        : is_root ? "root mean square"
+                                  : "mean",
                         plan.objective.residual ? "relative velocity" : "samples",
                         size_words(objective.value), objective.unit);
   }

@@ -110,6 +110,7 @@ TEST_CASE("the largest square over an ellipsoid and its bound are one, in the ha
     residual.covariance = random_covariance(random, 1e-3, 2e-3);
     residual.deviations = 3;
     if (trial % 2 == 1) residual.velocity = 0.01 * Vector6d::Unit(trial % 6);
+    residual.nominal = residual.velocity.dot(residual.form * residual.velocity);
     const auto largest = verification::largest_square(residual);
     CHECK(largest.bound == Approx(largest.value).epsilon(1e-8));
     CHECK(residual.distance(largest.velocity) == Approx(1));
@@ -132,10 +133,12 @@ TEST_CASE("equally bad velocities are isolated unless they form a curve") {
   CHECK(verification::is_isolated(residual, ends[0]));
   // Off the middle one end is worse, the other stays a local maximum.
   residual.velocity[0] = 0.1;
+  residual.nominal = 0.01;
   const auto apart = verification::local_maxima(residual);
   CHECK(residual.square(residual.at(apart[0])) == Approx(4.1 * 4.1));
   CHECK(residual.square(residual.at(apart[1])) == Approx(3.9 * 3.9));
   residual.velocity.setZero();
+  residual.nominal = 0;
   residual.covariance(1, 1) = 4;
   CHECK_FALSE(verification::is_isolated(residual, verification::local_maxima(residual).front()));
 }
