@@ -17,7 +17,6 @@
 #include "formulation/projection.hpp"
 #include "search/continua.hpp"
 #include "search/measure_search.hpp"
-#include "search/minima_ends.hpp"
 #include "search/ranking.hpp"
 #include "search/roll.hpp"
 #include "search/screening.hpp"
@@ -363,12 +362,8 @@ class Search {
     out_.stopped = out_.stopped || found.stopped;
     if (in_rounds) out_.unseen = found.is_zero ? 0 : std::exp(-found.reached);
     std::vector<Solution> minima;
-    const MinimaEnds ends(problem_, formulation_, measure_, options_);
-    for (const Eigen::VectorXd& x : found.points) ends.keep(x, minima);
-    if (rescuer_) {
-      const long calls = ends.finish(*rescuer_, briefly(), minima);
-      if (calls > 0) out_.solver_calls[options_.rescuer] += calls;
-    }
+    for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
+    rescue_best(minima);
     improve_prediction(minima);
     // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
@@ -412,6 +407,33 @@ class Search {
       // There was no zero before: now there may be one, on a curve.
       if (!simulates_ && out_.families.empty()) follow_curves();
       state_nominal_optimum();
+    }
+  }
+
+  void keep_minimum(const Eigen::VectorXd& x, std::vector<Solution>& minima) {
+    const double violation = largest_violation(problem_, formulation_, x);
+    if (!(violation <= kFeasibilityTolerance)) return;
+    keep_distinct(formulation_, {x, measure_.value(x), violation}, minima,
+                  options_.same_configuration);
+  }
+
+  /// Goes on from the best minima where the solver stopped short.
+  void rescue_best(std::vector<Solution>& minima) {
+    for (int i = 0;
+         i < options_.rescued_minima && rescuer_ && !minima.empty() && !options_.stop.reached();
+         ++i) {
+      const Eigen::VectorXd best =
+          std::min_element(minima.begin(), minima.end(), [](const Solution& a, const Solution& b) {
+            return better(a, b);
+          })->x;
+      if (measure_.certify(best).kkt_residual <= kOptimal) return;
+      const MeasureSolution further = measure_.finish(*rescuer_, briefly(), best);
+      out_.solver_calls[options_.rescuer] += further.solver_calls;
+      const ProjectionResult exact = project_onto_constraints(formulation_, further.x, false, 8);
+      if (!(exact.violation <= kFeasibilityTolerance)) return;
+      const Eigen::VectorXd x = formulation_.normalised(exact.x);
+      if (!(measure_.value(x) < measure_.value(best))) return;
+      keep_minimum(x, minima);
     }
   }
 

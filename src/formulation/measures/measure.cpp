@@ -10,7 +10,6 @@
 #include "formulation/measures/residual.hpp"
 #include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
-#include "nlp/newton.hpp"
 
 namespace stillbase {
 
@@ -222,7 +221,12 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
   for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);
     if (!(scale > 0) || (round > 0 && options.stop.reached())) break;
-    const ScenarioProgram program(formulation_, counting(worst), scale, &problem_);
+    std::vector<Scenario> following;
+    for (const ConeMaximum& maximum : worst) {
+      if (half_square(maximum.value) >= options_.counting_maximum * scale)
+        following.push_back(maximum.scenario);
+    }
+    const ScenarioProgram program(formulation_, following, scale, &problem_);
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
     ++out.solver_calls;
     const Eigen::VectorXd x = in_shortest_turns(formulation_, result.x.head(x0.size()));
@@ -234,29 +238,6 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     if (certify(x).kkt_residual <= options_.finished) break;
   }
   return out;
-}
-
-std::vector<Scenario> Measure::counting(const std::vector<ConeMaximum>& maxima) const {
-  const double least = options_.counting_maximum * half_square(maxima.front().value);
-  std::vector<Scenario> out;
-  for (const ConeMaximum& maximum : maxima) {
-    if (half_square(maximum.value) >= least) out.push_back(maximum.scenario);
-  }
-  return out;
-}
-
-Eigen::VectorXd Measure::end_by_newton(const Eigen::VectorXd& x) {
-  if (!formulation_.parts().differenced.empty()) return x;
-  if (is_nominal()) return nlp::end_by_newton(formulation_, x, x.size());
-  const double scale = value(x);
-  if (!(scale > options_.zero * options_.zero / 2)) return x;
-  const auto end = [&](const ScenarioProgram& program) {
-    return Eigen::VectorXd(nlp::end_by_newton(program, program.lifted(x), x.size()).head(x.size()));
-  };
-  if (problem_.measure.kind != RiskMeasure::WorstCase) {
-    return end(ScenarioProgram(formulation_, samples_, level(), scale));
-  }
-  return end(ScenarioProgram(formulation_, counting(maxima_at(x)), scale, &problem_));
 }
 
 nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {

@@ -82,10 +82,6 @@ class Measure {
   MeasureSolution finish(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0);
 
-  /// The last digits of a minimum: a few steps of Newton's method from x. The same point where the
-  /// objective is simulated, or where they do not lower its KKT residual.
-  Eigen::VectorXd end_by_newton(const Eigen::VectorXd& x);
-
   /// KKT of the smooth form at x, without anything that the solver knew: active directions are
   /// searched for.
   nlp::Certificate certify(const Eigen::VectorXd& x);
@@ -98,8 +94,6 @@ class Measure {
   /// Directions from which exchange() begins.
   std::vector<Scenario> first_directions(const std::vector<ConeMaximum>& worst) const;
   std::vector<ConeMaximum> maxima_at(const Eigen::VectorXd& x) const;
-  /// Those of the maxima that count.
-  std::vector<Scenario> counting(const std::vector<ConeMaximum>& maxima) const;
   /// 1/2 |y|^2 / unit^2 at a value of the objective.
   double half_square(double value) const;
   double sampled_value(const Eigen::VectorXd& x);
