@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/rotation.hpp>
 #include <stillbase/plan/turns.hpp>
 
 #include "formulation/formulation_parts.hpp"
@@ -25,6 +26,21 @@ Eigen::Index roll_variable(const CaptureProblem& problem, const Formulation& for
   const std::vector<int>& joints = formulation.parts().model.layout.joints;
   const auto at = std::find(joints.begin(), joints.end(), roll_joint(problem.robot));
   return at == joints.end() ? -1 : at - joints.begin();
+}
+
+/// Angles of a roll, those nearest to `start` first: `start` itself, or the end of the range
+/// towards it, and `count` parts of the range.
+std::vector<double> angles_from(double start, const SolutionFamily& roll, int joint, int count) {
+  const double lower = roll.points.front().phi[joint], upper = lower + roll.length;
+  const double nearest = std::clamp(roll.is_closed ? wrap_angle(start) : start, lower, upper);
+  std::vector<double> angles{nearest};
+  for (int i = 0; i <= count; ++i) angles.push_back(lower + roll.length * i / count);
+  const auto distance = [&](double angle) {
+    return std::abs(roll.is_closed ? wrap_angle(angle - nearest) : angle - nearest);
+  };
+  std::stable_sort(angles.begin(), angles.end(),
+                   [&](double a, double b) { return distance(a) < distance(b); });
+  return angles;
 }
 
 double size_of(double half_square) { return std::sqrt(2 * half_square); }
@@ -115,13 +131,14 @@ void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
     joined.back().family = static_cast<int>(families.size());
     families.push_back(std::move(*roll));
   }
+  // Which of them the search met is rounding, so the joint stays where the arm starts.
+  const int joint = roll_joint(problem.robot);
   for (Solution& solution : joined) {
-    if (solution.family < first_roll || stop.reached() || touches_nothing(solution.x)) continue;
+    if (solution.family < first_roll || stop.reached()) continue;
     const SolutionFamily& roll = families[static_cast<std::size_t>(solution.family)];
-    for (int i = 0; i <= options.angles; ++i) {
+    for (const double angle : angles_from(problem.start[joint], roll, joint, options.angles)) {
       Eigen::VectorXd turned = solution.x;
-      const double lower = roll.points.front().phi[roll_joint(problem.robot)];
-      turned[k] = lower + roll.length * i / options.angles;
+      turned[k] = angle;
       if (!touches_nothing(turned)) continue;
       solution.x = turned;
       break;

@@ -28,8 +28,8 @@ std::optional<SolutionFamily> roll_through(
     const std::function<double(const Eigen::VectorXd&)>& value, const RollOptions& options = {});
 
 /// Puts one solution in place of all that differ in a free roll alone, and its roll behind
-/// `families`. The one that stays has its best member's angle; where that touches something, an
-/// angle at which nothing does, if there is one.
+/// `families`. The one that stays has the start posture's angle, or the nearest one within the range
+/// at which it touches nothing; where there is none, its best member's.
 /// @param is_free whether a configuration touches nothing; may be empty
 void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
                 const std::function<double(const Eigen::VectorXd&)>& value,

@@ -43,6 +43,20 @@ TEST_CASE("solutions that differ in a free roll alone are one candidate with its
   CHECK(failures(plan) == "");
 }
 
+TEST_CASE("a joint that may roll freely stands as in the start posture where that is free") {
+  CaptureProblem problem = test::without_path("mounted_six_joint");
+  const int last = problem.robot.hand_body;
+  problem.search.starts = 8;
+  for (const double start : {problem.start[last], 0.25}) {
+    problem.start[last] = start;
+    const Plan plan = make_plan(problem);
+    REQUIRE_FALSE(plan.candidates.empty());
+    for (const Candidate& candidate : plan.candidates) {
+      if (candidate.collision_free) CHECK(candidate.configuration.phi[last] == start);
+    }
+  }
+}
+
 TEST_CASE("a roll that matters is not joined") {
   CaptureProblem problem = test::without_path("mounted_six_joint");
   problem.search.starts = 8;
