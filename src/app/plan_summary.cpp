@@ -435,20 +435,36 @@ std::string managed_words(const ManagedMomentum& managed) {
 }
 
 /// The limit of which most is used after the contact, kept or not.
-std::string limit_use_words(const LimitUse& use) {
+/// @param role "tightest limit", or what else it is
+std::string limit_use_words(const LimitUse& use, const std::string& role) {
   const bool is_angle = use.unit == "rad" || use.unit == "rad/s";
   const double scale = is_angle ? kDegrees : 1;
   const std::string unit = use.unit == "rad" ? "deg" : use.unit == "rad/s" ? "deg/s" : use.unit;
   std::string name = to_string(use.limit);
   std::replace(name.begin(), name.end(), '_', ' ');
-  std::string text = fmt::format("{} limit: {} of {}, ", use.margin() < 0 ? "exceeded" : "tightest",
-                                 name, use.place);
+  std::string text = fmt::format("{}: {} of {}, ", role, name, use.place);
   // Of ranges the value is a distance from their middle, which says little.
   const bool is_range = use.limit == CaptureLimit::JointStop || use.place == "contact_time";
   if (!is_range) {
     text += fmt::format("{:.4g} of {:.4g} {}, ", scale * use.value, scale * use.most, unit);
   }
   return text + fmt::format("margin {:.3g} {}", scale * use.margin(), unit);
+}
+
+/// The limit that binds: an exceeded one, else under detumble the one at which a load is held
+/// longest, else the one of which most is used.
+std::string binding_limit_words(const ManagedMomentum& managed, double horizon) {
+  const LimitUse& most = managed.limits.front();
+  if (most.margin() < 0) return limit_use_words(most, "exceeded limit");
+  const auto& held = managed.longest_held;
+  if (!held) return limit_use_words(most, "tightest limit");
+  std::string name = to_string(held->limit);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return fmt::format(
+      "binding limit: {} of {}, at least {:.4g} % of it for {:.4g} s of the {:.4g} s "
+      "until {}",
+      name, held->place, 100 * kNearLimit, held->time, managed.rest_time.value_or(horizon),
+      managed.rest_time ? "the rest" : "the horizon");
 }
 
 std::string proof_words(const Proof& proof) {
@@ -530,7 +546,8 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
       lines.push_back(
           {plan.after_horizon ? "" : "afterwards", managed_words(*plan.managed_momentum)});
       if (!plan.managed_momentum->limits.empty()) {
-        lines.push_back({"", limit_use_words(plan.managed_momentum->limits.front())});
+        lines.push_back(
+            {"", binding_limit_words(*plan.managed_momentum, plan.problem.post_impact.horizon)});
       }
     }
     const bool is_proven = proof.status != ProofStatus::NotApplicable || proof.lower_bound;

@@ -136,6 +136,25 @@ void add_time(const CaptureProblem& problem, const Configuration& configuration,
   most.give(out);
 }
 
+std::optional<HeldLimit> longest_held(const RobotModel& robot, const LoadTimes& times) {
+  HeldLimit longest;
+  const auto take = [&](CaptureLimit limit, const std::string& place, double time) {
+    if (time > longest.time) longest = {limit, place, time};
+  };
+  for (int i = 0; i < 3; ++i) {
+    take(CaptureLimit::WheelTorque, kAxes[static_cast<std::size_t>(i)], times.wheel_torques[i]);
+  }
+  take(CaptureLimit::GripForce, robot.hand, times.grip_force);
+  take(CaptureLimit::GripMoment, robot.hand, times.grip_moment);
+  for (int k = 0; k < robot.n(); ++k) {
+    const std::string& joint = robot.joints[static_cast<std::size_t>(k)].name;
+    take(CaptureLimit::JointRate, joint, times.joint_rates[k]);
+    take(CaptureLimit::JointTorque, joint, times.joint_torques[k]);
+  }
+  if (longest.time > 0) return longest;
+  return std::nullopt;
+}
+
 }  // namespace
 
 ManagedMomentum account_for_momentum(const CaptureProblem& problem,
@@ -166,6 +185,10 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
   if (summary != nullptr) {
     managed.remaining = run->simulation.trace.back().total.norm();
     managed.rest_time = summary->rest_time;
+    const auto controller = chosen_controller(spec);
+    if (controller && controller->kind == ControllerKind::Detumble) {
+      managed.longest_held = longest_held(robot, summary->near_limit);
+    }
   }
 
   std::vector<LimitUse>& limits = managed.limits;

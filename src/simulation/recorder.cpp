@@ -52,12 +52,14 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
-Recorder::Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops,
-                   const SensorSpec& sensors)
-    : robot_(robot), controller_(controller), watch_stops_(watch_stops), sensors_(sensors) {
+Recorder::Recorder(const RobotModel& robot, const Controller& controller,
+                   const SimulationOptions& options)
+    : robot_(robot), controller_(controller), options_(options) {
   result_.summary.peak_joint_rates = JointVectord::Zero(robot.n());
   result_.summary.peak_torques = JointVectord::Zero(robot.n());
   result_.summary.peak_demanded_torques = JointVectord::Zero(robot.n());
+  result_.summary.near_limit.joint_rates = JointVectord::Zero(robot.n());
+  result_.summary.near_limit.joint_torques = JointVectord::Zero(robot.n());
 }
 
 void Recorder::observe(double t, const PlantState& state, const PlantTerms& terms,
@@ -86,6 +88,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   if (!started_) summary.lowest_positions = summary.highest_positions = state.phi;
   summary.lowest_positions = summary.lowest_positions.cwiseMin(state.phi);
   summary.highest_positions = summary.highest_positions.cwiseMax(state.phi);
+  watch_loads(t, state, command, demanded);
   watch_rest(t, state, terms, momentum);
   watch_momentum(state, momentum);
   if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
@@ -118,6 +121,35 @@ void Recorder::start(const PlantState& state, const PlantTerms& terms,
   const double T = kinetic_energy(terms.inertia, state);
   P_scale_ = std::sqrt(2 * terms.inertia.mass * T);
   L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
+}
+
+void Recorder::watch_loads(double t, const PlantState& state, const ControlCommand& command,
+                           const JointVectord& demanded) {
+  if (started_ && !result_.summary.rest_time) {
+    const double h = t - t_;
+    LoadTimes& times = result_.summary.near_limit;
+    times.joint_rates += h * near_.joint_rates;
+    times.joint_torques += h * near_.joint_torques;
+    times.wheel_torques += h * near_.wheel_torques;
+    times.grip_force += h * near_.grip_force;
+    times.grip_moment += h * near_.grip_moment;
+  }
+  const auto is_near = [](double load, double limit) {
+    return limit > 0 && std::abs(load) >= kNearLimit * limit ? 1.0 : 0.0;
+  };
+  near_.joint_rates.resize(robot_.n());
+  near_.joint_torques.resize(robot_.n());
+  for (int k = 0; k < robot_.n(); ++k) {
+    const Joint& joint = robot_.joints[k];
+    near_.joint_rates[k] = is_near(state.phidot[k], joint.max_velocity);
+    near_.joint_torques[k] = is_near(demanded[k], joint.max_effort);
+  }
+  for (int i = 0; i < 3; ++i) {
+    near_.wheel_torques[i] = is_near(command.wheel_torque[i], options_.wheels.torque[i]);
+  }
+  const GripSpec& grip = options_.grasp.limits;
+  near_.grip_force = is_near(grip_wrench_.head<3>().norm(), grip.force.value_or(0));
+  near_.grip_moment = is_near(grip_wrench_.tail<3>().norm(), grip.moment.value_or(0));
 }
 
 void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& momentum) {
@@ -160,12 +192,12 @@ void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& t
   const double rate = state.phidot.size() > 0 ? state.phidot.lpNorm<Eigen::Infinity>() : 0;
   peak_rate_ = std::max(peak_rate_, rate);
   // A momentum that the sensors do not tell from none is none.
-  const double unseen = sensors_.base_rate_error * terms.tilde.Htilde_omega.trace() +
-                        sensors_.joint_rate_error * terms.tilde.Htilde_omegaphi.norm();
+  const double unseen = options_.sensors.base_rate_error * terms.tilde.Htilde_omega.trace() +
+                        options_.sensors.joint_rate_error * terms.tilde.Htilde_omegaphi.norm();
   const double least = std::max({kAtRest * rest_L_g_, kNoRotation * rest_L_scale_, unseen});
   const bool rests =
       !touches && momentum.L_g.norm() <= least &&
-      rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, sensors_.joint_rate_error});
+      rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error});
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();
   if (rests && !since) since = std::max(t, 0.0);  // a compliant contact starts before zero
@@ -182,7 +214,7 @@ void Recorder::watch_limits(double t, const PlantState& state) {
   for (int k = 0; k < robot_.n(); ++k) {
     const Joint& joint = robot_.joints[k];
     if (std::abs(state.phidot[k]) > joint.max_velocity) note(k, LimitKind::Rate, t);
-    if (watch_stops_) watch_stops(k, t, state);
+    if (!options_.joint_stops) watch_stops(k, t, state);
   }
 }
 

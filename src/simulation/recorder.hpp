@@ -7,10 +7,9 @@ namespace stillbase {
 
 class Recorder {
  public:
-  /// @param watch_stops false: stops are enforced, stop_reached() reports them
-  /// @param sensors of the controller, whose errors keep what rests from resting more exactly
-  Recorder(const RobotModel& robot, const Controller& controller, bool watch_stops,
-           const SensorSpec& sensors);
+  /// @param options of the run; enforced stops are reported by stop_reached(), and the errors of
+  /// the controller's sensors keep what rests from resting more exactly
+  Recorder(const RobotModel& robot, const Controller& controller, const SimulationOptions& options);
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
@@ -33,6 +32,8 @@ class Recorder {
   void watch_lost_momentum(const PlantTerms& terms, const Momentum<double>& momentum);
   void watch_rest(double t, const PlantState& state, const PlantTerms& terms,
                   const Momentum<double>& momentum);
+  void watch_loads(double t, const PlantState& state, const ControlCommand& command,
+                   const JointVectord& demanded);
   void watch_limits(double t, const PlantState& state);
   void watch_stops(int k, double t, const PlantState& state);
   void note(int joint, LimitKind kind, double time);
@@ -40,8 +41,7 @@ class Recorder {
   const RobotModel& robot_;
   const Controller& controller_;
   SimulationResult result_;
-  bool watch_stops_;
-  const SensorSpec& sensors_;
+  const SimulationOptions& options_;
   bool started_ = false;
   bool record_now_ = true;
   double t_ = 0;      ///< of the observation before
@@ -49,6 +49,7 @@ class Recorder {
   Eigen::Quaterniond first_attitude_;
   Vector3d first_P_N_, first_L_N_;
   double P_scale_ = 0, L_scale_ = 0;
+  LoadTimes near_;  ///< of the observation before: 1 for each load near its limit, else 0
   std::optional<TargetPlantState> target_;
   Vector3d contact_force_ = Vector3d::Zero();
   Vector6d grip_wrench_ = Vector6d::Zero();

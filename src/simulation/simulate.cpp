@@ -144,7 +144,7 @@ std::string to_string(LimitKind kind) {
 
 SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
                           const Controller& controller, const SimulationOptions& options) {
-  Recorder recorder(robot, controller, !options.joint_stops, options.sensors);
+  Recorder recorder(robot, controller, options);
   const std::unique_ptr<Integrator> integrator = options.integrator == IntegratorKind::Rk4
                                                      ? make_rk4_integrator(options)
                                                      : make_adaptive_integrator(options);

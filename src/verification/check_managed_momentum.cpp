@@ -1,6 +1,7 @@
 // The momentum that a plan has to manage, and the limits that this takes up, recomputed.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>
@@ -229,6 +230,73 @@ void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vecto
   }
 }
 
+/// Largest size in each sample of a run, of one load that `detumble` may drive up to its limit.
+struct Load {
+  CaptureLimit limit;
+  std::string place;
+  double most = 0;
+  std::function<double(const TraceSample&)> size;
+};
+
+std::vector<Load> loads_of(const CaptureProblem& problem) {
+  const PostImpactSpec& spec = problem.post_impact;
+  std::vector<Load> loads;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    const Joint& joint = problem.robot.joints[k];
+    loads.push_back({CaptureLimit::JointRate, joint.name, joint.max_velocity,
+                     [k](const TraceSample& x) { return x.state.phidot[k]; }});
+    loads.push_back({CaptureLimit::JointTorque, joint.name, joint.max_effort,
+                     [k](const TraceSample& x) { return x.demanded_tau[k]; }});
+  }
+  for (int i = 0; i < 3; ++i) {
+    loads.push_back({CaptureLimit::WheelTorque, kAxes[i], spec.wheels.torque[i],
+                     [i](const TraceSample& x) { return x.wheel_torque[i]; }});
+  }
+  loads.push_back({CaptureLimit::GripForce, problem.robot.hand, spec.grip.force.value_or(0),
+                   [](const TraceSample& x) { return x.grip_wrench.head<3>().norm(); }});
+  loads.push_back({CaptureLimit::GripMoment, problem.robot.hand, spec.grip.moment.value_or(0),
+                   [](const TraceSample& x) { return x.grip_wrench.tail<3>().norm(); }});
+  return loads;
+}
+
+/// s until the rest with at least this part of a load's limit, by the samples of a run.
+double time_near(const Load& load, double part, const SimulationResult& run) {
+  if (!(load.most > 0) || !std::isfinite(load.most)) return 0;
+  double time = 0;
+  for (std::size_t i = 1; i < run.trace.size(); ++i) {
+    const double to = std::min(run.trace[i].time, run.summary.rest_time.value_or(kInfinity));
+    const double from = run.trace[i - 1].time;
+    if (to > from && std::abs(load.size(run.trace[i - 1])) >= part * load.most) time += to - from;
+  }
+  return time;
+}
+
+/// The limit that binds under `detumble`, between counts of what is a little nearer to the limit
+/// and a little less near, as the samples of a run show them.
+void compare_held(const Context& context, const AfterContact& run, Objections& objections) {
+  constexpr double kPart = 0.01;  ///< of a limit: a load that crosses kNearLimit there may count
+  const SimulationResult& result = run.simulation;
+  const double interval =
+      result.trace.size() > 1 ? result.trace[1].time - result.trace[0].time : 0.0;
+  const double slack = 3 * interval;  // a load that begins and ends between samples
+  const auto& stated = context.plan.managed_momentum->longest_held;
+  bool is_known = !stated;
+  for (const Load& load : loads_of(context.problem)) {
+    const double certain = time_near(load, kNearLimit + kPart, result);
+    const double possible = time_near(load, kNearLimit - kPart, result);
+    const double time = stated ? stated->time : 0;
+    const std::string name = to_string(load.limit) + " of " + load.place;
+    objections.demand(certain <= time + slack,
+                      fmt::format("{} is held for {:.4g} s, longer than stated", name, certain));
+    if (!stated || load.limit != stated->limit || load.place != stated->place) continue;
+    is_known = true;
+    objections.demand(
+        time > 0 && time <= possible + slack,
+        fmt::format("{} is stated to be held for {:.4g} s, {:.4g} s found", name, time, possible));
+  }
+  objections.demand(is_known, "the limit that is held longest is none that can be held");
+}
+
 void check_account(const Context& context, const Vector6d& Fbar, const Vector3d& angular,
                    const AfterContact* run, ClaimList& claims) {
   const auto& stated = context.plan.managed_momentum;
@@ -277,6 +345,11 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
   const Uses uses = all_uses(context, angular, run);
   compare_limits(*stated, uses, angular, step, objections);
+  if (run != nullptr && spec.controllers.front() == "detumble") {
+    compare_held(context, *run, objections);
+  } else {
+    objections.demand(!stated->longest_held, "a limit is held without a controller that holds it");
+  }
   claims.none_wrong(
       "capture_limits", objections,
       stated->limits.empty() ? "no limit" : "tightest: " + words(stated->limits.front()));

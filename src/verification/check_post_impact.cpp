@@ -136,13 +136,15 @@ void judge_motion(const Context& context, const ControllerReport& report,
                  context.options.momentum_tolerance, "1", "relative change in N" + under);
 }
 
-/// With the integration of these checks.
-SimulationOptions options_of(const Context& context) {
+/// With the integration of these checks, and samples close enough to see which load detumble holds
+/// at its limit.
+SimulationOptions options_of(const Context& context, const Controller& controller) {
   SimulationOptions options = plant_options_of(context.problem.post_impact, context.problem.robot);
   options.integrator = IntegratorKind::Fehlberg78;
   options.relative_tolerance = 1e-11;
   options.absolute_tolerance = 1e-13;
-  options.output_period = context.problem.post_impact.horizon / 20;
+  const int samples = controller.kind == ControllerKind::Detumble ? 200 : 20;
+  options.output_period = context.problem.post_impact.horizon / samples;
   options.stop = context.options.stop;
   return options;
 }
@@ -169,7 +171,8 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
   if (!stated) return;
   const PostImpactSpec& spec = context.problem.post_impact;
   const auto controller = controller_of(spec, spec.controllers.front());
-  const auto found = look_beyond_horizon(subject, spec, *controller, options_of(context), run);
+  const auto found =
+      look_beyond_horizon(subject, spec, *controller, options_of(context, *controller), run);
   if (!found) return claims.not_verified(name, "the simulation beyond the horizon did not finish");
   claims.at_most("after_horizon_joint_rate", std::abs(stated->joint_rate - found->joint_rate),
                  kSameRate * found->joint_rate + kNoRate, "rad/s",
@@ -178,7 +181,7 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
   if (!agree(*stated, *found)) {
     // Over ten horizons the motion of several joints may become chaotic: then another method of
     // this verification ends otherwise, too.
-    SimulationOptions another = options_of(context);
+    SimulationOptions another = options_of(context, *controller);
     another.integrator = IntegratorKind::Dopri5;
     const auto other = look_beyond_horizon(subject, spec, *controller, another, run);
     if (other && !agree(*other, *found)) {
@@ -214,7 +217,8 @@ std::optional<AfterContact> simulate(const Context& context, const ContactCase& 
     return std::nullopt;
   }
   try {
-    AfterContact run = simulate_after_contact(subject, spec, *controller, options_of(context));
+    AfterContact run =
+        simulate_after_contact(subject, spec, *controller, options_of(context, *controller));
     const SimulationResult& result = run.simulation;
     const Drift drift = run.encounter ? pair_drift(context.problem, result.trace)
                                       : momentum_drift(context, run.robot, result.trace);

@@ -80,9 +80,10 @@ inline Plan random_plan(const std::string& problem = "problems/planar_two_link_c
                   {"closing_speed", false, 0.01, 0, 1e-3, "m/s"}};
   plan.after_horizon = AfterHorizon{0.1 / 3, true, 8.2 / 3, "joint_2"};
   plan.managed_momentum = ManagedMomentum{
-      Vector3d(0.1, -0.2, 1.0 / 3), Vector3d(1, 2, -0.7), 0.1 + 0.2, 1e-17 / 3, {}, {}};
+      Vector3d(0.1, -0.2, 1.0 / 3), Vector3d(1, 2, -0.7), 0.1 + 0.2, 1e-17 / 3, {}, {}, {}};
   plan.managed_momentum->limits = {{CaptureLimit::WheelTorque, "x", 0.2, 0.2, "N m"},
                                    {CaptureLimit::Reach, "hand", 1.0 / 3, 0.7, "m"}};
+  plan.managed_momentum->longest_held = HeldLimit{CaptureLimit::WheelTorque, "x", 20.0 / 3};
   Approach& approach = plan.approach;
   approach.status = ApproachStatus::Found;
   approach.detail = "a \"quoted\" detail\nwith <two> lines";

@@ -84,6 +84,28 @@ TEST_CASE("the limit that is used most stands first, and every limit is there on
   REQUIRE(managed->remaining);
 }
 
+TEST_CASE("under detumble the limit that binds is the one at which a load stays longest") {
+  CaptureProblem problem = test::shipped("detumble_client_1000");
+  PostImpactSpec& spec = problem.post_impact;
+  const Configuration at = start_configuration(problem);
+  const ImpactSummary impact = impact_at(problem, at);
+  const auto by_wheels = managed_momentum(problem, at, impact);
+  REQUIRE(by_wheels->longest_held);
+  REQUIRE(by_wheels->rest_time);
+  CHECK(by_wheels->longest_held->limit == CaptureLimit::WheelTorque);
+  CHECK(by_wheels->longest_held->time > 0.5 * *by_wheels->rest_time);
+  CHECK(by_wheels->longest_held->time <= *by_wheels->rest_time);
+  // A grip that is too weak for these wheels takes their place.
+  const LimitUse* const moment = find(*by_wheels, CaptureLimit::GripMoment);
+  REQUIRE(moment != nullptr);
+  spec.grip.moment = 0.5 * moment->value;
+  const auto by_grip = managed_momentum(problem, at, impact);
+  REQUIRE(by_grip->longest_held);
+  CHECK(by_grip->longest_held->limit == CaptureLimit::GripMoment);
+  spec.controllers = {"rns_damped"};
+  CHECK_FALSE(managed_momentum(problem, at, impact)->longest_held.has_value());
+}
+
 TEST_CASE("wheels that are too small and a grip that is too weak break the limits by name") {
   Latched x;
   PostImpactSpec& spec = x.problem.post_impact;

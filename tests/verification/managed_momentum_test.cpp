@@ -26,7 +26,7 @@ AfterContact run_of(const Context& context) {
   options.integrator = IntegratorKind::Fehlberg78;
   options.relative_tolerance = 1e-11;
   options.absolute_tolerance = 1e-13;
-  options.output_period = spec.horizon / 20;
+  options.output_period = spec.horizon / 200;
   return simulate_after_contact(contact_case(context.problem, at.target(), at.event, at.response,
                                              at.at, at.event.n, at.impulse()),
                                 spec, *controller_of(spec, spec.controllers.front()), options);
@@ -101,6 +101,29 @@ TEST_CASE("an account of the momentum holds, and fails with any number of it alt
             m.limits.erase(m.limits.begin() + static_cast<std::ptrdiff_t>(i));
           }) == "capture_limits ");
   }
+}
+
+TEST_CASE("the limit that detumble holds longest is recounted by the samples of the run") {
+  const Plan plan = latched_plan();
+  REQUIRE(plan.managed_momentum->longest_held);
+  const AfterContact run = run_of(plan);
+  const auto fails = [&](const std::function<void(std::optional<HeldLimit>&)>& change) {
+    Plan other = plan;
+    change(other.managed_momentum->longest_held);
+    return failures_of(other, run) == "capture_limits ";
+  };
+  CHECK_FALSE(fails([](std::optional<HeldLimit>&) {}));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held.reset(); }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 0.5; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 1.5; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->place += "_"; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->limit = CaptureLimit::Reach; }));
+  Plan other = latched_plan("rns_damped");
+  const AfterContact damped = run_of(other);
+  CHECK_FALSE(other.managed_momentum->longest_held);
+  CHECK(failures_of(other, damped) == "");
+  other.managed_momentum->longest_held = plan.managed_momentum->longest_held;
+  CHECK(failures_of(other, damped) == "capture_limits ");
 }
 
 TEST_CASE("another joint than the one that uses most of a limit is no account of it") {

@@ -261,6 +261,14 @@ struct LimitUse {
   double part() const { return most > 0 ? value / most : value > 0 ? kInfinity : 0; }
 };
 
+/// The limit at which a load stays longest until robot and target rest: it decides how long that
+/// takes.
+struct HeldLimit {
+  CaptureLimit limit = CaptureLimit::WheelTorque;
+  std::string place;  ///< joint, axis of B ("x") or hand link
+  double time = 0;    ///< s with at least kNearLimit of it
+};
+
 /// The angular momentum that has to go somewhere after the contact, and what that takes. Of a
 /// latched target it is that of robot and target, else what the impact leaves in the robot.
 struct ManagedMomentum {
@@ -274,7 +282,10 @@ struct ManagedMomentum {
   /// s after the contact: from then on at most 1 % of the angular momentum is outside the wheels
   /// and at most 1 % of the joints' largest rate is left. Empty: not within the horizon.
   std::optional<double> rest_time;
-  std::vector<LimitUse> limits;  ///< the one of which most is used first: it binds
+  std::vector<LimitUse> limits;  ///< the one of which most is used first
+  /// Under detumble, which drives one load up to its limit: which one binds. Empty: no load comes
+  /// near its limit, or the controller is another.
+  std::optional<HeldLimit> longest_held;
 };
 
 /// What a plan leaves out of what its own problem says.

@@ -121,6 +121,18 @@ struct LimitEvent {
 inline constexpr double kAtRest = 0.01;        ///< of momentum and joint rates
 inline constexpr double kJointsAtRest = 1e-6;  ///< rad/s: slower joints rest whatever they did
 
+inline constexpr double kNearLimit = 0.9;  ///< of a limit: a load from there on is near it
+
+/// For how long loads are near their limits (kNearLimit) until robot and target rest, s. Zero where
+/// there is no limit.
+struct LoadTimes {
+  JointVectord joint_rates;                   ///< n
+  JointVectord joint_torques;                 ///< n, of the torques that the controller asks for
+  Vector3d wheel_torques = Vector3d::Zero();  ///< per axis of B
+  double grip_force = 0;
+  double grip_moment = 0;
+};
+
 /// Result of the run. Extremes are taken over the integrator's steps.
 struct SimulationSummary {
   double peak_base_rate = 0;       ///< max |omega|, rad/s
@@ -162,6 +174,7 @@ struct SimulationSummary {
   /// contact where one takes time, and no more than that part of the largest joint rate is left, s;
   /// or no more of both than one deviation of the sensors' errors. Empty: not at the end.
   std::optional<double> rest_time;
+  LoadTimes near_limit;
   double peak_contact_force = 0;               ///< N
   Vector3d wheel_momentum = Vector3d::Zero();  ///< at the end, in B, N m s
   long steps = 0;                              ///< of the integrator

@@ -483,6 +483,13 @@ static void fields(Table& t, LimitUse& use) {
   map->refuse("margin", "inconsistent", "is not most - value");
 }
 
+static void fields(Table& t, HeldLimit& held) {
+  t("limit", Word(held.limit, capture_limit_names()), "", kNeeded);
+  t("place", Text(held.place), "joint, axis of B or hand link", kNeeded);
+  t("time", Number(held.time, kNonNegative), "with at least 90 % of the limit until the rest",
+    needed("s"));
+}
+
 void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
   t("angular", Vector(managed.angular), "about the common centroid", needed("N m s", "B"));
   t("linear", Vector(managed.linear), "", needed("N s", "B"));
@@ -498,6 +505,14 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
   t("limits", maps_of(managed.limits),
     "how much of each limit is used from the contact to the horizon, the tightest one first",
     kNeeded);
+  HeldLimit held = managed.longest_held.value_or(HeldLimit{});
+  t("longest_held",
+    Map([&](Table& m) { fields(m, held); },
+        {.name = "longest_held", .is_written = managed.longest_held.has_value()}),
+    "limit that binds under `detumble`: the load that is near its limit for the longest time; "
+    "absent: none comes near, or another controller");
+  MapReader* map = t.reader();
+  if (map != nullptr && map->has("longest_held")) managed.longest_held = held;
 }
 
 namespace {
