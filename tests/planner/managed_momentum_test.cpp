@@ -95,13 +95,17 @@ TEST_CASE("under detumble the limit that binds is the one at which a load stays 
   CHECK(by_wheels->longest_held->limit == CaptureLimit::WheelTorque);
   CHECK(by_wheels->longest_held->time > 0.5 * *by_wheels->rest_time);
   CHECK(by_wheels->longest_held->time <= *by_wheels->rest_time);
-  // A grip that is too weak for these wheels takes their place.
+  // Stronger wheels leave it to a weaker grip, which has to turn the target.
   const LimitUse* const moment = find(*by_wheels, CaptureLimit::GripMoment);
   REQUIRE(moment != nullptr);
-  spec.grip.moment = 0.5 * moment->value;
+  spec.grip.moment = 0.03 * moment->value;
+  spec.wheels.torque *= 10;
   const auto by_grip = managed_momentum(problem, at, impact);
   REQUIRE(by_grip->longest_held);
+  REQUIRE(by_grip->rest_time);
   CHECK(by_grip->longest_held->limit == CaptureLimit::GripMoment);
+  CHECK(by_grip->longest_held->place == problem.robot.hand);
+  CHECK(by_grip->longest_held->time > 0.9 * *by_grip->rest_time);
   spec.controllers = {"rns_damped"};
   CHECK_FALSE(managed_momentum(problem, at, impact)->longest_held.has_value());
 }
