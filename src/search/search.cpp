@@ -19,8 +19,8 @@
 #include "search/measure_search.hpp"
 #include "search/ranking.hpp"
 #include "search/roll.hpp"
-#include "search/screening.hpp"
 #include "search/solution.hpp"
+#include "search/start_postures.hpp"
 
 namespace stillbase {
 
@@ -71,9 +71,6 @@ bool may_have_rounds(const CaptureProblem& problem) {
          problem.user.terms.empty();
 }
 
-/// Point i of a list.
-using PointOf = std::function<Eigen::VectorXd(int i)>;
-
 class Search {
  public:
   Search(const CaptureProblem& problem, const Formulation& formulation,
@@ -87,7 +84,7 @@ class Search {
         isolated_(formulation.freedom() == 0),
         simulates_(simulates_turn(problem)),
         jobs_(problem.user.empty() ? jobs_or_processors(options.jobs) : 1),
-        own_starts_((isolated_ ? options.starts_per_isolated : 1) * options.starts) {
+        postures_(problem, formulation, options, isolated_, jobs_) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == options.rescuer)
       rescuer_.reset();
@@ -124,46 +121,6 @@ class Search {
   }
 
  private:
-  /// A start point on the constraints, or as near to them as a few draws come.
-  ProjectionResult posture_of(int start) const {
-    if (start >= own_starts_) {
-      return projected(options_.more_starts[static_cast<std::size_t>(start - own_starts_)]);
-    }
-    ProjectionResult best = projected(drawn(start));
-    // Many random postures cannot be projected: another draw costs far less than a solve.
-    for (int draw = 1;
-         draw <= options_.more_draws && !isolated_ && best.violation > options_.on_constraints;
-         ++draw) {
-      const ProjectionResult trial = projected(drawn(start + draw * own_starts_));
-      if (trial.violation < best.violation) best = trial;
-    }
-    return best;
-  }
-  Eigen::VectorXd drawn(int index) const {
-    return formulation_.start_point(
-        low_discrepancy_point(index, formulation_.num_variables(), options_.seed));
-  }
-  ProjectionResult projected(const Eigen::VectorXd& x) const {
-    return project_onto_constraints(formulation_, x, false, isolated_ ? 60 : 15);
-  }
-  /// Those of `count` points that can be moved onto the constraints, there, in their order.
-  /// @param zero_objective as project_onto_constraints(), which takes `steps`
-  std::vector<Eigen::VectorXd> moved_onto_constraints(int count, int steps, bool zero_objective,
-                                                      const PointOf& start) const {
-    std::vector<ProjectionResult> ends(static_cast<std::size_t>(count));
-    std::vector<Eigen::VectorXd> out;
-    const auto work = [&](int i) {
-      ends[static_cast<std::size_t>(i)] =
-          project_onto_constraints(formulation_, start(i), zero_objective, steps);
-    };
-    const auto take = [&](int i) {
-      const ProjectionResult& end = ends[static_cast<std::size_t>(i)];
-      if (end.violation <= options_.on_constraints) out.push_back(end.x);
-    };
-    for_each_index(jobs_, count, options_.stop, work, take);
-    return out;
-  }
-
   using Calls = std::map<std::string, long>;
 
   Solution solved(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0,
@@ -205,7 +162,7 @@ class Search {
   };
   StartResult result_of(int start) const {
     StartResult out;
-    out.posture = posture_of(start);
+    out.posture = postures_.of(start);
     nlp::OptimizeOptions solve = solve_;
     solve.seed = options_.seed + static_cast<std::uint64_t>(start);
     out.found = isolated_ && start >= options_.starts
@@ -221,7 +178,7 @@ class Search {
   /// minimise: Newton steps from many more starts find them, and cost less than one local solve.
   void find_solutions() {
     const PhaseClock::Phase phase(options_.clock, "search.starts");
-    const int starts = own_starts_ + static_cast<int>(options_.more_starts.size());
+    const int starts = postures_.starts();
     // Those that are not taken yet: a few, whatever the number of starts.
     std::map<int, StartResult> results;
     std::mutex mutex;  // of the results
@@ -351,7 +308,7 @@ class Search {
     const bool in_rounds = options_.is_adaptive && may_have_rounds(problem_);
     out_.had_rounds = in_rounds;
     MoreStarts more;
-    if (in_rounds) more = [this](int round) { return fresh_starts(round); };
+    if (in_rounds) more = [this](int round) { return postures_.fresh(round); };
     const std::vector<Eigen::VectorXd> from = first_starts(in_rounds);
     // A long list is stated where many candidates may touch something.
     MeasureSearchOptions effort = options_.minima;
@@ -374,6 +331,13 @@ class Search {
         keep_distinct(formulation_, solution, minima, options_.same_configuration);
     }
     solutions_ = std::move(minima);
+  }
+
+  std::vector<Eigen::VectorXd> first_starts(bool in_rounds) const {
+    const PhaseClock::Phase phase(options_.clock, "search.screening");
+    std::vector<Eigen::VectorXd> solutions;
+    for (const Solution& solution : solutions_) solutions.push_back(solution.x);
+    return postures_.first(on_constraints_, solutions, in_rounds);
   }
 
   void state_nominal_optimum() {
@@ -435,87 +399,6 @@ class Search {
       if (!(measure_.value(x) < measure_.value(best))) return;
       keep_minimum(x, minima);
     }
-  }
-
-  /// Where solves of the measure begin: the starts' postures, the solutions of the nominal problem,
-  /// and what looks best of many draws. Where rounds follow: what looks best of all.
-  std::vector<Eigen::VectorXd> first_starts(bool in_rounds) const {
-    const PhaseClock::Phase phase(options_.clock, "search.screening");
-    std::vector<Eigen::VectorXd> postures = on_constraints_, solutions;
-    for (const Solution& solution : solutions_) solutions.push_back(solution.x);
-    const std::vector<Eigen::VectorXd> drawn = drawn_postures(0);
-    if (in_rounds) {
-      postures.insert(postures.end(), drawn.begin(), drawn.end());
-      return best_of_both(postures, solutions, options_.minima.first);
-    }
-    postures.insert(postures.end(), solutions.begin(), solutions.end());
-    for (Eigen::VectorXd& start :
-         best_by_screening(problem_, formulation_, drawn, options_.screening)) {
-      postures.push_back(std::move(start));
-    }
-    return postures;
-  }
-
-  /// As many as `kept` of either list, by screening.
-  std::vector<Eigen::VectorXd> best_of_both(const std::vector<Eigen::VectorXd>& first,
-                                            const std::vector<Eigen::VectorXd>& second,
-                                            int kept) const {
-    ScreeningOptions screening = options_.screening;
-    screening.kept = kept;
-    auto out = best_by_screening(problem_, formulation_, first, screening);
-    for (Eigen::VectorXd& x : best_by_screening(problem_, formulation_, second, screening)) {
-      out.push_back(std::move(x));
-    }
-    return out;
-  }
-
-  /// Postures on the constraints, of a batch of draws that no start has used.
-  std::vector<Eigen::VectorXd> drawn_postures(int batch) const {
-    const int first = own_starts_ * (1 + options_.more_draws) + batch * options_.screening.drawn;
-    return moved_onto_constraints(options_.screening.drawn, isolated_ ? 60 : 15, false,
-                                  [&](int i) { return drawn(first + i); });
-  }
-
-  /// Starts of a further round: postures that look best for the measure, and zeros of the nominal
-  /// value that do. Minima of the measure are often near the best zeros of a self-motion, and
-  /// Newton steps to a zero cost a tenth of a solve.
-  std::vector<Eigen::VectorXd> fresh_starts(int round) const {
-    const PhaseClock::Phase phase(options_.clock, "search.screening");
-    const std::vector<Eigen::VectorXd> postures = drawn_postures(1 + round);
-    const std::vector<Eigen::VectorXd> zeros =
-        moved_onto_constraints(static_cast<int>(postures.size()), 10, true,
-                               [&](int i) { return postures[static_cast<std::size_t>(i)]; });
-    return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);
-  }
-
-  /// Zeros after a few random steps along their self-motions, each taken where the measure falls.
-  std::vector<Eigen::VectorXd> walk_along_zeros(std::vector<Eigen::VectorXd> zeros,
-                                                int round) const {
-    const MeasureSearchOptions& effort = options_.minima;
-    if (zeros.empty()) return zeros;
-    ScreeningOptions screening = options_.screening;
-    screening.kept = effort.fresh;
-    zeros = best_by_screening(problem_, formulation_, zeros, screening);
-    Eigen::VectorXd values = screen(problem_, formulation_, zeros, screening);
-    Random random(options_.seed, 2 + static_cast<std::uint64_t>(round));
-    for (int step = 0; step < effort.self_motion_steps && !options_.stop.reached(); ++step) {
-      std::vector<Eigen::VectorXd> moved;
-      std::vector<bool> is_zero;
-      for (const Eigen::VectorXd& zero : zeros) {
-        const Eigen::VectorXd there = hopped(zero, random, effort);
-        const ProjectionResult end = project_onto_constraints(formulation_, there, true, 10);
-        is_zero.push_back(end.violation <= options_.on_constraints);
-        moved.push_back(end.x);
-      }
-      const Eigen::VectorXd trial = screen(problem_, formulation_, moved, screening);
-      for (std::size_t i = 0; i < zeros.size(); ++i) {
-        const auto k = static_cast<Eigen::Index>(i);
-        if (!is_zero[i] || !(trial[k] < values[k])) continue;
-        zeros[i] = moved[i];
-        values[k] = trial[k];
-      }
-    }
-    return zeros;
   }
 
   /// Candidates in their order, with certificates.
@@ -590,7 +473,7 @@ class Search {
   const bool isolated_;
   const bool simulates_;
   const int jobs_;
-  const int own_starts_;
+  const StartPostures postures_;
   std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
   std::vector<Solution> solutions_;
   Solution nearest_;  ///< the best of all that was found
