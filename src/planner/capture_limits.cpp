@@ -167,7 +167,7 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
   managed.angular = impact.total;
   managed.linear = impact.Fbar.head<3>();
   const bool is_latch = subject.law == ContactLaw::Latch && subject.target;
-  if (is_latch && subject.impulse > 0) {
+  if (is_latch && is_in_contact(subject)) {
     const Vector3d v = configuration.base.orientation.conjugate() * subject.target->state.velocity;
     managed.linear = subject.target->body.mass * v;
   }

@@ -144,13 +144,17 @@ LatchedRobot latch_target(const ContactCase& subject) {
   return latched;
 }
 
-AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
-                                    const Controller& controller,
-                                    const SimulationOptions& options) {
+bool is_in_contact(const ContactCase& subject) {
   // A hand that moves with the target is held by a latch that gives no impulse, whichever way the
   // target moves.
   const bool is_grasp = subject.law == ContactLaw::Latch && moves(subject);
-  const bool is_contact = is_grasp || (subject.impulse > 0 && subject.closing_speed > 0);
+  return is_grasp || (subject.impulse > 0 && subject.closing_speed > 0);
+}
+
+AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
+                                    const Controller& controller,
+                                    const SimulationOptions& options) {
+  const bool is_contact = is_in_contact(subject);
   const bool is_compliant = spec.contact.model == ContactModel::Compliant;
   const bool is_latch = subject.law == ContactLaw::Latch;
   if ((is_compliant || is_latch) && !subject.target) {

@@ -66,6 +66,17 @@ TEST_CASE("after a latch the managed momentum is that of robot and target, else 
   CHECK_FALSE(managed_momentum(test::shipped("spart_given_push"), at, impact).has_value());
 }
 
+TEST_CASE("a latch that takes no impulse at all leaves the target's momentum to be managed") {
+  const CaptureProblem matched = test::shipped("matched_medium");
+  const Configuration at = start_configuration(matched);
+  ImpactSummary impact = impact_at(matched, at);
+  REQUIRE(impact.before);
+  const Vector3d managed = managed_momentum(matched, at, impact)->linear;
+  CHECK(managed.norm() > 1);
+  impact.Fbar.setZero();
+  CHECK(managed_momentum(matched, at, impact)->linear == managed);
+}
+
 TEST_CASE("the limit that is used most stands first, and every limit is there once") {
   Latched x;
   PostImpactSpec& spec = x.problem.post_impact;

@@ -172,9 +172,10 @@ TEST_CASE("shipped problems with a matched hand are planned and hold", "[.slow]"
 }
 
 TEST_CASE("a matched hand arrives with twenty seeds of twenty", "[.slow]") {
+  const std::string name = GENERATE("matched_light", "matched_medium", "matched_heavy");
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    INFO("seed " << seed);
-    const Plan plan = matched_plan("matched_light", 16, seed);
+    INFO(name << ", seed " << seed);
+    const Plan plan = matched_plan(name, 16, seed);
     check_matched(plan, verify_plan(plan));
   }
 }

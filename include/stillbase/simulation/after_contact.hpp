@@ -36,6 +36,10 @@ struct ContactCase {
   std::optional<TargetBody> known_target = std::nullopt;
 };
 
+/// Whether hand and target meet: they close in, or a hand that moves with the target latches it,
+/// which may take no impulse at all.
+bool is_in_contact(const ContactCase& subject);
+
 struct AfterContact {
   SimulationResult simulation;
   RobotModel robot;  ///< of the simulation: with the target when it is held
