@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -31,6 +32,9 @@ constexpr double kMinimumSimulated = 1e-3;
 /// By how much the slopes of a limit on both sides may differ beyond its curvature, per unit of a
 /// step: more is a kink, as of two boxes that change their separating axis.
 constexpr double kKink = 1e-3;
+/// Slopes of a limit per unit of a step, all of them smaller: differences do not tell it from one
+/// that nothing changes, as the distance of two bodies on one axis.
+constexpr double kNoSlope = 1e-7;
 constexpr const char* kKinked =
     "an active limit has no gradient here: its slopes on both sides differ, as of the distance of "
     "boxes with two equally wide gaps";
@@ -192,15 +196,16 @@ class Stationarity {
     };
     const Eigen::Index m = parts_.values(here_).size();
     if (k > 0) {
-      const Eigen::MatrixXd slopes =
+      Eigen::MatrixXd slopes =
           differences(k, [&](const Eigen::VectorXd& u) { return values_at(u); });
-      find_kinks(m);
+      const std::vector<bool> has_kink = find_kinks(m);
       // Two boxes pass a feature on one side of the configuration only: it has no distance on the
       // other.
       if (!slopes.allFinite() || !kinks_.allFinite()) {
         objection_ = kKinked;
         return;
       }
+      leave_out_constant(m, has_kink, slopes);
       const Eigen::MatrixXd limits = slopes.bottomRows(slopes.rows() - m).transpose();
       find_multipliers(slopes.topRows(m).transpose(), limits);
       if (kinks_.cols() > 0) {
@@ -231,10 +236,12 @@ class Stationarity {
   /// either side differ by a vector d: the limit's slope along u jumps by |d . u|. A column for
   /// each such limit.
   /// @param parts of the measure, which come before the limits among the values
-  void find_kinks(Eigen::Index parts) {
+  /// @return of each active limit whether it has a kink
+  std::vector<bool> find_kinks(Eigen::Index parts) {
     const Eigen::Index n = manifold_.dimension(), m = static_cast<Eigen::Index>(active_.size());
+    std::vector<bool> has_kink(active_.size(), false);
     kinks_.resize(n, 0);
-    if (m == 0) return;
+    if (m == 0) return has_kink;
     const Eigen::VectorXd here = values_at(here_.at);
     // What is smooth bends twice as much over twice the step and drops out.
     const auto jumps = [&](const Eigen::VectorXd& direction) {
@@ -260,9 +267,29 @@ class Stationarity {
             std::abs(largest + d[k] - jump) < std::abs(std::abs(largest - d[k]) - jump);
         if (!is_same_sign) d[k] = -d[k];
       }
+      has_kink[static_cast<std::size_t>(i)] = true;
       kinks_.conservativeResize(n, kinks_.cols() + 1);
       kinks_.col(kinks_.cols() - 1) = d;
     }
+    return has_kink;
+  }
+
+  /// Limits that do not change beside the configuration leave the list of the active ones: their
+  /// slopes are rounding, and a large enough multiple of rounding balances any gradient.
+  /// @param slopes rows of the parts, then of the active limits
+  void leave_out_constant(Eigen::Index parts, const std::vector<bool>& has_kink,
+                          Eigen::MatrixXd& slopes) {
+    std::vector<std::size_t> changing;
+    std::vector<Eigen::Index> rows(static_cast<std::size_t>(parts));
+    std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const Eigen::Index row = parts + static_cast<Eigen::Index>(i);
+      if (!has_kink[i] && slopes.row(row).cwiseAbs().maxCoeff() <= kNoSlope) continue;
+      changing.push_back(active_[i]);
+      rows.push_back(row);
+    }
+    active_ = std::move(changing);
+    slopes = Eigen::MatrixXd(slopes(rows, Eigen::all));
   }
 
   /// Of the largest of several functions, a bound t of them is a variable of its own.

@@ -112,6 +112,17 @@ double relative_violation_slope(const Eigen::VectorXd& x, const Eigen::VectorXd&
                                 : 0.0;
 }
 
+// Of the gradients A of active bounds the parts P that the equations leave open, with zero for
+// those that are rounding alone: a large enough multiple of rounding balances any gradient.
+// Constraints are of order one.
+Eigen::MatrixXd without_rounding(Eigen::MatrixXd P, const Eigen::MatrixXd& A) {
+  constexpr double kRounding = 1e-12;
+  for (Eigen::Index c = 0; c < P.cols(); ++c) {
+    if (P.col(c).norm() <= kRounding * std::max(1.0, A.col(c).norm())) P.col(c).setZero();
+  }
+  return P;
+}
+
 // `normals` (N x k): gradients of everything active.
 std::optional<double> reduced_hessian_min_eigenvalue(const Problem& problem,
                                                      const Eigen::VectorXd& x,
@@ -184,14 +195,15 @@ Certificate certify(const Problem& problem, const Eigen::VectorXd& x, const Eval
   if (num_free > 0) {
     const PivotedQr qr(E);
     if (num_signed > 0 && qr.rank() < n) {
-      signed_multipliers = solve_nonnegative_least_squares(
-          qr.complement_components(A), -qr.complement_components(at_x.gradient));
+      signed_multipliers =
+          solve_nonnegative_least_squares(without_rounding(qr.complement_components(A), A),
+                                          -qr.complement_components(at_x.gradient));
     }
     residual += A * signed_multipliers;
     free_multipliers = qr.solve(-residual);
     residual += E * free_multipliers;
   } else if (num_signed > 0) {
-    signed_multipliers = solve_nonnegative_least_squares(A, -at_x.gradient);
+    signed_multipliers = solve_nonnegative_least_squares(without_rounding(A, A), -at_x.gradient);
     residual += A * signed_multipliers;
   }
 

@@ -234,6 +234,24 @@ TEST_CASE("limits of two bodies with a common end restrict once") {
   CHECK(failures(plan).find("reduced_curvature") != std::string::npos);
 }
 
+TEST_CASE("a limit that nothing changes takes no part in the first-order conditions") {
+  // Links 4 and 6 are 0.025 m apart at every posture, which is the clearance: the limit is reached,
+  // and its slopes are rounding, another one at each posture.
+  CaptureProblem problem = test::without_path("ets7_envisat_fast");
+  problem.search.optimizer = "random-search";
+  problem.search.starts = 2;
+  for (int seed = 0; seed < 12; ++seed) {
+    problem.search.seed = seed;
+    const Plan plan = make_plan(problem);
+    REQUIRE(plan.status == PlanStatus::Feasible);
+    REQUIRE(plan.certificate.kkt_residual > 1e-3);
+    const std::string found = said(plan);
+    CAPTURE(seed, found);
+    CHECK(found.find("fails") == std::string::npos);
+    CHECK(found.find("relative: first-order conditions by differences") != std::string::npos);
+  }
+}
+
 TEST_CASE("a limit without a value on one side of the configuration leaves the conditions open") {
   CaptureProblem problem = matched_problem(1, 1e-12);
   problem.search.starts = 16;

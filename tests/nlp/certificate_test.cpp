@@ -117,6 +117,35 @@ TEST_CASE("a redundant equation does not spoil the certificate") {
   CHECK(certify(p, p.minimisers[0]).kkt_residual < 1e-12);
 }
 
+TEST_CASE("an active limit that the equations decide takes no part in the certificate") {
+  // Of 100 points that are no minima: what rounding leaves of the limit's gradient beside that of
+  // the equation has a direction, and a large multiple of it would balance some of them.
+  for (int i = 0; i < 100; ++i) {
+    KnownProblem p;
+    p.start = vec({0.1 * i, -0.03 * i, 1.0});
+    p.l = Eigen::VectorXd::Constant(3, -kInfinity);
+    p.u = -p.l;
+    p.g_l = p.g_u = vec({0.0});
+    const Eigen::VectorXd along = vec({1.0, 0.37, 1.0 / (3 + i)}), slope = vec({0.3, 1.0, -0.7});
+    bool has_limit = false;
+    p.model = [&](const Eigen::VectorXd& x, Evaluation& e) {
+      const double off = along.dot(x - p.start);
+      e.objective = slope.dot(x);
+      e.gradient = slope;
+      e.constraints[0] = off;
+      e.jacobian.row(0) = along;
+      if (!has_limit) return;
+      e.constraints[1] = 2.7 * off;
+      e.jacobian.row(1) = 2.7 * along;
+    };
+    const double alone = certify(p, p.start).kkt_residual;
+    has_limit = true;
+    p.g_l = vec({0.0, 0.0});
+    p.g_u = vec({0.0, kInfinity});
+    CHECK(certify(p, p.start).kkt_residual == Approx(alone));
+  }
+}
+
 TEST_CASE("the objective scale decides which gradients are small") {
   struct Scaled final : Problem {
     double scale = 1.0;
