@@ -16,7 +16,6 @@ constexpr double kLimitMargin = 1e-7;    ///< nearer to a limit than this is und
 constexpr double kBoundRounding = 1e-9;  ///< relative
 constexpr double kInsideCone = 1e-10;    ///< rad towards the axis: no direction is outside
 constexpr int kRimDirections = 24;
-constexpr int kMoreDirections = 64;   ///< configurations whose worst directions are added
 constexpr double kNearlyBest = 1.02;  ///< of the least measure: their worst directions count
 
 /// Whether a box's middle keeps the limits on rates, singular values and distances.
@@ -68,9 +67,9 @@ void compare_boxes(const char* name, const std::vector<JointBox>& stated,
   }
 }
 
-/// The worst directions at a configuration, in the frame of the scenarios. @param scenario nominal
-std::vector<Scenario> worst_at(const CaptureProblem& problem, const Configuration& configuration,
-                               const Scenario& nominal) {
+/// The encounters along the worst directions at a configuration. @param nominal encounter
+std::vector<WorstEncounter> worst_at(const CaptureProblem& problem,
+                                     const Configuration& configuration, const Scenario& nominal) {
   const Situation at(problem, configuration);
   const bool is_in_base =
       problem.impulse.direction && problem.impulse.direction_frame == Frame::Base;
@@ -80,10 +79,11 @@ std::vector<Scenario> worst_at(const CaptureProblem& problem, const Configuratio
   } else if (!is_in_base) {
     R_EB = at.at.base.orientation;
   }
-  std::vector<Scenario> out;
+  std::vector<WorstEncounter> out;
   for (const Vector3d& d : SmoothParts(at).worst_directions(at)) {
-    out.push_back(nominal);
-    out.back().direction = (R_EB * d + kInsideCone * nominal.direction).normalized();
+    const double length = std::sqrt(square_of(problem, at.response, at.impulse(d)));
+    out.push_back({nominal, objective_power(problem).value(length)});
+    out.back().scenario.direction = (R_EB * d + kInsideCone * nominal.direction).normalized();
   }
   return out;
 }
@@ -108,8 +108,9 @@ std::vector<Scenario> scenarios_of(const Context& context, double best) {
   }
   for (const Candidate& candidate : context.plan.candidates) {
     if (candidate.value > kNearlyBest * best) continue;
-    const std::vector<Scenario> worst = worst_at(problem, candidate.configuration, out.front());
-    out.insert(out.end(), worst.begin(), worst.end());
+    for (const WorstEncounter& worst : worst_at(problem, candidate.configuration, out.front())) {
+      out.push_back(worst.scenario);
+    }
   }
   return out;
 }
@@ -159,10 +160,8 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
   };
   const std::vector<Scenario> known = scenarios_of(context, best);
   if (problem.measure.kind == RiskMeasure::WorstCase && known.size() > 1) {
-    options.worst_at = [&problem, nominal = known.front(),
-                        left = kMoreDirections](const Configuration& at) mutable {
-      if (left-- <= 0) return std::vector<Scenario>();
-      return worst_at(problem, at, nominal);
+    options.worst_at = [&](const Configuration& at) {
+      return worst_at(problem, at, known.front());
     };
   }
   const MinimumBound found = prover.prove_minimum(problem, known, enclosed, best, options);

@@ -71,15 +71,15 @@ std::vector<Vector3d> spread_directions(const CaptureProblem& problem, const Vec
   return out;
 }
 
-/// Where the cone's maxima are at a configuration.
-std::vector<Vector3d> worst_directions(const CaptureProblem& problem,
-                                       const Formulation& formulation, const Configuration& at,
-                                       const BoundOptions& options) {
-  std::vector<Vector3d> out;
+/// Encounters along a cone's maxima at a configuration, those that are nearly as bad as the worst.
+std::vector<WorstEncounter> worst_encounters(const CaptureProblem& problem,
+                                             const Formulation& formulation,
+                                             const Configuration& at, const BoundOptions& options) {
+  std::vector<WorstEncounter> out;
   const auto maxima = cone_maxima(problem, formulation, at);
   for (const ConeMaximum& maximum : maxima) {
     if (maximum.value < options.nearly_active * maxima.front().value) continue;
-    out.push_back(maximum.scenario.direction);
+    out.push_back({maximum.scenario, maximum.value});
   }
   return out;
 }
@@ -92,19 +92,25 @@ std::vector<Vector3d> active_directions(const CaptureProblem& problem,
   int looked_at = 0;
   for (const Candidate& candidate : found.candidates) {
     if (candidate.value > options.nearly_best * best || ++looked_at > options.candidates) continue;
-    for (const Vector3d& direction :
-         worst_directions(problem, formulation, candidate.configuration, options)) {
-      out.push_back(direction);
+    for (const WorstEncounter& worst :
+         worst_encounters(problem, formulation, candidate.configuration, options)) {
+      out.push_back(worst.scenario.direction);
     }
   }
   return out;
+}
+
+/// A direction of the cone that rounding leaves in it.
+Vector3d moved_inside(const Vector3d& direction, const Scenario& nominal,
+                      const BoundOptions& options) {
+  return (direction + options.inside * nominal.direction).normalized();
 }
 
 /// Adds encounters along directions within the cone that are not among the known ones.
 void add_directions(const std::vector<Vector3d>& directions, const Scenario& nominal,
                     const BoundOptions& options, std::vector<Scenario>& known) {
   for (const Vector3d& direction : directions) {
-    const Vector3d inside = (direction + options.inside * nominal.direction).normalized();
+    const Vector3d inside = moved_inside(direction, nominal, options);
     const auto is_same = [&](const Scenario& other) {
       return (other.direction - inside).norm() < options.same_direction;
     };
@@ -179,19 +185,15 @@ std::optional<MinimumBound> bound_measure(const Prover* prover, const CapturePro
     }
     return measure.reported(x);
   };
-  std::vector<Scenario> known = scenarios_of(problem, formulation, found, *best, bound);
+  const std::vector<Scenario> known = scenarios_of(problem, formulation, found, *best, bound);
   // A single one: the nominal measure, no cone, or a wedge that rotates with the base.
-  const bool has_cone = problem.measure.kind == RiskMeasure::WorstCase && known.size() > 1;
-  const std::size_t most = known.size() + static_cast<std::size_t>(bound.more_directions);
-  if (has_cone) {
-    options.worst_at = [&problem, &formulation, &bound, known,
-                        most](const Configuration& at) mutable {
-      const auto before = static_cast<std::ptrdiff_t>(known.size());
-      if (known.size() < most) {
-        add_directions(worst_directions(problem, formulation, at, bound),
-                       formulation.nominal_scenario(), bound, known);
+  if (problem.measure.kind == RiskMeasure::WorstCase && known.size() > 1) {
+    options.worst_at = [&](const Configuration& at) {
+      auto out = worst_encounters(problem, formulation, at, bound);
+      for (WorstEncounter& worst : out) {
+        worst.scenario.direction = moved_inside(worst.scenario.direction, known.front(), bound);
       }
-      return std::vector<Scenario>(known.begin() + before, known.end());
+      return out;
     };
   }
   return prover->prove_minimum(problem, known, enclosed, *best, options);

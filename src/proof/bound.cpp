@@ -141,7 +141,9 @@ class Search {
 
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
-    for (const Box<N>& box : domain) boxes.push_back({-kInfinite, 0, box, {}});
+    for (const Box<N>& box : domain) {
+      boxes.push_back({.lower = -kInfinite, .serial = 0, .box = box});
+    }
     examine_all(boxes);
     while (!open_.empty() && !(open_.top().lower >= goal_) && out_.suspects.empty()) {
       if (out_.boxes >= options_.max_boxes || options_.stop.reached()) {
@@ -149,10 +151,10 @@ class Search {
         break;
       }
       if (options_.on_progress) options_.on_progress(out_.boxes);
-      add_where_stalled();
       // So many at a time whatever the number of threads: the same answer anywhere.
       boxes.clear();
       while (boxes.size() < options_.at_a_time && !open_.empty() && !(open_.top().lower >= goal_)) {
+        if (boxes.size() < 2 * options_.asked_at_a_time) add_values(open_.top());
         divide(open_.top(), boxes);
         open_.pop();
       }
@@ -174,7 +176,10 @@ class Search {
     double lower;
     long serial;  ///< of equal bounds the first
     Box<N> box;
-    std::array<double, N> bends{};  ///< of the first f_k: what halving a side would lessen
+    std::array<double, N> bends{};   ///< of the first f_k: what halving a side would lessen
+    std::array<double, N> middle{};  ///< of the box as it was examined
+    double at_middle = kInfinite;    ///< upper bound of max_k f_k there
+    bool is_constrained = false;     ///< there are equations: the middle need not solve them
     bool operator<(const Node& other) const {
       return lower > other.lower || (lower == other.lower && serial > other.serial);
     }
@@ -185,7 +190,8 @@ class Search {
     Node node;
     bool is_left = true;  ///< not wholly above the cut
     long evaluations = 0;
-    std::optional<double> middle;  ///< upper bound of max_k f_k at the box's middle
+    double first_middle = kInfinite;  ///< Node::at_middle of the whole box
+    bool is_below_goal = false;       ///< so it is, and no equation forbids that point
   };
 
   /// Cuts boxes, bounds what remains and puts it on the list.
@@ -201,10 +207,9 @@ class Search {
     for (std::size_t i = 0; i < results.size(); ++i) {
       Examined& seen = results[i];
       out_.boxes += seen.evaluations;
-      if (seen.middle && *seen.middle < options_.goal) {
-        const Eigen::VectorXd middle = middle_of(boxes[i].box);
-        try_point(middle);
-        if (!add_values(middle)) expect_at_most(*seen.middle);
+      if (seen.is_below_goal) {
+        try_point(middle_of(boxes[i].box));
+        if (!options_.add_values) expect_at_most(seen.first_middle);
       }
       if (!seen.is_left) continue;
       if (width_of(seen.node.box) <= options_.min_width) {
@@ -222,22 +227,14 @@ class Search {
     if (options_.value_at(x) < options_.goal) out_.suspects.push_back(x);
   }
 
-  bool add_values(const Eigen::VectorXd& x) const {
-    if (!options_.add_values || !out_.suspects.empty()) return false;
+  /// Asks for the f_k that are missing at the middle of a box.
+  void add_values(const Node& node) {
+    if (!options_.add_values || !out_.suspects.empty() || !(node.at_middle < goal_)) return;
+    const double worth = options_.worth_adding * (options_.cut - options_.goal);
+    const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(node.middle.data(), N);
     const RoundToNearest nearest;
-    return options_.add_values(x);
-  }
-
-  /// Asks for more f_k where the bound makes no more progress.
-  void add_where_stalled() {
-    const double missing = options_.goal - open_.top().lower;
-    if (!(missing > (1 - options_.progress) * stalled_missing_)) {
-      stalled_missing_ = missing;
-      stalled_since_ = out_.boxes;
-    } else if (out_.boxes - stalled_since_ >= options_.boxes_without_progress) {
-      add_values(middle_of(open_.top().box));
-      stalled_since_ = out_.boxes;
-    }
+    const double largest = options_.add_values(x, node.at_middle + worth);
+    if (!node.is_constrained && largest < options_.goal) expect_at_most(largest);
   }
 
   /// The bound will not be above the f_k of any point: as near to them is good enough.
@@ -256,9 +253,11 @@ class Search {
       ++out.evaluations;
       Part<N> part;
       part.side.fill(Interval(-1, 1));
-      std::optional<double> middle;
-      out.is_left = reduce(X, part, out.node, middle);
-      if (round == 0) out.middle = middle;
+      out.is_left = reduce(X, part, out.node);
+      if (round == 0) {
+        out.first_middle = out.node.at_middle;
+        out.is_below_goal = !out.node.is_constrained && out.first_middle < options_.goal;
+      }
       if (!out.is_left || out.node.lower > options_.cut) {
         out.is_left = false;
         break;
@@ -271,14 +270,15 @@ class Search {
   }
 
   /// One evaluation; false: nothing of the box remains.
-  /// @param at_middle upper bound of max_k f_k at the middle of the box; only without equations
-  bool reduce(const Box<N>& X, Part<N>& part, Node& node, std::optional<double>& at_middle) const {
+  bool reduce(const Box<N>& X, Part<N>& part, Node& node) const {
     std::array<Form<N>, N> x;
     for (int i = 0; i < N; ++i) x[static_cast<std::size_t>(i)] = Form<N>(X[i], i);
     std::vector<Form<N>> all_equations;
     std::vector<Fraction<N>> values;
     program_.evaluate(x, all_equations, values);
-    if (all_equations.empty()) at_middle = largest_at_middle(values);
+    for (int i = 0; i < N; ++i) node.middle[static_cast<std::size_t>(i)] = proof::middle(X[i]);
+    node.at_middle = largest_at_middle(values);
+    node.is_constrained = !all_equations.empty();
     std::vector<Quadratic<N>> equations, excesses;
     for (const Form<N>& equation : all_equations) equations.push_back(equation.folded());
     double weight = 0;  // largest q0 / denominator
@@ -312,7 +312,8 @@ class Search {
     return true;
   }
 
-  static std::optional<double> largest_at_middle(const std::vector<Fraction<N>>& values) {
+  /// Infinite where it is not known.
+  static double largest_at_middle(const std::vector<Fraction<N>>& values) {
     double largest = -kInfinite;
     bool is_known = false;
     for (const Fraction<N>& value : values) {
@@ -321,11 +322,10 @@ class Search {
       const Form<N>&n = value.numerator, &d = value.denominator;
       const double divisor = std::fmax(d.c() - d.r, value.least_denominator);
       const double at_most = (n.c() + n.r) / divisor;
-      if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return std::nullopt;
+      if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return kInfinite;
       largest = std::fmax(largest, at_most);
     }
-    if (!is_known) return std::nullopt;
-    return largest;
+    return is_known ? largest : kInfinite;
   }
 
   /// Per variable, what a form is that no quadratic form can be.
@@ -387,9 +387,7 @@ class Search {
   const BoundOptions& options_;
   double goal_;  ///< the bound that is still sought
   std::priority_queue<Node> open_;
-  double undivided_ = kInfinite;        ///< least bound of boxes too small to divide
-  double stalled_missing_ = kInfinite;  ///< to the goal, when there was progress the last time
-  long stalled_since_ = 0;              ///< boxes examined then
+  double undivided_ = kInfinite;  ///< least bound of boxes too small to divide
   long serial_ = 0;
   Bound out_;
 };

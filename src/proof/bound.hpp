@@ -57,11 +57,11 @@ struct BoundOptions {
   /// Of a problem without equations max_k f_k at a point, or more, in the default rounding mode:
   /// the search ends at the first point that is below the goal.
   std::function<double(const Eigen::VectorXd& x)> value_at = {};
-  /// Where the f_k stand for a function that is larger: adds those that are largest at a point.
-  /// Asked about points at which all f_k are below the goal, and, where the bound makes no more
-  /// progress, about the middle of the box of which least is known.
-  /// @return whether there are more f_k now
-  std::function<bool(const Eigen::VectorXd& x)> add_values = {};
+  /// Where the f_k stand for a function F that is larger: adds those that are F at a point and
+  /// above `least`. Asked about the middles of the boxes of which least is known, where all f_k are
+  /// below the goal there: no box can be divided so often that f_k which are missing do not matter.
+  /// @return F at x
+  std::function<double(const Eigen::VectorXd& x, double least)> add_values = {};
 
   // Effort. Every choice is right; these need the fewest boxes on the shipped problems.
   /// A box that has lost this part of its volume is examined once more before it is divided.
@@ -77,10 +77,9 @@ struct BoundOptions {
   std::size_t at_a_time = 64;
   std::size_t boxes_per_thread = 8;  ///< fewer are not worth a thread
   std::size_t max_suspects = 8;      ///< where the limit was reached
-  /// A bound that came nearer to its goal by less than `progress` of what was missing, in as many
-  /// boxes, makes no more progress.
-  long boxes_without_progress = 2000;
-  double progress = 0.1;
+  std::size_t asked_at_a_time = 8;   ///< boxes of `at_a_time` whose middles add_values() sees
+  /// Of the distance from goal to cut: an f_k that is less above the others is not worth its work.
+  double worth_adding = 0.05;
   int jobs = 0;  ///< threads at most; 0: one per processor
 };
 

@@ -194,12 +194,17 @@ Bound bound(const MinimumProblem& problem, double best, const MinimumOptions& op
       return value * value;
     };
   }
-  if (at.more_impulses) {
-    search.add_values = [&](const Eigen::VectorXd& x) {
-      const std::vector<ImpulseCase> more = at.more_impulses(x.head(used));
+  if (at.worst_impulses) {
+    search.add_values = [&](const Eigen::VectorXd& x, double least) {
+      double largest = 0;
+      const std::vector<WorstImpulse> worst = at.worst_impulses(x.head(used));
       const RoundUpward upward;
-      for (const ImpulseCase& impulse : more) program.add(impulse);
-      return !more.empty();
+      for (const WorstImpulse& each : worst) {
+        const double square = each.value * each.value;
+        largest = std::max(largest, square);
+        if (square > least) program.add(each.impulse);
+      }
+      return largest;
     };
   }
   Bound out = bound_below<N>(program, domain_of<N>(problem), search);

@@ -282,10 +282,11 @@ MinimumBound prove_minimum(const CaptureProblem& problem, const std::vector<Scen
     };
   }
   if (options.worst_at) {
-    at.more_impulses = [&](const Eigen::VectorXd& x) {
-      std::vector<proof::ImpulseCase> out;
-      for (const Scenario& scenario : options.worst_at(configuration_at(x))) {
-        out.push_back(proof::impulse_case(bounded.where.encounter, scenario));
+    at.worst_impulses = [&](const Eigen::VectorXd& x) {
+      std::vector<proof::WorstImpulse> out;
+      for (const WorstEncounter& worst : options.worst_at(configuration_at(x))) {
+        out.push_back({proof::impulse_case(bounded.where.encounter, worst.scenario),
+                       power.length(worst.value)});
       }
       return out;
     };

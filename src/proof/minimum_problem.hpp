@@ -57,11 +57,17 @@ struct MinimumProblem {
 MinimumProblem minimum_problem(const CaptureProblem& problem,
                                const std::vector<Scenario>& scenarios);
 
+/// An impulse and its |y|.
+struct WorstImpulse {
+  ImpulseCase impulse;
+  double value = 0;
+};
+
 /// What is asked about values x of the encounter's variables; each may be empty.
 struct MinimumCallbacks {
   std::function<double(const Eigen::VectorXd& x)> value = {};  ///< the measure
-  /// Further impulses of a worst case, the largest at x.
-  std::function<std::vector<ImpulseCase>(const Eigen::VectorXd& x)> more_impulses = {};
+  /// The impulses of a worst case that are local maxima of |y| at x, the largest first.
+  std::function<std::vector<WorstImpulse>(const Eigen::VectorXd& x)> worst_impulses = {};
 };
 
 /// Of the measure; suspects are values of the encounter's variables.

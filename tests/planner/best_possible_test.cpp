@@ -36,8 +36,8 @@ TEST_CASE("the best worst case of the redundant planar arm is proven to a thousa
 
 TEST_CASE("the bound over a wedge of half a plane finds the directions that it lacks") {
   // Six directions on either side leave 0.9 % and 0.8 % open, however many boxes are examined.
-  for (const auto& [quantity, gap] : {std::pair{ObjectiveQuantity::JointRateNorm, 1e-3},
-                                      {ObjectiveQuantity::BaseAngularVelocity, 3e-3}}) {
+  for (const ObjectiveQuantity quantity :
+       {ObjectiveQuantity::JointRateNorm, ObjectiveQuantity::BaseAngularVelocity}) {
     CaptureProblem problem = without_path("planar_two_link_c2_a");
     problem.constraints.impact_case = CaseConstraint::None;
     problem.objective = {{quantity}};
@@ -49,9 +49,26 @@ TEST_CASE("the bound over a wedge of half a plane finds the directions that it l
     CAPTURE(proof.statement, proof.boxes);
     REQUIRE(proof.lower_bound.has_value());
     CHECK(*proof.lower_bound <= best_of(plan));
-    CHECK(*proof.lower_bound >= best_of(plan) * (1 - gap));
+    CHECK(*proof.lower_bound >= best_of(plan) * (1 - 1e-3));
     CHECK(proof.boxes < 20000);
   }
+}
+
+TEST_CASE("the bound over a wedge of half a plane comes as near as asked at a fixed hand point") {
+  // Of these quantities the worst direction follows the posture: few directions leave 3 to 10 %.
+  const ObjectiveQuantity quantity =
+      GENERATE(ObjectiveQuantity::ImpulseMagnitude, ObjectiveQuantity::JointRateNorm);
+  CaptureProblem problem = without_path("planar_three_link_null");
+  problem.objective = {{quantity}};
+  problem.uncertainty.cone_half_angle = kPi / 2;
+  problem.search.starts = 64;
+  const Plan plan = make_plan(problem);
+  const Proof& proof = plan.certificate.proof;
+  CAPTURE(proof.statement, proof.boxes);
+  REQUIRE(proof.lower_bound.has_value());
+  CHECK(*proof.lower_bound <= best_of(plan));
+  CHECK(*proof.lower_bound >= best_of(plan) * (1 - 1e-3));
+  CHECK(proof.boxes < 20000);
 }
 
 TEST_CASE("an objective that vanishes nowhere is bounded although no solution is enclosed") {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <vector>
 
 #include "proof/bound.hpp"
 
@@ -119,6 +120,29 @@ TEST_CASE("the least maximum of several functions is bounded by their mixtures")
   CAPTURE(bound.boxes);
   CHECK(bound.lower <= 1 + 1e-12);
   CHECK(bound.lower >= 1 - 1e-6);
+}
+
+TEST_CASE("of a largest value over all angles the angles that matter are asked for on a curve") {
+  // max over theta of x cos theta + y sin theta + 0.3 x + 2 on the unit circle: 3 + 0.3 x.
+  std::vector<double> angles = {0};
+  const auto of_angles = [&angles](const auto& x, auto& equations, auto& values) {
+    equations.push_back(square(x[0]) + square(x[1]) - 1.0);
+    for (const double angle : angles) {
+      values.push_back({x[0] * (std::cos(angle) + 0.3) + x[1] * std::sin(angle) + 2.0});
+    }
+  };
+  BoundOptions options{.cut = 2.7 * (1 + 1e-6), .goal = 2.7 * (1 - 1e-3), .max_boxes = 4000};
+  options.add_values = [&angles](const Eigen::VectorXd& x, double least) {
+    const double largest = x.norm() + 0.3 * x[0] + 2;
+    if (largest > least) angles.push_back(std::atan2(x[1], x[0]));
+    return largest;
+  };
+  const Bound bound = bound_of<2>(of_angles, cube<2>(-3, 3.1), options);
+  CAPTURE(bound.boxes, angles.size());
+  CHECK(bound.lower <= 2.7 * (1 + 1e-12));
+  CHECK(bound.lower >= 2.7 * (1 - 1e-3));
+  CHECK_FALSE(bound.limit_reached);
+  CHECK(angles.size() < 200);
 }
 
 TEST_CASE("a quotient is bounded without a division") {

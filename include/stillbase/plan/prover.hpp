@@ -28,6 +28,12 @@ struct ProofOptions {
   double judged_width = 1e-8;  ///< rad, s: a few times the width of a solution's box
 };
 
+/// An encounter of a worst case and its value, in the unit of the measure.
+struct WorstEncounter {
+  Scenario scenario;
+  double value = 0;
+};
+
 struct MinimumOptions {
   double relative_gap = 1e-3;  ///< of the best known value: good enough
   /// Boxes examined, about 100 us each with three joints; of more joints, or of means over many
@@ -38,10 +44,9 @@ struct MinimumOptions {
   /// The measure at a configuration, infinite where a constraint is violated. Where it is below the
   /// best value by more than the gap the proof ends: that one is better. May be empty.
   std::function<double(const Configuration&)> value_at = {};
-  /// Of a worst case: further encounters within the cone along the worst directions at a
-  /// configuration. Asked for where the bound over the known ones stays below its goal. May be
-  /// empty, and so may the list.
-  std::function<std::vector<Scenario>(const Configuration&)> worst_at = {};
+  /// Of a worst case: the encounters within the cone along its worst directions at a configuration,
+  /// the first one the worst. Asked for where the known ones stay below the goal. May be empty.
+  std::function<std::vector<WorstEncounter>(const Configuration&)> worst_at = {};
   int jobs = 0;  ///< threads; 0: one per processor. The bound does not depend on it
 };
 

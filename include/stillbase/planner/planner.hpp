@@ -44,7 +44,6 @@ struct BoundOptions {
   int candidates = 6;
   double nearly_best = 1.02;     ///< of the least measure: their candidates count
   double nearly_active = 0.95;   ///< of a candidate's worst case: its maxima count
-  int more_directions = 64;      ///< worst ones that are added while the bound is sought, at most
   double inside = 1e-10;         ///< rad towards the axis: rounding leaves no direction outside
   double same_direction = 1e-6;  ///< rad
   double parallel = 1e-12;       ///< sine of the angle of two axes that are one
