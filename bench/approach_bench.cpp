@@ -49,14 +49,14 @@ std::vector<std::string> shipped_problems() {
 /// One line of the table; whether the levels are reached.
 bool measure(const CaptureProblem& problem, int seeds) {
   const Formulation formulation(problem);
-  const CollisionScene scene(problem);
+  const CollisionJudge collisions(problem);
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
   options.starts = first_starts(problem.search);
   options.seed = problem.search.seed;
   options.max_candidates = problem.search.max_candidates;
   SearchResult found = search(problem, formulation, options);
-  for (Candidate& candidate : found.candidates) judge_collisions(problem, scene, candidate);
+  collisions.judge_all(1, {}, found.candidates);
   const Proof proof = prove_solutions(default_prover(), problem, formulation, {});
 
   std::vector<double> seconds;
@@ -67,7 +67,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
     const std::clock_t begin = std::clock();
     AfterImpactJudge after(problem, {}, 1, nullptr);
     const ChosenApproach choice = choose_approach(
-        problem, scene, found, proof, static_cast<std::uint64_t>(seed), after, {}, calls);
+        problem, collisions, found, proof, static_cast<std::uint64_t>(seed), after, {}, calls);
     seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
     if (choice.approach.status != ApproachStatus::Found) continue;
     ++reached;

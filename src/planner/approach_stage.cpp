@@ -11,7 +11,6 @@
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/core/parallel.hpp>
 
-#include "encounter/encounter_motions.hpp"
 #include "planner/candidates.hpp"
 #include "planner/contact_refinement.hpp"
 #include "planner/other_forms.hpp"
@@ -33,11 +32,11 @@ std::string no_path_words(const Approach& approach) {
 
 class Stage {
  public:
-  Stage(const CaptureProblem& problem, const CollisionScene& scene, const SearchResult& found,
+  Stage(const CaptureProblem& problem, const CollisionJudge& collisions, const SearchResult& found,
         const Proof& proof, std::uint64_t seed, AfterImpactJudge& after,
         const PlannerOptions& options, std::map<std::string, long>& solver_calls)
       : problem_(problem),
-        scene_(scene),
+        collisions_(collisions),
         found_(found),
         proof_(proof),
         seed_(seed),
@@ -45,8 +44,7 @@ class Stage {
         options_(options),
         path_options_(options.approach),
         solver_calls_(solver_calls),
-        order_(candidates_to_try(problem, found.candidates, after)),
-        motions_(problem) {
+        order_(candidates_to_try(problem, found.candidates, after)) {
     path_options_.clock = options.clock;
     path_options_.jobs = jobs_or_processors(options.jobs);
     chosen_.candidate = order_.order.front();
@@ -117,7 +115,7 @@ class Stage {
     for (const Configuration& form : forms) {
       Candidate trial = found_.candidates[i];
       trial.configuration = form;
-      judge_collisions(problem_, scene_, trial);
+      collisions_.judge(trial);
       if (!trial.collision_free && !base_follows_path(problem_)) continue;
       trials.push_back(trial);
       to_judge.push_back(form);
@@ -129,7 +127,7 @@ class Stage {
       const Eigen::VectorXd x = variables_of_form(problem_, found_, i, trial.configuration);
       CertifiedCandidate there = certify_candidate(problem_, x, trial, found_.certificates[i]);
       auto contact = contact_at(i, x, there.candidate);
-      auto motion = motions_.towards(there.candidate.configuration);
+      auto motion = collisions_.target_towards(there.candidate.configuration);
       out.push_back({i, std::move(there), false, std::move(motion), std::move(contact)});
     }
     return out;
@@ -205,7 +203,7 @@ class Stage {
                                    const ContactRefinement& contact) const {
     CertifiedCandidate there =
         contact.certify(approach.joint_positions.back(), approach.base_poses.back());
-    judge_collisions(problem_, scene_, there.candidate);
+    collisions_.judge(there.candidate);
     return there;
   }
 
@@ -213,7 +211,7 @@ class Stage {
   Approach approach_to(std::size_t i, std::uint64_t seed,
                        std::unique_ptr<ContactRefinement>* contact_out = nullptr) {
     const Configuration& goal = found_.candidates[i].configuration;
-    const std::optional<TargetMotion> motion = motions_.towards(goal);
+    const std::optional<TargetMotion> motion = collisions_.target_towards(goal);
     std::unique_ptr<ContactRefinement> contact = contact_at(i);
     const Approach approach =
         plan_approach(problem_, goal, motion ? &*motion : nullptr, seed, options_.stop,
@@ -379,7 +377,8 @@ class Stage {
       if (!is_goal(k)) continue;
       const std::size_t i = order_.order[k];
       const Candidate& candidate = found_.candidates[i];
-      goals.push_back({i, {}, false, motions_.towards(candidate.configuration), contact_at(i)});
+      goals.push_back(
+          {i, {}, false, collisions_.target_towards(candidate.configuration), contact_at(i)});
     }
     return goals;
   }
@@ -402,11 +401,11 @@ class Stage {
       candidate.family = -1;
       CertifiedCandidate sample =
           certify_candidate(problem_, x, candidate, found_.certificates[beside]);
-      judge_collisions(problem_, scene_, sample.candidate);
+      collisions_.judge(sample.candidate);
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
       if (!after_.keeps_limits(at)) continue;
-      goals.push_back({beside, std::move(sample), true, motions_.towards(at), nullptr});
+      goals.push_back({beside, std::move(sample), true, collisions_.target_towards(at), nullptr});
     }
   }
 
@@ -416,7 +415,7 @@ class Stage {
   }
 
   const CaptureProblem& problem_;
-  const CollisionScene& scene_;
+  const CollisionJudge& collisions_;
   const SearchResult& found_;
   const Proof& proof_;
   std::uint64_t seed_;
@@ -425,7 +424,6 @@ class Stage {
   ApproachOptions path_options_;
   std::map<std::string, long>& solver_calls_;
   CandidateOrder order_;
-  const EncounterMotions motions_;
   ChosenApproach chosen_;
   std::map<std::size_t, std::string> excluded_;
   std::set<std::size_t> tried_alone_;  ///< candidates
@@ -435,11 +433,11 @@ class Stage {
 
 }  // namespace
 
-ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
+ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionJudge& collisions,
                                const SearchResult& found, const Proof& proof, std::uint64_t seed,
                                AfterImpactJudge& after, const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls) {
-  return Stage(problem, scene, found, proof, seed, after, options, solver_calls).choose();
+  return Stage(problem, collisions, found, proof, seed, after, options, solver_calls).choose();
 }
 
 }  // namespace stillbase

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include <stillbase/collision/scene.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -27,7 +26,7 @@ struct ChosenApproach {
 /// Approaches to the candidates of a search that were judged for collisions; see make_plan for the
 /// order.
 /// @param seed of the paths
-ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionScene& scene,
+ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionJudge& collisions,
                                const SearchResult& found, const Proof& proof, std::uint64_t seed,
                                AfterImpactJudge& after, const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls);

@@ -9,64 +9,49 @@
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
-#include "encounter/encounter_motions.hpp"
 #include "formulation/measures/measure.hpp"
 #include "planner/choice.hpp"
 #include "planner/contact_case.hpp"
 
 namespace stillbase {
 
-namespace {
-
-/// Which bodies touch while the robot waits at a configuration and the target comes in; empty:
-/// none. A hand that moves is there at the contact alone: its run to it is judged with the path.
-std::string waiting_collision(const CaptureProblem& problem, const CollisionScene& scene,
-                              const EncounterMotions& motions, const Configuration& configuration) {
-  const auto kinematics = compute_kinematics<double>(problem.robot, configuration.phi);
-  const std::optional<TargetMotion> motion = motions.towards(configuration);
+// A hand that moves is there at the contact alone: its run to it is judged with the path.
+std::string CollisionJudge::first_collision(const Configuration& configuration) const {
+  const auto kinematics = compute_kinematics<double>(problem_.robot, configuration.phi);
+  const std::optional<TargetMotion> motion = target_towards(configuration);
   // The approach keeps its clearance up to the contact, so a candidate must offer it.
-  const double margin = problem.approach.enabled ? problem.approach.clearance : 0;
+  const double margin = problem_.approach.enabled ? problem_.approach.clearance : 0;
   if (!motion) {
-    const auto hit = scene.first_hit(kinematics, configuration.base, nullptr, margin);
+    const auto hit = scene_.first_hit(kinematics, configuration.base, nullptr, margin);
     return hit ? to_string(*hit) : "";
   }
   // From the contact backwards: what is reported is the collision nearest to it.
-  const double wait = problem.hand_motion.moves() ? 0 : problem.approach.wait;
+  const double wait = problem_.hand_motion.moves() ? 0 : problem_.approach.wait;
   const double speed =
       std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
   const int steps = static_cast<int>(std::clamp(std::ceil(wait * speed / 0.01), 1.0, 2000.0));
   for (int i = 0; i <= steps; ++i) {
     const double time = configuration.contact_time - wait * i / steps;
     const Pose pose = motion->state(time).pose;
-    const auto hit = scene.first_hit(kinematics, configuration.base, &pose, margin);
+    const auto hit = scene_.first_hit(kinematics, configuration.base, &pose, margin);
     if (hit) return to_string(*hit);
   }
   return "";
 }
 
-void judge(const CaptureProblem& problem, const CollisionScene& scene,
-           const EncounterMotions& motions, Candidate& candidate) {
-  candidate.collision = waiting_collision(problem, scene, motions, candidate.configuration);
+void CollisionJudge::judge(Candidate& candidate) const {
+  candidate.collision = first_collision(candidate.configuration);
   candidate.collision_free = candidate.collision.empty();
 }
 
-}  // namespace
-
-void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
-                      Candidate& candidate) {
-  judge(problem, scene, EncounterMotions(problem), candidate);
-}
-
-void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
-                      const StopCondition& stop, std::vector<Candidate>& candidates) {
+void CollisionJudge::judge_all(int jobs, const StopCondition& stop,
+                               std::vector<Candidate>& candidates) const {
   for (Candidate& candidate : candidates) {
     candidate.collision = kNotJudged;
     candidate.collision_free = false;
   }
-  const EncounterMotions motions(problem);
-  for_each_index(jobs, static_cast<int>(candidates.size()), stop, [&](int i) {
-    judge(problem, scene, motions, candidates[static_cast<std::size_t>(i)]);
-  });
+  for_each_index(jobs, static_cast<int>(candidates.size()), stop,
+                 [&](int i) { judge(candidates[static_cast<std::size_t>(i)]); });
 }
 
 bool base_follows_path(const CaptureProblem& problem) {

@@ -15,19 +15,42 @@
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
+#include "encounter/encounter_motions.hpp"
+
 namespace stillbase {
 
 /// Of what comes after a stop, in place of a collision or an exceeded limit.
 inline constexpr const char* kNotJudged = "not judged";
 
-/// Sets `collision` and `collision_free`: which bodies touch while the robot waits at the candidate
-/// and the target comes in.
-void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene,
-                      Candidate& candidate);
-/// The same for all of them. @param jobs threads
-/// @param stop reached: the others are not judged, and not free of collision
-void judge_collisions(const CaptureProblem& problem, const CollisionScene& scene, int jobs,
-                      const StopCondition& stop, std::vector<Candidate>& candidates);
+/// Judges candidates of one problem by which bodies touch while the robot waits there and the
+/// target comes in. Several threads may use one.
+class CollisionJudge {
+ public:
+  /// @param problem outlives this
+  explicit CollisionJudge(const CaptureProblem& problem)
+      : problem_(problem), scene_(problem), motions_(problem) {}
+
+  /// Sets `collision` and `collision_free`.
+  void judge(Candidate& candidate) const;
+  /// The same for all of them. @param jobs threads
+  /// @param stop reached: the others are not judged, and not free of collision
+  void judge_all(int jobs, const StopCondition& stop, std::vector<Candidate>& candidates) const;
+  bool is_free(const Configuration& configuration) const {
+    return first_collision(configuration).empty();
+  }
+  /// Of the target towards a configuration; nothing: there is none.
+  std::optional<TargetMotion> target_towards(const Configuration& configuration) const {
+    return motions_.towards(configuration);
+  }
+
+ private:
+  /// The bodies that touch; empty: none do.
+  std::string first_collision(const Configuration& configuration) const;
+
+  const CaptureProblem& problem_;
+  const CollisionScene scene_;
+  const EncounterMotions motions_;
+};
 
 /// Whether the base's pose at the contact follows from the path instead of the search.
 bool base_follows_path(const CaptureProblem& problem);

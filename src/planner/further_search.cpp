@@ -75,7 +75,7 @@ void count_further(const CaptureProblem& problem, const SearchResult& other, int
 
 }  // namespace
 
-void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
+void add_candidates_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
                               const SearchOptions& search_options, const PlannerOptions& options,
                               AfterImpactJudge& after, SearchResult& found,
                               std::map<std::string, long>& solver_calls) {
@@ -111,7 +111,7 @@ void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScen
       Candidate candidate = other.candidates[i];
       candidate.family = -1;
       candidate.starts_reached = std::max(candidate.starts_reached, 1);
-      judge_collisions(problem, scene, candidate);
+      collisions.judge(candidate);
       if (!holds(candidate)) continue;
       const CertifiedCandidate certified =
           certify_candidate(problem, other.points[i], candidate, found.certificates.front());

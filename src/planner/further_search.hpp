@@ -4,7 +4,6 @@
 #include <map>
 #include <string>
 
-#include <stillbase/collision/scene.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -17,7 +16,7 @@ namespace stillbase {
 /// impact and distances from their stops as constraints. Nothing happens when a candidate holds,
 /// without controllers, and where the path decides on the configuration.
 /// @param found of `search_options`, judged for collisions
-void add_candidates_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
+void add_candidates_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
                               const SearchOptions& search_options, const PlannerOptions& options,
                               AfterImpactJudge& after, SearchResult& found,
                               std::map<std::string, long>& solver_calls);

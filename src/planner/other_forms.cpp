@@ -84,7 +84,7 @@ Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchRes
   return x;
 }
 
-void take_forms_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
+void take_forms_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
                           const PlannerOptions& options, AfterImpactJudge& after,
                           SearchResult& found) {
   if (base_follows_path(problem)) return;  // collisions at the stated pose say little
@@ -105,7 +105,7 @@ void take_forms_that_hold(const CaptureProblem& problem, const CollisionScene& s
     for (const Configuration& form : forms) {
       Candidate& trial = trials.emplace_back(candidate);
       trial.configuration = form;
-      judge_collisions(problem, scene, trial);
+      collisions.judge(trial);
       if (trial.collision_free) to_judge.push_back(form);
     }
     if (to_judge.empty()) continue;

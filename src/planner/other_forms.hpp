@@ -3,7 +3,6 @@
 // shapes touch may differ.
 #pragma once
 
-#include <stillbase/collision/scene.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/search/search.hpp>
 
@@ -31,7 +30,7 @@ Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchRes
 /// Puts another form in place of each candidate that touches something or breaks a limit after the
 /// impact, where one does neither: the first of at most `other_turns` and `other_rolls`, of at most
 /// `max_approaches` candidates. Those behind the first one that does neither stay as they are.
-void take_forms_that_hold(const CaptureProblem& problem, const CollisionScene& scene,
+void take_forms_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
                           const PlannerOptions& options, AfterImpactJudge& after,
                           SearchResult& found);
 

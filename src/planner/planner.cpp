@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <stillbase/collision/scene.hpp>
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/encounter/left_out.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
@@ -95,8 +94,8 @@ void bound_and_search_suspects(
   }
 }
 
-/// What a plan asks of its search. @param problem, scene, options outlive the result
-SearchOptions search_options_of(const CaptureProblem& problem, const CollisionScene& scene,
+/// What a plan asks of its search. @param problem, collisions, options outlive the result
+SearchOptions search_options_of(const CaptureProblem& problem, const CollisionJudge& collisions,
                                 const PlannerOptions& options) {
   SearchOptions search_options;
   search_options.optimizer = problem.search.optimizer;
@@ -107,12 +106,7 @@ SearchOptions search_options_of(const CaptureProblem& problem, const CollisionSc
   search_options.stop = options.stop;
   search_options.jobs = jobs_of(problem, options);
   search_options.clock = options.clock;
-  search_options.is_free = [&](const Configuration& at) {
-    Candidate candidate;
-    candidate.configuration = at;
-    judge_collisions(problem, scene, candidate);
-    return candidate.collision_free;
-  };
+  search_options.is_free = [&](const Configuration& at) { return collisions.is_free(at); };
   search_options.on_progress = [&](int done, int total) {
     if (options.on_progress) options.on_progress("search", done, total);
   };
@@ -277,25 +271,25 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   const std::map<std::string, PhaseClock::Seconds> before = options.clock->seconds();
   Formulation formulation(problem);
   formulation.give_up_simulations_at(options.stop);
-  const CollisionScene scene(problem);
+  const CollisionJudge collisions(problem);
   Plan plan;
   plan.problem = problem;
   plan.optimizer = problem.search.optimizer;
   Proof proof;
-  const SearchOptions search_options = search_options_of(problem, scene, options);
+  const SearchOptions search_options = search_options_of(problem, collisions, options);
   SearchResult found = search_and_prove(problem, formulation, search_options, options, plan, proof);
   take_nearest_turns(problem, found);
   {
     const PhaseClock::Phase phase(options.clock, "collision");
-    judge_collisions(problem, scene, jobs_of(problem, options), options.stop, found.candidates);
+    collisions.judge_all(jobs_of(problem, options), options.stop, found.candidates);
   }
   AfterImpactJudge after(problem, options.stop, jobs_of(problem, options), options.clock);
   const bool is_allowed =
       !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
-  if (is_allowed) take_forms_that_hold(problem, scene, options, after, found);
+  if (is_allowed) take_forms_that_hold(problem, collisions, options, after, found);
   // Where every solution is enclosed there is nothing to search for.
   if (proof.status == ProofStatus::NotApplicable) {
-    add_candidates_that_hold(problem, scene, search_options, options, after, found,
+    add_candidates_that_hold(problem, collisions, search_options, options, after, found,
                              plan.solver_calls);
   }
 
@@ -306,7 +300,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   if (solved) {
     if (options.on_progress) options.on_progress("after the impact", 0, 1);
     const PhaseClock::Phase phase(options.clock, "approach.choice");
-    choice = choose_approach(problem, scene, found, proof, problem.search.seed, after, options,
+    choice = choose_approach(problem, collisions, found, proof, problem.search.seed, after, options,
                              plan.solver_calls);
   }
   if (choice.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {

@@ -28,7 +28,7 @@ TEST_CASE("an approach that a signal ends is interrupted, not out of time") {
 
 TEST_CASE("what comes after a stop is not judged") {
   const CaptureProblem problem = test::shipped("iiwa_client_50");
-  const CollisionScene scene(problem);
+  const CollisionJudge collisions(problem);
   Candidate candidate;
   candidate.configuration = start_configuration(problem);
   std::vector<Candidate> candidates(3, candidate);
@@ -36,14 +36,14 @@ TEST_CASE("what comes after a stop is not judged") {
   StopCondition stop;
   stop.interrupted = &interrupted;
 
-  judge_collisions(problem, scene, 1, stop, candidates);
+  collisions.judge_all(1, stop, candidates);
   CHECK(candidates.front().collision != "not judged");
   AfterImpactJudge after(problem, stop, 1, nullptr);
   const std::string before = after.failure(candidate.configuration);
   CHECK(before != "not judged");
 
   interrupted = true;
-  judge_collisions(problem, scene, 1, stop, candidates);
+  collisions.judge_all(1, stop, candidates);
   for (const Candidate& one : candidates) {
     CHECK(one.collision == "not judged");
     CHECK_FALSE(one.collision_free);

@@ -67,11 +67,11 @@ TEST_CASE("a posture that runs into a stop is taken a turn away from it") {
   CaptureProblem problem = wide_planar();
   problem.approach.enabled = false;
   const SearchResult all = search(problem, Formulation(problem), {});
-  const CollisionScene scene(problem);
+  const CollisionJudge collisions(problem);
   const PlannerOptions options;
   AfterImpactJudge after(problem, {}, 1, nullptr);
   SearchResult found = all;
-  judge_collisions(problem, scene, 1, {}, found.candidates);
+  collisions.judge_all(1, {}, found.candidates);
   const auto first = std::find_if(found.candidates.begin(), found.candidates.end(),
                                   [](const Candidate& one) { return one.collision_free; });
   REQUIRE(first != found.candidates.end());
@@ -86,7 +86,7 @@ TEST_CASE("a posture that runs into a stop is taken a turn away from it") {
   joint.upper = rate > 0 ? angle + 1e-4 : angle + 2 * kPi + 3;
   AfterImpactJudge there(problem, {}, 1, nullptr);
   REQUIRE_FALSE(there.keeps_limits(candidate.configuration));
-  take_forms_that_hold(problem, scene, options, there, found);
+  take_forms_that_hold(problem, collisions, options, there, found);
   CHECK(there.keeps_limits(candidate.configuration));
   CHECK(candidate.configuration.phi[0] == Approx(angle + (rate > 0 ? -2 : 2) * kPi));
   CHECK(found.points[static_cast<std::size_t>(first - found.candidates.begin())][0] ==
