@@ -15,17 +15,16 @@ template <class S>
 PlacedShape<S> placed(const ClearanceShape& shape, const TargetPlacement& target,
                       const ConstraintPoint<S>& at) {
   const Kinematics<S>& kin = at.posture.kinematics;
-  Matrix3<S> R = Matrix3<S>::Identity();
-  Vector3<S> o = Vector3<S>::Zero();
+  const Matrix3<S> R_shape = shape.R.cast<S>();
+  const Vector3<S> p_shape = shape.p.cast<S>();
   if (shape.body >= 0) {
-    R = kin.R[static_cast<std::size_t>(shape.body)];
-    o = kin.o[static_cast<std::size_t>(shape.body)];
-  } else if (shape.body == kTargetBody) {
-    R = at.placement.contact.R_EB.transpose() * target.R_ET.cast<S>();
-    o = kin.r_bh - R * target.r.cast<S>();
+    const Matrix3<S>& R = kin.R[static_cast<std::size_t>(shape.body)];
+    return {&shape, R * R_shape, kin.o[static_cast<std::size_t>(shape.body)] + R * p_shape};
   }
-  const Matrix3<S> axes = R * shape.R.cast<S>();
-  return {&shape, axes, o + R * shape.p.cast<S>()};
+  if (shape.body != kTargetBody) return {&shape, R_shape, p_shape};
+  const Matrix3<S> R = at.placement.contact.R_EB.transpose() * target.R_ET.cast<S>();
+  const Vector3<S> o = kin.r_bh - R * target.r.cast<S>();
+  return {&shape, R * R_shape, o + R * p_shape};
 }
 
 /// Of normal . (velocity of the body at a point).
