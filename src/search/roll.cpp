@@ -1,8 +1,10 @@
 #include "search/roll.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/core/rotation.hpp>
 #include <stillbase/plan/turns.hpp>
 
@@ -45,11 +47,22 @@ std::vector<double> angles_from(double start, const SolutionFamily& roll, int jo
 
 double size_of(double half_square) { return std::sqrt(2 * half_square); }
 
+/// Whether a condition holds for all of the indices 0 .. count - 1, on several threads. Where one
+/// fails the others need not be looked at.
+bool hold_for_all(int jobs, int count, const std::function<bool(int)>& holds) {
+  std::atomic<bool> has_failed{false};
+  for_each_index(jobs, count, {}, [&](int i) {
+    if (!has_failed && !holds(i)) has_failed = true;
+  });
+  return !has_failed;
+}
+
 }  // namespace
 
 std::optional<SolutionFamily> roll_through(
     const CaptureProblem& problem, const Formulation& formulation, const Eigen::VectorXd& x,
-    const std::function<double(const Eigen::VectorXd&)>& value, const RollOptions& options) {
+    const std::function<double(const Eigen::VectorXd&)>& value, int jobs,
+    const RollOptions& options) {
   const Eigen::Index k = roll_variable(problem, formulation);
   if (k < 0) return std::nullopt;
   const int joint = roll_joint(problem.robot);
@@ -63,21 +76,27 @@ std::optional<SolutionFamily> roll_through(
     there[k] = i == count ? upper : lower + (upper - lower) * i / count;
     return there;
   };
-  nlp::Evaluation here, there;
-  formulation.evaluate_value(x, here);
   const auto is_same = [&](double a, double b) {
     return std::abs(size_of(a) - size_of(b)) <= options.same;
   };
-  for (int i = 0; i <= options.angles; ++i) {
-    const Eigen::VectorXd turned = at(i, options.angles);
-    formulation.evaluate_value(turned, there);
-    if (!is_same(there.objective, here.objective)) return std::nullopt;
-    if (!(largest_violation(problem, formulation, turned) <= kFeasibilityTolerance)) {
-      return std::nullopt;
-    }
+  std::vector<Eigen::VectorXd> turned{x};
+  for (int i = 0; i <= options.angles; ++i) turned.push_back(at(i, options.angles));
+  const Eigen::VectorXd nominal =
+      formulation.evaluate_points(turned, {formulation.nominal_scenario()});
+  for (const double there : nominal) {
+    if (!is_same(there, nominal[0])) return std::nullopt;
   }
-  for (int i = 0; value && i <= options.measured; ++i) {
-    if (!is_same(value(at(i, options.measured)), value(x))) return std::nullopt;
+  if (!hold_for_all(jobs, options.angles + 1, [&](int i) {
+        return largest_violation(problem, formulation, at(i, options.angles)) <=
+               kFeasibilityTolerance;
+      })) {
+    return std::nullopt;
+  }
+  const double measured = value ? value(x) : 0;
+  if (value && !hold_for_all(jobs, options.measured + 1, [&](int i) {
+        return is_same(value(at(i, options.measured)), measured);
+      })) {
+    return std::nullopt;
   }
   SolutionFamily out;
   out.length = upper - lower;
@@ -96,7 +115,7 @@ std::optional<SolutionFamily> roll_through(
 void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
                 const std::function<double(const Eigen::VectorXd&)>& value,
                 const std::function<bool(const Configuration&)>& is_free, const StopCondition& stop,
-                std::vector<Solution>& solutions, std::vector<SolutionFamily>& families,
+                int jobs, std::vector<Solution>& solutions, std::vector<SolutionFamily>& families,
                 const RollOptions& options) {
   const Eigen::Index k = roll_variable(problem, formulation);
   if (k < 0) return;
@@ -125,7 +144,7 @@ void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
     }
     joined.push_back(solution);
     if (solution.family >= 0 || stop.reached()) continue;
-    auto roll = roll_through(problem, formulation, solution.x, value, options);
+    auto roll = roll_through(problem, formulation, solution.x, value, jobs, options);
     if (!roll) continue;
     roll->starts = solution.reached;
     joined.back().family = static_cast<int>(families.size());

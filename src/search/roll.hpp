@@ -22,19 +22,22 @@ struct RollOptions {
 /// and all constraints hold from one end to the other: its limits with their margin; of a
 /// continuous joint a whole turn.
 /// @param value of the measure at x, 1/2 |y|^2 in typical sizes; empty: it is the nominal one
+/// @param jobs threads; several may then call value()
 /// @return a curve with the two ends (and the middle of a turn); empty: the angle is not free
 std::optional<SolutionFamily> roll_through(
     const CaptureProblem& problem, const Formulation& formulation, const Eigen::VectorXd& x,
-    const std::function<double(const Eigen::VectorXd&)>& value, const RollOptions& options = {});
+    const std::function<double(const Eigen::VectorXd&)>& value, int jobs,
+    const RollOptions& options = {});
 
 /// Puts one solution in place of all that differ in a free roll alone, and its roll behind
-/// `families`. The one that stays has the start posture's angle, or the nearest one within the range
-/// at which it touches nothing; where there is none, its best member's.
+/// `families`. The one that stays has the start posture's angle, or the nearest one within the
+/// range at which it touches nothing; where there is none, its best member's.
 /// @param is_free whether a configuration touches nothing; may be empty
+/// @param jobs as roll_through()
 void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
                 const std::function<double(const Eigen::VectorXd&)>& value,
                 const std::function<bool(const Configuration&)>& is_free, const StopCondition& stop,
-                std::vector<Solution>& solutions, std::vector<SolutionFamily>& families,
+                int jobs, std::vector<Solution>& solutions, std::vector<SolutionFamily>& families,
                 const RollOptions& options = {});
 
 }  // namespace stillbase

@@ -282,7 +282,7 @@ class Search {
     const PhaseClock::Phase phase(options_.clock, "search.curves");
     std::function<double(const Eigen::VectorXd&)> value;
     if (!measure_.is_nominal()) value = [this](const auto& x) { return measure_.value(x); };
-    join_rolls(problem_, formulation_, value, options_.is_free, options_.stop, solutions_,
+    join_rolls(problem_, formulation_, value, options_.is_free, options_.stop, jobs_, solutions_,
                out_.families);
     if (measure_.is_nominal()) out_.unseen = unseen();
   }
