@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 
 #include "formulation/projection.hpp"
@@ -211,7 +212,7 @@ std::vector<ContinuumMember> best_of(const RatedCurve& curve, const Formulation&
 Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop, const ContinuumOptions& options) {
+                         const StopCondition& stop, int jobs, const ContinuumOptions& options) {
   Continua out;
   std::vector<SolutionCurve> curves;
   std::vector<std::vector<ContinuumMember>> members;
@@ -241,14 +242,18 @@ Continua follow_continua(const CaptureProblem& problem, const Formulation& formu
                           points_along(formulation, curves[i], options)};
     for (const ContinuumMember& member : members[i]) family.starts += member.reached;
     out.families.push_back(family);
-    if (stop.reached()) {
-      out.solutions.insert(out.solutions.end(), members[i].begin(), members[i].end());
-      continue;
-    }
-    const RatedCurve rated(problem, formulation, std::move(curves[i]), options);
-    for (ContinuumMember& best : best_of(rated, formulation, members[i], is_free, stop)) {
-      out.solutions.push_back(std::move(best));
-    }
+  }
+  std::vector<std::vector<ContinuumMember>> best(curves.size());
+  const auto work = [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    const RatedCurve rated(problem, formulation, std::move(curves[k]), options);
+    best[k] = best_of(rated, formulation, members[k], is_free, stop);
+  };
+  const auto rated =
+      static_cast<std::size_t>(for_each_index(jobs, static_cast<int>(curves.size()), stop, work));
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const std::vector<ContinuumMember>& found = i < rated ? best[i] : members[i];
+    out.solutions.insert(out.solutions.end(), found.begin(), found.end());
   }
   out.stopped = stop.reached();
   return out;

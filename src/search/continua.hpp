@@ -29,10 +29,11 @@ struct Continua {
 /// Follows the curve through every solution at which the objective vanishes and one direction is
 /// open.
 /// @param is_free may be empty; else the minima over the part of each curve where it holds are kept
-/// as well (reached: 0 where they are no minima of the whole curve)
+/// as well (reached: 0 where they are no minima of the whole curve); several threads may call it
+/// @param jobs threads, each for another curve
 Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
-                         const StopCondition& stop, const ContinuumOptions& options);
+                         const StopCondition& stop, int jobs, const ContinuumOptions& options);
 
 }  // namespace stillbase

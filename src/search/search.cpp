@@ -262,7 +262,7 @@ class Search {
     std::vector<ContinuumMember> members;
     for (const Solution& solution : solutions_) members.push_back({solution.x, solution.reached});
     Continua found = follow_continua(problem_, formulation_, members, options_.is_free,
-                                     options_.stop, options_.continua);
+                                     options_.stop, jobs_, options_.continua);
     out_.families = std::move(found.families);
     out_.stopped = out_.stopped || found.stopped;
     if (out_.families.empty()) return;

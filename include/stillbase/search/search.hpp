@@ -94,7 +94,7 @@ struct SearchOptions {
   int max_candidates = 32;
   std::vector<Eigen::VectorXd> more_starts;  ///< points to start from as well (N each)
   /// Whether a configuration touches nothing; may be empty. Where solutions form a curve, the best
-  /// of those that touch nothing are listed as well.
+  /// of those that touch nothing are listed as well. Several threads may call it.
   std::function<bool(const Configuration&)> is_free;
   /// Called after every start with (done, total), one call at a time, on any thread that works; may
   /// be empty.
