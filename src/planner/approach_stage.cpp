@@ -1,6 +1,7 @@
 #include "planner/approach_stage.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <list>
 #include <memory>
@@ -271,17 +272,50 @@ class Stage {
     }
     if (goals.empty()) return false;
     if (!base_follows_path(problem_) && to_any_of(goals)) return true;
-    int done = 0;
+    return to_first_of(goals);
+  }
+
+  /// Goes for goals one by one, several at a time, at most `max_approaches`: the first one in their
+  /// order counts.
+  /// @return as take()
+  bool to_first_of(const std::list<Goal>& goals) {
+    struct Attempt {
+      const Goal* goal;
+      Approach approach;
+      std::map<std::string, long> calls;
+    };
+    std::vector<Attempt> attempts;
     for (const Goal& goal : goals) {
-      if (options_.stop.reached() || done == problem_.approach.max_approaches) return false;
-      progress(done++);
-      const Approach approach =
-          plan_approach(problem_, configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
-                        seed_, options_.stop, solver_calls_, goal.contact->solver(), path_options_);
-      count_calls(*goal.contact);
-      if (arrives(approach) && take_form(approach, goal)) return true;
+      if (static_cast<int>(attempts.size()) == problem_.approach.max_approaches) break;
+      attempts.push_back({&goal, {}, {}});
     }
-    return false;
+    // Functions of the user need not stand several calls at once.
+    const int jobs =
+        problem_.user.empty() ? std::min(path_options_.jobs, static_cast<int>(attempts.size())) : 1;
+    ApproachOptions path_options = path_options_;
+    if (jobs > 1) {
+      path_options.jobs = 1;
+      path_options.clock = nullptr;  // threads beside each other enter no phases
+    }
+    const PhaseClock::Phase phase(options_.clock, "approach.path");
+    std::atomic<bool> is_reached{false};
+    const auto work = [&](int i) {
+      if (is_reached) return;
+      auto& [goal, approach, calls] = attempts[static_cast<std::size_t>(i)];
+      approach =
+          plan_approach(problem_, configuration_of(*goal), goal->motion ? &*goal->motion : nullptr,
+                        seed_, options_.stop, calls, goal->contact->solver(), path_options);
+    };
+    const auto take = [&](int i) {
+      if (is_reached) return;
+      const auto& [goal, approach, calls] = attempts[static_cast<std::size_t>(i)];
+      progress(i);
+      for (const auto& [name, count] : calls) solver_calls_[name] += count;
+      count_calls(*goal->contact);
+      is_reached = arrives(approach) && take_form(approach, *goal);
+    };
+    for_each_index(jobs, static_cast<int>(attempts.size()), options_.stop, work, take);
+    return is_reached;
   }
 
   /// Records an approach to another form of a candidate. @return as take()
