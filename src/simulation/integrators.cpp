@@ -48,9 +48,11 @@ void Integrator::cut_at_event(ClosedLoop& loop, const StateVector& from, double 
 
 namespace {
 
-class Rk4Integrator final : public Integrator {
+class FixedIntegrator final : public Integrator {
  public:
-  explicit Rk4Integrator(const SimulationOptions& options) : Integrator(options) {}
+  explicit FixedIntegrator(const SimulationOptions& options)
+      : Integrator(options),
+        step_(options.integrator == IntegratorKind::Midpoint ? midpoint_step : rk4_step) {}
 
  protected:
   SimulationStatus step(ClosedLoop& loop, StateVector& x, double& t, double t1,
@@ -61,7 +63,7 @@ class Rk4Integrator final : public Integrator {
     const double count = std::max(1.0, std::ceil((t1 - t) / options_.step - 1e-6));
     const double h = (t1 - t) / count;
     StateVector y = x;
-    rk4_step(loop, t, h, y, &recorder);
+    step_(loop, t, h, y, &recorder);
     ++steps_;
     if (!is_bounded(y)) return SimulationStatus::Diverged;
     x = y;
@@ -69,8 +71,11 @@ class Rk4Integrator final : public Integrator {
     return SimulationStatus::Finished;
   }
   void part_of_step(ClosedLoop& loop, double t, double h, StateVector& x) override {
-    rk4_step(loop, t, h, x, nullptr);
+    step_(loop, t, h, x, nullptr);
   }
+
+ private:
+  decltype(&rk4_step) step_;
 };
 
 }  // namespace
@@ -89,8 +94,17 @@ void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* re
   normalise_attitude(x, loop.n());
 }
 
-std::unique_ptr<Integrator> make_rk4_integrator(const SimulationOptions& options) {
-  return std::make_unique<Rk4Integrator>(options);
+void midpoint_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* recorder) {
+  StateVector k1, k2;
+  loop.derivative(t, x, k1, recorder);
+  const StateVector y = x + 0.5 * h * k1;
+  loop.derivative(t + 0.5 * h, y, k2, nullptr);
+  x += h * k2;
+  normalise_attitude(x, loop.n());
+}
+
+std::unique_ptr<Integrator> make_fixed_integrator(const SimulationOptions& options) {
+  return std::make_unique<FixedIntegrator>(options);
 }
 
 SimulationStatus check_stop(const SimulationOptions& options, long steps) {

@@ -10,6 +10,8 @@ namespace stillbase {
 /// One classical Runge-Kutta step of the closed loop, attitude brought back to unit length. Does
 /// not allocate.
 void rk4_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* recorder);
+/// The same of the midpoint rule.
+void midpoint_step(ClosedLoop& loop, double t, double h, StateVector& x, Recorder* recorder);
 
 /// Takes the state from one instant to another, event by event.
 class Integrator {
@@ -40,7 +42,7 @@ class Integrator {
                     double& t);
 };
 
-std::unique_ptr<Integrator> make_rk4_integrator(const SimulationOptions& options);
+std::unique_ptr<Integrator> make_fixed_integrator(const SimulationOptions& options);
 std::unique_ptr<Integrator> make_adaptive_integrator(const SimulationOptions& options);
 
 /// Why to stop before the next step; Finished when there is no reason.

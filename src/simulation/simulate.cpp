@@ -145,9 +145,10 @@ std::string to_string(LimitKind kind) {
 SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
                           const Controller& controller, const SimulationOptions& options) {
   Recorder recorder(robot, controller, options);
-  const std::unique_ptr<Integrator> integrator = options.integrator == IntegratorKind::Rk4
-                                                     ? make_rk4_integrator(options)
-                                                     : make_adaptive_integrator(options);
+  const bool is_adaptive = options.integrator == IntegratorKind::Dopri5 ||
+                           options.integrator == IntegratorKind::Fehlberg78;
+  const std::unique_ptr<Integrator> integrator =
+      is_adaptive ? make_adaptive_integrator(options) : make_fixed_integrator(options);
   normalise_attitude(x, loop.n());
   t = options.start_time;
   const double end = options.start_time + options.horizon;

@@ -30,6 +30,7 @@ struct SimulationSummary;
 
 enum class IntegratorKind {
   Rk4,        ///< classical Runge-Kutta, fixed step; the paper's
+  Midpoint,   ///< of order 2, fixed step: half the work of Rk4
   Dopri5,     ///< Dormand-Prince 5(4), adaptive
   Fehlberg78  ///< Runge-Kutta-Fehlberg 7(8), adaptive; the cheapest one for tight tolerances
 };
@@ -40,7 +41,8 @@ using BaseWrench = std::function<Vector6d(double t, const PlantState& state)>;
 
 struct SimulationOptions {
   IntegratorKind integrator = IntegratorKind::Rk4;
-  double step = 0.01;  ///< s; Rk4: largest step (each interval is divided evenly), else first step
+  /// s; of a fixed step the largest one (each interval is divided evenly), else the first one.
+  double step = 0.01;
   double relative_tolerance = 1e-10;  ///< adaptive, per step
   double absolute_tolerance = 1e-12;  ///< adaptive, per step, in SI units
   /// s between evaluations of the controller, held in between; counted from start_time. 0:
