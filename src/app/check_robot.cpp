@@ -152,8 +152,10 @@ std::string robot_report(const RobotModel& robot) {
       fmt::format("robot {}: {}, {}, {:.6g} kg\n", robot.name,
                   count_words(robot.num_bodies() + 1, "body", "bodies after merging fixed links"),
                   count_words(robot.n(), "joint", "joints"), robot.total_mass());
-  text += fmt::format("system centroid with all joints at zero: {} m from the base centroid\n",
-                      vector_words(inertia.r_bg));
+  if (robot.total_mass() > 0) {
+    text += fmt::format("system centroid with all joints at zero: {} m from the base centroid\n",
+                        vector_words(inertia.r_bg));
+  }
   text += "bodies:\n" + body_line(robot, robot.base);
   for (const Body& body : robot.bodies) text += body_line(robot, body);
   text += "joints:\n";

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <stillbase/core/file.hpp>
+
 namespace stillbase {
 
 namespace {
@@ -50,6 +52,7 @@ urdf::Tree RobotAssembly::read(std::string_view text, const urdf::MeshFolders& f
                                const std::string& name) {
   urdf::Findings findings(folders.robot_file);
   urdf::Tree tree = urdf::read_tree(text, findings);
+  if (first_bad_byte(text) != std::string_view::npos) is_changed_ = true;  // plans are UTF-8
   if (urdf::enclose_meshes(tree, folders, collision_, findings)) is_changed_ = true;
   findings.raise();
   for (Finding& remark : findings.remarks()) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <string_view>
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
@@ -65,12 +67,38 @@ void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Mes
   for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], T, mesh);
 }
 
-}  // namespace
-
-Mesh read_mesh(const std::string& path) {
+/// In lower case.
+std::string ending_of(const std::string& path) {
   std::string ending = fs::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+}  // namespace
+
+std::string why_unread(const std::string& path) {
+  const auto kinds = {".3ds",  ".3mf",  ".blend", ".fbx",  ".iges", ".igs", ".iv",
+                      ".mesh", ".msh",  ".off",   ".step", ".stlb", ".stp", ".usd",
+                      ".usda", ".usdc", ".usdz",  ".vrml", ".wrl",  ".x",   ".x3d"};
+  const std::string ending = ending_of(path);
+  if (std::find(kinds.begin(), kinds.end(), ending) != kinds.end()) {
+    return fmt::format("{} is not read", ending);
+  }
+  constexpr std::string_view kPointer = "version https://git-lfs";
+  std::string begin(kPointer.size(), '\0');
+  std::error_code fault;
+  if (fs::is_regular_file(path, fault) &&
+      std::ifstream(path, std::ios::binary)
+          .read(begin.data(), static_cast<std::streamsize>(begin.size())) &&
+      begin == kPointer) {
+    return "a pointer of Git LFS: `git lfs pull` fetches the file";
+  }
+  return "";
+}
+
+Mesh read_mesh(const std::string& path) {
+  const std::string ending = ending_of(path);
   const auto kinds = {".stl", ".obj", ".dae", ".gltf", ".glb", ".ply"};
   if (std::find(kinds.begin(), kinds.end(), ending) == kinds.end()) {
     throw std::runtime_error("is no STL, OBJ, COLLADA (.dae), glTF or PLY file");

@@ -18,6 +18,10 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;  ///< indices of vertices
 };
 
+/// Why a file of shapes is not read although nothing is wrong with it: its format, or Git LFS has
+/// put a pointer in its place. Empty: read_mesh() reads it, or says what is wrong.
+std::string why_unread(const std::string& path);
+
 /// Reads a mesh. The unit of a COLLADA file is applied, its up axis is not: robot files are written
 /// for readers that leave it out.
 /// @throws std::runtime_error what is wrong with the file, without its name

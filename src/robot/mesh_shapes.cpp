@@ -20,17 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFoldersUp = 8;  ///< from a robot file to the folder of its packages
 
-/// `name` below `folder`; it must not climb out of `root`.
-fs::path below(const fs::path& folder, const std::string& name, const fs::path& root) {
-  const fs::path path = (folder / name).lexically_normal();
-  const fs::path relative = path.lexically_relative(root.lexically_normal());
-  if (relative.empty() || *relative.begin() == "..") {
-    throw PathError(
-        fmt::format("the path {} leaves the folder {}", in_quotes(name), root.string()));
-  }
-  return path;
-}
-
 bool is_there(const fs::path& path) {
   std::error_code fault;
   const fs::file_status status = fs::status(path, fault);
@@ -38,6 +27,18 @@ bool is_there(const fs::path& path) {
     throw PathError(fmt::format("{}: symbolic links in a circle", path.string()));
   }
   return fs::exists(status);
+}
+
+/// `name` below `folder` if it is there; it must not climb out of `root`.
+fs::path find_below(const fs::path& folder, const std::string& name, const fs::path& root) {
+  const fs::path path = (folder / name).lexically_normal();
+  if (!is_there(path)) return {};
+  const fs::path relative = path.lexically_relative(root.lexically_normal());
+  if (relative.empty() || *relative.begin() == "..") {
+    throw PathError(
+        fmt::format("the path {} leaves the folder {}", in_quotes(name), root.string()));
+  }
+  return path;
 }
 
 std::vector<fs::path> folders_up_from(const fs::path& file) {
@@ -65,8 +66,8 @@ fs::path find_in_package(const std::string& package, const std::string& name,
     packages.push_back(folder / package);
   }
   for (const fs::path& folder : packages) {
-    const fs::path path = below(folder, name, folder);
-    if (is_there(path)) return path;
+    const fs::path path = find_below(folder, name, folder);
+    if (!path.empty()) return path;
   }
   return {};
 }
@@ -130,23 +131,22 @@ fs::path find_mesh(const std::string& written, const MeshFolders& folders) {
     if (!name.starts_with(scheme)) continue;
     const std::string path = name.substr(std::string(scheme).size());
     const std::size_t slash = path.find('/');
-    if (slash == std::string::npos)
-      throw PathError(in_quotes(name) + " names no file of a package");
+    if (slash == std::string::npos) return {};
     return find_in_package(path.substr(0, slash), path.substr(slash + 1), folders);
   }
   std::string path = name;
   if (name.starts_with("file://")) {
     path = name.substr(7);
   } else if (name.find("://") != std::string::npos) {
-    throw PathError(in_quotes(name) + ": meshes are read from package://, file:// and paths");
+    return {};  // of the net
   }
   if (fs::path(path).is_absolute()) {
     const fs::path full = fs::path(path).lexically_normal();
     return is_there(full) ? full : fs::path();
   }
   const std::vector<fs::path> above = folders_up_from(folders.robot_file);
-  const fs::path full = below(above[0], path, root_of(folders.robot_file));
-  if (is_there(full)) return full;
+  const fs::path full = find_below(above[0], path, root_of(folders.robot_file));
+  if (!full.empty()) return full;
   // Some files are written for programs that start in a folder above.
   for (std::size_t i = 1; i < std::min<std::size_t>(above.size(), 3); ++i) {
     const fs::path other = (above[i] / path).lexically_normal();
@@ -197,6 +197,12 @@ bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes coll
           findings.remark(use.line, "mesh",
                           "meshes that are not there: clearance does not cover these links",
                           fmt::format("{} ({})", link.name, use.file));
+          continue;
+        }
+        if (const std::string why = why_unread(path.string()); !why.empty()) {
+          findings.remark(use.line, "mesh",
+                          "meshes that are not read: clearance does not cover these links",
+                          fmt::format("{} ({}: {})", link.name, use.file, why));
           continue;
         }
         const auto [mesh, is_new] = meshes.try_emplace(path.string());

@@ -25,7 +25,7 @@ struct PathError : std::runtime_error {
 
 /// The file of a mesh, by the name in a robot file: package://, file:// or a path.
 /// @return empty: it is not there
-/// @throws PathError
+/// @throws PathError there is one, outside of the robot's package, or links that go in circles
 std::filesystem::path find_mesh(const std::string& name, const MeshFolders& folders);
 
 /// Folders of ROS_PACKAGE_PATH.

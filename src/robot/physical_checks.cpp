@@ -8,7 +8,7 @@
 
 namespace stillbase {
 
-std::string inertia_fault(const Matrix3d& inertia) {
+std::string inertia_fault(const Matrix3d& inertia, double rounding) {
   if (!inertia.allFinite()) return "the inertia tensor is not finite";
   if ((inertia - inertia.transpose()).cwiseAbs().maxCoeff() >
       1e-12 * inertia.cwiseAbs().maxCoeff()) {
@@ -22,7 +22,7 @@ std::string inertia_fault(const Matrix3d& inertia) {
     return fmt::format("the inertia tensor is not positive definite: {}", principal);
   }
   const double sum = moments[0] + moments[1];
-  if (moments[2] > sum * (1 + 1e-5)) {
+  if (moments[2] > sum * (1 + 1e-5) + std::min(rounding, 0.05 * moments[2])) {
     return fmt::format(
         "the inertia tensor breaks the triangle inequality ({:.6g} + {:.6g} < {:.6g}): {}",
         moments[0], moments[1], moments[2], principal);

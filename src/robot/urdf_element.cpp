@@ -138,6 +138,7 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
     return kNaN;
   };
   if (error == std::errc::result_out_of_range) {
+    if (digits.find("e-") != digits.npos || digits.find("E-") != digits.npos) return 0;
     return refuse("not-finite", in_quotes(part) + " does not fit into a double");
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {
@@ -165,9 +166,36 @@ double Element::number(const char* attribute, Sign sign, std::optional<double> o
   return text != nullptr ? parse(attribute, text, text, sign) : otherwise.value_or(kNaN);
 }
 
-double Element::limit(const char* attribute, Sign sign) {
+double Element::limit(const char* attribute) {
   const char* text = value(attribute, false);
-  return text != nullptr ? parse(attribute, text, text, sign, true) : 0;
+  return text != nullptr ? parse(attribute, text, text, Sign::Any, true) : 0;
+}
+
+double Element::rounding(const char* attribute) const {
+  const char* const text = xml_.Attribute(attribute);
+  if (text == nullptr) return 0;
+  const std::string_view digits = trimmed(text);
+  const std::size_t end = std::min(digits.find_first_of("eE"), digits.size());
+  const std::string_view mantissa = digits.substr(0, end);
+  if (mantissa.find_first_of("123456789") == mantissa.npos) return 0;
+  int exponent = 0;
+  if (end < digits.size()) {
+    std::string_view power = digits.substr(end + 1);
+    if (power.starts_with('+')) power.remove_prefix(1);
+    std::from_chars(power.data(), power.data() + power.size(), exponent);
+  }
+  const std::size_t point = mantissa.find('.');
+  const auto places = point == mantissa.npos ? 0 : static_cast<int>(mantissa.size() - point) - 1;
+  return 0.5 * std::pow(10, exponent - places);
+}
+
+bool Element::says_the_same(const tinyxml2::XMLElement& other) const {
+  const auto text_of = [](const tinyxml2::XMLElement& element) {
+    tinyxml2::XMLPrinter printer(nullptr, true);
+    element.Accept(&printer);
+    return std::string(printer.CStr());
+  };
+  return text_of(xml_) == text_of(other);
 }
 
 Vector3d Element::vector(const char* attribute, Sign sign,
@@ -231,6 +259,12 @@ void Element::finish() {
     if (node->ToElement() == nullptr) continue;
     const std::string_view name = node->Value();
     if (contains(children_, name)) continue;
+    const bool defines = name == "xacro:property" || name == "xacro:arg" || name == "xacro:macro";
+    if (defines) {
+      findings_.remark(node->GetLineNum(), "not-used",
+                       "definitions of macros (xacro) that are left over");
+      continue;
+    }
     if (name.starts_with("xacro:")) {
       findings_.add(node->GetLineNum(), "macro", kExpandMacros);
       continue;

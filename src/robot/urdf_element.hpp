@@ -41,8 +41,11 @@ class Element {
   /// @param otherwise without the attribute; nothing: it is required
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
   /// A limit: `inf` and sizes of kLargestNumber and more, as other formats write for none, are
-  /// infinite.
-  double limit(const char* attribute, Sign sign);
+  /// infinite. 0 without the attribute.
+  double limit(const char* attribute);
+  /// How far the number of an attribute may lie from the one that was rounded to its digits: half
+  /// a unit of the last one. 0: there is no number, or it is zero.
+  double rounding(const char* attribute) const;
   /// Three finite numbers, alike.
   Vector3d vector(const char* attribute, Sign sign, const std::optional<Vector3d>& otherwise = {});
 
@@ -52,13 +55,18 @@ class Element {
   /// Any finite numbers between blanks; a required attribute.
   std::vector<double> numbers(const char* attribute);
 
-  /// Reads the children of this name, in file order; there must be `least` to `most` of them.
+  /// Reads the children of this name, in file order; there must be `least` to `most` of them. One
+  /// more that says the same as the first is remarked upon.
   template <class Read>
   void each(const char* name, int least, int most, Read read) {
     int count = 0;
     for (const auto* e = xml_.FirstChildElement(name); e; e = e->NextSiblingElement(name)) {
       Element child(*e, findings_);
-      if (++count == most + 1) {
+      if (++count > most && child.says_the_same(*xml_.FirstChildElement(name))) {
+        child.remark("repeated-element", tag() + " holds the same <" + name + "> twice");
+        continue;
+      }
+      if (count == most + 1) {
         child.find("repeated-element", tag() + " holds more than one <" + name + ">");
       }
       read(child);
@@ -87,6 +95,7 @@ class Element {
   std::string tag() const { return std::string("<") + xml_.Name() + ">"; }
 
  private:
+  bool says_the_same(const tinyxml2::XMLElement& other) const;
   /// The text of an attribute; null, and a finding where it is required, without it.
   const char* value(const char* attribute, bool required);
   double parse(const char* attribute, std::string_view text, std::string_view part, Sign sign,

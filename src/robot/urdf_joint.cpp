@@ -30,14 +30,25 @@ void read_type(Element& element, TreeJoint& out) {
 
 constexpr double kEndless = 1e4;  // rad: 1600 turns either way, further than a problem can state
 
+/// A rate or effort of zero limits nothing that could be planned with: most files mean that nobody
+/// knew it. So do those with one below zero.
+double read_bound(Element& limit, const char* attribute, const Joint& joint) {
+  const double bound = limit.limit(attribute);
+  if (!(bound < 0)) return bound;
+  limit.remark(
+      "negative-limit",
+      fmt::format("a negative {} of <limit> is taken for one that is not stated", attribute),
+      joint.name);
+  return 0;
+}
+
 /// A turning joint of a range that no joint has is endless. Ranges that are not stated are zero, as
-/// URDF says. A rate or effort of zero limits nothing that could be planned with: most files mean
-/// that nobody knew it.
+/// URDF says.
 void read_limit(Element& limit, Joint& joint) {
-  const double lower = limit.limit("lower", Sign::Any);
-  const double upper = limit.limit("upper", Sign::Any);
-  joint.max_velocity = limit.limit("velocity", Sign::NonNegative);
-  joint.max_effort = limit.limit("effort", Sign::NonNegative);
+  const double lower = limit.limit("lower");
+  const double upper = limit.limit("upper");
+  joint.max_velocity = read_bound(limit, "velocity", joint);
+  joint.max_effort = read_bound(limit, "effort", joint);
   if (joint.type == JointType::Revolute && lower <= -kEndless && upper >= kEndless) {
     joint.type = JointType::Continuous;
     limit.remark("endless", "a range of 1e4 rad or more either way is taken for none", joint.name);

@@ -15,14 +15,28 @@ namespace {
 Inertial read_inertial(Element& element) {
   Inertial inertial;
   inertial.origin = read_origin(element);
-  element.each("mass", 1, 1,
-               [&](Element& mass) { inertial.mass = mass.number("value", Sign::NonNegative); });
-  element.each("inertia", 1, 1, [&](Element& inertia) {
-    const auto entry = [&](const char* name) { return inertia.number(name, Sign::Any); };
+  bool has_mass = false, has_inertia = false;
+  element.each("mass", 0, 1, [&](Element& mass) {
+    has_mass = true;
+    inertial.mass = mass.number("value", Sign::NonNegative);
+  });
+  element.each("inertia", 0, 1, [&](Element& inertia) {
+    has_inertia = true;
+    const auto entry = [&](const char* name) {
+      if (!inertia.has(name)) {
+        inertia.remark("inertia", fmt::format("<inertia> without {}: it is 0", name));
+      }
+      inertial.rounding += inertia.rounding(name);
+      return inertia.number(name, Sign::Any, 0);
+    };
     const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
     const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
     inertial.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
   });
+  for (const char* name : {"mass", "inertia"}) {
+    if (std::string_view(name) == "mass" ? has_mass : has_inertia) continue;
+    element.remark("missing-element", fmt::format("<inertial> without <{}>: it is 0", name));
+  }
   if (inertial.mass == 0 && !inertial.inertia.isZero(0)) {
     element.remark("massless", "<inertial> of mass 0 has an inertia tensor, which counts");
   }
@@ -71,7 +85,7 @@ ConvexMesh read_hull(Element& element) {
 void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink& link) {
   int count = 0;
   const auto each = [&](const char* kind, auto read) {
-    element.each(kind, 0, 1, [&](Element& shape) {
+    element.each(kind, 0, kAny, [&](Element& shape) {
       ++count;
       read(shape);
     });
@@ -89,6 +103,10 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
     each(kind, [&](Element& shape) {
       const double radius = shape.number("radius", Sign::Any);
       const double length = shape.number("length", Sign::Any);
+      if (std::string_view(kind) == "capsule" && length == 0 && radius > 0) {
+        add(Sphere{radius});
+        return;
+      }
       if (!has_size(shape, std::min(radius, length))) return;
       if (is_capsule || std::string_view(kind) == "capsule") {
         add(Capsule{radius, length});
@@ -98,8 +116,13 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
     });
   }
   each("mesh", [&](Element& mesh) {
-    link.meshes.push_back(
-        {mesh.line(), pose, mesh.text("filename", true), mesh.scale("scale"), {}});
+    const std::string file = mesh.text("filename", !mesh.has("filename"));
+    const Vector3d scale = mesh.scale("scale");
+    if (mesh.has("filename") && file.empty()) {
+      mesh.remark("no-shape", "<mesh> of no file: left out");
+      return;
+    }
+    link.meshes.push_back({mesh.line(), pose, file, scale, {}});
   });
   element.each("hull", 0, kAny, [&](Element& hull) {
     ConvexMesh mesh = read_hull(hull);
@@ -111,9 +134,7 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
   });
   if (count == 0)
     element.remark("no-shape", "<collision> without a shape that is known", link.name);
-  if (count > 1) {
-    element.find("geometry", fmt::format("<geometry> holds {} shapes, must be one", count));
-  }
+  if (count > 1) element.remark("geometry", "<geometry> with several shapes: all are read");
 }
 
 /// quat_xyzw, an orientation that newer files state in place of rpy.

@@ -179,32 +179,50 @@ class Builder {
 };
 
 /// @param joint that moves the body; empty: the base
+/// @param rounding of the moments of inertia, kg m^2
 void check_body(const Body& body, int line, const std::string& joint, bool may_lack_mass,
-                Findings& findings) {
+                double rounding, Findings& findings) {
   std::string name = "body " + in_quotes(body.name);
   if (!body.merged_links.empty()) {
     name += fmt::format(" (with {} merged links)", body.merged_links.size());
   }
-  if (may_lack_mass && body.mass == 0) {
-    findings.remark(line, "mass", name + ": no mass: an arm that has yet to be mounted on a base");
+  if (may_lack_mass && body.mass >= 0 && body.inertia.isZero(0)) {
+    findings.remark(line, "mass",
+                    fmt::format("{}: no {}: an arm that has yet to be mounted on a base", name,
+                                body.mass == 0 ? "mass" : "inertia"));
   } else if (const std::string fault = mass_fault(body.mass); !fault.empty()) {
     const std::string what_to_do =
         joint.empty() ? "" : "; give it one, or lock its joint " + in_quotes(joint);
     findings.add(line, "mass", name + ": " + fault + what_to_do);
   } else if (const std::string wrong = inertia_fault(body.inertia); !wrong.empty()) {
-    findings.add(line, "inertia", name + ": " + wrong);
+    if (inertia_fault(body.inertia, rounding).empty()) {
+      findings.remark(
+          line, "inertia",
+          "the inertia tensor breaks the triangle inequality by no more than the digits "
+          "of the file leave open",
+          body.name);
+    } else {
+      findings.add(line, "inertia", name + ": " + wrong);
+    }
   }
 }
 
 void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base,
                    Findings& findings) {
-  const auto check = [&](const Body& body, const std::string& joint, bool may_lack_mass) {
+  std::vector<double> roundings(robot.bodies.size() + 1, 0);  // of the base first
+  for (std::size_t i = 0; i < tree.links.size(); ++i) {
+    const auto& inertial = tree.links[i].inertial;
+    if (inertial)
+      roundings[static_cast<std::size_t>(robot.links[i].body + 1)] += inertial->rounding;
+  }
+  const auto check = [&](const Body& body, std::size_t number, const std::string& joint,
+                         bool may_lack_mass) {
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(),
                      [&](const TreeLink& candidate) { return candidate.name == body.name; });
-    check_body(body, link->line, joint, may_lack_mass, findings);
+    check_body(body, link->line, joint, may_lack_mass, roundings[number], findings);
   };
-  check(robot.base, "", may_lack_base);
+  check(robot.base, 0, "", may_lack_base);
   const bool has_masses = std::any_of(robot.bodies.begin(), robot.bodies.end(),
                                       [](const Body& body) { return body.mass != 0; });
   if (!has_masses && robot.bodies.size() > 1) {
@@ -215,7 +233,7 @@ void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base
     return;
   }
   for (std::size_t k = 0; k < robot.bodies.size(); ++k) {
-    check(robot.bodies[k], robot.tree()[k].name, false);
+    check(robot.bodies[k], k + 1, robot.tree()[k].name, false);
   }
 }
 

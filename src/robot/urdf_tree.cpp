@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -9,10 +10,13 @@
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "robot/urdf_element.hpp"
+#include "robot/xml_text.hpp"
 
 namespace stillbase::urdf {
 
 namespace {
+
+constexpr const char* kWorld = "world";
 
 // Plans carry the robot's text inside JSON.
 void check_text(std::string_view text, Findings& findings) {
@@ -60,10 +64,14 @@ Tree read_document(std::string_view text, Findings& findings) {
   parse_robot(text, document, findings);
   Tree tree;
   Element robot(*document.RootElement(), findings);
-  tree.name = robot.text("name", true);
+  tree.name = robot.text("name", false);
+  if (tree.name.empty()) {
+    robot.remark("robot-name", "<robot> without a name: it is called 'robot'");
+    tree.name = "robot";
+  }
   const std::string version = robot.text("version", false);
   if (robot.has("version") && version != "1" && !version.starts_with("1.")) {
-    robot.find("version", "<robot> version: must be 1.0, 1.1 or 1.2");
+    robot.remark("version", "<robot> version " + in_quotes(version) + ": is read as 1.0");
   }
   int movable = 0;
   robot.each("link", 1, kAny, [&](Element& link) {
@@ -89,36 +97,90 @@ Tree read_document(std::string_view text, Findings& findings) {
   return tree;
 }
 
-/// A root link without mass and shapes whose only joint is floating or planar says what holds for
-/// every robot here: the base floats.
-void drop_free_root(Tree& tree, Findings& findings) {
-  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
-    const TreeJoint& joint = tree.joints[j];
-    if (!joint.is_free) continue;
-    const std::string parent = joint.parent_name;
-    const auto link = std::find_if(tree.links.begin(), tree.links.end(),
-                                   [&](const TreeLink& l) { return l.name == parent; });
-    const auto uses =
-        std::count_if(tree.joints.begin(), tree.joints.end(), [&](const TreeJoint& other) {
-          return other.parent_name == parent || other.child_name == parent;
-        });
-    if (link == tree.links.end() || uses != 1 || link->inertial || !link->shapes.empty() ||
-        !link->meshes.empty()) {
-      findings.add(joint.line, "joint-type",
-                   fmt::format("joint {} has several degrees of freedom: only the base floats; "
-                               "allowed: revolute continuous prismatic fixed",
-                               in_quotes(joint.joint.name)));
-      continue;
-    }
-    findings.remark(joint.line, "free-root",
-                    fmt::format("link {} and the floating joint below it: left out, every base "
-                                "floats",
-                                in_quotes(parent)));
-    tree.links.erase(link);
-    tree.joints.erase(tree.joints.begin() + static_cast<long>(j));
-    break;
+/// Some programs have a link `world` that no file states.
+void add_implied_world(Tree& tree, Findings& findings) {
+  const auto joint = std::find_if(tree.joints.begin(), tree.joints.end(),
+                                  [](const TreeJoint& j) { return j.parent_name == kWorld; });
+  const bool is_stated = std::any_of(tree.links.begin(), tree.links.end(),
+                                     [](const TreeLink& link) { return link.name == kWorld; });
+  if (joint == tree.joints.end() || is_stated) return;
+  findings.remark(joint->line, "implied-world",
+                  "the parent link 'world' is not stated: it has no mass and no shape");
+  TreeLink world;
+  world.line = joint->line;
+  world.name = kWorld;
+  tree.links.push_back(std::move(world));
+}
+
+bool has_mass(const TreeLink& link) {
+  return link.inertial && (link.inertial->mass != 0 || !link.inertial->inertia.isZero(0));
+}
+
+/// Links without mass and shapes that no joint names say nothing of the robot.
+void drop_lone_frames(Tree& tree, Findings& findings) {
+  std::set<std::string> named;
+  for (const TreeJoint& joint : tree.joints) named.insert({joint.parent_name, joint.child_name});
+  const auto is_lone = [&](const TreeLink& link) {
+    return named.count(link.name) == 0 && !has_mass(link) && link.shapes.empty() &&
+           link.meshes.empty();
+  };
+  if (std::all_of(tree.links.begin(), tree.links.end(), is_lone)) return;  // refused by its mass
+  for (const TreeLink& link : tree.links) {
+    if (!is_lone(link)) continue;
+    findings.remark(link.line, "lone-link",
+                    "a link without mass and shapes that no joint names: left out", link.name);
   }
-  findings.raise();
+  tree.links.erase(std::remove_if(tree.links.begin(), tree.links.end(), is_lone), tree.links.end());
+}
+
+/// A floating or planar joint below links without mass, that no other joint moves, says what holds
+/// for every robot here: the base floats.
+void drop_free_root(Tree& tree, Findings& findings) {
+  const auto free = std::find_if(tree.joints.begin(), tree.joints.end(),
+                                 [](const TreeJoint& joint) { return joint.is_free; });
+  if (free == tree.joints.end()) return;
+  std::map<std::string, const TreeJoint*> above;  // by the child
+  for (const TreeJoint& joint : tree.joints) above.emplace(joint.child_name, &joint);
+  const auto is_below = [&](std::string link) {
+    for (std::size_t steps = 0; steps <= tree.joints.size(); ++steps) {
+      const auto joint = above.find(link);
+      if (joint == above.end()) return false;
+      if (joint->second == &*free) return true;
+      link = joint->second->parent_name;
+    }
+    return false;
+  };
+  std::set<std::string> dropped;
+  bool floats = true;
+  for (const TreeLink& link : tree.links) {
+    if (is_below(link.name)) continue;
+    dropped.insert(link.name);
+    floats = floats && !has_mass(link);
+  }
+  for (const TreeJoint& joint : tree.joints) {
+    const bool stays = dropped.count(joint.child_name) == 0;
+    floats = floats && (&joint == &*free || (stays ? !joint.is_free : joint.is_fixed));
+  }
+  if (!floats || dropped.size() == tree.links.size()) {
+    findings.add(free->line, "joint-type",
+                 fmt::format("joint {} has several degrees of freedom: only the base floats; "
+                             "allowed: revolute continuous prismatic fixed",
+                             in_quotes(free->joint.name)));
+    findings.raise();
+  }
+  findings.remark(free->line, "free-root",
+                  fmt::format("link {} and the floating joint below it: left out, every base "
+                              "floats",
+                              in_quotes(free->parent_name)));
+  const TreeJoint* const floating = &*free;
+  std::vector<TreeJoint> joints;
+  for (TreeJoint& joint : tree.joints) {
+    if (&joint != floating && dropped.count(joint.child_name) == 0) joints.push_back(joint);
+  }
+  tree.joints = std::move(joints);
+  const auto is_dropped = [&](const TreeLink& link) { return dropped.count(link.name) > 0; };
+  tree.links.erase(std::remove_if(tree.links.begin(), tree.links.end(), is_dropped),
+                   tree.links.end());
 }
 
 /// Follows couplings of couplings to a joint that moves by itself. A coupled joint whose master
@@ -241,9 +303,15 @@ void find_root(Tree& tree, Findings& findings) {
 }  // namespace
 
 void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings) {
+  const std::optional<std::string> decoded = as_utf8(text, findings);
+  if (decoded) text = *decoded;
   check_text(text, findings);
   findings.raise();
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+  if (document.Parse(text.data(), text.size()) == tinyxml2::XML_ERROR_PARSING_DECLARATION) {
+    const std::string plain = without_instructions(text);
+    document.Parse(plain.data(), plain.size());
+  }
+  if (document.Error()) {
     if (text.starts_with("version https://git-lfs")) {
       findings.add(1, "xml", "a pointer of Git LFS, not the file: `git lfs pull` fetches it");
       findings.raise();
@@ -269,6 +337,8 @@ void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Finding
 
 Tree read_tree(std::string_view text, Findings& findings) {
   Tree tree = read_document(text, findings);
+  add_implied_world(tree, findings);
+  drop_lone_frames(tree, findings);
   drop_free_root(tree, findings);
   connect(tree, findings);
   find_root(tree, findings);

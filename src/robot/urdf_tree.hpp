@@ -38,6 +38,7 @@ struct Inertial {
   Pose origin;  ///< in the link
   double mass = 0;
   Matrix3d inertia = Matrix3d::Zero();
+  double rounding = 0;  ///< of the moments, kg m^2: what the digits of the file leave open
 };
 
 /// A mesh that a <collision> names.

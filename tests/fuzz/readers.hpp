@@ -25,9 +25,9 @@
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "io/fields/sections.hpp"
-#include "robot/convex_hull.hpp"
+#include "robot/assembly.hpp"
 #include "robot/mesh_file.hpp"
-#include "robot/mesh_parts.hpp"
+#include "robot/mesh_thinning.hpp"
 #include "robot/srdf_reader.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -109,28 +109,33 @@ inline std::string mesh_ending(std::string_view text) {
   return ".obj";
 }
 
-/// Meshes are read from files. The reader says what is wrong without naming the file.
+/// A robot with one mesh, scaled and mirrored.
+inline std::string robot_with_mesh(const std::string& file) {
+  return R"(<robot name="r"><link name="a"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><mesh filename=")" +
+         file + R"(" scale="1 -2 0.5"/></geometry></collision></link></robot>)";
+}
+
+/// Meshes are read from files, by a robot that names them: half of the texts become one hull, half
+/// of them parts. The text with hulls that a plan carries must be one of a robot.
 inline bool mesh(std::string_view text) {
   static const TemporaryFolder folder;
-  const std::string path = folder.path("mesh" + mesh_ending(text));
+  const std::string name = "mesh" + mesh_ending(text);
+  const std::string path = folder.path(name);
   std::ofstream(path, std::ios::binary) << text;
-  Mesh mesh;
-  EnclosingHull hull;
-  std::vector<EnclosingHull> parts;
-  try {
-    mesh = read_mesh(path);
-    hull = enclosing_hull(mesh.vertices);
-    parts = convex_parts(mesh);
-  } catch (const std::runtime_error&) {
-    return false;
-  } catch (const std::invalid_argument&) {  // all points are the same
+  RobotAssembly assembly(text.size() % 2 == 0 ? CollisionMeshes::Hull : CollisionMeshes::Decompose);
+  if (!accepts([&] {
+        assembly.add_robot(robot_with_mesh(name), {folder.path("robot.urdf"), {}}, "robot.urdf");
+      })) {
     return false;
   }
+  if (!assembly.is_changed()) return true;  // a mesh that is not read, which is no fault
+  require(accepts([&] { read_urdf(assembly.text(), "fuzz.urdf", ""); }),
+          "the hulls of an accepted mesh are refused");
+  const Mesh mesh = read_mesh(path);
   require(std::isfinite(enclosed_volume(mesh)), "the volume of a mesh is not finite");
-  require(std::isfinite(hull.volume), "the volume of a hull is not finite");
-  for (const EnclosingHull& part : parts) {
-    require(std::isfinite(part.volume), "the volume of a part is not finite");
-  }
+  require(thinned(mesh, 10).triangles.size() <= 10, "a thinned mesh has too many triangles");
   return true;
 }
 

@@ -10,35 +10,14 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "robot/found_robot.hpp"
+
 using namespace stillbase;
 
 namespace {
 
-struct Kind {
-  const char* seen;  ///< where
-  const char* head;  ///< before <robot>
-  const char* text;  ///< inside <robot>, beside base and arm
-  const char* rule;  ///< of the remark; "": there is none
-  int joints;
-};
-
-constexpr const char* kInertialText =
-    "<inertial><mass value=\"2\"/><inertia ixx=\".1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" "
-    "izz=\"1.0E-1\"/></inertial>";
-
-/// A base and an arm, "BODY" standing for an inertia.
-std::string robot_of(const Kind& kind) {
-  std::string text = std::string(kind.head) +
-                     "<robot name=\"found\"><link name=\"base\">BODY</link><link name=\"arm\">BODY"
-                     "</link><joint name=\"j\" type=\"revolute\"><parent link=\"base\"/><child "
-                     "link=\"arm\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" "
-                     "effort=\"5\" velocity=\"1\"/></joint>" +
-                     kind.text + "</robot>";
-  for (std::size_t at; (at = text.find("BODY")) != std::string::npos;) {
-    text.replace(at, 4, kInertialText);
-  }
-  return text;
-}
+using test::Kind;
+using test::robot_of;
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {

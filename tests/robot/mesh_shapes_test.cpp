@@ -103,7 +103,7 @@ std::string urdf_with(const std::string& mesh) {
 </geometry></collision></link></robot>)";
 }
 
-Finding refusal(const std::string& robot) {
+Finding mesh_refusal(const std::string& robot) {
   try {
     read_robot(robot);
   } catch (const InputError& error) {
@@ -259,7 +259,7 @@ TEST_CASE("hostile meshes are refused within a second, at their line") {
     const std::string robot =
         scratch.write("r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name)));
     const auto start = std::chrono::steady_clock::now();
-    const Finding finding = refusal(robot);
+    const Finding finding = mesh_refusal(robot);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     INFO(name << ": " << finding.message);
     CHECK(finding.rule == "mesh");
@@ -275,13 +275,30 @@ TEST_CASE("paths that leave the robot's package or go in circles are refused") {
   fs::create_directories(scratch.path("arm/meshes"));
   fs::create_symlink("b.stl", scratch.path("arm/meshes/a.stl"));
   fs::create_symlink("a.stl", scratch.path("arm/meshes/b.stl"));
-  for (const char* name : {"../../secret.stl", "package://arm/../secret.stl", "../meshes/a.stl",
-                           "http://host/a.stl", "package://arm"}) {
-    const Finding finding = refusal(
+  for (const char* name : {"../../secret.stl", "package://arm/../secret.stl", "../meshes/a.stl"}) {
+    const Finding finding = mesh_refusal(
         scratch.write("arm/urdf/r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name))));
     INFO(name << ": " << finding.message);
     CHECK(finding.rule == "mesh-path");
     CHECK(finding.line == 5);
+  }
+}
+
+TEST_CASE("meshes that no reader could find or knows leave their links without a shape") {
+  const TemporaryFolder scratch;
+  scratch.write("arm/package.xml", "<package/>");
+  scratch.write("arm/meshes/a.blend", "BLENDER");
+  scratch.write("arm/meshes/a.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n");
+  for (const char* name :
+       {"../../not_there.stl", "package://arm/../not_there.stl", "http://host/a.stl",
+        "package://arm", "../meshes/a.blend", "../meshes/a.stl"}) {
+    INFO(name);
+    const RobotModel robot = read_robot(
+        scratch.write("arm/urdf/r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name))));
+    CHECK(robot.shapes.empty());
+    REQUIRE(robot.remarks.size() == 1);
+    CHECK(robot.remarks[0].rule == "mesh");
+    CHECK(robot.remarks[0].line == 5);
   }
 }
 

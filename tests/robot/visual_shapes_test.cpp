@@ -93,8 +93,7 @@ TEST_CASE("drawings that are not there or cannot be read are remarks") {
     CHECK(remarks.find("arm") != std::string::npos);
   }
   for (const std::string wrong :
-       {"<sphere radius=\"nan\"/>", "<sphere radius=\"1e9\"/>", "<box size=\"1 2\"/>",
-        "<sphere radius=\"1\"/><box size=\"1 1 1\"/>"}) {
+       {"<sphere radius=\"nan\"/>", "<sphere radius=\"1e9\"/>", "<box size=\"1 2\"/>"}) {
     const auto [visuals, remarks] = folder.read(visual(wrong));
     INFO(wrong << ": " << remarks);
     CHECK(visuals.shapes.empty());

@@ -15,7 +15,9 @@ namespace stillbase {
 /// principal moments. Flat bodies, where the larger moment equals the sum, pass: the sum may be
 /// missed by 1e-5 of it, which is what six written digits can lose.
 /// @param inertia about the centroid, kg m^2
-std::string inertia_fault(const Matrix3d& inertia);
+/// @param rounding kg m^2; the sum may be missed by this, too, where fewer digits were written, but
+/// by no more than 0.05 of the largest moment
+std::string inertia_fault(const Matrix3d& inertia, double rounding = 0);
 
 /// Why no rigid body can have this mass (kg); empty when one can: finite and > 0.
 std::string mass_fault(double mass);

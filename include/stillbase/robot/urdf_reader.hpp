@@ -12,13 +12,14 @@
 namespace stillbase {
 
 /// Largest robot file, deepest nesting of its elements and largest number of links.
-inline constexpr std::size_t kMaxUrdfBytes = 1u << 20;
+inline constexpr std::size_t kMaxUrdfBytes = 4u << 20;
 inline constexpr int kMaxUrdfDepth = 64;
-inline constexpr int kMaxUrdfLinks = 256;
+inline constexpr int kMaxUrdfLinks = 1024;
 
 /// What a caller can do without.
 struct UrdfOptions {
-  /// The base body may have no mass: an arm that has yet to be mounted. H is singular then.
+  /// The base body may have no mass or no inertia: an arm that has yet to be mounted. H is singular
+  /// then.
   bool may_lack_base = false;
   /// Of several leaf links the hand is the one behind the most movable joints (the first of those
   /// in file order), and a remark says so.
@@ -35,13 +36,16 @@ struct UrdfOptions {
 /// Accepted: trees of revolute, continuous, prismatic and fixed joints. Fixed links are merged into
 /// their parents (masses added, centroids averaged, parallel-axis theorem); then every body must
 /// have mass > 0 and an inertia tensor that is positive definite and satisfies the triangle
-/// inequality of principal moments. Links without `<inertial>` are frames without mass. A root link
-/// without mass and shapes above a single floating or planar joint is left out.
+/// inequality of principal moments, to within the digits that the file gives. What an `<inertial>`
+/// does not state is 0, and links without it are frames without mass. Those of them above a
+/// floating or planar joint are left out, and so are those that no joint names. A parent `world`
+/// need not be stated.
 ///
 /// Revolute and prismatic joints need `<limit>`; its lower and upper are 0 when they are not
 /// stated, as URDF says, and velocity and effort 0, which is remarked upon: no motion can be
-/// planned with it. A continuous joint has no lower and upper (they are ignored there), and no
-/// bounds on velocity and effort unless it has a `<limit>`. Axes are normalised.
+/// planned with it. The same holds for a negative velocity or effort. A continuous joint has no
+/// lower and upper (they are ignored there), and no bounds on velocity and effort unless it has a
+/// `<limit>`. Axes are normalised.
 ///
 /// Collision shapes: sphere, box, cylinder, capsule (length without caps). A `<collision>` whose
 /// name ends in "_capsule" and holds a `<cylinder>` is a capsule, the cylinder of that radius and
@@ -55,13 +59,15 @@ struct UrdfOptions {
 ///
 /// Remarked upon once per kind, with the number of times and the first line: elements, attributes
 /// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
-/// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero.
+/// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero, an element
+/// that is stated twice alike, a `<robot>` without a name or of another version.
 ///
 /// Numbers are plain decimals with a point, finite and at most 1e60 in size. In `<limit>` larger
 /// ones, which some programs write for "none", are no limit: a turning joint without ends is
 /// continuous. An `<origin>` may state quat_xyzw in place of rpy.
 ///
-/// @param text URDF in UTF-8; at most kMaxUrdfBytes
+/// @param text URDF in UTF-8, in UTF-16 with a byte order mark, or in the ISO 8859-1 that it
+/// declares; at most kMaxUrdfBytes
 /// @param source name of the file for messages
 /// @param hand name of the hand link; when empty the only leaf link
 /// @throws InputError with every finding of the same stage (form of the text, structure of the
