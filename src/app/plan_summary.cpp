@@ -15,6 +15,7 @@
 #include "app/search_advice.hpp"
 #include "app/words.hpp"
 #include "planner/candidates.hpp"
+#include "planner/capture_limits.hpp"
 #include "planner/choice.hpp"
 
 namespace stillbase::app {
@@ -451,8 +452,8 @@ std::string limit_use_words(const LimitUse& use, const std::string& role) {
   return text + fmt::format("margin {:.3g} {}", scale * use.margin(), unit);
 }
 
-/// The limit that binds: an exceeded one, else under detumble the one at which a load is held
-/// longest, else the one of which most is used.
+/// The limit that binds: an exceeded one, else under detumble the one at which a load is held for
+/// most of the time, else the one of which most is used.
 std::string binding_limit_words(const ManagedMomentum& managed, double horizon) {
   const LimitUse& most = managed.limits.front();
   if (most.margin() < 0) return limit_use_words(most, "exceeded limit");
@@ -460,11 +461,12 @@ std::string binding_limit_words(const ManagedMomentum& managed, double horizon) 
   if (!held) return limit_use_words(most, "tightest limit");
   std::string name = to_string(held->limit);
   std::replace(name.begin(), name.end(), '_', ' ');
-  return fmt::format(
-      "binding limit: {} of {}, at least {:.4g} % of it for {:.4g} s of the {:.4g} s "
-      "until {}",
-      name, held->place, 100 * kNearLimit, held->time, managed.rest_time.value_or(horizon),
-      managed.rest_time ? "the rest" : "the horizon");
+  const std::string words =
+      fmt::format("{} of {}, at least {:.4g} % of it for {:.4g} s of the {:.4g} s until {}", name,
+                  held->place, 100 * kNearLimit, held->time, managed.rest_time.value_or(horizon),
+                  managed.rest_time ? "the rest" : "the horizon");
+  if (is_bound(managed, horizon)) return "binding limit: " + words;
+  return "no limit binds for most of the time, the controller's gains decide it; longest: " + words;
 }
 
 std::string proof_words(const Proof& proof) {

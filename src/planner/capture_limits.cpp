@@ -220,6 +220,11 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
   return managed;
 }
 
+bool is_bound(const ManagedMomentum& managed, double horizon) {
+  const auto& held = managed.longest_held;
+  return held && held->time >= 0.5 * managed.rest_time.value_or(horizon);
+}
+
 bool is_demand_on_grasp(const LimitUse& use) {
   return use.limit == CaptureLimit::GripForce || use.limit == CaptureLimit::GripMoment ||
          use.limit == CaptureLimit::WheelMomentum;

@@ -15,6 +15,12 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
                                      const ImpactSummary& impact, const ContactCase& subject,
                                      const AfterContact* run);
 
+/// Whether the limit that is held longest under `detumble` binds: for at least half of the time
+/// until robot and target rest, or to the horizon. A load that is near its limit for an instant
+/// does not decide that time: the controller's gains do.
+/// @param horizon of the simulation, s
+bool is_bound(const ManagedMomentum& managed, double horizon);
+
 /// Limits of grip and wheels: a capture that exceeds one is none. The other ones have criteria of
 /// their own.
 bool is_demand_on_grasp(const LimitUse& use);

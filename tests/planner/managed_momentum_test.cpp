@@ -2,6 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <optional>
 
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/planner/post_impact.hpp>
@@ -106,6 +109,7 @@ TEST_CASE("under detumble the limit that binds is the one at which a load stays 
   CHECK(by_wheels->longest_held->limit == CaptureLimit::WheelTorque);
   CHECK(by_wheels->longest_held->time > 0.5 * *by_wheels->rest_time);
   CHECK(by_wheels->longest_held->time <= *by_wheels->rest_time);
+  CHECK(is_bound(*by_wheels, spec.horizon));
   // Stronger wheels leave it to a weaker grip, which has to turn the target.
   const LimitUse* const moment = find(*by_wheels, CaptureLimit::GripMoment);
   REQUIRE(moment != nullptr);
@@ -119,6 +123,70 @@ TEST_CASE("under detumble the limit that binds is the one at which a load stays 
   CHECK(by_grip->longest_held->time > 0.9 * *by_grip->rest_time);
   spec.controllers = {"rns_damped"};
   CHECK_FALSE(managed_momentum(problem, at, impact)->longest_held.has_value());
+}
+
+TEST_CASE("under detumble the limit that binds is the one whose change changes the time") {
+  struct Case {
+    const char* name;
+    std::optional<CaptureLimit> binds;
+    std::function<void(CaptureProblem&)> change;
+  };
+  const auto strong = [](CaptureProblem& problem) { problem.post_impact.wheels.torque *= 20; };
+  const Case cases[] = {
+      {"wheels", CaptureLimit::WheelTorque, [](CaptureProblem&) {}},
+      {"strong wheels", CaptureLimit::WheelTorque, strong},
+      {"grip moment", CaptureLimit::GripMoment,
+       [&](CaptureProblem& problem) {
+         strong(problem);
+         problem.post_impact.grip.moment = 1.5;
+       }},
+      {"grip force", CaptureLimit::GripForce,
+       [&](CaptureProblem& problem) {
+         strong(problem);
+         problem.post_impact.grip.force = 1;
+       }},
+      {"joint torque", CaptureLimit::JointTorque,
+       [&](CaptureProblem& problem) {
+         strong(problem);
+         for (Joint& joint : problem.robot.joints) joint.max_effort = 1;
+       }},
+      {"gains alone", std::nullopt,
+       [](CaptureProblem& problem) { problem.post_impact.wheels.torque *= 500; }},
+  };
+  const auto account = [](const CaptureProblem& problem) {
+    const Configuration at = start_configuration(problem);
+    return *managed_momentum(problem, at, impact_at(problem, at));
+  };
+  for (const Case& one : cases) {
+    INFO(one.name);
+    CaptureProblem problem = test::shipped("detumble_client_1000");
+    one.change(problem);
+    const PostImpactSpec& spec = problem.post_impact;
+    const ManagedMomentum managed = account(problem);
+    REQUIRE(managed.rest_time);
+    REQUIRE(is_bound(managed, spec.horizon) == one.binds.has_value());
+    if (one.binds) CHECK(managed.longest_held->limit == *one.binds);
+    // A tenth more of each limit saves time where it binds and next to none elsewhere.
+    const auto saved = [&](const std::function<void(CaptureProblem&)>& more) {
+      CaptureProblem other = problem;
+      more(other);
+      return 1 - *account(other).rest_time / *managed.rest_time;
+    };
+    const std::map<CaptureLimit, double> savings = {
+        {CaptureLimit::WheelTorque,
+         saved([](CaptureProblem& other) { other.post_impact.wheels.torque *= 1.1; })},
+        {CaptureLimit::GripForce,
+         saved([](CaptureProblem& other) { *other.post_impact.grip.force *= 1.1; })},
+        {CaptureLimit::GripMoment,
+         saved([](CaptureProblem& other) { *other.post_impact.grip.moment *= 1.1; })},
+        {CaptureLimit::JointTorque, saved([](CaptureProblem& other) {
+           for (Joint& joint : other.robot.joints) joint.max_effort *= 1.1;
+         })}};
+    for (const auto& [limit, saving] : savings) {
+      INFO(to_string(limit) << " " << saving);
+      CHECK((saving > 0.05) == (one.binds == limit));
+    }
+  }
 }
 
 TEST_CASE("wheels that are too small and a grip that is too weak break the limits by name") {
