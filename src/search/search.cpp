@@ -21,6 +21,7 @@
 #include "search/roll.hpp"
 #include "search/solution.hpp"
 #include "search/start_postures.hpp"
+#include "search/zero_watch.hpp"
 
 namespace stillbase {
 
@@ -86,6 +87,7 @@ class Search {
         jobs_(problem.user.empty() ? jobs_or_processors(options.jobs) : 1),
         postures_(problem, formulation, options, isolated_, jobs_) {
     if (!optimizer_) throw std::invalid_argument("no optimizer named " + options.optimizer);
+    looks_for_zeros_ = formulation.has_hessian() && ends_at_minima(optimizer_->info());
     if (!ends_at_minima(optimizer_->info()) || options.optimizer == options.rescuer)
       rescuer_.reset();
     solve_.max_evaluations =
@@ -128,7 +130,8 @@ class Search {
     const Eigen::VectorXd x =
         solved_in_shortest_turns(formulation_, x0, [&](const Eigen::VectorXd& from) {
           ++calls[optimizer.info().name];
-          return optimizer.minimize(formulation_, from, solve).x;
+          return looks_for_zeros_ ? minimize_to_zero(optimizer, formulation_, from, solve)
+                                  : optimizer.minimize(formulation_, from, solve).x;
         });
     return polish(problem_, formulation_,
                   judge(problem_, formulation_, formulation_.normalised(x)));
@@ -472,6 +475,7 @@ class Search {
   nlp::OptimizeOptions solve_;
   const bool isolated_;
   const bool simulates_;
+  bool looks_for_zeros_ = false;  ///< of an objective that takes no simulation
   const int jobs_;
   const StartPostures postures_;
   std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures
