@@ -138,8 +138,13 @@ void check_gap(const Context& context, const Approach& path, const std::vector<B
 
 void check_abort(const Context& context, ClaimList& claims) {
   const CaptureProblem& problem = context.problem;
-  if (!problem.hand_motion.moves() || !problem.approach.abort) return;
   const std::optional<AbortPath>& abort = context.plan.approach.abort;
+  if (!problem.hand_motion.moves() || !problem.approach.abort) {
+    if (!abort) return;
+    Objections invented;
+    invented.add("a path that the problem does not ask for");
+    return claims.none_wrong("abort_found", invented, "no path to rest");
+  }
   Objections missing;
   missing.demand(abort && abort->times.size() > 1, "no path");
   claims.none_wrong("abort_found", missing,

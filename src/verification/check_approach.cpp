@@ -387,7 +387,14 @@ std::vector<BaseTrack> base_tracks(const CaptureProblem& problem, const Approach
 
 void check_approach(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
-  if (!context.problem.approach.enabled) return;
+  if (!context.problem.approach.enabled) {
+    Objections invented;
+    invented.demand(
+        approach.status != ApproachStatus::Found && approach.times.empty() && !approach.abort,
+        "a path that the problem does not ask for");
+    if (!invented.none()) claims.none_wrong("approach_found", invented, "no approach");
+    return;
+  }
   Objections missing;
   missing.demand(approach.status == ApproachStatus::Found,
                  approach.detail.empty() ? "no path" : approach.detail);

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
 #include "verification/contact_case.hpp"
 #include "verification/grip_load.hpp"
+#include "verification/limit_uses.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -19,30 +19,28 @@ constexpr double kNegligible = 1e-9;  ///< of the momentum: an axis without any
 constexpr double kNoRotation = 1e-6;  ///< of the momenta that cancel: by the planner's integration
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
-bool is_latched(const Context& context, const Vector6d& Fbar) {
-  return context.problem.impulse.contact == ContactLaw::Latch && !Fbar.isZero(0);
+bool is_latched(const CaptureProblem& problem, const Vector6d& Fbar) {
+  return problem.impulse.contact == ContactLaw::Latch && !Fbar.isZero(0);
 }
 
 /// Of a latched target its spin and both masses' motion about their common centroid, else the
 /// impulse's moment about the robot's centroid; the robot rests before the contact.
-Vector3d angular_momentum(const Context& context, const Vector6d& Fbar) {
-  const Situation& at = context.situation;
+Vector3d angular_momentum(const Situation& at, const Vector6d& Fbar) {
   const Vector3d hand = at.response.dynamics.hand_position;
   // A response that holds the target has the common centroid.
   const Vector3d centroid =
-      reference::compute(context.problem.robot, {at.at.phi, {}, Vector6d::Zero()}).centroid;
-  if (!is_latched(context, Fbar)) {
+      reference::compute(at.problem.robot, {at.at.phi, {}, Vector6d::Zero()}).centroid;
+  if (!is_latched(at.problem, Fbar)) {
     const Vector3d f = Fbar.head<3>();
     return (hand - centroid).cross(f) + Fbar.tail<3>();
   }
-  const reference::MetBody body = met_body(context.problem, at.event);
-  const double m = body.mass, M = context.problem.robot.total_mass();
+  const reference::MetBody body = met_body(at.problem, at.event);
+  const double m = body.mass, M = at.problem.robot.total_mass();
   const Vector3d apart = hand - body.r - centroid;
   return body.inertia * body.omega + (M * m / (M + m)) * apart.cross(body.velocity);
 }
 
-/// What the second code finds of every limit: its largest use by place.
-using Uses = std::map<CaptureLimit, std::vector<LimitUse>>;
+using Uses = LimitUses;
 
 void add_joints(const RobotModel& robot, const Eigen::VectorXd& sizes, CaptureLimit limit,
                 double Joint::*most, const char* unit, const char* prismatic_unit, Uses& uses) {
@@ -54,10 +52,10 @@ void add_joints(const RobotModel& robot, const Eigen::VectorXd& sizes, CaptureLi
   }
 }
 
-void add_reach(const Context& context, Uses& uses) {
-  const RobotModel& robot = context.problem.robot;
-  const std::vector<Pose> bodies = reference::body_poses(robot, context.situation.at.phi);
-  const Vector3d hand = context.situation.response.dynamics.hand_position;
+void add_reach(const Situation& situation, Uses& uses) {
+  const RobotModel& robot = situation.problem.robot;
+  const std::vector<Pose> bodies = reference::body_poses(robot, situation.at.phi);
+  const Vector3d hand = situation.response.dynamics.hand_position;
   std::vector<int> way;  // bodies from the hand inwards
   for (int b = robot.hand_body; b != kBase; b = robot.tree()[b].parent) way.push_back(b);
   if (way.empty()) return;
@@ -72,9 +70,8 @@ void add_reach(const Context& context, Uses& uses) {
   uses[CaptureLimit::Reach].push_back({CaptureLimit::Reach, robot.hand, apart, longest, "m"});
 }
 
-void add_wheels(const Context& context, const Vector3d& angular, const AfterContact* run,
+void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, const AfterContact* run,
                 Uses& uses) {
-  const PostImpactSpec& spec = context.problem.post_impact;
   const std::string first = spec.controllers.empty() ? "" : spec.controllers.front();
   const bool take_all =
       (first == "rns_handback" || first == "detumble") && !(spec.thrusters.torque > 0);
@@ -109,14 +106,13 @@ std::optional<double> least_time(const WheelSpec& wheels, const Vector3d& angula
   return time;
 }
 
-Uses all_uses(const Context& context, const Vector3d& angular, const AfterContact* run) {
-  const CaptureProblem& problem = context.problem;
+Uses all_uses(const Situation& situation, const Vector3d& angular, const AfterContact* run) {
+  const CaptureProblem& problem = situation.problem;
   const RobotModel& robot = problem.robot;
-  const Configuration& at = context.situation.at;
+  const Configuration& at = situation.at;
   Uses uses;
-  add_reach(context, uses);
-  const Eigen::VectorXd after =
-      context.situation.response.impact(context.situation.impulse()).Delta_phidot;
+  add_reach(situation, uses);
+  const Eigen::VectorXd after = situation.response.impact(situation.impulse()).Delta_phidot;
   const SimulationSummary none;
   const SimulationSummary& summary = run == nullptr ? none : run->simulation.summary;
   const Eigen::VectorXd rates = run == nullptr ? after : Eigen::VectorXd(summary.peak_joint_rates);
@@ -146,7 +142,7 @@ Uses all_uses(const Context& context, const Vector3d& angular, const AfterContac
     uses[CaptureLimit::GripMoment].push_back(
         {CaptureLimit::GripMoment, robot.hand, summary.peak_grip_moment, *grip.moment, "N m"});
   }
-  add_wheels(context, angular, run, uses);
+  add_wheels(problem.post_impact, angular, run, uses);
 
   const VariableSpec& variables = problem.variables;
   const double window = variables.contact_time_upper - variables.contact_time_lower;
@@ -271,28 +267,59 @@ double time_near(const Load& load, double part, const SimulationResult& run) {
   return time;
 }
 
-/// The limit that binds under `detumble`, between counts of what is a little nearer to the limit
-/// and a little less near, as the samples of a run show them.
+/// s that the load is near its limit, as the integration counts its steps.
+double counted_time(const Load& load, const CaptureProblem& problem, const LoadTimes& times) {
+  const std::vector<Joint>& joints = problem.robot.joints;
+  const auto joint = std::find_if(joints.begin(), joints.end(),
+                                  [&](const Joint& other) { return other.name == load.place; });
+  const auto k = static_cast<Eigen::Index>(joint - joints.begin());
+  const int axis = load.place == "x" ? 0 : load.place == "y" ? 1 : 2;
+  switch (load.limit) {
+    case CaptureLimit::JointRate:
+      return times.joint_rates[k];
+    case CaptureLimit::JointTorque:
+      return times.joint_torques[k];
+    case CaptureLimit::WheelTorque:
+      return times.wheel_torques[axis];
+    case CaptureLimit::GripForce:
+      return times.grip_force;
+    default:
+      return times.grip_moment;
+  }
+}
+
+/// The limit that binds under `detumble`: the times that this integration counts by its steps, and
+/// that its samples show.
 void compare_held(const Context& context, const AfterContact& run, Objections& objections) {
-  constexpr double kPart = 0.01;  ///< of a limit: a load that crosses kNearLimit there may count
+  // Of a limit: what two integrations may see on either side of kNearLimit, and what the samples
+  // miss of a load that crosses it.
+  constexpr double kSamePart = 1e-4, kPart = 0.01;
   const SimulationResult& result = run.simulation;
   const double interval =
       result.trace.size() > 1 ? result.trace[1].time - result.trace[0].time : 0.0;
-  const double slack = 3 * interval;  // a load that begins and ends between samples
+  const double sampled = 3 * interval;  // a load that begins and ends between samples
+  const double period = context.problem.post_impact.control_period;
   const auto& stated = context.plan.managed_momentum->longest_held;
   bool is_known = !stated;
   for (const Load& load : loads_of(context.problem)) {
-    const double certain = time_near(load, kNearLimit + kPart, result);
-    const double possible = time_near(load, kNearLimit - kPart, result);
+    const double counted = counted_time(load, context.problem, result.summary.near_limit);
+    const double open = time_near(load, kNearLimit - kSamePart, result) -
+                        time_near(load, kNearLimit + kSamePart, result);
+    // Both integrations end their steps at the instants of control.
+    const double slack = (period > 0 ? 4 * period : sampled) + kSameExtreme * counted + open;
+    const double certain =
+        std::max(counted - slack, time_near(load, kNearLimit + kPart, result) - sampled);
+    const double possible =
+        std::min(counted + slack, time_near(load, kNearLimit - kPart, result) + sampled);
     const double time = stated ? stated->time : 0;
     const std::string name = to_string(load.limit) + " of " + load.place;
-    objections.demand(certain <= time + slack,
-                      fmt::format("{} is held for {:.4g} s, longer than stated", name, certain));
+    objections.demand(certain <= time,
+                      fmt::format("{} is held for {:.4g} s, longer than stated", name, counted));
     if (!stated || load.limit != stated->limit || load.place != stated->place) continue;
     is_known = true;
     objections.demand(
-        time > 0 && time <= possible + slack,
-        fmt::format("{} is stated to be held for {:.4g} s, {:.4g} s found", name, time, possible));
+        time > 0 && time <= possible,
+        fmt::format("{} is stated to be held for {:.4g} s, {:.4g} s found", name, time, counted));
   }
   objections.demand(is_known, "the limit that is held longest is none that can be held");
 }
@@ -312,7 +339,7 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   const Situation& at = context.situation;
   const PostImpactSpec& spec = context.problem.post_impact;
   Vector3d linear = Fbar.head<3>();
-  if (is_latched(context, Fbar)) {
+  if (is_latched(context.problem, Fbar)) {
     const reference::MetBody body = met_body(context.problem, at.event);
     linear = body.mass * body.velocity;
   }
@@ -343,7 +370,7 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   times_agree("remaining", stated->remaining, remaining,
               kSameExtreme * angular.norm() + kNoRotation * scale);
   times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
-  const Uses uses = all_uses(context, angular, run);
+  const Uses uses = all_uses(context.situation, angular, run);
   compare_limits(*stated, uses, angular, step, objections);
   if (run != nullptr && spec.controllers.front() == "detumble") {
     compare_held(context, *run, objections);
@@ -358,7 +385,7 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
 /// Demands of the problem that hold or not, whatever the plan says.
 void check_demands(const Context& context, const Vector3d& angular, const AfterContact& run,
                    ClaimList& claims) {
-  const Uses uses = all_uses(context, angular, &run);
+  const Uses uses = all_uses(context.situation, angular, &run);
   const double slack = context.options.limit_slack;
   const auto demand = [&](CaptureLimit limit, const char* name, const std::string& detail) {
     const auto found = uses.find(limit);
@@ -382,10 +409,14 @@ void check_demands(const Context& context, const Vector3d& angular, const AfterC
 
 }  // namespace
 
+LimitUses limit_uses(const Situation& situation, const AfterContact* run) {
+  return all_uses(situation, angular_momentum(situation, situation.impulse()), run);
+}
+
 void check_managed_momentum(const Context& context, const AfterContact* run, ClaimList& claims) {
   if (!context.problem.target) return;
   const Vector6d Fbar = context.situation.impulse();
-  const Vector3d angular = angular_momentum(context, Fbar);
+  const Vector3d angular = angular_momentum(context.situation, Fbar);
   check_account(context, Fbar, angular, run, claims);
   if (run == nullptr) return;
   check_demands(context, angular, *run, claims);

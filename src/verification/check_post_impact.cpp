@@ -149,9 +149,10 @@ SimulationOptions options_of(const Context& context, const Controller& controlle
   return options;
 }
 
+/// The joint that reaches a stop included: of neither where none does.
 bool have_same_end(const AfterHorizon& a, const AfterHorizon& b) {
   return a.moves == b.moves && a.stop_time.has_value() == b.stop_time.has_value() &&
-         (!a.stop_time || a.joint == b.joint);
+         a.joint == b.joint;
 }
 
 bool have_same_time(const AfterHorizon& a, const AfterHorizon& b) {
@@ -163,17 +164,24 @@ bool agree(const AfterHorizon& a, const AfterHorizon& b) {
   return have_same_end(a, b) && have_same_time(a, b);
 }
 
-/// The plan's statement on the time after the horizon; no check where there is none.
+/// The plan's statement on the time after the horizon.
 void check_after_horizon(const Context& context, const ContactCase& subject,
                          const AfterContact& run, ClaimList& claims) {
   const char* const name = "after_horizon";
   const auto& stated = context.plan.after_horizon;
-  if (!stated) return;
+  if (!stated && context.plan.status == PlanStatus::Limit) {
+    return claims.not_verified(name, "not stated: a limit came before it was simulated");
+  }
   const PostImpactSpec& spec = context.problem.post_impact;
   const auto controller = controller_of(spec, spec.controllers.front());
   const auto found =
       look_beyond_horizon(subject, spec, *controller, options_of(context, *controller), run);
   if (!found) return claims.not_verified(name, "the simulation beyond the horizon did not finish");
+  if (!stated) {
+    Objections missing;
+    missing.add("missing from a plan with a controller");
+    return claims.none_wrong(name, missing, "what the joints do after the horizon");
+  }
   claims.at_most("after_horizon_joint_rate", std::abs(stated->joint_rate - found->joint_rate),
                  kSameRate * found->joint_rate + kNoRate, "rad/s",
                  fmt::format("norm at the horizon, stated {:.6g} from {:.6g} recomputed",
@@ -192,7 +200,8 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
   Objections objections;
   const auto words = [](const AfterHorizon& x) {
     if (!x.stop_time) {
-      return std::string(x.moves ? "moving, no stop within ten horizons" : "at rest");
+      return (x.moves ? "moving, no stop within ten horizons" : "at rest") +
+             (x.joint.empty() ? "" : ", and names " + x.joint);
     }
     return fmt::format("{} at its stop {:.6g} s after the impact", x.joint, *x.stop_time);
   };
@@ -283,6 +292,11 @@ void check_post_impact(const Context& context, ClaimList& claims,
   const ContactCase subject = contact_case(context.problem, at.target(), at.event, at.response,
                                            at.at, at.event.n, at.impulse());
   if (spec.controllers.empty()) {
+    if (context.plan.after_horizon) {
+      Objections invented;
+      invented.add("stated without a controller");
+      claims.none_wrong("after_horizon", invented, "what the joints do after the horizon");
+    }
     check_managed_momentum(context, nullptr, claims);
     check_target_fate(context, nullptr, claims);
   }

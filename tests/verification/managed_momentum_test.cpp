@@ -116,6 +116,8 @@ TEST_CASE("the limit that detumble holds longest is recounted by the samples of 
   CHECK(fails([](std::optional<HeldLimit>& held) { held.reset(); }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 0.5; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 1.5; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 0.98; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 1.02; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->place += "_"; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->limit = CaptureLimit::Reach; }));
   Plan other = latched_plan("rns_damped");
@@ -236,5 +238,30 @@ TEST_CASE("what a plan says of the time after the horizon is recomputed") {
   } else {
     stop_time = 2 * plan.problem.post_impact.horizon;
   }
+  CHECK(fails(plan) == "after_horizon ");
+  plan.after_horizon.reset();
+  CHECK(fails(plan) == "after_horizon ");
+}
+
+TEST_CASE("where no joint reaches a stop after the horizon, none is named") {
+  Plan plan = arm_plan();
+  plan.problem.approach.enabled = false;
+  plan.problem.post_impact.controllers = {"joint_damping"};
+  plan.after_horizon =
+      motion_after_horizon(plan.problem, plan.configuration, plan.impact, "joint_damping");
+  REQUIRE(plan.after_horizon);
+  REQUIRE_FALSE(plan.after_horizon->stop_time);
+  const auto fails = [](const Plan& judged) {
+    std::string names;
+    for (const Claim& claim : verify_plan(judged, {}).claims) {
+      if (claim.fails() && claim.name.find("after_horizon") == 0) names += claim.name + " ";
+    }
+    return names;
+  };
+  CHECK(fails(plan) == "");
+  plan.after_horizon->joint = plan.problem.robot.joints.front().name;
+  CHECK(fails(plan) == "after_horizon ");
+  plan.after_horizon->joint.clear();
+  plan.problem.post_impact.controllers.clear();
   CHECK(fails(plan) == "after_horizon ");
 }

@@ -43,9 +43,14 @@ VerifyOptions thorough() {
   return options;
 }
 
-// With the account of the momentum that has to be managed, of the plan's problem as it is.
+// With what a plan says of the time after the impact, of its problem as it is.
 Plan accounted(Plan plan) {
   plan.managed_momentum = managed_momentum(plan.problem, plan.configuration, plan.impact);
+  const std::vector<std::string>& controllers = plan.problem.post_impact.controllers;
+  if (!controllers.empty()) {
+    plan.after_horizon =
+        motion_after_horizon(plan.problem, plan.configuration, plan.impact, controllers.front());
+  }
   return plan;
 }
 
@@ -255,6 +260,16 @@ TEST_CASE("an approach that cannot be flown is refused") {
   plan.problem.approach.base = BaseMode::Floating;
   CHECK(fails(judge_plan(plan, thorough()), "approach_base_poses"));
   CHECK(fails(judge_plan(plan, thorough()), "approach_momentum"));
+}
+
+TEST_CASE("a path that no problem asks for is refused") {
+  Plan plan = floating_plan();
+  REQUIRE_FALSE(plan.problem.hand_motion.moves());
+  plan.approach.abort.emplace();
+  CHECK(fails(verify_plan(plan, thorough()), "abort_found"));
+  plan = floating_plan();
+  plan.problem.approach.enabled = false;
+  CHECK(fails(verify_plan(plan, thorough()), "approach_found"));
 }
 
 TEST_CASE("a body on the approach path and a target that arrives too early are found") {
