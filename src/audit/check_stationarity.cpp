@@ -2,7 +2,6 @@
 // differences of values by `reference` along the configurations that keep the equations.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 
+#include "audit/binding.hpp"
 #include "audit/differences.hpp"
 #include "audit/manifold.hpp"
 #include "audit/smooth_parts.hpp"
@@ -18,17 +18,15 @@
 namespace stillbase::audit {
 namespace {
 
-/// Distance from a limit that counts as reached. What is further beyond it is no limit of the
-/// plan: shapes of neighbours overlap by construction.
-constexpr double kActive = 1e-6;
 constexpr double kGradientStep = 2e-3;   ///< rad, m, s; the longest
 constexpr double kCurvatureStep = 1e-2;  ///< likewise
 constexpr double kKinkStep = 2.5e-4;     ///< likewise; what bends strongly is no kink within it
-constexpr double kStatedMinimum = 1e-6;  ///< KKT residual of a minimum with exact derivatives
 /// The same by differences.
 constexpr double kMinimum = 1e-5;
 /// The same where each value is a simulation: two integrators agree to a part of 1e-5.
 constexpr double kMinimumSimulated = 1e-3;
+/// Error of a slope there, relative to the largest one.
+constexpr double kSlopeSimulated = 1e-4;
 /// By how much the slopes of a limit on both sides may differ beyond its curvature, per unit of a
 /// step: more is a kink, as of two boxes that change their separating axis.
 constexpr double kKink = 1e-3;
@@ -41,10 +39,7 @@ constexpr const char* kKinked =
 /// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies with
 /// a common end, differ by rounding alone.
 constexpr double kSameLimit = 1e-7;
-constexpr double kSameResidual = 0.01;    ///< relative, between stated and recomputed large ones
-constexpr double kSameMultiplier = 0.01;  ///< relative to the largest one
-/// Multiplier, per unit of a limit and of the value, from which a limit has to be in the list.
-constexpr double kLeastListed = 1e-3;
+constexpr double kSameResidual = 0.01;   ///< relative, between stated and recomputed large ones
 constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
 constexpr double kSameBend = 1e-5;       ///< of two estimates of a curvature, likewise
 
@@ -103,9 +98,9 @@ class Stationarity {
  public:
   Stationarity(const CaptureProblem& problem, const Configuration& at)
       : problem_(problem), here_(problem, at), manifold_(problem, at), parts_(here_) {
-    const std::vector<double> distances = distances_from_limits(here_, &names_);
+    const std::vector<double> distances = distances_from_limits(here_, &limits_);
     for (std::size_t i = 0; i < distances.size(); ++i) {
-      if (std::abs(distances[i]) <= kActive) active_.push_back(i);
+      if (std::abs(distances[i]) <= kReached) active_.push_back(i);
     }
     if (objection().empty()) differentiate();
   }
@@ -125,22 +120,46 @@ class Stationarity {
   bool has_equal_features() const {
     std::set<std::string> pairs;
     return std::any_of(active_.begin(), active_.end(), [&](std::size_t i) {
-      return names_[i].rfind(" bodies", 0) == 0 && !pairs.insert(names_[i]).second;
+      const std::string& name = limits_[i].name;
+      return name.rfind("clearance_", 0) == 0 && !pairs.insert(name).second;
     });
   }
   Eigen::Index directions() const { return open_.cols(); }
   std::size_t active_limits() const { return active_.size(); }
 
-  /// By how much |y|^2 falls, relative to itself, per unit that an active limit is moved outwards,
-  /// by names such as "joint_1 upper". A limit without a name is left out.
-  std::map<std::string, double> savings() const {
-    const Eigen::VectorXd parts = parts_.values(here_);
-    std::map<std::string, double> out;
+  /// The limits that are reached, with their multipliers.
+  /// @param error of the gradients' components by differences
+  std::vector<ReachedLimit> reached(double error) const {
+    const Eigen::Index parts = parts_.values(here_).size();
+    const double value = parts_.values(here_).maxCoeff();
+    Eigen::MatrixXd known(multipliers_.size(), 0);  // directions, by the sizes beside them
+    Eigen::VectorXd sizes(0);
+    if (system_.size() > 0) {
+      const Svd svd = right_svd(system_);
+      const Eigen::Index rank = numerical_rank(svd.sigma, kSameLimit);
+      known = svd.V.leftCols(rank);
+      sizes = svd.sigma.head(rank);
+    }
+    std::vector<ReachedLimit> out;
     for (std::size_t i = 0; i < active_.size(); ++i) {
-      const std::string& name = names_[active_[i]];
-      if (name.front() == ' ') continue;
-      const Eigen::Index k = parts.size() + static_cast<Eigen::Index>(i);
-      out[name] = multipliers_[k] / parts.maxCoeff();
+      const NamedLimit& limit = limits_[active_[i]];
+      const bool is_new = std::none_of(out.begin(), out.end(), [&](const ReachedLimit& other) {
+        return other.limit.name == limit.name && other.limit.is_upper == limit.is_upper;
+      });
+      if (!is_new) continue;
+      // All distances of one limit move with it.
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(multipliers_.size());
+      for (std::size_t j = i; j < active_.size(); ++j) {
+        const NamedLimit& other = limits_[active_[j]];
+        if (other.name != limit.name || other.is_upper != limit.is_upper) continue;
+        sum[parts + static_cast<Eigen::Index>(j)] = limit.slope / value;
+      }
+      ReachedLimit& one = out.emplace_back();
+      one.limit = limit;
+      one.multiplier = sum.dot(multipliers_);
+      const Eigen::VectorXd along = known.transpose() * sum;
+      one.error = size_ * error * along.cwiseQuotient(sizes).norm();
+      one.is_known = (known * along - sum).norm() <= kSameLimit * sum.norm();
     }
     return out;
   }
@@ -230,6 +249,7 @@ class Stationarity {
     const double size = std::max(1.0, largest_component(all.transpose()));
     residual_ /= size;
     kink_residual_ /= size;
+    size_ = size;
   }
 
   /// Where an active limit is the least of two functions that are equal here, its gradients on
@@ -307,6 +327,7 @@ class Stationarity {
   }
 
   struct Combination {
+    Eigen::MatrixXd system;  ///< the gradients beside each other, then the sum of the weights
     Eigen::VectorXd multipliers;
     double residual = 0;
   };
@@ -330,12 +351,15 @@ class Stationarity {
     const Eigen::VectorXd left = C.topRows(k) * out.multipliers;
     out.residual = std::max(largest_component(manifold_.directions() * left),
                             is_lifted() ? std::abs(1 - sum) : 0.0);
+    C.bottomRows(1) /= weight;
+    out.system = std::move(C);
     return out;
   }
 
   void find_multipliers(const Eigen::MatrixXd& parts, const Eigen::MatrixXd& limits) {
     const Combination found = nearest_to_zero(parts, limits);
     multipliers_ = found.multipliers;
+    system_ = found.system;
     residual_ = found.residual;
   }
 
@@ -358,11 +382,13 @@ class Stationarity {
   const Situation here_;
   FeasibleManifold manifold_;
   SmoothParts parts_;
-  std::vector<std::string> names_;   ///< of all limits
+  std::vector<NamedLimit> limits_;   ///< all
   std::vector<std::size_t> active_;  ///< of the distances from limits
   Eigen::VectorXd multipliers_;      ///< of the parts, then of the active limits
+  Eigen::MatrixXd system_;           ///< of Combination; empty: no direction is open
   Eigen::MatrixXd open_;             ///< directions u that the active limits leave open
   double residual_ = 0;
+  double size_ = 1;               ///< of the gradient over all variables, at least 1
   Eigen::MatrixXd kinks_;         ///< a column for each active limit with one
   double kink_residual_ = 0;      ///< with the gradients of both sides of every kink
   double largest_curvature_ = 0;  ///< of the directions so far
@@ -432,84 +458,36 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
                              *stated, curvature->first, size));
 }
 
-/// Whether a limit is one that the problem has: of a variable, or of the list of constraints.
-bool is_known_limit(const Context& context, const std::string& name) {
-  const auto& joints = context.problem.robot.joints;
-  const auto& constraints = context.plan.constraints;
-  return name == "contact_time" || name == "base_attitude" ||
-         std::any_of(joints.begin(), joints.end(),
-                     [&](const Joint& joint) { return joint.name == name; }) ||
-         std::any_of(constraints.begin(), constraints.end(),
-                     [&](const ConstraintValue& value) { return value.name == name; });
-}
-
-/// Multipliers of the limits that have a name here, and that none of them is left out. The value is
-/// |y|, or |y|^2 of an energy.
-void check_binding(const Context& context, const Stationarity& found, ClaimList& claims) {
-  const Plan& plan = context.plan;
-  std::map<std::string, double> savings = found.savings();
-  if (plan.binding.empty() && savings.empty()) return;
-  const double exponent = objective_power(context.problem).exponent;
-  const double relative_slope = plan.objective.value * exponent / 2;
-  double largest = 0, worst = 0;
-  int compared = 0;
-  for (const BindingLimit& limit : plan.binding) {
-    largest = std::max(largest, limit.multiplier);
-  }
-  Objections objections;
-  for (const BindingLimit& limit : plan.binding) {
-    objections.demand(std::abs(limit.margin) <= kActive, limit.name + " is not reached");
-    objections.demand(is_known_limit(context, limit.name), limit.name + " is no limit");
-    const auto saving = savings.find(limit.name + (limit.is_upper ? " upper" : " lower"));
-    if (saving == savings.end()) continue;
-    ++compared;
-    worst = std::max(worst, std::abs(limit.multiplier - saving->second * relative_slope) / largest);
-    savings.erase(saving);
-  }
-  // Of a plan that is no minimum there need not be a list, and zero falls no further.
-  const bool has_value = std::pow(plan.objective.value, 1 / exponent) >
-                         kStatedMinimum * typical_objective(context.problem);
-  const bool is_listed =
-      plan.certificate.kkt_residual <= kStatedMinimum && has_value && !found.has_kink();
-  for (const auto& [name, saving] : savings) {
-    const double multiplier = saving * relative_slope;
-    const double least = std::max(kSameMultiplier * largest, kLeastListed * plan.objective.value);
-    objections.demand(!is_listed || multiplier <= least,
-                      fmt::format("{} is reached, with a multiplier of {:.3g}, and not stated",
-                                  name, multiplier));
-  }
-  claims.none_wrong("binding_limits", objections, "limits that the plan states to be reached");
-  if (compared == 0) return;
-  if (found.has_kink()) return claims.not_verified("binding_multipliers", kKinked);
-  claims.at_most("binding_multipliers", worst, kSameMultiplier, "1",
-                 fmt::format("of {} limits by differences, relative to the largest", compared));
-}
-
 }  // namespace
 
 void check_stationarity(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
-  if (plan.status == PlanStatus::Limit || !plan.objective.is_judged) return;
-  const bool simulates = simulates_turn(context.problem);
-  const auto give_up = [&](const std::string& reason) {
-    claims.not_verified("kkt_residual", reason);
-    claims.not_verified("reduced_curvature", reason);
-  };
-  if (!plan.objective.user_terms.empty()) return give_up("the objective has terms of the user");
-  if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
-    return give_up("each direction or sample is a simulation");
-  }
   // Where the base follows the path the minimum is that for the base as it arrives.
   CaptureProblem problem = context.problem;
   const ApproachSpec& approach = problem.approach;
   if (approach.enabled && approach.base == BaseMode::Floating && !approach.station_free) {
     problem.base = plan.configuration.base;
   }
+  if (plan.status == PlanStatus::Limit || !plan.objective.is_judged) {
+    return check_binding(context, limits_at(problem, plan.configuration),
+                         "a limit ended the search", claims);
+  }
+  const bool simulates = simulates_turn(context.problem);
+  const auto give_up = [&](const std::string& reason) {
+    claims.not_verified("kkt_residual", reason);
+    claims.not_verified("reduced_curvature", reason);
+    check_binding(context, limits_at(problem, plan.configuration), reason, claims);
+  };
+  if (!plan.objective.user_terms.empty()) return give_up("the objective has terms of the user");
+  if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
+    return give_up("each direction or sample is a simulation");
+  }
   Stationarity found(problem, plan.configuration);
   if (!found.objection().empty()) return give_up(found.objection());
   check_residual(context, found, claims);
   check_curvature(context, found, claims);
-  check_binding(context, found, claims);
+  const double error = std::max(found.residual(), simulates ? kSlopeSimulated : kStatedMinimum);
+  check_binding(context, found.reached(error), found.has_kink() ? kKinked : "", claims);
 }
 
 }  // namespace stillbase::audit

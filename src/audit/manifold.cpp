@@ -87,76 +87,80 @@ Configuration FeasibleManifold::beside(const Eigen::VectorXd& w) const {
 }
 
 std::vector<double> distances_from_limits(const Situation& situation,
-                                          std::vector<std::string>* names) {
+                                          std::vector<NamedLimit>* limits) {
   const CaptureProblem& problem = situation.problem;
   const Configuration& at = situation.at;
   const VariableSpec& free = problem.variables;
   const ConstraintSpec& wanted = problem.constraints;
   std::vector<double> out;
-  const auto single = [&](double distance, const std::string& name = "") {
+  const auto add = [&](double distance, const NamedLimit& limit) {
     out.push_back(distance);
-    if (names != nullptr) names->push_back(name + " lower");
+    if (limits != nullptr) limits->push_back(limit);
   };
-  const auto between = [&](double x, double lower, double upper, const std::string& name = "") {
-    single(x - lower, name);
-    out.push_back(upper - x);
-    if (names != nullptr) names->push_back(name + " upper");
+  const auto between = [&](double x, double lower, double upper, const std::string& name,
+                           const char* unit) {
+    add(x - lower, {name, unit, lower});
+    add(upper - x, {name, unit, upper, true});
+  };
+  const auto above = [&](double x, double least, const std::string& name, const char* unit) {
+    add(x - least, {name, unit, least});
   };
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
     if (!free.joints[k] || reaches_every_angle(problem, k)) continue;
     between(at.phi[k], joint.lower + wanted.joint_limit_margin,
-            joint.upper - wanted.joint_limit_margin, joint.name);
+            joint.upper - wanted.joint_limit_margin, joint.name,
+            joint.is_prismatic() ? "m" : "rad");
   }
   const Eigen::Quaterniond rotation = at.base.orientation * problem.base.orientation.conjugate();
   const Vector3d& axis = free.base_attitude_axis;
+  const double most = free.base_attitude_max;
   if (free.base_attitude == AttitudeFreedom::Cone) {
-    single(axis.dot(rotation * axis) - std::cos(free.base_attitude_max));
-  } else if (free.base_attitude == AttitudeFreedom::Axis &&
-             free.base_attitude_max < kHalfRotation) {
-    between(rotation_log(rotation).dot(axis), -free.base_attitude_max, free.base_attitude_max,
-            "base_attitude");
-  } else if (free.base_attitude == AttitudeFreedom::Free &&
-             free.base_attitude_max < kHalfRotation) {
+    above(axis.dot(rotation * axis), std::cos(most), "base_attitude_cone", "1");
+  } else if (free.base_attitude == AttitudeFreedom::Axis && most < kHalfRotation) {
+    between(rotation_log(rotation).dot(axis), -most, most, "base_attitude", "rad");
+  } else if (free.base_attitude == AttitudeFreedom::Free && most < kHalfRotation) {
     // Smooth also where the angle is zero, and in rad beside the limit.
-    const double most = free.base_attitude_max;
-    single((most * most - rotation_log(rotation).squaredNorm()) / (2 * most));
+    add((most * most - rotation_log(rotation).squaredNorm()) / (2 * most),
+        {"base_attitude_squared", "rad^2", most * most, true, 1 / (2 * most)});
   }
   if (free.contact_time_upper > free.contact_time_lower) {
-    between(at.contact_time, free.contact_time_lower, free.contact_time_upper, "contact_time");
+    between(at.contact_time, free.contact_time_lower, free.contact_time_upper, "contact_time", "s");
   }
   if (free.base_position == PositionFreedom::Box) {
     for (int i = 0; i < 3; ++i) {
       between(at.base.position[i], free.base_position_lower[i], free.base_position_upper[i],
-              std::string("base_position_") + "xyz"[i]);
+              std::string("base_position_") + "xyz"[i], "m");
     }
   }
   const ContactEvent& event = situation.event;
-  single(closing_speed(problem, event, event.n) - wanted.closing_speed_min, "closing_speed");
+  above(closing_speed(problem, event, event.n), wanted.closing_speed_min, "closing_speed", "m/s");
   if (problem.impulse.contact == ContactLaw::Sticking) {
-    single(event.n.dot(situation.impulse().head<3>()), "normal_impulse");
+    above(event.n.dot(situation.impulse().head<3>()), 0, "contact_push", "N s");
   }
+  const auto rate_unit = [&problem](int k) {
+    return problem.robot.joints[k].is_prismatic() ? "m/s" : "rad/s";
+  };
   if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
     const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
     for (int k = 0; k < problem.robot.n(); ++k) {
       const double limit = joint_rate_limit(problem, k);
-      between(rates[k], -limit, limit, "joint_rate_" + problem.robot.joints[k].name);
+      between(rates[k], -limit, limit, "joint_rate_" + problem.robot.joints[k].name, rate_unit(k));
     }
   }
   for (int k = 0; situation.response.before && k < problem.robot.n(); ++k) {
     const double limit = arrival_rate_limit(problem, k);
     if (!std::isfinite(limit)) continue;
     between(situation.response.before->phidot[k], -limit, limit,
-            "arrival_rate_" + problem.robot.joints[k].name);
+            "arrival_rate_" + problem.robot.joints[k].name, rate_unit(k));
   }
   if (wanted.coupling_singular_value_min > 0) {
-    single(coupling_singular_value(situation.response) - wanted.coupling_singular_value_min,
-           "coupling_singular_value");
+    above(coupling_singular_value(situation.response), wanted.coupling_singular_value_min,
+          "coupling_singular_value", "kg m^2");
   }
   if (wanted.jacobian_singular_value_min > 0) {
-    single(jacobian_singular_value(situation.response, wanted.jacobian_length) -
-               wanted.jacobian_singular_value_min,
-           "jacobian_singular_value");
+    above(jacobian_singular_value(situation.response, wanted.jacobian_length),
+          wanted.jacobian_singular_value_min, "jacobian_singular_value", "m");
   }
   if (!wanted.clearance) return out;
   const auto target = situation.target_pose();
@@ -166,14 +170,17 @@ std::vector<double> distances_from_limits(const Situation& situation,
       if (!shapes.must_be_apart(i, j) && !shapes.are_neighbours(i, j)) continue;
       // Where several of the smooth distances of two boxes are the least one, that has a kink.
       const double least = shapes.distance(i, j).value_or(kInfinity);
-      const std::string pair =
-          names != nullptr ? fmt::format(" bodies {} and {}", i, j) : std::string();
+      NamedLimit limit;
+      if (limits != nullptr) {
+        limit = {fmt::format("clearance_{}_{}_{}_{}", i, j, shapes.name(i), shapes.name(j)), "m",
+                 *wanted.clearance};
+      }
       bool is_of_feature = false;
       for (const double of_feature : shapes.feature_distances(i, j)) {
-        single(of_feature - *wanted.clearance, pair);
+        add(of_feature - *wanted.clearance, limit);
         is_of_feature = is_of_feature || of_feature <= least + kSameDistance;
       }
-      single(is_of_feature ? kInfinity : least - *wanted.clearance);
+      add(is_of_feature ? kInfinity : least - *wanted.clearance, limit);
     }
   }
   return out;

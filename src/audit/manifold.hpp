@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "audit/checks.hpp"
@@ -40,12 +41,22 @@ class FeasibleManifold {
   std::string objection_;
 };
 
+/// A limit as plans state it.
+struct NamedLimit {
+  std::string name;       ///< "joint_2", "contact_time", or of a constraint
+  std::string unit;       ///< of the limit
+  double value = 0;       ///< of the limit, in `unit`
+  bool is_upper = false;  ///< the upper end of its range
+  double slope = 1;       ///< change of the distance from it per unit that it is moved outwards
+};
+
 /// Distances from the limits of variables and inequalities, each in its own unit; negative beyond
 /// one. The same list at every configuration of a problem, in which the side that the hand's axis
 /// points to is missing: it cannot change where the equations hold.
-/// @param names unless null: of each limit, as plans name it, with the end: "joint_1 upper"
+/// @param limits unless null: each limit, of the same length. Several distances of two bodies are
+/// one limit, and have one name
 std::vector<double> distances_from_limits(const Situation& situation,
-                                          std::vector<std::string>* names = nullptr);
+                                          std::vector<NamedLimit>* limits = nullptr);
 
 /// Median of |y| over 15 evenly spread configurations, by which the stated curvature is divided.
 double typical_objective(const CaptureProblem& problem);

@@ -95,7 +95,65 @@ TEST_CASE("a limit that decides is neither left out nor renamed nor misstated") 
     CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].name = "base_x"; }));
     CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].margin = 1e-3; }));
   }
-  CHECK(fails("binding_multipliers", [](Plan& p) { p.binding[0].multiplier *= 1.05; }));
+  for (std::size_t i = 0; i < plan.binding.size(); ++i) {
+    for (const double factor : {1.05, 0.95, 5.0, 0.01}) {
+      CHECK(fails("binding_", [i, factor](Plan& p) { p.binding[i].multiplier *= factor; }));
+    }
+    CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].value += 1e-6; }));
+    CHECK(fails("binding_limits", [i](Plan& p) { p.binding[i].unit += "s"; }));
+    CHECK(fails("binding_limits", [i](Plan& p) { p.binding.push_back(p.binding[i]); }));
+  }
+  CHECK(fails("binding_limits", [](Plan& p) { std::reverse(p.binding.begin(), p.binding.end()); }));
+  CHECK(fails("binding_limits", [](Plan& p) {
+    p.binding.push_back({"joint_2", true, p.problem.robot.joints[1].upper, 0, 1e-9, "rad"});
+  }));
+}
+
+TEST_CASE("multipliers of attitudes and of distances between bodies are recomputed") {
+  CaptureProblem problem = test::without_path("deos_latch");
+  problem.objective.front().quantity = ObjectiveQuantity::JointRateNorm;
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(problem, options);
+  const auto has = [&](const std::string& begin) {
+    return std::any_of(plan.binding.begin(), plan.binding.end(),
+                       [&](const BindingLimit& limit) { return limit.name.rfind(begin, 0) == 0; });
+  };
+  REQUIRE(has("clearance_"));
+  REQUIRE(has("base_attitude_squared"));
+  REQUIRE(failures(plan).find("binding") == std::string::npos);
+  for (std::size_t i = 0; i < plan.binding.size(); ++i) {
+    INFO(plan.binding[i].name);
+    for (const double factor : {5.0, 2.0, 0.5, 0.01}) {
+      Plan altered = plan;
+      altered.binding[i].multiplier *= factor;
+      CHECK_THAT(failures(altered), Catch::Contains("binding_multipliers"));
+    }
+    Plan altered = plan;
+    altered.binding.erase(altered.binding.begin() + static_cast<std::ptrdiff_t>(i));
+    CHECK_THAT(failures(altered), Catch::Contains("binding_limits"));
+  }
+}
+
+TEST_CASE("multipliers that nothing recomputes are left open by name") {
+  PlannerOptions options;
+  options.prover = nullptr;
+  Plan plan = make_plan(test::without_path("planar_three_link_station"), options);
+  REQUIRE(plan.binding.size() == 2);
+  // The objective of a user is no part of the file.
+  plan.objective.user_terms = {"mine"};
+  VerifyOptions judge;
+  judge.post_impact = false;
+  judge.prover = nullptr;
+  const auto claims = audit_plan(plan, judge).claims;
+  const auto open = std::find_if(claims.begin(), claims.end(), [](const Claim& claim) {
+    return claim.name == "binding_multipliers";
+  });
+  REQUIRE(open != claims.end());
+  CHECK_FALSE(open->is_checked);
+  for (const BindingLimit& limit : plan.binding) {
+    CHECK_THAT(open->detail, Catch::Contains(limit.name));
+  }
 }
 
 TEST_CASE("a feasible configuration states the size of its KKT residual") {
