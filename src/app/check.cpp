@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/collision/scene.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/io/campaign_file.hpp>
@@ -31,29 +30,6 @@ struct CheckRequest {
   OutputFile page;
   bool suggests_contacts = false;
 };
-
-/// The start posture keeps the clearance that the approach asks for. Obstacles in N are left out
-/// where the base does not start as stated.
-/// @throws InputError
-void check_start(const CaptureProblem& problem, const std::string& path) {
-  check_mounts(problem, path);
-  const ApproachSpec& approach = problem.approach;
-  if (!approach.enabled) return;
-  CaptureProblem alone = problem;
-  if (approach.station_free) {
-    std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
-  }
-  const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
-  const auto hit =
-      CollisionScene(alone).first_hit(kinematics, problem.base, nullptr, approach.clearance);
-  if (!hit) return;
-  throw InputError(
-      {{path, line_of_key(path, "robot.start"), "start-too-close",
-        fmt::format("robot.start: {} are {:.4g} m apart, approach.clearance asks for {:.4g} m; "
-                    "state another posture, a smaller clearance, or the pair in "
-                    "robot.allowed_contacts",
-                    to_string(*hit), std::max(hit->distance, 0.0), approach.clearance)}});
-}
 
 /// Kind of file, as it says itself, and what was understood of it.
 struct Report {
@@ -102,7 +78,7 @@ Report report_on(const std::string& path, const std::string& hand,
   }
   std::vector<Finding> remarks;
   const CaptureProblem problem = read_problem(path, &remarks);
-  check_start(problem, path);
+  check_placement(problem, path);
   const std::string report = problem_report(problem, remarks);
   remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
   return {"problem",     report,  std::move(remarks),

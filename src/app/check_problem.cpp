@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/collision/scene.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/encounter/encounter.hpp>
@@ -222,14 +223,31 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
   return text + remark_lines(lines);
 }
 
-void check_mounts(const CaptureProblem& problem, const std::string& path) {
-  const auto hit = overlap_of_arms(problem);
-  if (!hit) return;
-  throw InputError({{path, line_of_key(path, "robot.arms"), "mounts-overlap",
-                     fmt::format("robot.arms: {} overlap at the start; move a `mount`, lock joints "
-                                 "or start in another position, or state the pair in "
-                                 "robot.allowed_contacts",
-                                 to_string(*hit))}});
+void check_placement(const CaptureProblem& problem, const std::string& path) {
+  const auto refuse = [&](const char* key, const char* rule, const std::string& what) {
+    throw InputError({{path, line_of_key(path, key), rule, fmt::format("{}: {}", key, what)}});
+  };
+  if (const auto hit = overlap_of_arms(problem)) {
+    refuse("robot.arms", "mounts-overlap",
+           to_string(*hit) +
+               " overlap at the start; move a `mount`, lock joints or start in "
+               "another position, or state the pair in robot.allowed_contacts");
+  }
+  const ApproachSpec& approach = problem.approach;
+  if (!approach.enabled) return;
+  // Obstacles in N are left out where the base does not start as stated.
+  CaptureProblem alone = problem;
+  if (approach.station_free) {
+    std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
+  }
+  const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
+  if (const auto hit =
+          CollisionScene(alone).first_hit(kinematics, problem.base, nullptr, approach.clearance)) {
+    refuse("robot.start", "start-too-close",
+           fmt::format("{} are {:.4g} m apart, approach.clearance asks for {:.4g} m; state another "
+                       "posture, a smaller clearance, or the pair in robot.allowed_contacts",
+                       to_string(*hit), std::max(hit->distance, 0.0), approach.clearance));
+  }
 }
 
 std::string plan_report(const PlanFile& file) {

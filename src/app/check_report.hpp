@@ -26,9 +26,10 @@ std::string contact_suggestions(const RobotModel& robot);
 /// "suspicious:" and one line each, or nothing when there are none.
 std::string remark_lines(const std::vector<std::string>& remarks);
 
-/// Arms that are mounted on one base do not stand in each other.
+/// Arms that are mounted on one base do not stand in each other, and the start posture keeps
+/// the clearance that the approach asks for.
 /// @param path of the problem file
 /// @throws InputError
-void check_mounts(const CaptureProblem& problem, const std::string& path);
+void check_placement(const CaptureProblem& problem, const std::string& path);
 
 }  // namespace stillbase::app

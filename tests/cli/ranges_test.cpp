@@ -80,17 +80,20 @@ TEST_CASE("angles that look like degrees without their unit are named") {
   CHECK(shop.run("check most.yaml").says("did you mean '30 deg'?"));
 }
 
-TEST_CASE("check refuses a start that is nearer than the approach's clearance") {
+TEST_CASE("check and plan refuse a start that is nearer than the approach's clearance") {
   const Workshop shop;
   const int line = shop.write_changed("near.yaml", kEts7, "start: [0,", "start: [0.001,");
   shop.write("near.yaml",
              shop.text("near.yaml")
                  .replace(shop.text("near.yaml").find("clearance: 0.02 m"), 17, "clearance: 2 m"));
-  const Outcome outcome = shop.run("check near.yaml");
-  INFO(outcome.err);
-  CHECK(outcome.code == 3);
-  CHECK(outcome.says("near.yaml:" + std::to_string(line) + ": start-too-close: robot.start"));
-  CHECK(outcome.says("approach.clearance asks for 2 m"));
+  for (const std::string command : {"check near.yaml", "plan near.yaml -o plan.json"}) {
+    const Outcome outcome = shop.run(command);
+    INFO(command << outcome.err);
+    CHECK(outcome.code == 3);
+    CHECK(outcome.says("near.yaml:" + std::to_string(line) + ": start-too-close: robot.start"));
+    CHECK(outcome.says("approach.clearance asks for 2 m"));
+  }
+  CHECK_FALSE(shop.has("plan.json"));
 }
 
 TEST_CASE("check tells a planar problem with a cone of the key cone_plane") {
