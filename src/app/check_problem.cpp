@@ -17,6 +17,7 @@
 #include "app/check_report.hpp"
 #include "app/window_words.hpp"
 #include "app/words.hpp"
+#include "collision/locked_links.hpp"
 #include "collision/mounted_arms.hpp"
 
 namespace stillbase::app {
@@ -223,7 +224,8 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
   return text + remark_lines(lines);
 }
 
-void check_placement(const CaptureProblem& problem, const std::string& path) {
+void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocked,
+                     const std::string& path) {
   const auto refuse = [&](const char* key, const char* rule, const std::string& what) {
     throw InputError({{path, line_of_key(path, key), rule, fmt::format("{}: {}", key, what)}});
   };
@@ -232,6 +234,12 @@ void check_placement(const CaptureProblem& problem, const std::string& path) {
            to_string(*hit) +
                " overlap at the start; move a `mount`, lock joints or start in "
                "another position, or state the pair in robot.allowed_contacts");
+  }
+  if (const auto hit = overlap_of_locked_links(problem, unlocked)) {
+    refuse("robot.locked", "locked-overlap",
+           to_string(*hit) +
+               " overlap where the joints are locked; lock them in another position, "
+               "or state the pair in robot.allowed_contacts");
   }
   const ApproachSpec& approach = problem.approach;
   if (!approach.enabled) return;

@@ -8,6 +8,7 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/state_file.hpp>
 #include <stillbase/plan/problem.hpp>
+#include <stillbase/robot/unlocked_robot.hpp>
 
 namespace stillbase::app {
 
@@ -26,10 +27,12 @@ std::string contact_suggestions(const RobotModel& robot);
 /// "suspicious:" and one line each, or nothing when there are none.
 std::string remark_lines(const std::vector<std::string>& remarks);
 
-/// Arms that are mounted on one base do not stand in each other, and the start posture keeps
-/// the clearance that the approach asks for.
+/// Arms that are mounted on one base do not stand in each other, nor locked links in what they are
+/// merged with, and the start posture keeps the clearance that the approach asks for.
+/// @param unlocked from the same file
 /// @param path of the problem file
 /// @throws InputError
-void check_placement(const CaptureProblem& problem, const std::string& path);
+void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocked,
+                     const std::string& path);
 
 }  // namespace stillbase::app

@@ -199,8 +199,9 @@ int plan_capture(const PlanRequest& request) {
   }
   std::optional<int> starts;
   if (!request.starts.empty()) starts = starts_of(request.starts);
-  CaptureProblem problem = read_problem(request.problem);
-  check_placement(problem, request.problem);
+  UnlockedRobot unlocked;
+  CaptureProblem problem = read_problem(request.problem, nullptr, &unlocked);
+  check_placement(problem, unlocked, request.problem);
   const std::vector<InputFile> inputs = input_files(request.problem);
   if (!request.optimizer.empty()) problem.search.optimizer = request.optimizer;
   if (request.seed) problem.search.seed = *request.seed;

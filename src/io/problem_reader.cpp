@@ -45,9 +45,12 @@ CaptureProblem read(std::string_view text, const std::string& source,
 
 }  // namespace
 
-CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks) {
+CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks,
+                            UnlockedRobot* unlocked) {
   const std::string text = read_text_file(path, io::DocumentLimits{}.bytes);
-  return read(text, path, {.folder = std::filesystem::path(path).parent_path().string()}, remarks);
+  return read(text, path,
+              {.folder = std::filesystem::path(path).parent_path().string(), .unlocked = unlocked},
+              remarks);
 }
 
 int line_of_key(const std::string& path, const std::string& key) {

@@ -11,6 +11,7 @@
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/physical_checks.hpp>
 
+#include "robot/geometric_model.hpp"
 #include "robot/mesh_shapes.hpp"
 #include "robot/urdf_tree.hpp"
 
@@ -301,6 +302,14 @@ RobotModel read_urdf(std::string_view text, const std::string& source, const std
     }
   }
   return model_of(tree, hand, options, findings);
+}
+
+RobotModel read_geometric_model(std::string_view text) {
+  Findings findings("");
+  const Tree tree = read_tree(text, findings);
+  RobotModel robot = Builder(tree).take();
+  const std::string hand = leaf_links(robot).front();
+  return with_hand(std::move(robot), hand);
 }
 
 RobotModel read_robot(const std::string& path, const std::string& hand,

@@ -109,6 +109,40 @@ TEST_CASE("arms that are mounted into one another are refused") {
   }
 }
 
+TEST_CASE("locked links that stand in what they are merged with are refused") {
+  const Workshop shop;
+  std::string text = file_text(source_path("problems/mounted_two_arms.yaml"));
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+      text.replace(at, from.size(), to);
+    }
+  };
+  replace("file: arms/", "file: " + source_path("problems/arms/"));
+  // The forearm then reaches through the satellite's wall.
+  const std::size_t at = text.find("    left_shoulder_pan:");
+  const std::size_t end = text.find("  start:");
+  text.replace(at, end - at,
+               "    left_shoulder_pan: 0\n    left_shoulder_lift: 80 deg\n"
+               "    left_elbow: 60 deg\n    left_wrist_1: 40 deg\n    left_wrist_2: 0\n"
+               "    left_wrist_3: 0\n");
+  shop.write("problem.yaml", text);
+  for (const std::string command : {"check problem.yaml", "plan problem.yaml -o plan.json"}) {
+    const Outcome inside = shop.run(command);
+    INFO(command << inside.err);
+    CHECK(inside.code == 3);
+    CHECK(inside.says(": locked-overlap: robot.locked: left_"));
+    CHECK(inside.says(" with satellite overlap where the joints are locked"));
+  }
+  replace("  start:",
+          "  allowed_contacts: [[left_upper_arm, satellite], [left_forearm, satellite], "
+          "[left_wrist_1, satellite], [left_wrist_2, satellite], [left_wrist_3, satellite]]\n"
+          "  start:");
+  shop.write("problem.yaml", text);
+  const Outcome allowed = shop.run("check problem.yaml");
+  INFO(allowed.err);
+  CHECK(allowed.code == 0);
+}
+
 TEST_CASE("check names links that always touch") {
   const Workshop shop;
   shop.write("arm.urdf", six_joint_arm());

@@ -7,6 +7,7 @@
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/plan/problem.hpp>
+#include <stillbase/robot/unlocked_robot.hpp>
 
 namespace stillbase {
 
@@ -17,9 +18,11 @@ namespace stillbase {
 /// not finite, names that do not exist and values that contradict each other are refused. A plain
 /// number is SI; a text such as `-80 deg` is converted.
 /// @param remarks set to what is allowed and looks like a mistake; may be null
+/// @param unlocked set to the robot before its joints are locked where some are; may be null
 /// @throws InputError with every finding: file, line, key, value, rule and what is allowed
 /// @throws FileError when the system refuses to read a file that exists
-CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks = nullptr);
+CaptureProblem read_problem(const std::string& path, std::vector<Finding>* remarks = nullptr,
+                            UnlockedRobot* unlocked = nullptr);
 
 /// Line of a key of a problem file, 1-based: "robot.start". Of the nearest section that holds it
 /// where the key is absent; 0 without one.

@@ -1,15 +1,18 @@
 // The section `robot`.
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
+#include <stillbase/robot/unlocked_robot.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "io/fields/sections.hpp"
 #include "robot/assembly.hpp"
+#include "robot/geometric_model.hpp"
 #include "robot/srdf_reader.hpp"
 
 namespace stillbase::io {
@@ -100,8 +103,11 @@ std::optional<RobotAssembly> read_parts(MapReader& map, const CaptureProblem& pr
   return assembly;
 }
 
-/// Limits, drives and locks joints. @return false with findings
-bool finish_parts(MapReader& map, const RobotParts& parts, RobotAssembly& assembly) {
+/// Limits, drives and locks joints.
+/// @param unlocked_text of the robot before any joint is locked
+/// @return false with findings
+bool finish_parts(MapReader& map, const RobotParts& parts, RobotAssembly& assembly,
+                  std::string& unlocked_text) {
   const std::size_t before = map.context().findings.size();
   const auto say = [&map](const std::string& key, const std::string& name,
                           const AssemblyError& error) {
@@ -121,6 +127,7 @@ bool finish_parts(MapReader& map, const RobotParts& parts, RobotAssembly& assemb
       say("rotors", name, error);
     }
   }
+  if (!parts.locked.empty()) unlocked_text = assembly.text();
   for (const auto& [name, position] : parts.locked) {
     try {
       assembly.lock(name, position);
@@ -149,6 +156,21 @@ void read_model(MapReader& map, CaptureProblem& problem, const std::string& sour
       }
       map.context().findings.push_back(std::move(finding));
     }
+  }
+}
+
+/// What the robot is before its joints are locked.
+void read_unlocked(MapReader& map, const std::string& text, const RobotAssembly& assembly,
+                   const RobotParts& parts, UnlockedRobot& unlocked) {
+  try {
+    unlocked.robot = read_geometric_model(text);
+  } catch (const InputError& error) {
+    for (const Finding& finding : error.findings()) {
+      map.refuse("locked", finding.rule, "before they are locked: " + finding.message);
+    }
+  }
+  for (const auto& [name, position] : parts.locked) {
+    unlocked.locked[assembly.joint_named(name)] = position;
   }
 }
 
@@ -243,7 +265,7 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
     "`decompose` at most 12 convex parts where a mesh is concave",
     {.without = "`hull`"});
   std::optional<RobotAssembly> assembly;
-  std::string full_path;
+  std::string full_path, unlocked_text;
   if (map != nullptr) {
     base();
     const bool has_text = sources.urdf.has_value();
@@ -276,7 +298,7 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
     if (sources.urdf) {
       problem.urdf = *sources.urdf;
       read_model(*map, problem, problem.urdf_path, hand);
-    } else if (assembly && is_good && finish_parts(*map, parts, *assembly)) {
+    } else if (assembly && is_good && finish_parts(*map, parts, *assembly, unlocked_text)) {
       problem.urdf = assembly->text();
       read_model(*map, problem, assembly->is_changed() ? "" : full_path,
                  !hand.empty()               ? hand
@@ -288,6 +310,9 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
                            "the base's inertia is that of a homogeneous body of its shape"});
       }
       problem.robot.remarks = std::move(remarks);
+      if (sources.unlocked != nullptr && !unlocked_text.empty() && problem.robot.n() > 0) {
+        read_unlocked(*map, unlocked_text, *assembly, parts, *sources.unlocked);
+      }
     }
     if (problem.robot.n() > 0) check_limits(*map, problem.robot);
   }

@@ -15,7 +15,8 @@
 
 namespace stillbase {
 class RobotAssembly;
-}
+struct UnlockedRobot;
+}  // namespace stillbase
 
 namespace stillbase::io {
 
@@ -23,6 +24,7 @@ namespace stillbase::io {
 struct ProblemSources {
   std::optional<std::string> urdf = {};    ///< text of the robot file; empty: read it
   std::optional<std::string> folder = {};  ///< relative paths start here; empty: nothing is read
+  UnlockedRobot* unlocked = nullptr;       ///< set where joints are locked; may be null
 };
 
 void problem_fields(Table& t, CaptureProblem& problem, const ProblemSources& sources);
