@@ -190,8 +190,8 @@ std::string larger_wheels(const Trials& trials, const Vector3d& angular) {
   return with_next(text, trials.failure(changed));
 }
 
-/// A preset of the other sign lets a wheel take up to twice its capacity, if it fills in time.
-std::string preset_wheels(const Trials& trials, const Vector3d& angular, double wait) {
+/// A preset of the other sign lets a wheel take up to twice its capacity.
+std::string preset_wheels(const Trials& trials, const Vector3d& angular) {
   PostImpactSpec changed = trials.spec();
   WheelSpec& wheels = changed.wheels;
   const Vector3d capacity = capacity_of(wheels);
@@ -199,17 +199,19 @@ std::string preset_wheels(const Trials& trials, const Vector3d& angular, double 
   if ((beyond.array() > capacity.array()).any()) {
     return "a preset is not enough: with one a wheel takes at most twice its capacity";
   }
-  double needed = 0;
   wheels.preset.setZero();
   for (int i = 0; i < 3; ++i) {
-    if (beyond[i] == 0) continue;
-    wheels.preset[i] = std::copysign(beyond[i], -angular[i]);
-    needed = std::max(needed, beyond[i] / wheels.torque[i]);
+    if (beyond[i] > 0) wheels.preset[i] = std::copysign(beyond[i], -angular[i]);
   }
-  std::string text =
-      fmt::format("post_impact.wheels.preset of {} N m s", vector_words(wheels.preset));
-  if (needed > wait) text += fmt::format(" with approach.wait above {:.4g} s", needed);
-  return with_next(text, trials.failure(changed));
+  return with_next(
+      fmt::format("post_impact.wheels.preset of {} N m s", vector_words(wheels.preset)),
+      trials.failure(changed));
+}
+
+/// Whether the wheels may hold momentum before the contact: it would turn what turns by then.
+bool takes_preset(const CaptureProblem& problem) {
+  const ApproachSpec& approach = problem.approach;
+  return !problem.hand_motion.moves() && !(approach.enabled && approach.base == BaseMode::Floating);
 }
 
 }  // namespace
@@ -225,8 +227,8 @@ std::string after_impact_advice(const Plan& plan, const StopCondition& stop) {
   const LimitUse* use = managed ? exceeded_use(*managed) : nullptr;
   if (use != nullptr && use->limit == CaptureLimit::WheelMomentum) {
     add(larger_wheels(trials, managed->angular));
-    if (!lacks_wheel(trials.spec().wheels, managed->angular)) {
-      add(preset_wheels(trials, managed->angular, plan.problem.approach.wait));
+    if (!lacks_wheel(trials.spec().wheels, managed->angular) && takes_preset(plan.problem)) {
+      add(preset_wheels(trials, managed->angular));
     }
   } else {
     for (const LimitUse& one : managed ? managed->limits : std::vector<LimitUse>{}) {

@@ -137,28 +137,21 @@ void check_stated_closing(MapReader& map, const CaptureProblem& problem) {
 }  // namespace
 
 void check_wheel_preset(MapReader& map, const CaptureProblem& problem) {
-  const WheelSpec& wheels = problem.post_impact.wheels;
-  if (wheels.preset.isZero(0)) return;
-  const auto refuse = [&](const char* rule, const std::string& what) {
-    map.context().add(map.line_of("post_impact"), rule,
+  if (problem.post_impact.wheels.preset.isZero(0)) return;
+  const auto refuse = [&](const std::string& what) {
+    map.context().add(map.line_of("post_impact"), "not-supported",
                       fmt::format("{}.wheels.preset: {}", map.path_of("post_impact"), what));
   };
   if (problem.hand_motion.moves()) {
-    refuse("not-supported",
-           "momentum in the wheels turns the base on the run to the contact, which is planned "
-           "without; leave it out, or contact.hand_velocity");
-  }
-  if (!problem.approach.enabled) return;
-  const double wait = problem.approach.wait;
-  constexpr const char* kAxes[] = {"x", "y", "z"};
-  for (int i = 0; i < 3; ++i) {
-    const double most = wheels.torque[i] * wait;
-    if (std::abs(wheels.preset[i]) <= most) continue;
-    refuse("out-of-range",
-           fmt::format("is {:.4g} N m s about {}; a wheel of {:.4g} N m takes at most {:.4g} N m s "
-                       "while the robot waits for {:.4g} s; state less, or a longer {}.wait",
-                       wheels.preset[i], kAxes[i], wheels.torque[i], most, wait,
-                       map.path_of("approach")));
+    refuse(
+        "momentum in the wheels turns the base on the run to the contact, which is planned "
+        "without; leave it out, or contact.hand_velocity");
+  } else if (problem.approach.enabled && problem.approach.base == BaseMode::Floating) {
+    refuse(
+        fmt::format("momentum in the wheels turns a floating base that the arm rotates, and the "
+                    "approach is planned without; leave it out, or state {0}.base 'held' or "
+                    "'reaction-null', which keep the attitude, or {0}.enabled: false",
+                    map.path_of("approach")));
   }
 }
 

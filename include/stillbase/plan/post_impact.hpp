@@ -51,7 +51,9 @@ struct WheelSpec {
   Vector3d torque = Vector3d::Zero();  ///< N m per axis; 0: there is none
   /// Capacity: N m s per axis; a full wheel takes no more.
   Vector3d momentum = Vector3d::Constant(kInfinity);
-  /// Momentum right before the contact, relative to B, in B, N m s: given while the robot waits.
+  /// Momentum before the approach and the contact, in B, N m s: put in by torques from outside on
+  /// the robot at rest, so it is the total momentum of robot and wheels then. No approach of a
+  /// floating base is planned with it, for the base turns, and it would turn the base further.
   Vector3d preset = Vector3d::Zero();
   bool exist() const { return (torque.array() > 0).any(); }
   /// Whether one number says torque, one says capacity, and nothing is preset.

@@ -102,8 +102,10 @@ void wheel_fields(Table& t, WheelSpec& wheels) {
   t("capacity", Deviation(wheels.momentum, Dimension::AngularImpulse, kLarge),
     "momentum that they can hold, per axis");
   t("preset", Vector(wheels.preset, Dimension::AngularImpulse, kLargeVector),
-    "momentum that they hold right before the contact, relative to the base; given while the robot "
-    "waits, e.g. half of what is to come, with the other sign",
+    "momentum that they hold before the approach and the contact, e.g. half of what is to come, "
+    "with "
+    "the other sign: put in by torques from outside (thrusters, magnetic torquers) on the robot at "
+    "rest, whose total momentum it is then",
     {.frame = "B"});
   MapReader* map = t.reader();
   if (map == nullptr || !map->context().findings.empty()) return;
