@@ -69,12 +69,6 @@ class Trials {
   const StopCondition& stop_;
 };
 
-/// The next number with three digits: what is said is what was tried.
-double rounded_up(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
-  return std::ceil(x / unit * (1 - 1e-12)) * unit;
-}
-
 /// A change, and what fails next where it does not help alone.
 std::string with_next(const std::string& change, const std::string& next) {
   return next.empty() ? change : fmt::format("{}, and then: {}", change, next);

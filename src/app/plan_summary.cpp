@@ -393,8 +393,7 @@ std::string approach_words(const Plan& plan) {
   if (approach.status == ApproachStatus::NotRequested) return "not asked for";
   if (approach.status != ApproachStatus::Found) {
     return fmt::format("none: {}{}{}; what may help: {}", to_string(approach.status),
-                       approach.detail.empty() ? "" : ", ", approach.detail,
-                       approach_advice(plan.problem, approach.status));
+                       approach.detail.empty() ? "" : ", ", approach.detail, approach_advice(plan));
   }
   std::string text =
       fmt::format("{:.2f} s of motion over {:.3g} rad", approach.duration, approach.path_length);

@@ -8,7 +8,12 @@
 #include <fmt/format.h>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/plan/feature.hpp>
 #include <stillbase/search/search.hpp>
+
+#include "app/window_words.hpp"
+#include "app/words.hpp"
+#include "approach/pace.hpp"
 
 namespace stillbase::app {
 
@@ -50,6 +55,73 @@ std::vector<std::string> loosening_advice(const Plan& plan) {
   return out;
 }
 
+/// "approach.velocity_scale of 0.98, now 0.115 (...)": the change of the limits that make the
+/// motion slow; empty: none helps.
+std::string faster_words(const CaptureProblem& problem, const Pace& pace) {
+  if (pace.limit == PaceLimit::Torque) {
+    return "larger torques (robot.limits), which limit the motion";
+  }
+  if (!pace.factor) return "";
+  const double factor = rounded_up(*pace.factor);
+  if (pace.limit == PaceLimit::Acceleration) {
+    return fmt::format(
+        "an approach.acceleration_limit {:.3g} times as large (the acceleration of {} limits the "
+        "motion)",
+        factor, pace.joint);
+  }
+  const double scale = problem.approach.velocity_scale;
+  const std::string why = fmt::format("the rate of {} limits the motion", pace.joint);
+  if (rounded_up(factor * scale) <= 1) {
+    return fmt::format("an approach.velocity_scale of {:.3g}, now {:.3g} ({})",
+                       rounded_up(factor * scale), scale, why);
+  }
+  const Joint& joint =
+      problem.robot.joints[static_cast<std::size_t>(find_joint(problem.robot, pace.joint))];
+  const double turn = joint.is_prismatic() ? 1 : kDegrees;
+  return fmt::format(
+      "approach.velocity_scale of 1, now {:.3g}, with a robot.limits.{}.rate of "
+      "{:.3g} {}, now {:.3g} {} ({})",
+      scale, pace.joint, rounded_up(turn * factor * scale * joint.max_velocity),
+      joint.is_prismatic() ? "m/s" : "deg/s", turn * joint.max_velocity,
+      joint.is_prismatic() ? "m/s" : "deg/s", why);
+}
+
+/// Where a feature can still be met at a time or after it; empty: none is known to.
+std::string later_contact(const CaptureProblem& problem, double time) {
+  CaptureProblem later = problem;
+  later.variables.contact_time_lower = later.variables.contact_time_upper = time;
+  const auto window = next_contact_window(later, time);
+  if (!window) return "";
+  return fmt::format("a later variables.contact_time ({} can be met from {:.4g} to {:.4g} s)",
+                     window->feature, std::max(window->from, time), window->to);
+}
+
+std::string too_slow_advice(const Plan& plan) {
+  const ApproachSpec& spec = plan.problem.approach;
+  const Approach& approach = plan.approach;
+  const CaptureProblem problem = at_feature(plan.problem, plan.configuration.feature);
+  std::vector<std::string> advice;
+  const auto add = [&](std::string words) {
+    if (!words.empty()) advice.push_back(std::move(words));
+  };
+  const double late = approach.late_by;
+  const double duration = pace_of_straight_motion(problem, plan.configuration, 0).duration;
+  // By how much it is late is not known where it reaches back beyond the target's prediction.
+  const double wanted = late > 0 ? duration - late : duration / 2;
+  add(faster_words(problem, pace_of_straight_motion(problem, plan.configuration, wanted)));
+  if (late > 0 && late < spec.wait) {
+    add(fmt::format("an approach.wait of at most {:.3g} s", spec.wait - late));
+  }
+  if (duration + spec.wait > spec.max_duration) {
+    add(fmt::format("an approach.max_duration above {:.4g} s, now {:.4g} s", duration + spec.wait,
+                    spec.max_duration));
+  } else {
+    add(later_contact(problem, plan.configuration.contact_time + late));
+  }
+  if (advice.empty()) return "another robot.start, a target that comes later (target.state)";
+  return fmt::format("{}", fmt::join(advice, ", "));
+}
+
 }  // namespace
 
 std::string search_advice(const Plan& plan) {
@@ -69,8 +141,9 @@ std::string search_advice(const Plan& plan) {
   return fmt::format("what may help: {}", fmt::join(advice, ", "));
 }
 
-std::string approach_advice(const CaptureProblem& problem, ApproachStatus status) {
-  switch (status) {
+std::string approach_advice(const Plan& plan) {
+  const CaptureProblem& problem = plan.problem;
+  switch (plan.approach.status) {
     case ApproachStatus::StartInvalid:
       return "another robot.start, or the pair in robot.allowed_contacts";
     case ApproachStatus::GoalInvalid:
@@ -92,7 +165,7 @@ std::string approach_advice(const CaptureProblem& problem, ApproachStatus status
     case ApproachStatus::Stopped:
       return "more time";
     case ApproachStatus::TooSlow:
-      return "a larger approach.acceleration_limit, a later variables.contact_time";
+      return too_slow_advice(plan);
     default:
       return "another robot.start, a smaller approach.clearance, more approach.max_iterations";
   }

@@ -11,7 +11,7 @@ namespace stillbase::app {
 /// the most violated first, and of what is not free.
 std::string search_advice(const Plan& plan);
 
-/// Changes that most likely help where no approach path was found.
-std::string approach_advice(const CaptureProblem& problem, ApproachStatus status);
+/// Changes that most likely help where the plan has no approach path.
+std::string approach_advice(const Plan& plan);
 
 }  // namespace stillbase::app

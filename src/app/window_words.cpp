@@ -62,7 +62,52 @@ WindowSurvey survey_to_draw(const CaptureProblem& problem) {
   return survey;
 }
 
+/// Of the features that the search may choose; none where nothing can be said.
+std::vector<FeatureWindows> chosen_windows(const CaptureProblem& problem) {
+  const VariableSpec& variables = problem.variables;
+  WindowSurvey survey;
+  try {
+    survey = survey_contact_windows(problem);
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+  std::erase_if(survey.features, [&](const FeatureWindows& windows) {
+    const std::string& name = windows.feature;
+    return variables.features.empty()
+               ? name != variables.feature
+               : std::find(variables.features.begin(), variables.features.end(), name) ==
+                     variables.features.end();
+  });
+  return survey.features;
+}
+
 }  // namespace
+
+std::optional<NamedWindow> next_contact_window(const CaptureProblem& problem, double time) {
+  std::optional<NamedWindow> first;
+  for (const FeatureWindows& feature : chosen_windows(problem)) {
+    for (const ContactWindow& window : feature.windows) {
+      if (window.to <= time || (first && first->from <= window.from)) continue;
+      first = {feature.feature, window.from, window.to};
+    }
+  }
+  return first;
+}
+
+bool always_recedes(const CaptureProblem& problem) {
+  const std::vector<FeatureWindows> features = chosen_windows(problem);
+  const VariableSpec& variables = problem.variables;
+  for (const FeatureWindows& feature : features) {
+    const std::vector<FeatureView>& views = feature.views;
+    const double step = views[1].time - views[0].time;
+    for (const FeatureView& view : views) {
+      const bool is_beside = view.time < variables.contact_time_lower - step ||
+                             view.time > variables.contact_time_upper + step;
+      if (!is_beside && view.closing_speed > 0) return false;
+    }
+  }
+  return !features.empty();
+}
 
 std::string window_words(const CaptureProblem& problem) {
   WindowSurvey survey;

@@ -63,6 +63,11 @@ std::string size_words(double x, int digits) {
   return x < kZeroSize ? "0 (below 1e-9)" : fmt::format("{:.{}g}", x, digits);
 }
 
+double rounded_up(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
+  return std::ceil(x / unit * (1 - 1e-12)) * unit;
+}
+
 std::string after_horizon_words(const AfterHorizon& after, double horizon) {
   if (after.stop_time && *after.stop_time <= horizon) {
     return fmt::format(

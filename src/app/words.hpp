@@ -23,6 +23,8 @@ bool has_default_limits(const PostImpactSpec& spec);
 /// "0 (below 1e-9)" for what is zero but for rounding in any unit used.
 std::string size_words(double x, int digits = 3);
 inline constexpr double kZeroSize = 1e-9;
+/// The next number with three digits, for what is said as a value that is enough. @pre x > 0
+double rounded_up(double x);
 /// "joints still move at 0.11 rad/s at the horizon of 10 s: joint_2 reaches its stop at 18.3 s"
 std::string after_horizon_words(const AfterHorizon& after, double horizon);
 /// "1 body", "3 bodies"

@@ -131,3 +131,31 @@ TEST_CASE("what may help where wheels are too small helps") {
   CHECK(floating.says("post_impact.wheels.capacity above"));
   CHECK_FALSE(floating.says("preset"));
 }
+TEST_CASE("what may help where the motion is too slow is what limits it") {
+  const Workshop shop;
+  const auto plan = [&](const std::string& limits) {
+    shop.write_changed("problem.yaml", "problems/servicer_6dof_held.yaml",
+                       "  acceleration_limit: 0.05\n  velocity_scale: 0.5\n", limits);
+    return shop.run("plan problem.yaml --starts 4 -o plan.json --force");
+  };
+  const auto advised = [](const Outcome& outcome, const std::string& key) {
+    const std::size_t at = outcome.err.find(key);
+    REQUIRE(at != std::string::npos);
+    return std::stod(outcome.err.substr(at + key.size()));
+  };
+  const Outcome rates = plan("  acceleration_limit: 100\n  velocity_scale: 1e-3\n");
+  INFO(rates.err);
+  REQUIRE(rates.code == 9);
+  CHECK_FALSE(rates.says("approach.acceleration_limit"));
+  CHECK_FALSE(rates.says("later variables.contact_time"));
+  const double scale = advised(rates, "an approach.velocity_scale of ");
+  CHECK(plan("  acceleration_limit: 100\n  velocity_scale: " + std::to_string(1.2 * scale) + "\n")
+            .code == 0);
+  const Outcome slow = plan("  acceleration_limit: 1.0e-5\n  velocity_scale: 1\n");
+  INFO(slow.err);
+  REQUIRE(slow.code == 9);
+  CHECK_FALSE(slow.says("approach.velocity_scale"));
+  const double factor = advised(slow, "an approach.acceleration_limit ");
+  CHECK(plan("  acceleration_limit: " + std::to_string(1.5e-5 * factor) + "\n  velocity_scale: 1\n")
+            .code == 0);
+}
