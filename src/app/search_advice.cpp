@@ -24,8 +24,9 @@ struct Loosening {
   const char* name;
   const char* advice;
 };
+constexpr const char* kClosingSpeedRow = "closing_speed";
 constexpr Loosening kLoosenings[] = {
-    {"closing_speed",
+    {kClosingSpeedRow,
      "a smaller constraints.closing_speed_min, a target that comes faster (target.state)"},
     {"arrival_rate",
      "a larger approach.velocity_scale, less of the motion in contact.hand_velocity, a target that "
@@ -34,19 +35,24 @@ constexpr Loosening kLoosenings[] = {
     {"base_attitude", "a larger variables.base_attitude.max"},
 };
 
+/// How far the constraints of a name that begins so are violated, relative to their bounds.
+double violation_of(const Plan& plan, const char* name) {
+  double worst = 0;
+  for (const ConstraintValue& constraint : plan.constraints) {
+    if (constraint.name.rfind(name, 0) != 0) continue;
+    if (!(constraint.violation > kFeasibilityTolerance)) continue;
+    const double bound = constraint.value > constraint.upper ? constraint.upper : constraint.lower;
+    worst = std::max(worst, constraint.violation / std::max(std::abs(bound), 1e-9));
+  }
+  return worst;
+}
+
 /// Those of the constraints that the nearest attempt violates, the most violated one of a kind
 /// deciding on the order.
 std::vector<std::string> loosening_advice(const Plan& plan) {
   std::vector<std::pair<double, std::string>> found;
   for (const Loosening& loosening : kLoosenings) {
-    double worst = 0;
-    for (const ConstraintValue& constraint : plan.constraints) {
-      if (constraint.name.rfind(loosening.name, 0) != 0) continue;
-      if (!(constraint.violation > kFeasibilityTolerance)) continue;
-      const double bound =
-          constraint.value > constraint.upper ? constraint.upper : constraint.lower;
-      worst = std::max(worst, constraint.violation / std::max(std::abs(bound), 1e-9));
-    }
+    const double worst = violation_of(plan, loosening.name);
     if (worst > 0) found.emplace_back(-worst, loosening.advice);
   }
   std::sort(found.begin(), found.end());
@@ -127,16 +133,26 @@ std::string too_slow_advice(const Plan& plan) {
 std::string search_advice(const Plan& plan) {
   const CaptureProblem& problem = plan.problem;
   const VariableSpec& variables = problem.variables;
-  std::vector<std::string> advice = loosening_advice(plan);
+  const bool is_slow = violation_of(plan, kClosingSpeedRow) > 0;
+  const bool can_widen = problem.target && !problem.impulse.direction &&
+                         (!is_slow || next_contact_window(problem, -kInfinity));
+  std::vector<std::string> advice;
+  if (is_slow && always_recedes(problem)) {
+    // No posture and no other limit changes that.
+    advice.emplace_back(
+        "a target that comes faster, or turns slower or about another axis "
+        "(target.state)");
+    if (can_widen) advice.emplace_back("widen variables.contact_time");
+    return fmt::format("what may help: {}", fmt::join(advice, ", "));
+  }
+  advice = loosening_advice(plan);
   if (variables.base_attitude == AttitudeFreedom::Fixed) {
     advice.emplace_back("free variables.base_attitude");
   }
   if (variables.base_position == PositionFreedom::Fixed) {
     advice.emplace_back("free variables.base_position");
   }
-  if (problem.target && !problem.impulse.direction) {
-    advice.emplace_back("widen variables.contact_time");
-  }
+  if (can_widen) advice.emplace_back("widen variables.contact_time");
   advice.push_back(fmt::format("raise search.starts above {}", first_starts(problem.search)));
   return fmt::format("what may help: {}", fmt::join(advice, ", "));
 }

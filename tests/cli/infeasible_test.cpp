@@ -131,6 +131,20 @@ TEST_CASE("what may help where wheels are too small helps") {
   CHECK(floating.says("post_impact.wheels.capacity above"));
   CHECK_FALSE(floating.says("preset"));
 }
+TEST_CASE("no smaller closing speed is advised where the target recedes from everything") {
+  const Workshop shop;
+  shop.write_changed("problem.yaml", "problems/servicer_latch.yaml",
+                     "linear_velocity: [-0.015, 0, 0]", "linear_velocity: [0.2, 0, 0]");
+  const Outcome run = shop.run("plan problem.yaml --starts 4 -o plan.json");
+  INFO(run.err);
+  REQUIRE(run.code == 4);
+  CHECK(run.says("what may help: a target that comes faster, or turns slower"));
+  for (const char* useless : {"constraints.closing_speed_min,", "variables.base_attitude",
+                              "widen variables.contact_time", "search.starts"}) {
+    CHECK_FALSE(run.says(useless));
+  }
+}
+
 TEST_CASE("what may help where the motion is too slow is what limits it") {
   const Workshop shop;
   const auto plan = [&](const std::string& limits) {
