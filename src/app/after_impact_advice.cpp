@@ -11,6 +11,7 @@
 #include <stillbase/planner/post_impact.hpp>
 
 #include "app/words.hpp"
+#include "planner/capture_limits.hpp"
 
 namespace stillbase::app {
 
@@ -34,13 +35,12 @@ bool lacks_wheel(const WheelSpec& wheels, const Vector3d& angular) {
 
 /// The limit of the grasp or the horizon that is exceeded; null: none is.
 const LimitUse* exceeded_use(const ManagedMomentum& managed) {
-  constexpr double kRounding = 1e-6;
   const auto at =
       std::find_if(managed.limits.begin(), managed.limits.end(), [](const LimitUse& use) {
         const bool is_of_grasp = use.limit == CaptureLimit::GripForce ||
                                  use.limit == CaptureLimit::GripMoment ||
                                  use.limit == CaptureLimit::WheelMomentum;
-        return (is_of_grasp || use.place == "horizon") && use.part() > 1 + kRounding;
+        return (is_of_grasp || use.place == "horizon") && is_exceeded(use);
       });
   return at == managed.limits.end() ? nullptr : &*at;
 }
@@ -57,6 +57,12 @@ class Trials {
     return post_impact_failure(changed_to(changed), plan_.configuration, plan_.impact, stop_);
   }
   bool helps(const PostImpactSpec& changed) const { return failure(changed).empty(); }
+  /// Of the whole motion to the horizon, whatever it exceeds.
+  SimulationSummary motion() const {
+    return simulate_post_impact(plan_.problem, plan_.configuration, plan_.impact,
+                                spec().controllers.front(), stop_)
+        .simulation.summary;
+  }
 
  private:
   CaptureProblem changed_to(const PostImpactSpec& changed) const {
@@ -118,12 +124,28 @@ std::string other_controller(const Trials& trials) {
   return "";
 }
 
-/// What is asked of the base, where nothing else fails.
+/// What is asked of the base, where nothing else fails: as little as the motion keeps.
 std::string other_limits(const Trials& trials) {
-  PostImpactSpec changed = trials.spec();
+  const PostImpactSpec& stated = trials.spec();
+  PostImpactSpec changed = stated;
   changed.residual_base_rate_max = changed.attitude_change_max = kInfinity;
   if (!trials.helps(changed)) return "";
-  return fmt::format("larger limits ({})", limit_words(trials.spec()));
+  changed = stated;
+  const SimulationSummary motion = trials.motion();
+  std::vector<std::string> words;
+  const auto widen = [&](double PostImpactSpec::*limit, double needed, const std::string& key,
+                         const char* unit) {
+    if (needed <= stated.*limit) return;
+    const double in_degrees = rounded_up(std::max(needed * kDegrees, kZeroSize));
+    changed.*limit = in_degrees / kDegrees;
+    words.push_back(fmt::format("post_impact.{} of {:.3g} {}, now {:.3g} {}", key, in_degrees, unit,
+                                stated.*limit * kDegrees, unit));
+  };
+  widen(&PostImpactSpec::attitude_change_max, motion.attitude_turned, "attitude_change_max", "deg");
+  widen(&PostImpactSpec::residual_base_rate_max, motion.residual_base_rate,
+        "residual_base_rate_max", "deg/s");
+  if (words.empty() || !trials.helps(changed)) return "";
+  return fmt::format("{}", fmt::join(words, ", with "));
 }
 
 std::string shorter_horizon(const Trials& trials) {
@@ -167,21 +189,23 @@ std::string stronger_grip(const Trials& trials, const LimitUse& use) {
 /// Axes that have none get a wheel with the largest torque of the others.
 std::string larger_wheels(const Trials& trials, const Vector3d& angular) {
   const WheelSpec& stated = trials.spec().wheels;
-  const Vector3d capacity = capacity_of(stated);
   const Vector3d held = (stated.preset + angular).cwiseAbs();
   PostImpactSpec changed = trials.spec();
   WheelSpec& wheels = changed.wheels;
-  wheels.momentum = capacity.cwiseMax(kRoom * held);
-  std::string text =
-      fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
-                  vector_words(held.cwiseMax(capacity)), vector_words(stated.momentum));
+  wheels.momentum = stated.momentum.cwiseMax(kRoom * held);
+  std::vector<std::string> words;
   if (lacks_wheel(stated, angular)) {
     const double most = stated.torque.maxCoeff();
     wheels.torque = (stated.torque.array() > 0).select(stated.torque, most);
-    text = fmt::format("post_impact.wheels.torque of {} N m, now {}, with {}",
-                       vector_words(wheels.torque), vector_words(stated.torque), text);
+    words.push_back(fmt::format("post_impact.wheels.torque of {} N m, now {}",
+                                vector_words(wheels.torque), vector_words(stated.torque)));
   }
-  return with_next(text, trials.failure(changed));
+  if ((held.array() > stated.momentum.array()).any()) {
+    words.push_back(fmt::format("post_impact.wheels.capacity above {} N m s, now {}",
+                                vector_words(held.cwiseMax(stated.momentum)),
+                                vector_words(stated.momentum)));
+  }
+  return with_next(fmt::format("{}", fmt::join(words, ", with ")), trials.failure(changed));
 }
 
 /// A preset of the other sign lets a wheel take up to twice its capacity.
@@ -208,9 +232,64 @@ bool takes_preset(const CaptureProblem& problem) {
   return !problem.hand_motion.moves() && !(approach.enabled && approach.base == BaseMode::Floating);
 }
 
+/// The joint limit of this kind of which most is used, where it is exceeded; null: it is not.
+const LimitUse* exceeded_joint(const Plan& plan, CaptureLimit limit) {
+  if (!plan.managed_momentum) return nullptr;
+  for (const LimitUse& use : plan.managed_momentum->limits) {
+    if (use.limit == limit && is_exceeded(use)) return &use;
+  }
+  return nullptr;
+}
+
+/// `robot.limits` of a joint, where its drive is better than the robot says.
+std::string drive_words(const LimitUse& use, const std::string& key) {
+  const double scale = use.unit == "rad/s" ? kDegrees : 1;
+  const std::string unit = use.unit == "rad/s" ? "deg/s" : use.unit;
+  return fmt::format("robot.limits.{}.{} above {:.3g} {}, now {:.3g} {}, where its drive has it",
+                     use.place, key, rounded_up(scale * use.value), unit, scale * use.most, unit);
+}
+
+/// What a new search could do about the joints.
+std::string joint_words(const Plan& plan, bool stops) {
+  std::string text;
+  if (stops) text += ", a larger constraints.joint_limit_margin";
+  if (const LimitUse* rate = exceeded_joint(plan, CaptureLimit::JointRate)) {
+    const ConstraintSpec& constraints = plan.problem.constraints;
+    text += constraints.joint_rate_max.size() > 0 ? ", a smaller constraints.joint_rate_max"
+            : constraints.joint_rate_scale        ? ", a smaller constraints.joint_rate_scale"
+                                                  : ", constraints.joint_rate_scale of 1 or less "
+                                                    "(of the limits, right after the impact)";
+    text += ", " + drive_words(*rate, "rate");
+  }
+  if (const LimitUse* torque = exceeded_joint(plan, CaptureLimit::JointTorque)) {
+    text += ", " + drive_words(*torque, torque->unit == "N" ? "force" : "torque");
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string after_impact_advice(const Plan& plan, const StopCondition& stop) {
+std::string after_impact_words(const Plan& plan, const std::string& failure,
+                               const StopCondition& stop) {
+  if (failure != kAttitudeFailure && failure != kBaseRateFailure) return failure;
+  const PostImpactSpec& spec = plan.problem.post_impact;
+  const SimulationSummary motion = Trials(plan, stop).motion();
+  std::vector<std::string> words;
+  const auto add = [&](const std::string& name, double value, double most, const char* unit) {
+    if (value > most) {
+      words.push_back(
+          fmt::format("{} {} {} of {:.3g} {}", name, size_words(value), unit, most, unit));
+    }
+  };
+  add("attitude change of the base", motion.attitude_turned * kDegrees,
+      spec.attitude_change_max * kDegrees, "deg");
+  add("base rate at the horizon", motion.residual_base_rate * kDegrees,
+      spec.residual_base_rate_max * kDegrees, "deg/s");
+  return words.empty() ? failure : fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string after_impact_advice(const Plan& plan, const std::string& failure,
+                                const StopCondition& stop) {
   const Trials trials(plan, stop);
   const auto& managed = plan.managed_momentum;
   std::vector<std::string> advice;
@@ -231,7 +310,7 @@ std::string after_impact_advice(const Plan& plan, const StopCondition& stop) {
     const bool is_late = use != nullptr && use->place == "horizon";
     if (is_late) add(longer_horizon(trials, use->value));
     if (use == nullptr) add(shorter_horizon(trials));
-    if (is_late || use == nullptr) untried += ", a larger constraints.joint_limit_margin";
+    untried += joint_words(plan, failure.ends_with(kStopFailure));
     add(other_torque(trials));
     add(other_controller(trials));
     add(other_limits(trials));

@@ -245,9 +245,10 @@ int plan_capture(const PlanRequest& request) {
   if (request.output.is_given()) say(fmt::format("written to {}", request.output.path));
   if (!broken.empty()) {
     say(fmt::format("no configuration was found that keeps the limits after the impact: {} ({})",
-                    broken, plan.problem.post_impact.controllers.front()));
+                    after_impact_words(plan, broken, planner.stop),
+                    plan.problem.post_impact.controllers.front()));
     say(fmt::format("the status '{}' is that of the search alone; what may help: {}",
-                    to_string(plan.status), after_impact_advice(plan, planner.stop)));
+                    to_string(plan.status), after_impact_advice(plan, broken, planner.stop)));
   }
   const bool is_met = plan.status != PlanStatus::Infeasible && arrives(plan);
   if (std::string windows = window_words(plan.problem); !is_met && !windows.empty()) {

@@ -443,6 +443,9 @@ std::string limit_use_words(const LimitUse& use, const std::string& role) {
   std::string name = to_string(use.limit);
   std::replace(name.begin(), name.end(), '_', ' ');
   std::string text = fmt::format("{}: {} of {}, ", role, name, use.place);
+  if (has_no_wheel(use)) {
+    return text + fmt::format("{:.4g} {}, and there is no wheel about it", use.value, unit);
+  }
   // Of ranges the value is a distance from their middle, which says little.
   const bool is_range = use.limit == CaptureLimit::JointStop || use.place == "contact_time";
   if (!is_range) {

@@ -230,9 +230,17 @@ bool is_demand_on_grasp(const LimitUse& use) {
          use.limit == CaptureLimit::WheelMomentum;
 }
 
+bool has_no_wheel(const LimitUse& use) {
+  return use.limit == CaptureLimit::WheelMomentum && use.most <= 0;
+}
+
 std::string limit_words(const LimitUse& use) {
   std::string name = to_string(use.limit);
   std::replace(name.begin(), name.end(), '_', ' ');
+  if (has_no_wheel(use)) {
+    return fmt::format("{} of {}: {:.4g} {}, and there is no wheel about {}", name, use.place,
+                       use.value, use.unit, use.place);
+  }
   return fmt::format("{} of {}: {:.4g} {} of {:.4g} {}", name, use.place, use.value, use.unit,
                      use.most, use.unit);
 }

@@ -25,6 +25,12 @@ bool is_bound(const ManagedMomentum& managed, double horizon);
 /// their own.
 bool is_demand_on_grasp(const LimitUse& use);
 
+/// Beyond what rounding leaves of a limit that is just kept.
+inline bool is_exceeded(const LimitUse& use) { return use.part() > 1 + 1e-6; }
+
+/// Momentum about an axis without a wheel.
+bool has_no_wheel(const LimitUse& use);
+
 /// "wheel momentum of y: 12.3 N m s of 10 N m s".
 std::string limit_words(const LimitUse& use);
 

@@ -42,11 +42,11 @@ std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummar
                            double part = 1) {
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
-      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + " reaches its stop";
+      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + kStopFailure;
     }
   }
   if (summary.attitude_turned > part * problem.post_impact.attitude_change_max) {
-    return "attitude change of the base";
+    return kAttitudeFailure;
   }
   if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity, part))
     return "joint rates";
@@ -128,7 +128,7 @@ std::optional<std::string> failure_at_first_sight(
                       keeps_off_stops(problem.robot, summary);
   if (!is_far) return std::nullopt;
   const double part = summary.residual_base_rate / spec.residual_base_rate_max;
-  if (part > FirstRun::beyond) return "base rate";
+  if (part > FirstRun::beyond) return kBaseRateFailure;
   if (part > FirstRun::below) return std::nullopt;
   return "";
 }
@@ -253,7 +253,7 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   const auto demand_on_grasp = [&](const AfterContact* run) -> std::string {
     for (const LimitUse& use :
          account_for_momentum(problem, configuration, impact, subject, run).limits) {
-      if (is_demand_on_grasp(use) && use.part() > 1 + kRounding) return limit_words(use);
+      if (is_demand_on_grasp(use) && is_exceeded(use)) return limit_words(use);
     }
     return "";
   };
@@ -290,7 +290,7 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   // What is judged at the horizon says nothing of a run that ended before it.
   if (!broken.empty()) return broken;
   if (std::string limit = exceeded_limit(problem, summary); !limit.empty()) return limit;
-  if (summary.residual_base_rate > spec.residual_base_rate_max) return "base rate";
+  if (summary.residual_base_rate > spec.residual_base_rate_max) return kBaseRateFailure;
   // Rest is judged by whether it is reached, which no number of the account decides better.
   if (controller->kind == ControllerKind::Detumble && !summary.rest_time) {
     return fmt::format("robot and target do not rest within the horizon of {:.4g} s", spec.horizon);

@@ -131,6 +131,71 @@ TEST_CASE("what may help where wheels are too small helps") {
   CHECK(floating.says("post_impact.wheels.capacity above"));
   CHECK_FALSE(floating.says("preset"));
 }
+
+TEST_CASE("momentum about an axis without a wheel asks for that wheel alone") {
+  const Workshop shop;
+  shop.write_changed("problem.yaml", "problems/detumble_client_1000.yaml",
+                     "torque: [0.15, 0.15, 0.2]", "torque: [0.15, 0.15, 0]");
+  const Outcome run = shop.run("plan problem.yaml --starts 16 -o plan.json");
+  INFO(run.err);
+  REQUIRE(run.code == 4);
+  CHECK(run.says(" N m s, and there is no wheel about z (detumble)"));
+  CHECK(run.says("post_impact.wheels.torque of (0.15, 0.15, 0.15) N m"));
+  CHECK_FALSE(run.says("post_impact.wheels.capacity above"));
+  CHECK_FALSE(run.says(" of 0 N m s"));
+}
+
+TEST_CASE("limits of the base are named together, with what they have to be") {
+  const Workshop shop;
+  const auto plan = [&](const std::string& rate, const std::string& attitude) {
+    shop.write_changed("problem.yaml", "problems/detumble_client_1000.yaml",
+                       "residual_base_rate_max: 0.02 deg/s", "residual_base_rate_max: " + rate);
+    std::string text = shop.text("problem.yaml");
+    const std::string stated = "attitude_change_max: 10 deg";
+    text.replace(text.find(stated), stated.size(), "attitude_change_max: " + attitude);
+    shop.write("problem.yaml", text);
+    return shop.run("plan problem.yaml --starts 16 -o plan.json --force");
+  };
+  const Outcome tight = plan("0", "0.2 deg");
+  INFO(tight.err);
+  REQUIRE(tight.code == 4);
+  CHECK(tight.says("keeps the limits after the impact: attitude change of the base "));
+  CHECK(tight.says(" deg of 0.2 deg, base rate at the horizon "));
+  CHECK(tight.says(" deg/s of 0 deg/s"));
+  CHECK_FALSE(tight.says("joint_limit_margin"));
+  const auto advised = [&](const std::string& key) {
+    const std::string words = "post_impact." + key + " of ";
+    const std::size_t at = tight.err.find(words);
+    REQUIRE(at != std::string::npos);
+    const std::size_t begin = at + words.size();
+    return tight.err.substr(begin, tight.err.find(',', begin) - begin);
+  };
+  const Outcome wide = plan(advised("residual_base_rate_max"), advised("attitude_change_max"));
+  INFO(wide.err);
+  CHECK(wide.code == 0);
+}
+
+TEST_CASE("joint rates beyond a limit name the keys that are made for them") {
+  const Workshop shop;
+  std::string limits;
+  for (int k = 1; k <= 6; ++k) {
+    limits += (k > 1 ? ", joint_" : "joint_") + std::to_string(k) + ": {rate: 1.0e-4 deg/s}";
+  }
+  shop.write_changed("problem.yaml", "problems/servicer_6dof_held.yaml", "  hand: hand\n",
+                     "  hand: hand\n  limits: {" + limits + "}\n");
+  std::string text = shop.text("problem.yaml");
+  const std::size_t at = text.find("approach:\n") + 10;
+  text.insert(at, "  enabled: false\n");
+  shop.write("problem.yaml", text);
+  const Outcome run = shop.run("plan problem.yaml --starts 8 -o plan.json");
+  INFO(run.err);
+  REQUIRE(run.code == 4);
+  CHECK(run.says("keeps the limits after the impact: joint rates"));
+  CHECK(run.says("constraints.joint_rate_scale of 1 or less"));
+  CHECK(run.says(", robot.limits.joint_"));
+  CHECK_FALSE(run.says("joint_limit_margin"));
+}
+
 TEST_CASE("no smaller closing speed is advised where the target recedes from everything") {
   const Workshop shop;
   shop.write_changed("problem.yaml", "problems/servicer_latch.yaml",

@@ -239,4 +239,11 @@ TEST_CASE("wheels that are too small and a grip that is too weak break the limit
   CHECK(open.find(" after 0.01 s") != std::string::npos);  // what follows is not simulated
 }
 
+TEST_CASE("momentum about an axis without a wheel is told as such") {
+  const LimitUse use{CaptureLimit::WheelMomentum, "z", 4.731, 0, "N m s"};
+  CHECK(limit_words(use) == "wheel momentum of z: 4.731 N m s, and there is no wheel about z");
+  CHECK(limit_words({CaptureLimit::WheelMomentum, "y", 12.3, 10, "N m s"}) ==
+        "wheel momentum of y: 12.3 N m s of 10 N m s");
+}
+
 }  // namespace stillbase
