@@ -451,14 +451,16 @@ std::string limit_use_words(const LimitUse& use, const std::string& role) {
   if (!is_range) {
     text += fmt::format("{:.4g} of {:.4g} {}, ", scale * use.value, scale * use.most, unit);
   }
-  return text + fmt::format("margin {:.3g} {}", scale * use.margin(), unit);
+  // A limit that is just kept has no margin, but for rounding.
+  const double margin = is_exceeded(use) ? use.margin() : std::max(use.margin(), 0.0);
+  return text + fmt::format("margin {:.3g} {}", scale * margin, unit);
 }
 
 /// The limit that binds: an exceeded one, else under detumble the one at which a load is held for
 /// most of the time, else the one of which most is used.
 std::string binding_limit_words(const ManagedMomentum& managed, double horizon) {
   const LimitUse& most = managed.limits.front();
-  if (most.margin() < 0) return limit_use_words(most, "exceeded limit");
+  if (is_exceeded(most)) return limit_use_words(most, "exceeded limit");
   const auto& held = managed.longest_held;
   if (!held) return limit_use_words(most, "tightest limit");
   std::string name = to_string(held->limit);

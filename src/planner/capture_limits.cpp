@@ -13,6 +13,7 @@ namespace stillbase {
 namespace {
 
 constexpr double kNoMomentum = 1e-9;  ///< of the whole: an axis that has none but for rounding
+constexpr double kAtStop = 1e-12;     ///< of half the range of a joint
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 
 std::string position_unit(const Joint& joint) { return joint.is_prismatic() ? "m" : "rad"; }
@@ -74,7 +75,11 @@ void add_stops(const RobotModel& robot, const JointVectord& lowest, const JointV
     const double middle = (joint.lower + joint.upper) / 2;
     const double half = (joint.upper - joint.lower) / 2;
     if (!std::isfinite(half) || !(half > 0)) continue;
-    const double far = std::max(std::abs(lowest[k] - middle), std::abs(highest[k] - middle));
+    const double gap = std::min(lowest[k] - joint.lower, joint.upper - highest[k]);
+    // A joint that rests at its stop is there but for rounding.
+    const double far = std::abs(gap) <= kAtStop * half
+                           ? half
+                           : std::max(std::abs(lowest[k] - middle), std::abs(highest[k] - middle));
     most.take({CaptureLimit::JointStop, joint.name, far, half, position_unit(joint)});
   }
   most.give(out);

@@ -239,6 +239,22 @@ TEST_CASE("wheels that are too small and a grip that is too weak break the limit
   CHECK(open.find(" after 0.01 s") != std::string::npos);  // what follows is not simulated
 }
 
+TEST_CASE("a joint that rests at its stop uses all of its range and no more") {
+  Latched x;
+  x.problem.post_impact.controllers.clear();
+  // Beyond the stop by rounding, as the end of a simulation leaves it.
+  Joint& joint = x.problem.robot.joints[0];
+  x.at.phi[0] = 0.7;
+  joint.lower = -1.1;
+  joint.upper = 0.7 * (1 - 1e-14);
+  const auto managed = managed_momentum(x.problem, x.at, x.impact);
+  const LimitUse* stop = find(*managed, CaptureLimit::JointStop);
+  REQUIRE(stop != nullptr);
+  REQUIRE(stop->place == joint.name);
+  CHECK(stop->margin() == 0);
+  CHECK_FALSE(is_exceeded(*stop));
+}
+
 TEST_CASE("momentum about an axis without a wheel is told as such") {
   const LimitUse use{CaptureLimit::WheelMomentum, "z", 4.731, 0, "N m s"};
   CHECK(limit_words(use) == "wheel momentum of z: 4.731 N m s, and there is no wheel about z");
