@@ -1,14 +1,20 @@
 // stillbase new: a first problem for a robot file.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
 
+#include <stillbase/io/problem_file.hpp>
+
 #include "app/command_line.hpp"
 #include "app/problem_draft.hpp"
+#include "app/window_words.hpp"
+#include "app/words.hpp"
+#include "io/fields/ranges.hpp"
 
 namespace stillbase::app {
 
@@ -35,6 +41,14 @@ double number_of(const std::string& option, const std::string& text) {
     throw CommandLineError(fmt::format("{}: '{}' is not a finite number >= 0", option, text));
   }
   return value;
+}
+
+/// Whether the target can be met in the problem that was written, in words; empty: it can.
+std::string contact_doubt(const CaptureProblem& problem) {
+  const auto window = next_contact_window(problem, problem.variables.contact_time_lower);
+  if (window && window->from < problem.variables.contact_time_upper) return "";
+  return "the target's face does not close in on the robot during variables.contact_time: `plan` "
+         "finds no configuration; name a smaller --spin or --target-mass";
 }
 
 int make_problem(NewRequest request) {
@@ -64,6 +78,11 @@ int make_problem(NewRequest request) {
   const Draft made = draft_problem(draft);
   request.output.write(made.text);
   for (const std::string& note : made.notes) say(note);
+  std::vector<std::string> doubts = made.doubts;
+  if (std::string doubt = contact_doubt(read_problem(draft.problem)); !doubt.empty()) {
+    doubts.insert(doubts.begin(), std::move(doubt));
+  }
+  for (const std::string& doubt : doubts) say("doubtful: " + doubt);
   say(fmt::format("written to {0}; next: stillbase plan {0} -o plan.json", draft.problem));
   return kDone;
 }

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kClosingSpeed = 0.05;  // m/s, that of berthing
 constexpr double kRestitution = 0.1;
+constexpr double kWait = 2;  // s, of the approach
 /// With fewer the motion that keeps the base still leaves the joints little to move in.
 constexpr int kJointsToHoldBase = 6;
 constexpr double kLeastLift = 0.1;  // m, of an arm that lies on the base
@@ -38,9 +39,8 @@ double velocity_scale(const RobotModel& robot) {
   return fastest > 0 ? std::clamp(0.3 / fastest, 1e-3, 1.0) : 1.0;
 }
 
-/// Distance from which the target takes as long as the slowest joint for most of its range.
-double draft_distance(const RobotModel& robot) {
-  constexpr double kReserve = 10;  // s, for the acceleration, the wait and the window
+/// Of the slowest joint through most of its range, s.
+double longest_motion(const RobotModel& robot) {
   double longest = 0;
   for (const Joint& joint : robot.joints) {
     const double rate = joint.max_velocity * velocity_scale(robot);
@@ -48,8 +48,86 @@ double draft_distance(const RobotModel& robot) {
     const double travel = joint.is_prismatic() ? range : std::min(range, 2 * kPi);
     if (std::isfinite(travel) && rate > 0) longest = std::max(longest, 1.1 * travel / rate);
   }
-  const double distance = kClosingSpeed * (longest + kReserve);
+  return longest;
+}
+
+/// Distance from which the target takes as long as that, m.
+double distance_for_motion(const RobotModel& robot) {
+  constexpr double kReserve = 10;  // s, for the acceleration, the wait and the window
+  return kClosingSpeed * (longest_motion(robot) + kReserve);
+}
+
+double draft_distance(const RobotModel& robot) {
+  const double distance = distance_for_motion(robot);
   return distance > kDistance ? rounded_to(distance, 0.5) : kDistance;
+}
+
+/// How the target comes, in B at the start, which is N.
+struct DraftMotion {
+  Vector3d spin_axis;  ///< not a unit vector, as it is stated
+  Vector3d omega, velocity;
+};
+
+/// The rotation is about the axis (1, 2, 2), the other way round where its face recedes so.
+DraftMotion draft_motion(const DraftEncounter& encounter, const TargetBody& target, double spin) {
+  DraftMotion motion;
+  motion.velocity = -kClosingSpeed * encounter.direction;
+  motion.spin_axis = Vector3d(1, 2, 2);
+  const Vector3d point = encounter.target.orientation * target.features.front().point;
+  const auto closing_speed = [&] {
+    motion.omega = spin / kDegrees * motion.spin_axis / 3;
+    return -encounter.direction.dot(motion.velocity + motion.omega.cross(point));
+  };
+  if (closing_speed() < kClosingSpeed / 2) {
+    motion.spin_axis = -motion.spin_axis;
+    closing_speed();
+  }
+  return motion;
+}
+
+/// Whether the target comes over the arm at the start while that moves, or over the place of the
+/// contact while the hand waits there.
+bool sweeps_over_arm(const RobotModel& robot, const DraftEncounter& encounter,
+                     const TargetBody& target, const DraftMotion& motion) {
+  const auto pose_before = [&](double time) {
+    return Pose{encounter.target.position - time * motion.velocity,
+                rotation_exp(-time * motion.omega) * encounter.target.orientation};
+  };
+  const double half = std::get<Box>(target.shapes.front().geometry).size.x() / 2;
+  const Vector3d place = encounter.target * target.features.front().point;
+  SceneParts parts;
+  parts.target = target;
+  parts.allowed_contacts = encounter.allowed_contacts;
+  const CollisionScene scene = CollisionScene(robot, parts).target_pairs_only();
+  const auto start = compute_kinematics<double>(robot, encounter.start);
+  constexpr double kStep = 0.05;  // s
+  for (double time = kStep; time <= kWait + longest_motion(robot); time += kStep) {
+    const Pose then = pose_before(time);
+    const bool is_over = time <= kWait ? (then.inverse() * place).cwiseAbs().maxCoeff() < half
+                                       : scene.first_hit(start, Pose{}, &then).has_value();
+    if (is_over) return true;
+  }
+  return false;
+}
+
+/// What speaks against a plan for this problem, by what takes no search.
+std::vector<std::string> doubts_of(const RobotModel& robot, const DraftEncounter& encounter,
+                                   const TargetBody& target, const DraftMotion& motion,
+                                   double distance) {
+  std::vector<std::string> doubts;
+  if (sweeps_over_arm(robot, encounter, target, motion)) {
+    doubts.emplace_back(
+        "the target turns so fast that it sweeps over the arm before the contact: `plan` may find "
+        "no approach; name a smaller --spin or --target-mass");
+  }
+  if (const double needed = distance_for_motion(robot); distance < needed) {
+    doubts.push_back(fmt::format(
+        "the contact is after {:.3g} s, the robot waits for {:g} s of them, and its slowest joint "
+        "takes up to {:.3g} s: `plan` may find no approach in time; a --distance of {:.3g} m "
+        "leaves enough",
+        distance / kClosingSpeed, kWait, longest_motion(robot), rounded_to(needed + 0.05, 0.1)));
+  }
+  return doubts;
 }
 
 /// Gain of damped joints at which a push at the hand takes at most half of every torque limit,
@@ -205,11 +283,10 @@ Draft draft_problem(const DraftRequest& request) {
   const double distance = request.distance > 0 ? request.distance : draft_distance(robot);
   const double contact_time = distance / kClosingSpeed;
   const double half_window = std::min({5.0, 10 / request.spin, contact_time / 4});
-  const Vector3d spin_axis = Vector3d(1, 2, 2) / 3;
-  const Vector3d omega = request.spin / kDegrees * spin_axis;
-  const Vector3d velocity = -kClosingSpeed * encounter->direction;
-  const Eigen::Quaterniond q = rotation_exp(-omega * contact_time) * encounter->target.orientation;
-  const Vector3d position = encounter->target.position - velocity * contact_time;
+  const DraftMotion motion = draft_motion(*encounter, target, request.spin);
+  const Eigen::Quaterniond q =
+      rotation_exp(-motion.omega * contact_time) * encounter->target.orientation;
+  const Vector3d position = encounter->target.position - motion.velocity * contact_time;
   const double edge = std::get<Box>(target.shapes.front().geometry).size.x();
 
   draft.notes.push_back(
@@ -218,6 +295,7 @@ Draft draft_problem(const DraftRequest& request) {
                   target_mass, edge, request.spin, contact_time));
   draft.notes.push_back(
       "limits after the impact: base rate 1 deg/s, attitude change 20 deg within 10 s");
+  draft.doubts = doubts_of(robot, *encounter, target, motion, distance);
   std::string controller_lines = "  controllers: [rns_damped, joint_damping, none]\n";
   if (robot.n() < kJointsToHoldBase) {
     controller_lines =
@@ -252,7 +330,7 @@ robot:
     position: {10}
     orientation: {11}
     linear_velocity: {12}
-    angular_velocity: {{axis: [1, 2, 2], rate: {13:g} deg/s}}
+    angular_velocity: {{axis: {24}, rate: {13:g} deg/s}}
 impact:
   source: rigid_body
   restitution: {23:g}
@@ -277,7 +355,7 @@ uncertainty:
   max_approaches: 16
   acceleration_limit: 0.2
   velocity_scale: {19:.3g}
-  wait: 2 s
+  wait: {25:g} s
   clearance: {20:g} m
 post_impact:
 {21}  horizon: 10 s
@@ -290,14 +368,14 @@ post_impact:
                                      "  allowed_contacts: [{}]\n",
                                      2 * kDraftClearance, often, contacts),
       target_mass, target.inertia(0, 0), edge, vector_text(target.features.front().point), distance,
-      kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(velocity), request.spin,
-      resistance, contact_time - half_window, contact_time + half_window,
+      kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(motion.velocity),
+      request.spin, resistance, contact_time - half_window, contact_time + half_window,
       vector_text(encounter->axis), slides ? "" : "  joint_limit_margin: 2 deg\n",
       velocity_scale(robot), kDraftClearance, controller_lines,
       has_meshes ? "# Meshes are judged after the search: many of its solutions touch something.\n"
                    "search: {max_candidates: 128}\n"
                  : "",
-      kRestitution);
+      kRestitution, vector_text(motion.spin_axis), kWait);
   return draft;
 }
 

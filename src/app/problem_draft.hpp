@@ -22,8 +22,9 @@ struct DraftRequest {
 };
 
 struct Draft {
-  std::string text;                ///< of the problem file
-  std::vector<std::string> notes;  ///< what was chosen, in words
+  std::string text;                 ///< of the problem file
+  std::vector<std::string> notes;   ///< what was chosen, in words
+  std::vector<std::string> doubts;  ///< whether it plans as it is
 };
 
 /// @throws InputError the robot file is refused

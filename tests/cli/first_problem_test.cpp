@@ -248,3 +248,33 @@ TEST_CASE("a first problem keeps the names, folders and meshes that its robot ne
   REQUIRE(check.code == 0);
   CHECK(check.out.find("collision shapes: 7") != std::string::npos);
 }
+
+TEST_CASE("new says what speaks against a plan for what it wrote") {
+  const Workshop shop;
+  const std::string arms = source_path("problems/arms/");
+  const auto make = [&](const std::string& arm, const std::string& options) {
+    const Outcome made =
+        shop.run("new problem.yaml --force --robot '" + arms + arm + ".urdf' " + options);
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    return made;
+  };
+  CHECK_FALSE(make("six_joint_arm", "").says("doubtful"));
+  CHECK_FALSE(make("seven_joint_arm", "").says("doubtful"));
+  // The face of a large target recedes while it turns one way, and not the other way round.
+  const Outcome large = make("six_joint_arm", "--target-mass 5000 --spin 20 --distance 30");
+  CHECK(shop.text("problem.yaml").find("axis: [-1, -2, -2], rate: 20 deg/s") != std::string::npos);
+  CHECK(large.says("doubtful: the target turns so fast that it sweeps over the arm"));
+  CHECK_FALSE(large.says("does not close in"));
+  CHECK(shop.run("check problem.yaml").out.find("never") == std::string::npos);
+
+  const Outcome near = make("seven_joint_arm", "--target-mass 0.001 --spin 0.0001 --distance 0.3");
+  const std::string words = "`plan` may find no approach in time; a --distance of ";
+  const std::size_t at = near.err.find(words);
+  INFO(near.err);
+  REQUIRE(at != std::string::npos);
+  const std::string distance = near.err.substr(at + words.size(), 4);
+  CHECK_FALSE(make("seven_joint_arm", "--target-mass 0.001 --spin 0.0001 --distance " + distance)
+                  .says("doubtful"));
+}
+
