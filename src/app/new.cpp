@@ -11,6 +11,7 @@
 #include <stillbase/io/problem_file.hpp>
 
 #include "app/command_line.hpp"
+#include "app/draft_words.hpp"
 #include "app/problem_draft.hpp"
 #include "app/window_words.hpp"
 #include "app/words.hpp"
@@ -41,6 +42,22 @@ double number_of(const std::string& option, const std::string& text) {
     throw CommandLineError(fmt::format("{}: '{}' is not a finite number >= 0", option, text));
   }
   return value;
+}
+
+void check_at_most(const std::string& option, double value, double most, const char* unit) {
+  if (value <= most) return;
+  throw CommandLineError(
+      fmt::format("{} {:g}: must be at most {:g} {}", option, value, most, unit));
+}
+
+/// What the problem file may state.
+void check_ranges(const DraftRequest& draft) {
+  const double heaviest = kDensity * std::pow(io::kSize.upper, 3);  // its edge follows
+  check_at_most("--base-mass", draft.base_mass, heaviest, "kg");
+  check_at_most("--target-mass", draft.target_mass, heaviest, "kg");
+  check_at_most("--base-size", draft.base_size.maxCoeff(), io::kSize.upper, "m");
+  check_at_most("--spin", draft.spin, io::kSpinSize.upper * kDegrees, "deg/s");
+  check_at_most("--distance", draft.distance, kFarthest, "m");
 }
 
 /// Whether the target can be met in the problem that was written, in words; empty: it can.
@@ -75,6 +92,7 @@ int make_problem(NewRequest request) {
     }
     if (!(draft.base_size.minCoeff() > 0)) throw CommandLineError("--base-size: must be > 0");
   }
+  check_ranges(draft);
   const Draft made = draft_problem(draft);
   request.output.write(made.text);
   for (const std::string& note : made.notes) say(note);

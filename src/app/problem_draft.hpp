@@ -9,6 +9,9 @@
 
 namespace stillbase::app {
 
+/// From further away the contact is later than an instant may be, m.
+inline constexpr double kFarthest = 4e4;
+
 struct DraftRequest {
   std::string robot;     ///< path of the robot file
   std::string problem;   ///< path of the problem file, that paths in it are relative to

@@ -278,3 +278,15 @@ TEST_CASE("new says what speaks against a plan for what it wrote") {
                   .says("doubtful"));
 }
 
+TEST_CASE("new refuses sizes that no problem may state by the option that says them") {
+  const Workshop shop;
+  const std::string arm = "'" + source_path("problems/arms/six_joint_arm.urdf") + "'";
+  for (const std::string option : {"--base-mass", "--target-mass", "--spin", "--distance"}) {
+    const Outcome run = shop.run("new problem.yaml --robot " + arm + " " + option + " 1e40");
+    INFO(run.err);
+    CHECK(run.code == 2);
+    CHECK(run.says(option + " 1e+40: must be at most "));
+    CHECK_FALSE(run.says("six_joint_arm.urdf"));
+  }
+  CHECK_FALSE(shop.has("problem.yaml"));
+}
