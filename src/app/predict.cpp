@@ -197,7 +197,7 @@ std::string prediction_words(const TargetPrediction& prediction) {
       head("time", prediction.target.c_str(), "position", "angular velocity", "velocity", "") +
       '\n' + head("s", "", "m, N", "rad/s, N", "m/s, N", "") + '\n' +
       head("", "  feature", "point", "normal", "velocity", "closing") +
-      (is_known ? "   standard deviations: point m, normal deg, velocity m/s" : "") + '\n';
+      (is_known ? "   root mean square errors: point m, normal deg, velocity m/s" : "") + '\n';
   for (const PredictedInstant& instant : prediction.instants) {
     const TargetState& state = instant.state;
     text += fmt::format("{:>10.4f} {:<16} {} {} {}\n", state.time, "", three(state.pose.position),

@@ -1,6 +1,8 @@
 // The target's motion over time, and the contact windows of check.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -64,10 +66,10 @@ TEST_CASE("predict says which errors of the target are not known") {
   const Workshop shop;
   const std::string range = " --from 0 --to 1 --step 1";
   const Outcome known = shop.run("predict " + kKnown + range);
-  CHECK(known.out.find("standard deviations") != std::string::npos);
+  CHECK(known.out.find("root mean square errors: point m") != std::string::npos);
   CHECK(known.err.empty());
   const Outcome nominal = shop.run("predict " + kClient + range);
-  CHECK(nominal.out.find("standard deviations") == std::string::npos);
+  CHECK(nominal.out.find("root mean square") == std::string::npos);
   CHECK(nominal.says("target.state.covariance is not stated"));
   CHECK(nominal.says("their standard deviations are not known"));
   CHECK(shop.run("predict targets/client_50.yaml" + range).says("a target alone has no estimate"));
@@ -105,7 +107,15 @@ TEST_CASE("predict states the covariance of features where the estimate has one"
   int count = 0;
   for (; std::getline(lines, line); ++count) CHECK(commas(line) == commas(head));
   CHECK(count == 2 * (1 + static_cast<int>(instants[0].at("features").size())));
-  CHECK(shop.run(command).out.find("standard deviations") != std::string::npos);
+  // A table has room for one number of a point: the root of the trace, which says so.
+  const std::string table = shop.run(command).out;
+  CHECK(table.find("root mean square errors: point m, normal deg, velocity m/s") !=
+        std::string::npos);
+  CHECK(table.find("standard deviation") == std::string::npos);
+  const json& first = instants[0].at("features")[0].at("covariance");
+  std::ostringstream root;
+  root << std::setprecision(3) << std::sqrt(trace(first));
+  CHECK(table.find("   " + root.str() + " ") != std::string::npos);
 }
 
 TEST_CASE("predict takes a target alone with its angular velocity") {
