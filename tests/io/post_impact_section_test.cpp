@@ -193,3 +193,10 @@ TEST_CASE("momentum that the wheels hold before goes with no approach of a float
             .empty());
 }
 
+TEST_CASE("a grip whose limits are in wrong units is told of them alone") {
+  const std::string both = refusal("  grip: {force: 200 N m, moment: 100 N}\n");
+  INFO(both);
+  CHECK(both.find("post_impact.grip.force") != std::string::npos);
+  CHECK(both.find("post_impact.grip.moment") != std::string::npos);
+  CHECK(both.find("must state force, moment or both") == std::string::npos);
+}

@@ -192,7 +192,9 @@ void post_impact_fields(Table& t, PostImpactSpec& spec) {
     "what the grip of a latched target bears: the wrench is the rate of its momentum; `detumble` "
     "keeps it",
     {.without = "any load"});
-  if (t.reader() != nullptr && t.reader()->has("grip") && !spec.grip.is_limited()) {
+  const Node* const grip = t.reader() == nullptr ? nullptr : t.reader()->find("grip");
+  if (grip != nullptr && grip->kind == Node::Kind::Map && grip->find("force") == nullptr &&
+      grip->find("moment") == nullptr) {
     t.reader()->refuse("grip", "missing-key",
                        "must state force, moment or both; leave it out where any load is borne");
   }
