@@ -157,12 +157,6 @@ std::string binding_words(const BindingLimit& limit, const std::string& unit) {
     if (limit.unit == "m/s") return {1e3 * x, "mm/s"};
     return {x, limit.unit};
   };
-  if (limit.unit == "rad^2") {  // of an angle, which its slope goes over to
-    const double angle = std::sqrt(limit.value);
-    return binding_words({"base_attitude", limit.is_upper, angle, limit.margin / (2 * angle),
-                          2 * angle * limit.multiplier, "rad"},
-                         unit);
-  }
   const auto [at, words] = size(limit.value);
   const double one = 1 / size(1).first;
   return fmt::format("1 {} beyond the {} end of {}, {:.6g} {}, would save {:.3g} {}", words,

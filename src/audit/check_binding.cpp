@@ -43,7 +43,7 @@ double margin_of(const Situation& at, const BindingLimit& stated) {
   double least = kInfinity;
   for (std::size_t i = 0; i < limits.size(); ++i) {
     if (limits[i].name != stated.name || limits[i].is_upper != stated.is_upper) continue;
-    least = std::min(least, distances[i] / limits[i].slope);
+    least = std::min(least, distances[i]);
   }
   return least;
 }

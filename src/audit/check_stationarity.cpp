@@ -152,7 +152,7 @@ class Stationarity {
       for (std::size_t j = i; j < active_.size(); ++j) {
         const NamedLimit& other = limits_[active_[j]];
         if (other.name != limit.name || other.is_upper != limit.is_upper) continue;
-        sum[parts + static_cast<Eigen::Index>(j)] = limit.slope / value;
+        sum[parts + static_cast<Eigen::Index>(j)] = 1 / value;
       }
       ReachedLimit& one = out.emplace_back();
       one.limit = limit;

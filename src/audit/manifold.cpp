@@ -116,13 +116,15 @@ std::vector<double> distances_from_limits(const Situation& situation,
   const Vector3d& axis = free.base_attitude_axis;
   const double most = free.base_attitude_max;
   if (free.base_attitude == AttitudeFreedom::Cone) {
-    above(axis.dot(rotation * axis), std::cos(most), "base_attitude_cone", "1");
+    // In rad beside the limit.
+    add((axis.dot(rotation * axis) - std::cos(most)) / std::sin(most),
+        {"base_attitude", "rad", most, true});
   } else if (free.base_attitude == AttitudeFreedom::Axis && most < kHalfRotation) {
     between(rotation_log(rotation).dot(axis), -most, most, "base_attitude", "rad");
   } else if (free.base_attitude == AttitudeFreedom::Free && most < kHalfRotation) {
     // Smooth also where the angle is zero, and in rad beside the limit.
     add((most * most - rotation_log(rotation).squaredNorm()) / (2 * most),
-        {"base_attitude_squared", "rad^2", most * most, true, 1 / (2 * most)});
+        {"base_attitude", "rad", most, true});
   }
   if (free.contact_time_upper > free.contact_time_lower) {
     between(at.contact_time, free.contact_time_lower, free.contact_time_upper, "contact_time", "s");

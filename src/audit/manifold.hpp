@@ -47,7 +47,6 @@ struct NamedLimit {
   std::string unit;       ///< of the limit
   double value = 0;       ///< of the limit, in `unit`
   bool is_upper = false;  ///< the upper end of its range
-  double slope = 1;       ///< change of the distance from it per unit that it is moved outwards
 };
 
 /// Distances from the limits of variables and inequalities, each in its own unit; negative beyond

@@ -76,8 +76,17 @@ std::vector<BindingLimit> binding_limits(const CaptureProblem& problem,
   const auto& rows = formulation.parts().rows.kept;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    add(rows[k]->name, rows[k]->unit, here.constraints[i], rows[k]->lower, rows[k]->upper,
-        certificate.multipliers[i]);
+    const double at = here.constraints[i], multiplier = certificate.multipliers[i];
+    // Of an angle the rows bound the square or the cosine, and the problem states the angle.
+    const double most = problem.variables.base_attitude_max;
+    if (rows[k]->name == "base_attitude_squared") {
+      add("base_attitude", "rad", std::sqrt(at), -kInfinity, most, 2 * most * multiplier);
+    } else if (rows[k]->name == "base_attitude_cone") {
+      add("base_attitude", "rad", std::acos(std::clamp(at, -1.0, 1.0)), -kInfinity, most,
+          -std::sin(most) * multiplier);
+    } else {
+      add(rows[k]->name, rows[k]->unit, at, rows[k]->lower, rows[k]->upper, multiplier);
+    }
   }
   std::stable_sort(out.begin(), out.end(), [](const BindingLimit& a, const BindingLimit& b) {
     return a.multiplier > b.multiplier;

@@ -120,7 +120,7 @@ TEST_CASE("multipliers of attitudes and of distances between bodies are recomput
                        [&](const BindingLimit& limit) { return limit.name.rfind(begin, 0) == 0; });
   };
   REQUIRE(has("clearance_"));
-  REQUIRE(has("base_attitude_squared"));
+  REQUIRE(has("base_attitude"));
   REQUIRE(failures(plan).find("binding") == std::string::npos);
   for (std::size_t i = 0; i < plan.binding.size(); ++i) {
     INFO(plan.binding[i].name);

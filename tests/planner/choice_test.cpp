@@ -118,6 +118,7 @@ TEST_CASE("the multiplier of a binding limit is how fast the least value falls b
         (limit.is_upper ? free.contact_time_upper : free.contact_time_lower) +=
             limit.is_upper ? outwards : -outwards;
       }
+      if (limit.name == "base_attitude") moved.variables.base_attitude_max += outwards;
       for (Joint& joint : moved.robot.joints) {
         if (joint.name != limit.name) continue;
         (limit.is_upper ? joint.upper : joint.lower) += limit.is_upper ? outwards : -outwards;
@@ -132,6 +133,19 @@ TEST_CASE("the multiplier of a binding limit is how fast the least value falls b
   }
   CHECK((compared > 0 || plan.binding.empty()));
   if (name == "iiwa_client_50") CHECK(compared > 0);
+  if (name != "servicer_6dof_held") return;
+  // The angle that the problem states, of a row that bounds its square.
+  const auto attitude =
+      std::find_if(plan.binding.begin(), plan.binding.end(),
+                   [](const BindingLimit& limit) { return limit.name == "base_attitude"; });
+  REQUIRE(attitude != plan.binding.end());
+  CHECK(attitude->unit == "rad");
+  CHECK(attitude->value == problem.variables.base_attitude_max);
+  CHECK(attitude->is_upper);
+  CHECK(failures(plan).find("binding") == std::string::npos);
+  Plan altered = plan;
+  altered.binding[static_cast<std::size_t>(attitude - plan.binding.begin())].multiplier *= 1.05;
+  CHECK(failures(altered).find("binding_multipliers") != std::string::npos);
 }
 
 TEST_CASE("a binding limit with another multiplier is found") {
