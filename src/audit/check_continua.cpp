@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <stillbase/plan/free_roll.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
@@ -349,6 +350,47 @@ class Curves {
   std::vector<Curve> curves_;
 };
 
+/// Whether the joint that carries the hand may have any angle there: nothing that the problem asks
+/// for depends on it, to a hundredth of what a plan may leave open.
+bool has_free_roll(const Context& context, const Configuration& at) {
+  constexpr int kAngles = 16;
+  constexpr double kSame = kFreeRoll / 100;
+  const CaptureProblem& problem = context.problem;
+  const RobotModel& robot = problem.robot;
+  if (robot.hand_body == kBase) return false;
+  const int k = robot.coordinate(robot.hand_body);
+  const Joint& joint = robot.joints[k];
+  if (joint.is_prismatic() || takes_part_in_coupling(robot, k)) return false;
+  if (!problem.variables.joints[k]) return false;
+  const bool is_turn = joint.type == JointType::Continuous;
+  const double margin = problem.constraints.joint_limit_margin;
+  const double lower = is_turn ? -kPi : joint.lower + margin;
+  const double upper = is_turn ? kPi : joint.upper - margin;
+  if (!(upper > lower)) return false;
+  const auto turned = [&](int part) {
+    Configuration there = at;
+    there.phi[k] = lower + (upper - lower) * part / kAngles;
+    return there;
+  };
+  const Situation here(problem, at);
+  const double nominal = objective_along(here, here.event.n);
+  const double scale = std::max(scale_along(here, here.event.n), 1e-300);
+  for (int i = 0; i <= kAngles; ++i) {
+    const Situation there(problem, turned(i));
+    const double value = objective_along(there, there.event.n);
+    if (!(std::abs(value - nominal) <= kSame * scale)) return false;
+    if (!configuration_objections(there, context.options).empty()) return false;
+  }
+  if (problem.measure.kind == RiskMeasure::Nominal) return true;
+  const double measure = objective_numbers(here, context.cone_samples()).measure;
+  for (int i = 0; i <= kAngles; i += kAngles / 4) {
+    const Situation there(problem, turned(i));
+    const double value = objective_numbers(there, context.cone_samples()).measure;
+    if (!(std::abs(value - measure) <= kSame * scale)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::string> unlisted_curves(const Context& context) {
@@ -356,6 +398,14 @@ std::vector<std::string> unlisted_curves(const Context& context) {
   std::vector<std::string> out;
   // Without a limit every zero with one free direction is followed; simulated objectives never are.
   if (plan.status == PlanStatus::Limit || simulates_turn(context.problem)) return out;
+  for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
+    const Candidate& candidate = plan.candidates[i];
+    if (context.options.stop.reached() || !plan.objective.user_terms.empty()) break;
+    if (candidate.family >= 0 || candidate.starts_reached < 1) continue;
+    if (has_free_roll(context, candidate.configuration)) {
+      out.push_back(fmt::format("candidate {} has a free roll that is not listed", i));
+    }
+  }
   const auto look_at = [&](const std::string& name, const Configuration& at) {
     if (!is_on_curve_of_zeros(Situation(context.problem, at).problem, at)) return;
     const Place place(context.problem, at);

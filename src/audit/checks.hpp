@@ -20,7 +20,7 @@ void check_nominal_optimum(const Context& context, ClaimList& claims);
 void check_constraint_list(const Context& context, ClaimList& claims);
 
 /// The candidates that rank before the chosen one, what the choice costs, and that only the best
-/// one is optimal. No check for a plan that does not state its choice.
+/// one is optimal. Left open for a plan that does not state its choice.
 void check_choice(const Context& context, ClaimList& claims);
 
 /// First-order conditions and curvature of the chosen configuration, by differences on the feasible
@@ -30,8 +30,8 @@ void check_stationarity(const Context& context, ClaimList& claims);
 /// Points, lengths and ends of the continua of solutions; no check without any.
 void check_continua(const Context& context, ClaimList& claims);
 
-/// Configurations of the plan that are on a self-motion curve which it does not list. Of a robust
-/// measure only the nominal optimum: its own minima may be on curves that no start reached.
+/// Configurations of the plan on a curve of solutions, or a free roll, that it does not list. Of a
+/// robust measure's zeros the nominal optimum: its minima may be on curves that no start reached.
 std::vector<std::string> unlisted_curves(const Context& context);
 
 /// What the statement of a proof says, read from its words.

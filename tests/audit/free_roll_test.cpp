@@ -97,4 +97,19 @@ TEST_CASE("a misstated range of a free joint is found") {
   CHECK(failures(invented).find("families_rolls ") != std::string::npos);
 }
 
+TEST_CASE("a free joint that is left out of every list is found") {
+  Plan none = plan_with_rolls();
+  none.families.clear();
+  for (Candidate& candidate : none.candidates) candidate.family = -1;
+  CHECK(failures(none).find("candidates_list") != std::string::npos);
+  Plan fewer = plan_with_rolls();
+  const int last = static_cast<int>(fewer.families.size()) - 1;
+  REQUIRE(free_joint(fewer.families.back()));
+  fewer.families.pop_back();
+  for (Candidate& candidate : fewer.candidates) {
+    if (candidate.family == last) candidate.family = -1;
+  }
+  CHECK(failures(fewer).find("candidates_list") != std::string::npos);
+}
+
 }  // namespace stillbase
