@@ -50,6 +50,14 @@ Claim fingerprint_check(const std::string& name, const std::string& stated,
                   : "stated " + stated + ", of what was read " + computed};
 }
 
+bool have_same_remarks(const RobotModel& one, const RobotModel& other) {
+  return std::equal(one.remarks.begin(), one.remarks.end(), other.remarks.begin(),
+                    other.remarks.end(), [](const Finding& a, const Finding& b) {
+                      return a.file == b.file && a.line == b.line && a.rule == b.rule &&
+                             a.message == b.message;
+                    });
+}
+
 /// Differences of a plan's problem from its file. The command line may choose optimizer, seed and
 /// starts, and a file may have been renamed.
 std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
@@ -57,6 +65,9 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
   std::vector<std::string> changes;
   CaptureProblem problem = read_problem(path);
   if (problem.urdf != planned.urdf) changes.push_back("the robot is another one");
+  if (!have_same_remarks(problem.robot, planned.robot)) {
+    changes.push_back("the remarks on the robot's file are others");
+  }
   problem.name = planned.name;
   problem.search.optimizer = planned.search.optimizer;
   problem.search.seed = planned.search.seed;

@@ -1,6 +1,7 @@
 #include <stillbase/audit/audit.hpp>
 
 #include "audit/checks.hpp"
+#include "audit/exclusions.hpp"
 
 namespace stillbase {
 
@@ -14,6 +15,7 @@ Verification audit_plan(const Plan& plan, const VerifyOptions& options) {
     };
     run("candidates", [](const Context& c, ClaimList& l) {
       audit::check_candidates(c, l);
+      audit::check_exclusions(c, l);
       audit::check_turns(c, l);
       audit::check_nominal_optimum(c, l);
       audit::check_choice(c, l);

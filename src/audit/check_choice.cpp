@@ -33,7 +33,8 @@ const Candidate* chosen_candidate(const Plan& plan) {
 void check_choice(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Candidate* const chosen = chosen_candidate(plan);
-  if (plan.choice.better < 0 || chosen == nullptr || plan.status == PlanStatus::Limit) return;
+  if (chosen == nullptr || plan.status == PlanStatus::Limit) return;
+  if (plan.choice.better < 0) return claims.not_verified("choice", "the plan does not state it");
   const double value = chosen->value;
   const double same = kSameMeasure * value + kSameZero * typical_objective(context.problem);
   double least = value;

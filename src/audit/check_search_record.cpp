@@ -10,6 +10,7 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "audit/exclusions.hpp"
 #include "audit/manifold.hpp"
 
 namespace stillbase::audit {
@@ -217,6 +218,13 @@ double polished(const Approach& approach) {
 /// The numbers of the polish that the plan states.
 void check_polish(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
+  const ApproachSpec& wanted = context.problem.approach;
+  if (wanted.enabled && approach.status == ApproachStatus::Found &&
+      approach.polish != wanted.polish) {
+    Objections objections;
+    objections.add("not what the problem asks for");
+    return claims.none_wrong("approach_polish", objections, "what the polish reduces");
+  }
   if (approach.polish == PathPolish::None) {
     claims.at_most("approach_polish_stated",
                    std::max(approach.before_polish, approach.after_polish), 0, "s or rad",
@@ -260,6 +268,12 @@ void list_search_record(const Context& context, ClaimList& claims) {
   }
   if (plan.approach.status != ApproachStatus::NotRequested) {
     claims.not_verified("search_approach", own + "approach.detail, approach.polish.before");
+  }
+  if (const std::string reasons = exclusions_by_search(plan); !reasons.empty()) {
+    claims.not_verified("search_exclusions", own + "candidates.excluded of " + reasons);
+  }
+  if (!plan.warnings.empty()) {
+    claims.not_verified("search_warnings", own + "warnings.message: the words and numbers");
   }
   if (!plan.nominal_optimum) {
     claims.not_verified("search_nominal_optimum",
