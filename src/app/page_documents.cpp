@@ -1,5 +1,6 @@
 #include "app/page_documents.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -37,6 +38,7 @@ Json plan_document(const std::string& text, const std::string& path) {
   Json scene = plan_scene(file.plan, stop_condition());
   scene["robot"]["visuals"] = visuals_json(file.plan.problem.robot, robot_files(file, path));
   Json out{{"kind", "plan"},
+           {"sha256", file.computed_sha256},
            {"as_written", file.is_as_written()},
            {"summary", summary_json(file.plan)},
            {"scene", scene}};
@@ -101,16 +103,54 @@ Json document_of(const std::string& path) {
                                  format, fmt::join(kReadable, ", stillbase."))}});
 }
 
+bool is_plan(const Json& document) { return document.at("kind").get<std::string>() == "plan"; }
+
 /// The plan among the documents that a verification judges, or null.
-Json* judged_plan(Json& documents, const Json& verification) {
+Json* judged_plan(Json& documents, const std::string& sha256) {
   for (Json& document : documents) {
-    if (document.at("kind").get<std::string>() != "plan" || document.contains("verification")) {
-      continue;
-    }
-    const Json& plan = document.at("content");
-    if (plan.at("content_sha256") == verification.at("content_sha256")) return &document;
+    if (is_plan(document) && document.at("sha256").get<std::string>() == sha256) return &document;
   }
   return nullptr;
+}
+
+/// The verdict of a verification follows from its checks, and it is of a plan that is there where
+/// there are plans.
+/// @param path of its file
+void require_consistent(const Json& verification, const std::string& path, Json& documents) {
+  const auto refuse = [&path](const char* rule, const std::string& message) {
+    throw InputError({{path, 0, rule, message}});
+  };
+  try {
+    int failed = 0, held = 0;
+    const Json& claims = verification.at("claims");
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+      const Json& pass = claims.at(i).at("pass");
+      if (pass.is_null()) continue;
+      ++(pass.get<bool>() ? held : failed);
+    }
+    const bool is_cut =
+        verification.contains("interrupted") && verification.at("interrupted").get<bool>();
+    const bool is_pass = verification.at("verdict").get<std::string>() == "pass";
+    if (is_pass && (failed > 0 || held == 0 || is_cut)) {
+      refuse("contradiction",
+             fmt::format("verdict: is 'pass', but {} checks fail and {} hold{}; verify the plan "
+                         "again",
+                         failed, held, is_cut ? ", and it was interrupted" : ""));
+    }
+    if (!is_pass && failed == 0 && held > 0 && !is_cut) {
+      refuse("contradiction", "verdict: is not 'pass', but no check fails; verify the plan again");
+    }
+    const std::string sha256 = verification.at("content_sha256").get<std::string>();
+    const bool has_plans = std::any_of(documents.begin(), documents.end(), is_plan);
+    if (has_plans && judged_plan(documents, sha256) == nullptr) {
+      refuse("other-plan",
+             fmt::format("content_sha256: {} is of none of the plans given; verify the plan, or "
+                         "leave this verification out",
+                         sha256));
+    }
+  } catch (const io::JsonError& error) {
+    refuse("not-verification", std::string("format: ") + error.what());
+  }
 }
 
 Json documents_of(const std::vector<std::string>& paths) {
@@ -121,14 +161,23 @@ Json documents_of(const std::vector<std::string>& paths) {
     const bool is_verdict = document.at("kind").get<std::string>() == "verification";
     (is_verdict ? alone : documents).push_back(document);
   }
+  for (Json& document : documents) {
+    if (!is_plan(document) || !document.contains("verification")) continue;
+    Json itself = Json::array();
+    itself.push_back(document);
+    require_consistent(document.at("verification"), document.at("path").get<std::string>(), itself);
+  }
   for (const Json& verdict : alone) {
-    Json* const plan = judged_plan(documents, verdict.at("content"));
-    if (plan != nullptr) {
-      (*plan)["verification"] = verdict.at("content");
+    const Json& content = verdict.at("content");
+    require_consistent(content, verdict.at("path").get<std::string>(), documents);
+    Json* const plan = judged_plan(documents, content.at("content_sha256").get<std::string>());
+    if (plan != nullptr && !plan->contains("verification")) {
+      (*plan)["verification"] = content;
     } else {
       documents.push_back(verdict);
     }
   }
+  for (Json& document : documents) document.erase("sha256");
   return documents;
 }
 

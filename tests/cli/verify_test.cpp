@@ -188,3 +188,40 @@ TEST_CASE("verify refuses what is no plan") {
   CHECK(outcome.says("other.json:1: "));
   CHECK_FALSE(shop.has("out.json"));
 }
+
+TEST_CASE("report refuses a verdict against its own checks, and one of another plan") {
+  const Workshop shop;
+  const std::string problem = source_path("problems/planar_two_link_c2_a.yaml");
+  REQUIRE(shop.run("plan '" + problem + "' -o plan.json").code == 0);
+  REQUIRE(shop.run("plan '" + problem + "' -o other.json --seed 7").code == 0);
+  REQUIRE(shop.run("verify plan.json -o verdict.json").code == 0);
+  CHECK(shop.run("report plan.json verdict.json -o a.html").code == 0);
+  CHECK(shop.run("report verdict.json -o b.html").code == 0);
+
+  const Outcome foreign = shop.run("report other.json verdict.json -o c.html");
+  CHECK(foreign.code == 3);
+  CHECK(foreign.says("other-plan: content_sha256"));
+  CHECK_FALSE(shop.has("c.html"));
+
+  const ordered_json verdict = ordered_json::parse(shop.text("verdict.json"));
+  ordered_json lie = verdict;
+  lie.at("claims").at(0).at("pass") = false;
+  shop.write("lie.json", lie.dump());
+  for (const std::string files : {"lie.json", "plan.json lie.json"}) {
+    const Outcome refused = shop.run("report " + files + " -o d.html");
+    CHECK(refused.code == 3);
+    CHECK(refused.says("contradiction: verdict"));
+  }
+  ordered_json reversed = verdict;
+  reversed.at("verdict") = "fail";
+  shop.write("reversed.json", reversed.dump());
+  CHECK(shop.run("report reversed.json -o e.html").code == 3);
+  // Entered into the plan it is judged alike.
+  ordered_json plan = ordered_json::parse(shop.text("plan.json"));
+  plan["verification"] = verdict;
+  shop.write("with.json", plan.dump());
+  CHECK(shop.run("report with.json -o f.html").code == 0);
+  plan["verification"] = lie;
+  shop.write("with.json", plan.dump());
+  CHECK(shop.run("report with.json -o g.html").code == 3);
+}

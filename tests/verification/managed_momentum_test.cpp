@@ -116,8 +116,8 @@ TEST_CASE("the limit that detumble holds longest is recounted by the samples of 
   CHECK(fails([](std::optional<HeldLimit>& held) { held.reset(); }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 0.5; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 1.5; }));
-  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 0.98; }));
-  CHECK(fails([](std::optional<HeldLimit>& held) { held->time *= 1.02; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time -= 0.15; }));
+  CHECK(fails([](std::optional<HeldLimit>& held) { held->time += 0.15; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->place += "_"; }));
   CHECK(fails([](std::optional<HeldLimit>& held) { held->limit = CaptureLimit::Reach; }));
   Plan other = latched_plan("rns_damped");
