@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <stillbase/collision/contact_survey.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/jacobian.hpp>
+#include <stillbase/robot/assembled_robot.hpp>
 
 namespace stillbase::app {
 
@@ -117,6 +119,71 @@ bool is_way_free(const CollisionScene& scene, const Kinematics<double>& kinemati
   return true;
 }
 
+/// The postures between which the arm moves freely, of some that touch nothing: a search for a
+/// contact finds postures of each such part about as often as it is large, and a path starts and
+/// ends in one of them.
+class Roadmap {
+ public:
+  /// @param postures outlive this
+  Roadmap(const RobotModel& robot, const CollisionScene& scene,
+          const std::vector<JointVectord>& postures)
+      : robot_(robot), scene_(scene), postures_(postures) {
+    const std::size_t count = std::min(postures.size(), kNodes);
+    part_.resize(count);
+    std::iota(part_.begin(), part_.end(), 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const std::size_t j : nearest(postures[i], kNeighbours + 1)) {
+        const std::size_t a = part_of(i), b = part_of(j);
+        if (a != b && is_line_free(robot, scene, postures[i], postures[j])) part_[a] = b;
+      }
+    }
+    std::vector<std::size_t> sizes(count, 0);
+    for (std::size_t i = 0; i < count; ++i) ++sizes[part_of(i)];
+    const auto most = std::max_element(sizes.begin(), sizes.end());
+    largest_ = static_cast<std::size_t>(most - sizes.begin());
+    connected_ = static_cast<double>(*most) / static_cast<double>(count);
+  }
+
+  /// Part of the nodes that the largest part has.
+  double connected() const { return connected_; }
+
+  /// Whether a posture has a free line to the largest part.
+  bool reaches(const JointVectord& phi) {
+    for (const std::size_t i : nearest(phi, kNeighbours)) {
+      if (part_of(i) == largest_ && is_line_free(robot_, scene_, phi, postures_[i])) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kNodes = 300, kNeighbours = 8;
+
+  std::size_t part_of(std::size_t i) const {
+    while (part_[i] != i) i = part_[i];
+    return i;
+  }
+
+  std::vector<std::size_t> nearest(const JointVectord& phi, std::size_t count) const {
+    std::vector<std::pair<double, std::size_t>> by_distance;
+    for (std::size_t i = 0; i < part_.size(); ++i) {
+      by_distance.emplace_back((postures_[i] - phi).squaredNorm(), i);
+    }
+    count = std::min(count, by_distance.size());
+    std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<long>(count),
+                      by_distance.end());
+    std::vector<std::size_t> list;
+    for (std::size_t k = 0; k < count; ++k) list.push_back(by_distance[k].second);
+    return list;
+  }
+
+  const RobotModel& robot_;
+  const CollisionScene& scene_;
+  const std::vector<JointVectord>& postures_;
+  std::vector<std::size_t> part_;  ///< of each node: another one of its part, or itself
+  std::size_t largest_ = 0;
+  double connected_ = 0;
+};
+
 /// What is tried, the best first.
 struct Attempt {
   double standoff;       ///< m
@@ -134,13 +201,16 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
   DraftEncounter found;
   JointVectord best;
   double best_score = 0;
-  std::vector<std::pair<JointVectord, Vector3d>> free;  // postures and places of the hand
+  std::vector<JointVectord> free;
   for (int i = 0; i < kPostures; ++i) {
     const JointVectord phi = middle_posture(robot, random, 0.8);
     const auto kinematics = compute_kinematics<double>(robot, phi);
-    if (own.first_hit(kinematics, Pose{}, nullptr, kSearchClearance)) continue;
-    obstruction.links_are_free = true;
-    free.emplace_back(phi, kinematics.r_bh);
+    if (!own.first_hit(kinematics, Pose{}, nullptr, kSearchClearance)) free.push_back(phi);
+  }
+  obstruction.links_are_free = obstruction.links_are_free || !free.empty();
+  std::optional<Roadmap> roadmap;
+  for (const JointVectord& phi : free) {
+    const auto kinematics = compute_kinematics<double>(robot, phi);
     const Vector3d axis = approach_axis(robot, kinematics);
     const Vector3d direction = kinematics.R_hand * axis;
     // The target comes from outside, and not across the base.
@@ -160,6 +230,9 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
     pose.position = kinematics.r_bh - pose.orientation * with_target.feature->point;
     if (both.first_hit(kinematics, Pose{}, &pose, kSearchClearance)) continue;
     if (outwards < kOutwards && !is_way_free(both, kinematics, pose, direction)) continue;
+    if (!roadmap) roadmap.emplace(robot, own, free);
+    if (!roadmap->reaches(phi)) continue;
+    found.connected = roadmap->connected();
     best = phi;
     best_score = score;
     found.axis = axis;
@@ -171,14 +244,34 @@ std::optional<DraftEncounter> try_encounter(const RobotModel& robot, const Scene
   const Vector3d place = compute_kinematics<double>(robot, best).r_bh;
   found.start = best;
   double least = kInfinity;
-  for (const auto& [phi, hand] : free) {
+  for (const JointVectord& phi : free) {
     const double distance = (phi - best).norm();
-    if ((place - hand).dot(found.direction) < 0.1 || distance >= least) continue;
+    if (distance >= least) continue;
+    const Vector3d hand = compute_kinematics<double>(robot, phi).r_bh;
+    if ((place - hand).dot(found.direction) < 0.1) continue;
     if (!is_line_free(robot, own, phi, best)) continue;
     least = distance;
     found.start = phi;
   }
   return found;
+}
+
+/// Whether two links are on bodies with at most one body between them.
+bool are_near(const RobotModel& robot, const std::string& a, const std::string& b) {
+  const auto ancestors = [&](const std::string& link) {
+    std::vector<int> bodies{find_link(robot, link)->body};
+    while (bodies.size() < 3 && bodies.back() != kBase) {
+      bodies.push_back(robot.tree()[static_cast<std::size_t>(bodies.back())].parent);
+    }
+    return bodies;
+  };
+  const std::vector<int> above_a = ancestors(a), above_b = ancestors(b);
+  for (std::size_t i = 0; i < above_a.size(); ++i) {
+    for (std::size_t j = 0; i + j < 3 && j < above_b.size(); ++j) {
+      if (above_a[i] == above_b[j]) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -204,11 +297,28 @@ std::optional<DraftEncounter> find_encounter(RobotModel& robot, const TargetBody
   parts.target = target;
   parts.feature = target.features.front();
   parts.contact_allowance = ApproachSpec{}.contact_allowance;
-  for (const double share : {1.0, 0.95, 0.8}) {
-    parts.allowed_contacts =
+  constexpr double kNearlyAll = 0.8;  // of the postures that touch, or that are connected
+  std::optional<DraftEncounter> most_connected;
+  for (const double share : {1.0, 0.95, kNearlyAll, 0.5, 0.33}) {
+    ContactSurvey::LinkPairs contacts =
         survey_contacts(robot,
                         {.postures_for_never = 200, .margin = kSearchClearance, .share = share})
             .always;
+    if (share < kNearlyAll) {
+      const auto is_satellite = [&](const std::string& link) {
+        return link == kBaseLink || (!may_move_hand && find_link(robot, link)->body == kBase);
+      };
+      const auto are_far = [&](const auto& pair) {
+        return is_satellite(pair.first) || is_satellite(pair.second) ||
+               !are_near(robot, pair.first, pair.second);
+      };
+      contacts.erase(std::remove_if(contacts.begin(), contacts.end(), are_far), contacts.end());
+      for (const auto& pair : parts.allowed_contacts) {
+        if (are_far(pair)) contacts.push_back(pair);
+      }
+    }
+    if (share < 1 && contacts.size() == parts.allowed_contacts.size()) continue;
+    parts.allowed_contacts = std::move(contacts);
     for (const double standoff : standoffs) {
       robot.p_hand = p_hand + standoff * (robot.R_hand * axis);
       auto found = try_encounter(robot, parts, {standoff, share, outwards}, obstruction);
@@ -217,11 +327,14 @@ std::optional<DraftEncounter> find_encounter(RobotModel& robot, const TargetBody
       found->is_further = standoff > standoffs.front();
       found->allowed_contacts = parts.allowed_contacts;
       found->contact_share = share;
-      return found;
+      if (!most_connected || found->connected > most_connected->connected) most_connected = found;
+      break;  // the hand's frame connects nothing
     }
+    if (most_connected && most_connected->connected >= kNearlyAll) break;
   }
   robot.p_hand = p_hand;
-  return std::nullopt;
+  if (most_connected) robot.p_hand += most_connected->standoff * (robot.R_hand * axis);
+  return most_connected;
 }
 
 }  // namespace stillbase::app

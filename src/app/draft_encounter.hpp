@@ -21,6 +21,7 @@ struct DraftEncounter {
   bool is_further = false;                 ///< than where the shapes of the hand's body end
   decltype(SceneParts::allowed_contacts) allowed_contacts;
   double contact_share = 1;  ///< these touch in this part of all postures, at the least
+  double connected = 1;      ///< part of the free postures between which the arm can move, about
 };
 
 /// Why no posture was found: how far the search came in all its attempts.
@@ -38,7 +39,10 @@ inline constexpr double kAnyDirection = -1;
 ///
 /// Links that are always closer than the clearance are allowed to touch. Where no posture is free,
 /// the hand's frame moves out to where the shapes of its body end and further, then links that
-/// touch in nearly all postures are allowed to.
+/// touch in nearly all postures are allowed to. The same where free postures are not connected: a
+/// search would find contacts to which no path leads. In the end links of the arm with one
+/// body between theirs may touch that do so in a third of all postures: shapes that are too large,
+/// not the arm.
 /// @param robot its hand's frame is moved by `standoff` where something is found
 /// @param may_move_hand the problem can state where the hand's frame is
 /// @param outwards kOutwards or kAnyDirection

@@ -123,7 +123,7 @@ Command new_command() {
        {"--target-mass", "KG", "of the target, kg; without it a tenth of the spacecraft's",
         &draft.target_mass},
        {"--spin", "DEG_PER_S", "rotation of the target, deg/s", &draft.spin},
-       {"--distance", "M", "of the target at the start, m; without it 2, more for slow arms",
+       {"--distance", "M", "of the target at the start, m; without it 1.5, more for slow arms",
         &draft.distance},
        {"--package-path", "DIR",
         "folder in which packages of meshes are looked for; may be repeated", &draft.package_path},

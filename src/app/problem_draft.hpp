@@ -20,7 +20,7 @@ struct DraftRequest {
   Vector3d base_size = Vector3d::Zero();  ///< m; 0: that of 200 kg/m^3
   double target_mass = 0;                 ///< kg; 0: a tenth of the spacecraft's
   double spin = 2;                        ///< of the target, deg/s
-  double distance = 0;  ///< of the target from the hand at the start, m; 0: 2, more for slow arms
+  double distance = 0;  ///< of the target from the hand at the start, m; 0: 1.5, more for slow arms
   std::vector<std::string> package_path;
 };
 
