@@ -383,8 +383,8 @@ post_impact:
       kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(motion.velocity),
       request.spin, resistance, contact_time - half_window, contact_time + half_window,
       vector_text(encounter->axis), slides ? "" : "  joint_limit_margin: 2 deg\n",
-      velocity_scale(robot), kDraftClearance, controller_lines, kRestitution,
-      has_meshes ? 128 : 64, vector_text(motion.spin_axis), kWait);
+      velocity_scale(robot), kDraftClearance, controller_lines, kRestitution, has_meshes ? 128 : 64,
+      vector_text(motion.spin_axis), kWait);
   return draft;
 }
 
