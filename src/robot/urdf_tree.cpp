@@ -116,19 +116,20 @@ bool has_mass(const TreeLink& link) {
   return link.inertial && (link.inertial->mass != 0 || !link.inertial->inertia.isZero(0));
 }
 
-/// Links without mass and shapes that no joint names say nothing of the robot.
-void drop_lone_frames(Tree& tree, Findings& findings) {
+/// A link `world` without mass and shapes that no joint names says nothing of the robot. Other
+/// links that hang on nothing are roots of their own.
+void drop_lone_world(Tree& tree, Findings& findings) {
   std::set<std::string> named;
   for (const TreeJoint& joint : tree.joints) named.insert({joint.parent_name, joint.child_name});
   const auto is_lone = [&](const TreeLink& link) {
-    return named.count(link.name) == 0 && !has_mass(link) && link.shapes.empty() &&
-           link.meshes.empty();
+    return link.name == kWorld && named.count(link.name) == 0 && !has_mass(link) &&
+           link.shapes.empty() && link.meshes.empty();
   };
   if (std::all_of(tree.links.begin(), tree.links.end(), is_lone)) return;  // refused by its mass
   for (const TreeLink& link : tree.links) {
     if (!is_lone(link)) continue;
     findings.remark(link.line, "lone-link",
-                    "a link without mass and shapes that no joint names: left out", link.name);
+                    "link 'world' without mass and shapes that no joint names: left out");
   }
   tree.links.erase(std::remove_if(tree.links.begin(), tree.links.end(), is_lone), tree.links.end());
 }
@@ -338,7 +339,7 @@ void parse_robot(std::string_view text, tinyxml2::XMLDocument& document, Finding
 Tree read_tree(std::string_view text, Findings& findings) {
   Tree tree = read_document(text, findings);
   add_implied_world(tree, findings);
-  drop_lone_frames(tree, findings);
+  drop_lone_world(tree, findings);
   drop_free_root(tree, findings);
   connect(tree, findings);
   find_root(tree, findings);

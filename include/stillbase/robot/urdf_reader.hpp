@@ -38,7 +38,7 @@ struct UrdfOptions {
 /// have mass > 0 and an inertia tensor that is positive definite and satisfies the triangle
 /// inequality of principal moments, to within the digits that the file gives. What an `<inertial>`
 /// does not state is 0, and links without it are frames without mass. Those of them above a
-/// floating or planar joint are left out, and so are those that no joint names. A parent `world`
+/// floating or planar joint are left out, and so is a `world` that no joint names. A parent `world`
 /// need not be stated.
 ///
 /// Revolute and prismatic joints need `<limit>`; its lower and upper are 0 when they are not
