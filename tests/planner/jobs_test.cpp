@@ -31,11 +31,11 @@ std::string bytes_of(Plan plan) {
 }  // namespace
 
 // Among them isolated solutions with their proof, a bound, zeros on curves, worst cases over a
-// cone, CVaR over samples and a path in the reaction null space.
+// cone, CVaR over samples, a path in the reaction null space and paths to many forms of candidates.
 TEST_CASE("a plan does not depend on the number of threads") {
-  const std::string name =
-      GENERATE("planar_two_link_c2_a", "planar_three_link_null", "planar_three_link_client",
-               "iiwa_cone", "planar_three_link_cvar", "servicer_6dof_held", "spart_g2");
+  const std::string name = GENERATE(
+      "planar_two_link_c2_a", "planar_three_link_null", "planar_three_link_client", "iiwa_cone",
+      "planar_three_link_cvar", "servicer_6dof_held", "spart_g2", "ets7_envisat");
   CAPTURE(name);
   const CaptureProblem problem = shipped(name);
   const std::string alone = bytes_of(planned_by(problem, 1));
