@@ -349,6 +349,21 @@ void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.status = PlanStatus::Optimal;
 }
 
+/// Nothing depends on the angle of the last joint.
+void state_roll(Plan& plan) {
+  const Eigen::Index last = plan.configuration.phi.size() - 1;
+  const Joint& joint = plan.problem.robot.joints[static_cast<std::size_t>(last)];
+  SolutionFamily roll;
+  roll.points.assign(2, plan.configuration);
+  roll.points.front().phi[last] = joint.lower;
+  roll.points.back().phi[last] = joint.upper;
+  roll.length = joint.upper - joint.lower;
+  roll.is_complete = true;
+  roll.starts = 1;
+  plan.families = {roll};
+  plan.candidates.front().family = 0;
+}
+
 }  // namespace
 
 double chord_length(const Approach& a) {
@@ -431,6 +446,7 @@ Plan arm_plan(Flip flip, BaseMode base_mode) {
   contact.inertia = client.inertia;
   contact.target_mass = client.mass;
   state_impact(plan, contact, flip);
+  state_roll(plan);
   // Nobody has minimised anything: the residual of the first order is large.
   plan.status = PlanStatus::Feasible;
   plan.certificate.kkt_residual = 0.421204;
