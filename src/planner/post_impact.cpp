@@ -68,7 +68,7 @@ SimulationOptions judging_options(const CaptureProblem& problem, const StopCondi
   return options;
 }
 
-/// Of a first run at fixed steps, a third of the work of one whose error is controlled. Between
+/// Of a first run at fixed steps, less work than one whose error is controlled. Between
 /// instants of sampled control, without friction, the plant moves smoothly, and both end their
 /// steps there: they show the same extremes, but for what these numbers leave room for.
 struct FirstRun {
