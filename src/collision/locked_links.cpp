@@ -27,27 +27,29 @@ std::optional<Proximity> overlap_of_locked_links(const CaptureProblem& problem,
                                                  const UnlockedRobot& unlocked) {
   if (unlocked.locked.empty()) return std::nullopt;
   const RobotModel& robot = unlocked.robot;
-  const auto kinematics = compute_kinematics<double>(robot, posture_of(problem, unlocked));
   // B has its origin at the centroid of the base with all that is merged into it.
   const auto root_of = [&](const RobotModel& model) -> Vector3d {
     return find_link(model, robot.base.name)->pose.position;
   };
   const Vector3d shift = root_of(robot) - root_of(problem.robot);
-  for (int body = kBase; body < problem.robot.num_bodies(); ++body) {
-    RobotModel part = robot;
-    std::erase_if(part.shapes, [&](const CollisionShape& shape) {
-      return find_link(problem.robot, shape.link)->body != body;
-    });
-    SceneParts parts;
-    parts.allowed_contacts = problem.allowed_contacts;
-    for (const Obstacle& obstacle : problem.obstacles) {
-      if (body != kBase || obstacle.frame != Frame::Base) continue;
-      parts.obstacles.push_back(obstacle);
-      parts.obstacles.back().pose.position += shift;
+  RobotModel merged = robot;
+  std::erase_if(merged.shapes, [&](const CollisionShape& shape) {
+    return find_link(problem.robot, shape.link)->body != kBase;
+  });
+  SceneParts parts;
+  parts.allowed_contacts = problem.allowed_contacts;
+  for (const CollisionShape& a : merged.shapes) {
+    for (const CollisionShape& b : merged.shapes) {
+      if (a.body != kBase && b.body != kBase) parts.allowed_contacts.emplace_back(a.link, b.link);
     }
-    if (auto hit = CollisionScene(part, parts).first_hit(kinematics, Pose{}, nullptr)) return hit;
   }
-  return std::nullopt;
+  for (const Obstacle& obstacle : problem.obstacles) {
+    if (obstacle.frame != Frame::Base) continue;
+    parts.obstacles.push_back(obstacle);
+    parts.obstacles.back().pose.position += shift;
+  }
+  return CollisionScene(merged, parts)
+      .first_hit(compute_kinematics<double>(robot, posture_of(problem, unlocked)), Pose{}, nullptr);
 }
 
 }  // namespace stillbase

@@ -82,7 +82,7 @@ TEST_CASE("robot files built to hurt are refused quickly and in little memory") 
                   open + repeated("<a>", 100'000) + repeated("</a>", 100'000) + "</robot>",
                   "too-deep");
   std::string links, short_links;
-  for (int i = 0; i < 100'000; ++i) links += "<link name=\"l" + std::to_string(i) + "\"/>";
+  for (int i = 0; i < 300'000; ++i) links += "<link name=\"l" + std::to_string(i) + "\"/>";
   require_refused(shop, "links.urdf", open + links + "</robot>", "too-large");
   for (int i = 0; i < 40'000; ++i) short_links += "<link name=\"" + std::to_string(i) + "\"/>";
   require_refused(shop, "short.urdf", open + short_links + "</robot>", "too-many-links");
