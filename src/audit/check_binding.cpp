@@ -37,7 +37,7 @@ bool is_of_user(const Context& context, const std::string& name) {
 }
 
 /// Distance from a limit in the limit's unit: of several distances the least.
-double margin_of(const Situation& at, const BindingLimit& stated) {
+double distance_from_limit(const Situation& at, const BindingLimit& stated) {
   std::vector<NamedLimit> limits;
   const std::vector<double> distances = distances_from_limits(at, &limits);
   double least = kInfinity;
@@ -57,7 +57,7 @@ void demand_entry(const Context& context, const BindingLimit& stated, const Name
       std::abs(stated.value - limit.value) <= same,
       fmt::format("{} is stated at {:.9g}, not {:.9g}", name, stated.value, limit.value));
   objections.demand(stated.unit == limit.unit, name + " is in " + limit.unit);
-  const double margin = margin_of(context.situation, stated);
+  const double margin = distance_from_limit(context.situation, stated);
   objections.demand(std::abs(stated.margin - margin) <= same,
                     fmt::format("{} is {:.3g} away, not {:.3g}", name, margin, stated.margin));
   objections.demand(stated.multiplier > 0, name + " decides nothing");
