@@ -38,7 +38,6 @@ Json plan_document(const std::string& text, const std::string& path) {
   Json scene = plan_scene(file.plan, stop_condition());
   scene["robot"]["visuals"] = visuals_json(file.plan.problem.robot, robot_files(file, path));
   Json out{{"kind", "plan"},
-           {"sha256", file.computed_sha256},
            {"as_written", file.is_as_written()},
            {"summary", summary_json(file.plan)},
            {"scene", scene}};
@@ -105,10 +104,13 @@ Json document_of(const std::string& path) {
 
 bool is_plan(const Json& document) { return document.at("kind").get<std::string>() == "plan"; }
 
-/// The plan among the documents that a verification judges, or null.
+/// The plan among the documents that a verification judges, by the fingerprint that it states, or
+/// null. A page says where that one does not fit.
 Json* judged_plan(Json& documents, const std::string& sha256) {
   for (Json& document : documents) {
-    if (is_plan(document) && document.at("sha256").get<std::string>() == sha256) return &document;
+    if (!is_plan(document)) continue;
+    const Json& plan = document.at("content");
+    if (plan.at("content_sha256").get<std::string>() == sha256) return &document;
   }
   return nullptr;
 }
@@ -177,7 +179,6 @@ Json documents_of(const std::vector<std::string>& paths) {
       documents.push_back(verdict);
     }
   }
-  for (Json& document : documents) document.erase("sha256");
   return documents;
 }
 

@@ -347,7 +347,7 @@ test('hostile names in files do nothing', async () => {
   plan.approach.detail = hostile;
   plan.tool = {[hostile]: hostile};
   plan.inputs[0].path = hostile;
-  const verdict = json('verdict.json');
+  const verdict = {...json('verdict.json'), verdict: 'fail'};
   verdict.claims[0] =
       {...verdict.claims[0], group: hostile, name: hostile, detail: hostile, pass: false};
   plan.verification = verdict;

@@ -231,13 +231,13 @@ TEST_CASE("an approach that cannot be flown is refused") {
       {"approach_attitude_kept", [](Plan& p) { p.problem.approach.base = BaseMode::ReactionNull; }},
       {"approach_polish",
        [](Plan& p) {
-         p.approach.polish = PathPolish::Time;
+         p.problem.approach.polish = p.approach.polish = PathPolish::Time;
          p.approach.after_polish = p.approach.duration;
          p.approach.before_polish = p.approach.duration - 1e-3;
        }},
       {"approach_polish_stated",
        [](Plan& p) {
-         p.approach.polish = PathPolish::Attitude;
+         p.problem.approach.polish = p.approach.polish = PathPolish::Attitude;
          p.approach.before_polish = 9;
        }},
       {"approach_base_start", [](Plan& p) { p.problem.approach.station_free = false; }},
