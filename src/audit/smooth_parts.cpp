@@ -41,7 +41,7 @@ Vector6d turned_to(const Eigen::Quaterniond& R, const Vector6d& V) {
 /// @param value of a place
 template <class Value>
 ConePlace refined(const UncertaintySpec& cone, const Value& value, const ConePlace& found) {
-  constexpr double kStep = 0.01;  // rad; errors grow with its fourth power
+  constexpr double kStep = 0.02;  // rad; errors grow with its eighth power
   constexpr int kRounds = 3;
   const bool is_wedge = cone.cone_plane_normal.has_value();
   const bool is_on_rim = std::abs(found.angle) >= cone.cone_half_angle * (1 - 1e-9);
@@ -71,9 +71,9 @@ ConePlace refined(const UncertaintySpec& cone, const Value& value, const ConePla
     Eigen::Matrix2d bend = -Eigen::Matrix2d::Identity();
     for (Eigen::Index i = 0; i < count; ++i) {
       const auto along = [&](double a) { return i == 0 ? f(a, 0) : f(0, a); };
-      const double ahead = along(1), behind = along(-1);
-      slope[i] = (8 * (ahead - behind) - (along(2) - along(-2))) / 12;
-      bend(i, i) = ahead + behind - 2 * f(0, 0);
+      const auto across = [&](double a) { return along(a) - along(-a); };
+      slope[i] = 4 * across(1) / 5 - across(2) / 5 + 4 * across(3) / 105 - across(4) / 280;
+      bend(i, i) = along(1) + along(-1) - 2 * f(0, 0);
     }
     if (count == 2) {
       bend(0, 1) = bend(1, 0) = (f(1, 1) - f(1, -1) - f(-1, 1) + f(-1, -1)) / 4;

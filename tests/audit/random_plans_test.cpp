@@ -88,6 +88,7 @@ TEST_CASE("of two joints at their stops a plan may state either one") { hold(34,
 
 TEST_CASE("worst directions of a value that hardly changes along the rim are known to its slope") {
   hold(71, 72);
+  hold(645, 646);
 }
 
 TEST_CASE("plans of 300 random problems pass verification and audit", "[.slow]") {
