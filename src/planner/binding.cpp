@@ -77,13 +77,9 @@ std::vector<BindingLimit> binding_limits(const CaptureProblem& problem,
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double at = here.constraints[i], multiplier = certificate.multipliers[i];
-    // Of an angle the rows bound the square or the cosine, and the problem states the angle.
-    const double most = problem.variables.base_attitude_max;
-    if (rows[k]->name == "base_attitude_squared") {
-      add("base_attitude", "rad", std::sqrt(at), -kInfinity, most, 2 * most * multiplier);
-    } else if (rows[k]->name == "base_attitude_cone") {
-      add("base_attitude", "rad", std::acos(std::clamp(at, -1.0, 1.0)), -kInfinity, most,
-          -std::sin(most) * multiplier);
+    if (const auto& stated = rows[k]->stated) {
+      add(stated->name, stated->unit, stated->quantity(at), -kInfinity, stated->most,
+          stated->slope * multiplier);
     } else {
       add(rows[k]->name, rows[k]->unit, at, rows[k]->lower, rows[k]->upper, multiplier);
     }

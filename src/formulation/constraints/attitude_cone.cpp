@@ -1,4 +1,5 @@
 // An axis of the base within a cone about its stated direction.
+#include <algorithm>
 #include <cmath>
 
 #include "formulation/constraints/constraint.hpp"
@@ -21,9 +22,12 @@ void add_attitude_cone(const CaptureModel& model, ConstraintSet& out) {
     }
     return wanted.dot(Vector3<S>(R_NB * in_base));
   };
-  add_constraint(out.rows,
-                 {"base_attitude_cone", "1", std::cos(variables.base_attitude_max), kInfinity},
-                 cosine);
+  const double most = variables.base_attitude_max;
+  ConstraintLabel label{"base_attitude_cone", "1", std::cos(most), kInfinity};
+  label.stated = StatedLimit{"base_attitude", "rad", most,
+                             [](double value) { return std::acos(std::clamp(value, -1.0, 1.0)); },
+                             -std::sin(most)};
+  add_constraint(out.rows, label, cosine);
 }
 
 }  // namespace stillbase

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,15 @@ struct ConstraintPoint {
 
 using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 
+/// The limit of the problem behind a constraint that bounds a function of what is limited.
+struct StatedLimit {
+  std::string name;
+  std::string unit;
+  double most;                 ///< that the problem allows
+  double (*quantity)(double);  ///< what is limited, from the value of the constraint
+  double slope;                ///< of the constraint's bound, per unit of `most`
+};
+
 /// What a constraint states.
 struct ConstraintLabel {
   std::string name;
@@ -39,6 +49,8 @@ struct ConstraintLabel {
   bool has_kinks = false;
   /// One of several functions of which another row of this name is the least: not reported.
   bool is_part = false;
+  /// Without one the bounds themselves are those of the problem.
+  std::optional<StatedLimit> stated = std::nullopt;
 };
 
 /// lower <= value <= upper.
