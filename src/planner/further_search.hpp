@@ -15,10 +15,12 @@ namespace stillbase {
 /// found none: from other draws, every other time with limits of the joints' rates right after the
 /// impact and distances from their stops as constraints. Nothing happens when a candidate holds,
 /// without controllers, and where the path decides on the configuration.
+/// Curves of zeros and free rolls are stated of these as of the others.
+/// @param formulation of the problem
 /// @param found of `search_options`, judged for collisions
-void add_candidates_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
-                              const SearchOptions& search_options, const PlannerOptions& options,
-                              AfterImpactJudge& after, SearchResult& found,
-                              std::map<std::string, long>& solver_calls);
+void add_candidates_that_hold(const CaptureProblem& problem, const Formulation& formulation,
+                              const CollisionJudge& collisions, const SearchOptions& search_options,
+                              const PlannerOptions& options, AfterImpactJudge& after,
+                              SearchResult& found, std::map<std::string, long>& solver_calls);
 
 }  // namespace stillbase

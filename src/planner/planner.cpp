@@ -289,8 +289,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   if (is_allowed) take_forms_that_hold(problem, collisions, options, after, found);
   // Where every solution is enclosed there is nothing to search for.
   if (proof.status == ProofStatus::NotApplicable) {
-    add_candidates_that_hold(problem, collisions, search_options, options, after, found,
-                             plan.solver_calls);
+    add_candidates_that_hold(problem, formulation, collisions, search_options, options, after,
+                             found, plan.solver_calls);
   }
 
   const auto approach_begin = Clock::now();

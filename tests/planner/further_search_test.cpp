@@ -1,13 +1,19 @@
 // Plans where no candidate of the first search keeps the limits after the impact.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 #include <stillbase/audit/audit.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/plan/free_roll.hpp>
 #include <stillbase/planner/planner.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
 
+#include "planner/choice.hpp"
 #include "support/random_capture.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
@@ -57,6 +63,37 @@ TEST_CASE("a search whose candidates all break a limit after the impact goes on"
     const Plan plan = make_plan(problem);
     CHECK(failure_after(plan).empty());
     CHECK(plan.candidates.size() <= 8);
+    for (const Claim& claim : judge_plan(plan).claims) {
+      INFO(claim.name << ": " << claim.detail);
+      CHECK_FALSE(claim.fails());
+    }
+  }
+}
+
+TEST_CASE("free rolls and curves of zeros of further candidates are stated") {
+  CaptureProblem rolled = test::shipped("deos_latch");
+  rolled.search.starts = 6;
+  rolled.approach.enabled = false;
+  for (Joint& joint : rolled.robot.joints) joint.max_velocity = 0.3 * kPi / 180;
+  CaptureProblem curved = test::shipped("detumble_client_1000");
+  curved.search.starts = 6;
+  curved.base.position = Vector3d(-2.413, 0.6075, 0.3246);
+  curved.base.orientation =
+      Eigen::AngleAxisd(68.41 * kPi / 180, Vector3d(0.1651, 0.9756, -0.1447).normalized());
+  curved.variables.base_attitude = AttitudeFreedom::Fixed;
+  curved.approach.base = BaseMode::Held;
+  curved.post_impact.wheels.preset = Vector3d(3, 0, -3);
+  for (const CaptureProblem& problem : {rolled, curved}) {
+    INFO(problem.name);
+    const Plan plan = make_plan(problem);
+    CHECK(plan.certificate.starts > problem.search.starts);
+    const auto chosen = std::find_if(plan.candidates.begin(), plan.candidates.end(), [&](auto& c) {
+      return is_same_configuration(c.configuration, plan.configuration);
+    });
+    REQUIRE(chosen != plan.candidates.end());
+    REQUIRE(chosen->family >= 0);
+    const SolutionFamily& family = plan.families[static_cast<std::size_t>(chosen->family)];
+    CHECK(free_joint(family).has_value() == (problem.name == rolled.name));
     for (const Claim& claim : judge_plan(plan).claims) {
       INFO(claim.name << ": " << claim.detail);
       CHECK_FALSE(claim.fails());
