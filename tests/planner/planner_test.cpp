@@ -8,6 +8,7 @@
 #include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"
+#include "verification/failed_claims.hpp"
 
 namespace stillbase {
 namespace {
@@ -244,6 +245,28 @@ TEST_CASE("stopping at once still gives the best point so far, marked") {
   const Plan plan = make_plan(problem, options);
   CHECK(plan.status == PlanStatus::Limit);
   CHECK(plan.candidates.size() == 1);
+}
+
+TEST_CASE(
+    "the closing speed of a target that does not rotate is stated, though nothing changes it") {
+  CaptureProblem problem = test::without_path("detumble_client_1000");
+  problem.target_state.angular_velocity.setZero();
+  problem.search.starts = 4;
+  const auto closing_speed = [](const Plan& plan) {
+    const auto found =
+        std::find_if(plan.constraints.begin(), plan.constraints.end(),
+                     [](const ConstraintValue& c) { return c.name == "closing_speed"; });
+    REQUIRE(found != plan.constraints.end());
+    return *found;
+  };
+  const Plan plan = make_plan(problem);
+  CHECK(plan.status == PlanStatus::Optimal);
+  CHECK(closing_speed(plan).value == Approx(0.0144).epsilon(0.01));
+  CHECK(failures(plan).empty());
+  problem.constraints.closing_speed_min = 0.02;
+  const Plan slow = make_plan(problem);
+  CHECK(slow.status == PlanStatus::Infeasible);
+  CHECK(closing_speed(slow).violation > 0.005);
 }
 
 }  // namespace stillbase

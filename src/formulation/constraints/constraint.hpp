@@ -49,6 +49,8 @@ struct ConstraintLabel {
   bool has_kinks = false;
   /// One of several functions of which another row of this name is the least: not reported.
   bool is_part = false;
+  /// Reported also where no variable changes it.
+  bool is_always_reported = false;
   /// Without one the bounds themselves are those of the problem.
   std::optional<StatedLimit> stated = std::nullopt;
 };

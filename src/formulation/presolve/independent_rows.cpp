@@ -62,7 +62,7 @@ SelectedRows select_independent_rows(const CaptureModel& model, const Constraint
     const Constraint& row = *profile.row;
     if (!profile.is_violated && !(profile.largest_gradient > options.zero)) {
       out.redundant.push_back({row.name, Redundancy::ZeroEverywhere});
-      if (row.has_kinks) out.reported.push_back(&row);
+      if (row.has_kinks || row.is_always_reported) out.reported.push_back(&row);
       continue;
     }
     if (row.is_equation()) {
