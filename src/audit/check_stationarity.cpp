@@ -14,6 +14,7 @@
 #include "audit/differences.hpp"
 #include "audit/manifold.hpp"
 #include "audit/smooth_parts.hpp"
+#include "verification/arrival.hpp"
 
 namespace stillbase::audit {
 namespace {
@@ -39,6 +40,9 @@ constexpr const char* kKinked =
 /// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies with
 /// a common end, differ by rounding alone.
 constexpr double kSameLimit = 1e-7;
+/// Least over largest singular value of what decides the joint rates of a hand that moves: below,
+/// they change within the shortest step of the differences.
+constexpr double kSmoothMatch = 1e-4;
 constexpr double kSameResidual = 0.01;   ///< relative, between stated and recomputed large ones
 constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
 constexpr double kSameBend = 1e-5;       ///< of two estimates of a curvature, likewise
@@ -481,6 +485,14 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (!plan.objective.user_terms.empty()) return give_up("the objective has terms of the user");
   if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
     return give_up("each direction or sample is a simulation");
+  }
+  const double condition = verification::match_condition({problem, plan.configuration});
+  if (condition < kSmoothMatch) {
+    return give_up(fmt::format(
+        "the posture is nearly singular for the components of the hand's velocity that it matches, "
+        "least over largest singular value {:.2g}: differences say nothing of the joint rates; "
+        "constraints.jacobian_singular_value_min keeps the search away",
+        condition));
   }
   Stationarity found(problem, plan.configuration);
   if (!found.objection().empty()) return give_up(found.objection());

@@ -6,12 +6,22 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 
-#include "verification/recomputation.hpp"
+#include "verification/arrival.hpp"
 
 namespace stillbase::verification {
 namespace {
 
 constexpr double kFullRank = 1e-12;  ///< of the largest singular value
+
+/// Of the base per joint rates, the robot without momentum, 6 x n.
+Eigen::MatrixXd base_motion(const reference::Dynamics& d) {
+  return -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, d.H.cols() - 6));
+}
+
+Eigen::MatrixXd decided_jacobian(const reference::Dynamics& d, const DecidedVelocity& wanted) {
+  const Eigen::Index n = d.H.cols() - 6;
+  return wanted.rows * (d.J.leftCols(6) * base_motion(d) + d.J.rightCols(n));
+}
 
 }  // namespace
 
@@ -69,10 +79,8 @@ void move_hand(const CaptureProblem& problem, const ContactEvent& event, const C
   if (!problem.hand_motion.moves()) return;
   const reference::Dynamics& d = response.dynamics;
   const Eigen::Index n = d.H.cols() - 6;
-  const Eigen::MatrixXd base =
-      -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, n));
   const DecidedVelocity wanted = decided_velocity(problem, event, at);
-  const Eigen::MatrixXd G = wanted.rows * (d.J.leftCols(6) * base + d.J.rightCols(n));
+  const Eigen::MatrixXd G = decided_jacobian(d, wanted);
   const Svd svd = right_svd(G);
   const int rank = numerical_rank(svd.sigma, kFullRank);
   const Eigen::MatrixXd row_space = svd.V.leftCols(rank), free = svd.V.rightCols(n - rank);
@@ -81,7 +89,7 @@ void move_hand(const CaptureProblem& problem, const ContactEvent& event, const C
   Eigen::VectorXd phidot = row_space * reduced.colPivHouseholderQr().solve(wanted.values);
   if (problem.hand_motion.rates == ArrivalRates::LeastBaseRate && free.cols() > 0) {
     const double weight = std::sqrt(kJointRateWeight);
-    const Eigen::MatrixXd turning = base.bottomRows(3);
+    const Eigen::MatrixXd turning = base_motion(d).bottomRows(3);
     Eigen::MatrixXd A(3 + n, free.cols());
     A << turning * free, weight * free;
     Eigen::VectorXd b(3 + n);
@@ -89,6 +97,14 @@ void move_hand(const CaptureProblem& problem, const ContactEvent& event, const C
     phidot -= free * A.colPivHouseholderQr().solve(b);
   }
   response.move(phidot);
+}
+
+double match_condition(const Situation& at) {
+  if (!at.problem.hand_motion.moves()) return 1;
+  const DecidedVelocity wanted = decided_velocity(at.problem, at.event, at.at);
+  const Eigen::VectorXd sigma = right_svd(decided_jacobian(at.response.dynamics, wanted)).sigma;
+  const Eigen::Index last = wanted.rows.rows() - 1;
+  return last < sigma.size() && sigma[0] > 0 ? sigma[last] / sigma[0] : 0;
 }
 
 void prepare_contact(const CaptureProblem& problem, const ContactEvent& event,

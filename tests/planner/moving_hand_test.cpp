@@ -155,6 +155,30 @@ TEST_CASE("a covariance of zero is a point, also where the hand moves") {
   CHECK(std::count(failed.begin(), failed.end(), "worst_velocity") == 0);
 }
 
+TEST_CASE(
+    "beside a singular posture the optimum of a matched hand is not judged, with the reason") {
+  CaptureProblem problem = test::without_path("matched_light");
+  problem.constraints.clearance.reset();
+  problem.constraints.joint_limit_margin = 0;
+  problem.search.starts = 12;
+  const double bend = GENERATE(1e-6, 1e-8);
+  for (const std::size_t k : {1, 2, 3, 4}) {
+    Joint& joint = problem.robot.joints[k];
+    joint.lower = -bend;
+    joint.upper = bend;
+    problem.start[static_cast<Eigen::Index>(k)] = 0;
+  }
+  INFO("bent by at most " << bend << " rad");
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.status == PlanStatus::Optimal);
+  const Verification judged = judge_plan(plan, {});
+  CHECK_THAT(failed_names(judged), Catch::Matchers::Equals(std::vector<std::string>{}));
+  const Claim* claim = find_claim(judged, "kkt_residual");
+  REQUIRE(claim != nullptr);
+  CHECK_FALSE(claim->is_checked);
+  CHECK_THAT(claim->detail, Catch::Contains("constraints.jacobian_singular_value_min"));
+}
+
 TEST_CASE("a polished path to a matched hand holds") {
   const PathPolish polish = GENERATE(PathPolish::Time, PathPolish::Attitude);
   Plan plan = matched_plan("matched_light", 6, 1, polish);
