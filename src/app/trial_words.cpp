@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -23,6 +24,15 @@ std::string driver_words(const TrialReport& report, const std::string& output) {
   return fmt::format("{} ({:.2f})", strongest->input, strongest->rank_correlation);
 }
 
+/// Most that a trial may have of a result; nothing: any.
+std::optional<double> limit_of(const std::string& result, const PostImpactSpec& spec) {
+  if (spec.controllers.empty()) return std::nullopt;
+  if (result == "residual_base_rate") return spec.residual_base_rate_max;
+  if (result == "attitude_turned") return spec.attitude_change_max;
+  if (result == "peak_rate_part" || result == "peak_torque_part") return 1.0;
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string success_words(const TrialReport& report) {
@@ -38,15 +48,17 @@ std::string success_words(const TrialReport& report) {
   return text;
 }
 
-std::string trial_words(const TrialReport& report) {
-  constexpr const char* kRow = "\n  {:<20} {:>10} {:>10} {:>10} {:>10} {:<6} {:>8}  {}";
+std::string trial_words(const TrialReport& report, const PostImpactSpec& limits) {
+  constexpr const char* kRow = "\n  {:<20} {:>10} {:>10} {:>10} {:>10} {:>10} {:<6} {:>8}  {}";
   std::string text = success_words(report);
-  text += fmt::format(kRow, "", "median", "95 % below", "99 % below", "worst", "", "in trial",
-                      "driven by (rank correlation)");
+  text += fmt::format(kRow, "", "median", "95 % below", "99 % below", "worst", "limit", "",
+                      "in trial", "driven by (rank correlation)");
   const auto number = [](double x) { return fmt::format("{:.4g}", x); };
   for (const Spread& s : report.spreads) {
+    const std::optional<double> limit = limit_of(s.name, limits);
     text += fmt::format(kRow, s.name, number(s.p50), number(s.p95), number(s.p99), number(s.worst),
-                        s.unit, s.worst_trial, driver_words(report, s.name));
+                        limit ? number(*limit) : "", s.unit, s.worst_trial,
+                        driver_words(report, s.name));
   }
   return text;
 }

@@ -10,8 +10,9 @@ namespace stillbase::app {
 /// How many trials succeed, with the interval of the probability, and what the others fail by.
 std::string success_words(const TrialReport& report);
 
-/// That, and for each result its percentiles, its worst case, the trial of the worst case and the
-/// input that it depends on most; several lines.
-std::string trial_words(const TrialReport& report);
+/// That, and for each result its percentiles, its worst case, the limit that it has to keep, the
+/// trial of the worst case and the input that it depends on most; several lines.
+/// @param limits of the problem; none without controllers
+std::string trial_words(const TrialReport& report, const PostImpactSpec& limits = {});
 
 }  // namespace stillbase::app
