@@ -61,7 +61,13 @@ std::string impulse_words(const CaptureProblem& problem) {
   const Configuration at = start_configuration(problem);
   const double time = at.contact_time;
   const Vector3d direction = encounter_at(model, at).F.head<3>();
-  std::string text = fmt::format("impulse: along {} in the base frame", vector_words(direction));
+  // Of another law the impulse has no direction before the posture is known.
+  const ContactLaw law = problem.impulse.contact;
+  const char* const what = law == ContactLaw::Latch ? "latch: the target comes along"
+                           : law == ContactLaw::Sticking
+                               ? "contact without slip: the target comes along"
+                               : "impulse: along";
+  std::string text = fmt::format("{} {} in the base frame", what, vector_words(direction));
   if (!model.follows_target()) return text + ", as stated\n";
   text += fmt::format(", {} in N", vector_words(problem.base.orientation * direction));
   const bool is_window = problem.variables.contact_time_upper > time;
@@ -75,14 +81,17 @@ std::string impulse_words(const CaptureProblem& problem) {
 /// How well the contact is known, and the cone that the search uses.
 std::string uncertainty_words(const CaptureProblem& problem) {
   const UncertaintySpec& uncertainty = problem.uncertainty;
-  std::string text = fmt::format("direction within {:.4g} deg of the nominal one",
-                                 uncertainty.cone_half_angle * kDegrees);
-  if (uncertainty.cone_plane_normal) text += " in a plane";
-  if (uncertainty.cone_confidence) {
-    text +=
-        fmt::format(": from the covariance, with probability {:g}", *uncertainty.cone_confidence);
+  std::string text;
+  if (problem.impulse.contact == ContactLaw::Frictionless) {
+    text += fmt::format("direction within {:.4g} deg of the nominal one",
+                        uncertainty.cone_half_angle * kDegrees);
+    if (uncertainty.cone_plane_normal) text += " in a plane";
+    if (uncertainty.cone_confidence) {
+      text +=
+          fmt::format(": from the covariance, with probability {:g}", *uncertainty.cone_confidence);
+    }
+    text += '\n';
   }
-  text += '\n';
   const bool is_predicted = problem.target && problem.target_deviations &&
                             !problem.impulse.direction && !problem.variables.feature.empty();
   if (!is_predicted) return text;

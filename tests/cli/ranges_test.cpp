@@ -111,6 +111,11 @@ TEST_CASE("check shows the impulse direction and centroids as the robot file sta
   const Outcome stated = shop.run("check '" + source_path(kWedge) + "'");
   CHECK(shows(stated, "impulse: along (-0.866, -0.5, 0) in the base frame, as stated"));
   CHECK(shows(shop.run("check '" + source_path(kEts7) + "'"), "against the normal of plus_x"));
+  // A latch has no direction of its impulse before the posture is known.
+  const Outcome latch = shop.run("check '" + source_path("problems/deos_latch.yaml") + "'");
+  CHECK(shows(latch, "latch: the target comes along"));
+  CHECK_FALSE(shows(latch, "impulse: along"));
+  CHECK_FALSE(shows(latch, "direction within"));
   // About another axis the frame of the joint is not that of the link, up to rounding errors.
   shop.write_changed("turned.urdf", "problems/robots/planar_two_link_a.urdf",
                      "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"1 2 0\"/>");
