@@ -74,10 +74,12 @@ struct ConstraintRow {
 
 // Sequential quadratic programming takes its first step along the gradient, as long as that is.
 // From a steep start it may end where the linearised equations contradict each other: there it
-// lowers the objective by small steps for hundreds of evaluations, and never comes back.
+// lowers the objective by small steps for hundreds of evaluations, and never comes back; or it ends
+// there by itself, and the start is still the best feasible point.
 struct StuckOptions {
   int patience = 50;           ///< evaluations without a fall of the violation
   double close = 1e-2;         ///< violation that need not fall: rows are of order one
+  double off = 1e-6;           ///< violation of a last point that is no end
   double fallen = 0.9;         ///< part of the last violation that counts as a fall
   double cautious_step = 0.1;  ///< length of the second run's first step; variables are of order 1
 };
@@ -92,16 +94,20 @@ class StuckWatch {
                                                     monitor.constraint_upper())
                                        .lpNorm<Eigen::Infinity>();
     ++evaluations_;
+    last_ = violation;
     if (violation > std::max(kStuck.close, kStuck.fallen * reference_)) return;
     reference_ = violation;
     evaluations_ = 0;
   }
   bool is_stuck() const { return evaluations_ >= kStuck.patience; }
+  /// The last point is violated.
+  bool is_off() const { return last_ > kStuck.off; }
   void reset() { *this = StuckWatch(); }
 
  private:
   int evaluations_ = 0;
   double reference_ = kInfinity;
+  double last_ = 0.0;
 };
 
 struct Context {
@@ -170,7 +176,7 @@ void set_tolerances(nlopt_opt opt) {
 constexpr const char* kNloptTuning =
     "ftol_rel 1e-15, xtol_rel 1e-11, xtol_abs 1e-12, vector_storage 20, dual_maxeval 300; in an "
     "augmented Lagrangian ftol_rel 1e-13, xtol_rel and xtol_abs 1e-9; sequential quadratic "
-    "programming runs a second time with a first step of 0.1 when a violation does not fall";
+    "programming runs a second time with a first step of 0.1 when a violation stays";
 
 std::string library_version() {
   int major = 0, minor = 0, bugfix = 0;
@@ -272,7 +278,7 @@ class NloptOptimizer final : public Optimizer {
     };
     context.is_watched = row_.algorithm == NLOPT_LD_SLSQP && !options.library_defaults;
     if (code >= 0) run(start);
-    const bool goes_on = context.watch.is_stuck() && !monitor.stopped();
+    const bool goes_on = (context.watch.is_stuck() || context.watch.is_off()) && !monitor.stopped();
     if (goes_on) {
       const double slope = monitor.best().gradient.norm();
       context.scale = std::min(1.0, kStuck.cautious_step / slope);

@@ -48,4 +48,27 @@ TEST_CASE("the local solver ends at a minimum from every start, also from one th
   CHECK(again >= 1);
 }
 
+TEST_CASE("a solve that ends at a violated point is made again with a short first step") {
+  const CaptureProblem problem =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/deos_latch.yaml");
+  const Formulation formulation(problem);
+  const auto solver = nlp::make_optimizer("nlopt-slsqp");
+  int starts = 0, again = 0;
+  for (int draw = 0; draw < 64; ++draw) {
+    const ProjectionResult start = project_onto_constraints(
+        formulation,
+        formulation.start_point(low_discrepancy_point(draw, formulation.num_variables(), 3)), false,
+        15);
+    if (start.violation > 1e-9) continue;
+    ++starts;
+    const nlp::OptimizeResult found = solver->minimize(formulation, start.x);
+    INFO("draw " << draw << ", " << found.evaluations << " evaluations");
+    CHECK(found.feasible);
+    CHECK(found.certificate.kkt_residual < 0.01);
+    again += found.message.find("started again") != std::string::npos ? 1 : 0;
+  }
+  CHECK(starts > 10);
+  CHECK(again >= 1);
+}
+
 }  // namespace stillbase
