@@ -16,6 +16,7 @@
 #include "formulation/measures/residual.hpp"
 #include "formulation/projection.hpp"
 #include "search/continua.hpp"
+#include "search/kink.hpp"
 #include "search/measure_search.hpp"
 #include "search/ranking.hpp"
 #include "search/roll.hpp"
@@ -145,7 +146,7 @@ class Search {
   }
   bool needs_rescue(const Solution& found) const {
     return rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
-           nlp::certify(formulation_, found.x).kkt_residual > kOptimal;
+           !is_stationary(formulation_, found.x, {.stationary = kOptimal});
   }
   Solution rescued(const Solution& from, Calls& calls) const {
     const Solution further = solved(*rescuer_, from.x, briefly(), calls);
@@ -216,8 +217,7 @@ class Search {
     solve_.seed = options_.seed + static_cast<std::uint64_t>(std::max(done - 1, 0));
   }
 
-  /// Goes on from the solutions at which the optimizer stopped short of a minimum, once from each:
-  /// they are often kinks of a constraint, where many starts end and nothing more is to be gained.
+  /// Goes on from the solutions at which the optimizer stopped short of a minimum, once from each.
   void rescue_solutions() {
     struct End {
       Solution solution;
