@@ -1,11 +1,16 @@
 #include "robot/mesh_file.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
@@ -38,15 +43,38 @@ class FolderFiles : public Assimp::DefaultIOSystem {
   fs::path folder_;
 };
 
-void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Mesh& mesh) {
-  const aiMatrix4x4 T = above * node.mTransformation;
-  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
-    const int first = static_cast<int>(mesh.vertices.size());
+/// Takes the parts of a scene into one mesh.
+class SceneReader {
+ public:
+  explicit SceneReader(const aiScene& scene) : scene_(scene) {
+    std::size_t faces = 0;
+    for (unsigned m = 0; m < scene.mNumMeshes; ++m) faces += scene.mMeshes[m]->mNumFaces;
+    if (faces > kMostTrianglesApart) table_.assign(std::size_t{1} << 16, kFree);
+    add(*scene.mRootNode, aiMatrix4x4());
+  }
+  Mesh take() { return std::move(mesh_); }
+
+ private:
+  /// Assimp gives every triangle of STL and OBJ files three vertices of its own. Those of a mesh
+  /// with more triangles than this are joined where they are equal: six times as many cost seconds
+  /// and hundreds of MB.
+  static constexpr std::size_t kMostTrianglesApart = 100'000;
+  static constexpr int kFree = -1;
+
+  void add(const aiNode& node, const aiMatrix4x4& above) {
+    const aiMatrix4x4 T = above * node.mTransformation;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) add(*scene_.mMeshes[node.mMeshes[m]], T);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add(*node.mChildren[c], T);
+  }
+
+  void add(const aiMesh& part, const aiMatrix4x4& T) {
+    std::vector<int> number;
+    number.reserve(part.mNumVertices);
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
       const aiVector3D v = T * part.mVertices[i];
-      mesh.vertices.emplace_back(v.x, v.y, v.z);
-      if (!mesh.vertices.back().allFinite()) throw std::runtime_error("a vertex is not finite");
+      const Vector3d vertex(v.x, v.y, v.z);
+      if (!vertex.allFinite()) throw std::runtime_error("a vertex is not finite");
+      number.push_back(table_.empty() ? add(vertex) : number_of(vertex));
     }
     for (unsigned i = 0; i < part.mNumFaces; ++i) {
       const aiFace& face = part.mFaces[i];
@@ -56,15 +84,91 @@ void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Mes
         if (face.mIndices[c] >= part.mNumVertices) {
           throw std::runtime_error("a face names a vertex that is not there");
         }
-        triangle[c] = first + static_cast<int>(face.mIndices[c]);
+        triangle[c] = number[face.mIndices[c]];
       }
-      mesh.triangles.push_back(triangle);
+      mesh_.triangles.push_back(triangle);
     }
-    if (mesh.triangles.size() > kMaxMeshTriangles) {
+    if (mesh_.triangles.size() > kMaxMeshTriangles) {
       throw std::runtime_error(fmt::format("more than {} triangles", kMaxMeshTriangles));
     }
   }
-  for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], T, mesh);
+
+  int add(const Vector3d& vertex) {
+    mesh_.vertices.push_back(vertex);
+    return static_cast<int>(mesh_.vertices.size()) - 1;
+  }
+
+  /// The vertex that is equal, or a new one.
+  int number_of(const Vector3d& vertex) {
+    if (2 * mesh_.vertices.size() >= table_.size()) grow();
+    int& place = place_of(vertex);
+    if (place == kFree) place = add(vertex);
+    return place;
+  }
+
+  /// Where the number of a vertex stands in the table, or is to stand: open addressing.
+  int& place_of(const Vector3d& vertex) {
+    std::uint64_t hash = 0;
+    for (const double x : vertex) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15u;  // -0 is 0
+      hash ^= hash >> 32;
+    }
+    std::size_t i = hash & (table_.size() - 1);
+    while (table_[i] != kFree && mesh_.vertices[static_cast<std::size_t>(table_[i])] != vertex) {
+      i = (i + 1) & (table_.size() - 1);
+    }
+    return table_[i];
+  }
+
+  void grow() {
+    table_.assign(2 * table_.size(), kFree);
+    for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) {
+      place_of(mesh_.vertices[i]) = static_cast<int>(i);
+    }
+  }
+
+  const aiScene& scene_;
+  Mesh mesh_;
+  std::vector<int> table_;  ///< numbers of vertices by their hash; empty: all stay apart
+};
+
+std::uint32_t number_at(const std::string& bytes, std::size_t place) {
+  std::uint32_t number = 0;  // little-endian, as every machine that this is built for
+  std::memcpy(&number, bytes.data() + place, sizeof(number));
+  return number;
+}
+
+/// Elements that the header of a PLY file states: each takes a byte of the file or more.
+std::uintmax_t most_elements_of_ply(const std::string& header) {
+  std::uintmax_t most = 0;
+  for (std::size_t at = 0; (at = header.find("element ", at)) != std::string::npos; ++at) {
+    std::istringstream words(header.substr(at, 200));
+    std::string element, name;
+    std::uintmax_t count = 0;
+    words >> element >> name >> count;  // the largest number where it is larger
+    most = std::max(most, count);
+  }
+  return most;
+}
+
+/// Assimp makes room for what the header of a file states before it finds that there is less.
+/// @throws std::runtime_error the file states more than it can hold, or more than is read
+void check_counts(const std::string& path, const std::string& ending, std::uintmax_t size) {
+  std::string begin(std::size_t{1} << 16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes
+  if (ending == ".stl" && begin.size() >= kStlHeader) {
+    const std::uintmax_t count = number_at(begin, 80);
+    if (count > kMaxMeshTriangles && size == kStlHeader + kStlTriangle * count) {
+      throw std::runtime_error(fmt::format("more than {} triangles", kMaxMeshTriangles));
+    }
+  }
+  const bool is_short = (ending == ".glb" && begin.size() >= 20 &&
+                         std::max(number_at(begin, 8), number_at(begin, 12)) > size) ||
+                        (ending == ".ply" && most_elements_of_ply(begin) > size);
+  if (is_short) throw std::runtime_error("is shorter than its header says");
 }
 
 /// In lower case.
@@ -105,12 +209,14 @@ Mesh read_mesh(const std::string& path) {
   }
   std::error_code fault;
   if (!fs::is_regular_file(path, fault) || fault) throw std::runtime_error("is no file");
-  if (fs::file_size(path, fault) > kMaxMeshBytes || fault) {
+  const std::uintmax_t size = fs::file_size(path, fault);
+  if (size > kMaxMeshBytes || fault) {
     throw std::runtime_error(fmt::format("is larger than {} MiB", kMaxMeshBytes >> 20));
   }
   // Workspaces hold symbolic links to the meshes of their packages.
   const std::string real = fs::canonical(path, fault).string();
   if (fault) throw std::runtime_error("cannot be opened");
+  check_counts(real, ending, size);
   Assimp::Importer importer;
   importer.SetIOHandler(new FolderFiles(fs::path(real).parent_path()));  // takes it over
   importer.SetPropertyInteger(
@@ -123,8 +229,7 @@ Mesh read_mesh(const std::string& path) {
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(fmt::format("cannot be read ({})", importer.GetErrorString()));
   }
-  Mesh mesh;
-  add(*scene, *scene->mRootNode, aiMatrix4x4(), mesh);
+  Mesh mesh = SceneReader(*scene).take();
   if (mesh.triangles.empty()) throw std::runtime_error("has no faces");
   return mesh;
 }

@@ -1,13 +1,17 @@
 // Collision meshes of files: formats, places, hulls, and what is refused.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
@@ -146,6 +150,40 @@ TEST_CASE("meshes of every format become the same hull") {
   CHECK(size_of(read_robot(scaled)).isApprox(Vector3d(0.25e-3, 1, 1), 1e-6));
 }
 
+TEST_CASE("equal vertices of meshes of many triangles are joined, and no others") {
+  constexpr int kAround = 400, kAlong = 150;  // of a tube without ends
+  const auto at = [](int i, int j) {
+    const double angle = 2 * kPi * (i % kAround) / kAround;
+    // Opposite the seam y is -0 in one triangle and 0 in the next.
+    const double y = i % kAround == kAround / 2 ? (j % 2 == 0 ? 0.0 : -0.0) : std::sin(angle);
+    return Vector3d(std::cos(angle), y, 0.01 * j);
+  };
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < kAround; ++i) {
+    for (int j = 0; j < kAlong; ++j) {
+      for (const auto& [a, b] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
+        corners.push_back(at(i + a, j + b));
+      }
+    }
+  }
+  const TemporaryFolder scratch;
+  for (const auto& [name, text] :
+       {std::pair("a.stl", ascii_stl(corners)), {"b.stl", binary_stl(corners)}}) {
+    const Mesh mesh = read_mesh(scratch.write(name, text));
+    INFO(name);
+    REQUIRE(mesh.triangles.size() == 2 * kAround * kAlong);
+    CHECK(mesh.vertices.size() == kAround * (kAlong + 1));
+    double farthest = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto v = static_cast<std::size_t>(mesh.triangles[i][c]);
+        farthest = std::max(farthest, (mesh.vertices[v] - corners[3 * i + c]).norm());
+      }
+    }
+    CHECK(farthest < 1e-6);
+  }
+}
+
 TEST_CASE("packages are found upwards from the file and where the user says") {
   const TemporaryFolder scratch;
   const std::string stl = ascii_stl(box_triangles(Vector3d::Ones()));
@@ -251,11 +289,17 @@ TEST_CASE("hostile meshes are refused within a second, at their line") {
   scratch.write("text.stl", "solid " + std::string(8u << 20, 'x'));
   scratch.write("text.dae", "<COLLADA>" + std::string(8u << 20, 'x'));
   scratch.write("text.obj", std::string(8u << 20, 'v'));
+  // 4 GB and 3.6 GB, as their headers say.
+  scratch.write("length.glb",
+                std::string("glTF\2\0\0\0\xff\xff\xff\xff\xf0\xff\xff\xffJSON{}", 22));
+  scratch.write("count.ply",
+                "ply\nformat ascii 1.0\nelement vertex 300000000\nproperty float x\n"
+                "property float y\nproperty float z\nend_header\n0 0 0\n");
   scratch.write("point.stl", ascii_stl({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}));
   scratch.write("mesh.xyz", "1 2 3");
   for (const char* name :
        {"huge.stl", "nan.stl", "nan_text.stl", "empty.stl", "faceless.obj", "faces.obj", "text.stl",
-        "text.dae", "text.obj", "point.stl", "mesh.xyz"}) {
+        "text.dae", "text.obj", "length.glb", "count.ply", "point.stl", "mesh.xyz"}) {
     const std::string robot =
         scratch.write("r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name)));
     const auto start = std::chrono::steady_clock::now();
