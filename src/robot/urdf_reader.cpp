@@ -277,8 +277,24 @@ std::string choose_hand(const RobotModel& robot, const std::string& hand, bool m
   return chosen;
 }
 
+/// The kernel's matrices hold no more. Joints that are locked do not count.
+void check_number_of_joints(const Tree& tree, Findings& findings) {
+  int movable = 0, line = 0;
+  for (const TreeJoint& joint : tree.joints) {
+    if (!joint.is_fixed && ++movable == kMaxJoints + 1) line = joint.line;
+  }
+  if (movable <= kMaxJoints) return;
+  findings.add(
+      line, "too-many-joints",
+      fmt::format("{} movable joints, at most {}: in a problem, `robot.locked` holds those "
+                  "that need not move",
+                  movable, kMaxJoints));
+  findings.raise();
+}
+
 RobotModel model_of(const Tree& tree, const std::string& hand, const UrdfOptions& options,
                     Findings& findings) {
+  check_number_of_joints(tree, findings);
   RobotModel robot = Builder(tree).take();
   check_physics(robot, tree, options.may_lack_base, findings);
   const std::string hand_link = choose_hand(robot, hand, options.may_lack_hand, findings);

@@ -73,26 +73,18 @@ Tree read_document(std::string_view text, Findings& findings) {
   if (robot.has("version") && version != "1" && !version.starts_with("1.")) {
     robot.remark("version", "<robot> version " + in_quotes(version) + ": is read as 1.0");
   }
-  int movable = 0;
   robot.each("link", 1, kAny, [&](Element& link) {
     tree.links.push_back(read_link(link));
     if (tree.links.size() == kMaxUrdfLinks + 1) {
       link.find("too-many-links", fmt::format("at most {}", kMaxUrdfLinks));
     }
   });
-  robot.each("joint", 0, kAny, [&](Element& joint) {
-    tree.joints.push_back(read_joint(joint));
-    if (!tree.joints.back().is_fixed) ++movable;
-  });
+  robot.each("joint", 0, kAny, [&](Element& joint) { tree.joints.push_back(read_joint(joint)); });
   robot.ignore({"material"});
   robot.leave_out("gazebo", "what it says is for a simulator");
   read_transmissions(robot, tree.joints);
   robot.leave_out("ros2_control", "what it says is for a controller");
   robot.finish();
-  if (movable > kMaxJoints) {
-    robot.find("too-many-joints",
-               fmt::format("{} movable joints, at most {}", movable, kMaxJoints));
-  }
   findings.raise();
   return tree;
 }

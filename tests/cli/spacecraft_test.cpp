@@ -143,6 +143,54 @@ TEST_CASE("locked links that stand in what they are merged with are refused") {
   CHECK(allowed.code == 0);
 }
 
+TEST_CASE("locked joints do not count, and what they hold is still looked at") {
+  const auto link = [](const std::string& name, double mass, const std::string& shape) {
+    return "<link name=\"" + name + "\"><inertial><mass value=\"" + std::to_string(mass) +
+           "\"/><inertia ixx=\"0.02\" iyy=\"0.02\" izz=\"0.02\" ixy=\"0\" ixz=\"0\" "
+           "iyz=\"0\"/></inertial><collision><geometry><" +
+           shape + "/></geometry></collision></link>\n";
+  };
+  std::string robot = "<robot name=\"many\">" + link("body", 200, "box size=\"1 1 1\"");
+  const auto chain = [&](const std::string& name, int count, const char* first, const char* next) {
+    for (int k = 0; k < count; ++k) {
+      const std::string number = std::to_string(k);
+      const std::string parent = k == 0 ? "body" : name + std::to_string(k - 1);
+      robot += link(name + number, 0.1, "sphere radius=\"0.01\"");
+      robot += "<joint name=\"" + name + "joint_" + number +
+               "\" type=\"revolute\"><parent link=\"" + parent + "\"/><child link=\"" + name +
+               number + "\"/><origin xyz=\"" + (k == 0 ? first : next) +
+               "\"/><axis xyz=\"1 0 0\"/><limit lower=\"-3\" upper=\"3\" velocity=\"1\" "
+               "effort=\"5\"/></joint>\n";
+    }
+  };
+  chain("arm_", 5, "0.7 0 0", "0 0 0.1");
+  chain("tail_", 95, "0 0.7 0", "0 0.03 0");
+  const Workshop shop;
+  shop.write("many.urdf", robot + "</robot>");
+  const auto check = [&](const std::string& bend) {
+    std::string locked = "tail_joint_0: 0";
+    for (int k = 1; k < 95; ++k) {
+      locked += ", tail_joint_" + std::to_string(k) + ": " + (k == 1 ? bend : "0");
+    }
+    shop.write("problem.yaml",
+               "format: stillbase.problem\nversion: 1\npurpose: Many joints.\nrobot:\n"
+               "  file: many.urdf\n  hand: arm_4\n  locked: {" +
+                   locked +
+                   "}\n  start: [0, 0.5, 0.5, 0.5, 0.5]\n"
+                   "impact: {source: given, direction: [0, 0, -1]}\n"
+                   "objective: base_angular_velocity\napproach: {enabled: false}\n");
+    return shop.run("check problem.yaml");
+  };
+  const Outcome straight = check("0");
+  INFO(straight.err);
+  CHECK(straight.code == 0);
+  CHECK(straight.out.find("5 joints") != std::string::npos);
+  const Outcome folded = check("3");  // back through the body
+  INFO(folded.err);
+  CHECK(folded.code == 3);
+  CHECK(folded.says("locked-overlap: robot.locked: tail_"));
+}
+
 TEST_CASE("check names links that always touch") {
   const Workshop shop;
   shop.write("arm.urdf", six_joint_arm());

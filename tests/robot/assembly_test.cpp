@@ -279,3 +279,19 @@ TEST_CASE("homogeneous bodies have the inertia of their integrals") {
   CHECK(capsule(2, 2) == Approx(7 * about_z / volume).epsilon(1e-6));
   CHECK(capsule(0, 0) == Approx(7 * about_x / volume).epsilon(1e-6));
 }
+
+TEST_CASE("of many joints those that are locked do not count") {
+  constexpr int kJoints = 100, kLocked = 95;
+  std::string text = "<robot name=\"many\">" + arm_link("link_0", 1);
+  for (int k = 1; k <= kJoints; ++k) {
+    const std::string parent = fmt::format("link_{}", k - 1), child = fmt::format("link_{}", k);
+    text +=
+        arm_link(child, 1) + arm_joint(fmt::format("joint_{}", k), "revolute", parent, child, "");
+  }
+  RobotAssembly assembly;
+  assembly.add_robot(text + "</robot>", {}, "many.urdf");
+  for (int k = 1; k <= kLocked; ++k) assembly.lock(fmt::format("joint_{}", k), 0.1);
+  const RobotModel robot = read_urdf(assembly.text(), "", "");
+  CHECK(robot.n() == kJoints - kLocked);
+  CHECK(robot.total_mass() == Approx(kJoints + 1));
+}
