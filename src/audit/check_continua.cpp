@@ -351,7 +351,9 @@ class Curves {
 };
 
 /// Whether the joint that carries the hand may have any angle there: nothing that the problem asks
-/// for depends on it, to a hundredth of what a plan may leave open.
+/// for depends on it, to a hundredth of what a plan may leave open. The constraints hold to half of
+/// what the search asks for: a hand whose axis is tilted by the rounding of a robot file leaves
+/// more open than that, and less than a verified plan may.
 bool has_free_roll(const Context& context, const Configuration& at) {
   constexpr int kAngles = 16;
   constexpr double kSame = kFreeRoll / 100;
@@ -372,6 +374,9 @@ bool has_free_roll(const Context& context, const Configuration& at) {
     there.phi[k] = lower + (upper - lower) * part / kAngles;
     return there;
   };
+  VerifyOptions strict = context.options;
+  strict.hand_position_tolerance = strict.hand_angle_tolerance = strict.constraint_tolerance =
+      kFeasibilityTolerance / 2;
   const Situation here(problem, at);
   const double nominal = objective_along(here, here.event.n);
   const double scale = std::max(scale_along(here, here.event.n), 1e-300);
@@ -379,7 +384,7 @@ bool has_free_roll(const Context& context, const Configuration& at) {
     const Situation there(problem, turned(i));
     const double value = objective_along(there, there.event.n);
     if (!(std::abs(value - nominal) <= kSame * scale)) return false;
-    if (!configuration_objections(there, context.options).empty()) return false;
+    if (!configuration_objections(there, strict).empty()) return false;
   }
   if (problem.measure.kind == RiskMeasure::Nominal) return true;
   const double measure = objective_numbers(here, context.cone_samples()).measure;
