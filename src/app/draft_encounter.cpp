@@ -289,8 +289,9 @@ std::optional<DraftEncounter> find_encounter(RobotModel& robot, const TargetBody
   const Vector3d p_hand = robot.p_hand;
   std::vector<double> standoffs{0};
   if (may_move_hand) {
-    const double reach =
-        reach_of_body(robot, robot.hand_body, "", robot.p_hand, robot.R_hand * axis);
+    constexpr double kRounding = 1e-6;  // m, of a frame in the face of its body
+    double reach = reach_of_body(robot, robot.hand_body, "", robot.p_hand, robot.R_hand * axis);
+    if (reach < kRounding) reach = 0;
     standoffs = {reach, reach + 0.05, reach + 0.1, reach + 0.2};
   }
   SceneParts parts;
