@@ -43,7 +43,24 @@ class FolderFiles : public Assimp::DefaultIOSystem {
   fs::path folder_;
 };
 
-/// Takes the parts of a scene into one mesh.
+/// Before Assimp splits faces into triangles: it follows their numbers unseen, and ends the program
+/// at a face without any.
+void check_faces(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned i = 0; i < part.mNumFaces; ++i) {
+      const aiFace& face = part.mFaces[i];
+      if (face.mNumIndices == 0) throw std::runtime_error("a face names no vertex");
+      for (unsigned c = 0; c < face.mNumIndices; ++c) {
+        if (face.mIndices[c] >= part.mNumVertices) {
+          throw std::runtime_error("a face names a vertex that is not there");
+        }
+      }
+    }
+  }
+}
+
+/// Takes the parts of a scene, whose faces are checked, into one mesh.
 class SceneReader {
  public:
   explicit SceneReader(const aiScene& scene) : scene_(scene) {
@@ -80,12 +97,7 @@ class SceneReader {
       const aiFace& face = part.mFaces[i];
       if (face.mNumIndices != 3) continue;  // points and lines enclose nothing
       std::array<int, 3> triangle{};
-      for (unsigned c = 0; c < 3; ++c) {
-        if (face.mIndices[c] >= part.mNumVertices) {
-          throw std::runtime_error("a face names a vertex that is not there");
-        }
-        triangle[c] = number[face.mIndices[c]];
-      }
+      for (unsigned c = 0; c < 3; ++c) triangle[c] = number[face.mIndices[c]];
       mesh_.triangles.push_back(triangle);
     }
     if (mesh_.triangles.size() > kMaxMeshTriangles) {
@@ -225,7 +237,11 @@ Mesh read_mesh(const std::string& path) {
           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
           aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(real, aiProcess_Triangulate | aiProcess_RemoveComponent);
+  const aiScene* scene = importer.ReadFile(real, 0);
+  if (scene != nullptr && scene->mRootNode != nullptr) {
+    check_faces(*scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_RemoveComponent);
+  }
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(fmt::format("cannot be read ({})", importer.GetErrorString()));
   }
