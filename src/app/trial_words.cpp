@@ -48,16 +48,19 @@ std::string success_words(const TrialReport& report) {
   return text;
 }
 
-std::string trial_words(const TrialReport& report, const PostImpactSpec& limits) {
-  constexpr const char* kRow = "\n  {:<20} {:>10} {:>10} {:>10} {:>10} {:>10} {:<6} {:>8}  {}";
-  std::string text = success_words(report);
-  text += fmt::format(kRow, "", "median", "95 % below", "99 % below", "worst", "limit", "",
-                      "in trial", "driven by (rank correlation)");
+std::string trial_words(const TrialReport& report, const PostImpactSpec* limits) {
+  constexpr const char* kRow = "\n  {:<20} {:>10} {:>10} {:>10} {:>10}{} {:<6} {:>8}  {}";
+  const auto limit_column = [&](const std::string& text) {
+    return limits != nullptr ? fmt::format(" {:>10}", text) : "";
+  };
   const auto number = [](double x) { return fmt::format("{:.4g}", x); };
+  std::string text = success_words(report);
+  text += fmt::format(kRow, "", "median", "95 % below", "99 % below", "worst",
+                      limit_column("limit"), "", "in trial", "driven by (rank correlation)");
   for (const Spread& s : report.spreads) {
-    const std::optional<double> limit = limit_of(s.name, limits);
+    const auto limit = limits != nullptr ? limit_of(s.name, *limits) : std::nullopt;
     text += fmt::format(kRow, s.name, number(s.p50), number(s.p95), number(s.p99), number(s.worst),
-                        limit ? number(*limit) : "", s.unit, s.worst_trial,
+                        limit_column(limit ? number(*limit) : ""), s.unit, s.worst_trial,
                         driver_words(report, s.name));
   }
   return text;

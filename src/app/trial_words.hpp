@@ -12,7 +12,7 @@ std::string success_words(const TrialReport& report);
 
 /// That, and for each result its percentiles, its worst case, the limit that it has to keep, the
 /// trial of the worst case and the input that it depends on most; several lines.
-/// @param limits of the problem; none without controllers
-std::string trial_words(const TrialReport& report, const PostImpactSpec& limits = {});
+/// @param limits of the problem, which give the table a column; without controllers it is empty
+std::string trial_words(const TrialReport& report, const PostImpactSpec* limits = nullptr);
 
 }  // namespace stillbase::app

@@ -75,7 +75,7 @@ int verify_plan_file(const VerifyRequest& request) {
       verification_to_json(verification, file.computed_sha256, trials ? &*trials : nullptr);
   publish_verification(file.plan, verification, text,
                        {request.output, request.json, request.shows_all, "verification"});
-  if (trials) say(trial_words(trials->second, file.plan.problem.post_impact));
+  if (trials) say(trial_words(trials->second, &file.plan.problem.post_impact));
   const bool are_cut = trials && trials->second.trials < request.trials;
   if (are_cut) {
     say(fmt::format("interrupted after {} of {} trials", trials->second.trials, request.trials));

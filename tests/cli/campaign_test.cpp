@@ -46,6 +46,7 @@ TEST_CASE("a campaign's trials are those of verify, for any number of shards and
   REQUIRE(merged.at("groups").size() == 2);
   const Outcome verified = shop.run("verify plan.json --trials 12 --seed 2 --jobs 2");
   CHECK(verified.code == 0);
+  CHECK(verified.says(" worst      limit "));
   const ordered_json trials = ordered_json::parse(verified.out).at("trials");
   CHECK(trials == merged.at("groups").at(1).at("trials"));
   CHECK(trials.at("count") == 12);
