@@ -7,7 +7,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -18,6 +17,10 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 #include <assimp/Importer.hpp>
+
+#include <stillbase/core/file.hpp>
+
+#include "robot/ply_file.hpp"
 
 namespace stillbase {
 
@@ -150,19 +153,6 @@ std::uint32_t number_at(const std::string& bytes, std::size_t place) {
   return number;
 }
 
-/// Elements that the header of a PLY file states: each takes a byte of the file or more.
-std::uintmax_t most_elements_of_ply(const std::string& header) {
-  std::uintmax_t most = 0;
-  for (std::size_t at = 0; (at = header.find("element ", at)) != std::string::npos; ++at) {
-    std::istringstream words(header.substr(at, 200));
-    std::string element, name;
-    std::uintmax_t count = 0;
-    words >> element >> name >> count;  // the largest number where it is larger
-    most = std::max(most, count);
-  }
-  return most;
-}
-
 /// Assimp makes room for what the header of a file states before it finds that there is less.
 /// @throws std::runtime_error the file states more than it can hold, or more than is read
 void check_counts(const std::string& path, const std::string& ending, std::uintmax_t size) {
@@ -177,10 +167,30 @@ void check_counts(const std::string& path, const std::string& ending, std::uintm
       throw std::runtime_error(fmt::format("more than {} triangles", kMaxMeshTriangles));
     }
   }
-  const bool is_short = (ending == ".glb" && begin.size() >= 20 &&
-                         std::max(number_at(begin, 8), number_at(begin, 12)) > size) ||
-                        (ending == ".ply" && most_elements_of_ply(begin) > size);
+  const bool is_short = ending == ".glb" && begin.size() >= 20 &&
+                        std::max(number_at(begin, 8), number_at(begin, 12)) > size;
   if (is_short) throw std::runtime_error("is shorter than its header says");
+}
+
+/// What Assimp reads.
+Mesh imported(const std::string& path) {
+  Assimp::Importer importer;
+  importer.SetIOHandler(new FolderFiles(fs::path(path).parent_path()));  // takes it over
+  importer.SetPropertyInteger(
+      AI_CONFIG_PP_RVC_FLAGS,
+      aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
+          aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
+          aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene != nullptr && scene->mRootNode != nullptr) {
+    check_faces(*scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_RemoveComponent);
+  }
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    throw std::runtime_error(fmt::format("cannot be read ({})", importer.GetErrorString()));
+  }
+  return SceneReader(*scene).take();
 }
 
 /// In lower case.
@@ -229,23 +239,7 @@ Mesh read_mesh(const std::string& path) {
   const std::string real = fs::canonical(path, fault).string();
   if (fault) throw std::runtime_error("cannot be opened");
   check_counts(real, ending, size);
-  Assimp::Importer importer;
-  importer.SetIOHandler(new FolderFiles(fs::path(real).parent_path()));  // takes it over
-  importer.SetPropertyInteger(
-      AI_CONFIG_PP_RVC_FLAGS,
-      aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
-          aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-          aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(real, 0);
-  if (scene != nullptr && scene->mRootNode != nullptr) {
-    check_faces(*scene);
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_RemoveComponent);
-  }
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    throw std::runtime_error(fmt::format("cannot be read ({})", importer.GetErrorString()));
-  }
-  Mesh mesh = SceneReader(*scene).take();
+  Mesh mesh = ending == ".ply" ? read_ply(read_text_file(real, kMaxMeshBytes)) : imported(real);
   if (mesh.triangles.empty()) throw std::runtime_error("has no faces");
   return mesh;
 }
