@@ -11,7 +11,9 @@ namespace stillbase {
 namespace cholesky_loops {
 
 /// The two algorithms on the elements in memory: column-major, columns `stride` apart. Inlined with
-/// a size that the compiler knows, their loops unroll.
+/// a size that the compiler knows, their loops unroll. Products become numbers before they are
+/// subtracted: of numbers with derivatives a constant has none, and an expression of two constants
+/// has no length to be subtracted by.
 template <class S>
 [[gnu::always_inline]] inline void factorize(S* A, Eigen::Index stride, Eigen::Index n) {
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -20,7 +22,7 @@ template <class S>
     column[k] = inverse;
     for (Eigen::Index j = k + 1; j < n; ++j) {
       const S l = column[j] * inverse;
-      for (Eigen::Index i = j; i < n; ++i) A[i + j * stride] -= column[i] * l;
+      for (Eigen::Index i = j; i < n; ++i) A[i + j * stride] -= S(column[i] * l);
     }
     for (Eigen::Index i = k + 1; i < n; ++i) column[i] *= inverse;
   }
@@ -33,7 +35,7 @@ template <class S>
   for (Eigen::Index i = n - 1; i >= 0; --i) {
     S s = b[i];
     // The entry found last comes last: the others need not wait for it.
-    for (Eigen::Index k = n - 1; k > i; --k) s -= L[k + i * stride] * b[k];
+    for (Eigen::Index k = n - 1; k > i; --k) s -= S(L[k + i * stride] * b[k]);
     b[i] = s;
   }
 }
@@ -44,7 +46,7 @@ template <class S>
                                                 S* b) {
   for (Eigen::Index k = 0; k < n; ++k) {
     const S s = b[k];
-    for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= L[i + k * stride] * s;
+    for (Eigen::Index i = k + 1; i < n; ++i) b[i] -= S(L[i + k * stride] * s);
     b[k] = s * L[k + k * stride];
   }
 }
