@@ -25,50 +25,63 @@ TEST_CASE("the nominal encounter is evaluated like one scenario of several") {
   CHECK(alone.jacobian == given.jacobian);
 }
 
-TEST_CASE("the local solver ends at a minimum from every start, also from one that is too steep") {
-  CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/iiwa_cone.yaml");
-  const Formulation formulation(problem);
+namespace {
+
+/// What solves with SLSQP from starts near the constraints of a shipped problem came to.
+struct Solves {
+  int starts = 0;
+  int again = 0;  ///< that ran a second time
+};
+
+/// @param off violation at which a start counts
+template <class Judge>
+Solves solves_of(const std::string& problem, int draws, std::uint64_t seed, double off,
+                 Judge judge) {
+  const CaptureProblem read =
+      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/" + problem + ".yaml");
+  const Formulation formulation(read);
   const auto solver = nlp::make_optimizer("nlopt-slsqp");
-  int starts = 0, again = 0;
-  for (int draw = 0; draw < 256; ++draw) {
+  Solves out;
+  for (int draw = 0; draw < draws; ++draw) {
     const ProjectionResult start = project_onto_constraints(
         formulation,
-        formulation.start_point(low_discrepancy_point(draw, formulation.num_variables(), 1)), false,
-        15);
-    if (start.violation > 1e-3) continue;
-    ++starts;
+        formulation.start_point(low_discrepancy_point(draw, formulation.num_variables(), seed)),
+        false, 15);
+    if (start.violation > off) continue;
+    ++out.starts;
     const nlp::OptimizeResult found = solver->minimize(formulation, start.x);
     INFO("draw " << draw << ", " << found.evaluations << " evaluations");
+    judge(found);
+    out.again += found.message.find("started again") != std::string::npos ? 1 : 0;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("the local solver ends at a minimum from every start, also from one that is too steep") {
+  const Solves solves = solves_of("iiwa_cone", 256, 1, 1e-3, [](const auto& found) {
     CHECK(found.status == nlp::Status::Optimal);
     CHECK(found.evaluations <= 150);
-    again += found.message.find("started again") != std::string::npos ? 1 : 0;
-  }
-  CHECK(starts > 40);
-  CHECK(again >= 1);
+  });
+  CHECK(solves.starts > 40);
+  CHECK(solves.again >= 1);
 }
 
 TEST_CASE("a solve that ends at a violated point is made again with a short first step") {
-  const CaptureProblem problem =
-      read_problem(std::string(STILLBASE_SOURCE_DIR) + "/problems/deos_latch.yaml");
-  const Formulation formulation(problem);
-  const auto solver = nlp::make_optimizer("nlopt-slsqp");
-  int starts = 0, again = 0;
-  for (int draw = 0; draw < 64; ++draw) {
-    const ProjectionResult start = project_onto_constraints(
-        formulation,
-        formulation.start_point(low_discrepancy_point(draw, formulation.num_variables(), 3)), false,
-        15);
-    if (start.violation > 1e-9) continue;
-    ++starts;
-    const nlp::OptimizeResult found = solver->minimize(formulation, start.x);
-    INFO("draw " << draw << ", " << found.evaluations << " evaluations");
-    CHECK(found.feasible);
-    CHECK(found.certificate.kkt_residual < 0.01);
-    again += found.message.find("started again") != std::string::npos ? 1 : 0;
+  Solves all;
+  // Where SLSQP ends is decided by rounding: of so many starts some end violated in any build.
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    INFO("seed " << seed);
+    const Solves solves = solves_of("deos_latch", 64, seed, 1e-9, [](const auto& found) {
+      CHECK(found.feasible);
+      CHECK(found.certificate.kkt_residual < 0.01);
+    });
+    all.starts += solves.starts;
+    all.again += solves.again;
   }
-  CHECK(starts > 10);
-  CHECK(again >= 1);
+  CHECK(all.starts > 100);
+  CHECK(all.again >= 1);
 }
 
 }  // namespace stillbase
