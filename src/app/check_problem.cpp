@@ -61,12 +61,11 @@ std::string impulse_words(const CaptureProblem& problem) {
   const Configuration at = start_configuration(problem);
   const double time = at.contact_time;
   const Vector3d direction = encounter_at(model, at).F.head<3>();
-  // Of another law the impulse has no direction before the posture is known.
+  // The impulse of another law has no direction before the posture is known.
   const ContactLaw law = problem.impulse.contact;
-  const char* const what = law == ContactLaw::Latch ? "latch: the target comes along"
-                           : law == ContactLaw::Sticking
-                               ? "contact without slip: the target comes along"
-                               : "impulse: along";
+  const char* const what = law == ContactLaw::Latch      ? "latch: contact direction"
+                           : law == ContactLaw::Sticking ? "contact without slip: contact direction"
+                                                         : "impulse: along";
   std::string text = fmt::format("{} {} in the base frame", what, vector_words(direction));
   if (!model.follows_target()) return text + ", as stated\n";
   text += fmt::format(", {} in N", vector_words(problem.base.orientation * direction));

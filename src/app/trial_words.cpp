@@ -24,7 +24,7 @@ std::string driver_words(const TrialReport& report, const std::string& output) {
   return fmt::format("{} ({:.2f})", strongest->input, strongest->rank_correlation);
 }
 
-/// Most that a trial may have of a result; nothing: any.
+/// Largest value of a result with which a trial succeeds. Empty: any.
 std::optional<double> limit_of(const std::string& result, const PostImpactSpec& spec) {
   if (spec.controllers.empty()) return std::nullopt;
   if (result == "residual_base_rate") return spec.residual_base_rate_max;

@@ -144,7 +144,7 @@ class Numbers {
   std::size_t next_whole(Number number) {
     const double value = next(number);
     if (!(value >= 0 && value < 0x1p31) || value != std::floor(value)) {
-      throw std::runtime_error("a face names a vertex that is not there");
+      throw std::runtime_error("a length or an index is not a whole number from 0 to 2^31 - 1");
     }
     return static_cast<std::size_t>(value);
   }

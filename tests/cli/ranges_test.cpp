@@ -113,7 +113,7 @@ TEST_CASE("check shows the impulse direction and centroids as the robot file sta
   CHECK(shows(shop.run("check '" + source_path(kEts7) + "'"), "against the normal of plus_x"));
   // A latch has no direction of its impulse before the posture is known.
   const Outcome latch = shop.run("check '" + source_path("problems/deos_latch.yaml") + "'");
-  CHECK(shows(latch, "latch: the target comes along"));
+  CHECK(shows(latch, "latch: contact direction ("));
   CHECK_FALSE(shows(latch, "impulse: along"));
   CHECK_FALSE(shows(latch, "direction within"));
   // About another axis the frame of the joint is not that of the link, up to rounding errors.
