@@ -48,6 +48,7 @@ TextTable group_table(
 /// "nlopt-slsqp: 3, ipopt: 1"
 std::string count_list(const std::map<std::string, int>& counts) {
   std::vector<std::string> words;
+  words.reserve(counts.size());
   for (const auto& [name, count] : counts) words.push_back(fmt::format("{}: {}", name, count));
   return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
 }
