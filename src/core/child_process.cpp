@@ -1,11 +1,13 @@
 #include <stillbase/core/child_process.hpp>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <vector>
 
@@ -41,6 +44,25 @@ void write_all(int fd, const std::string& bytes) {
   }
 }
 
+/// Bytes that this process has mapped, as far as the system says.
+std::uint64_t address_space() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// The signal SIGPROF after some processor time; RLIMIT_CPU knows whole seconds alone.
+void end_after(double processor_seconds) {
+  if (!(processor_seconds < kMostSeconds)) return;
+  ::signal(SIGPROF, SIG_DFL);
+  const double whole = std::floor(processor_seconds);
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<time_t>(whole);
+  timer.it_value.tv_usec =
+      std::max<suseconds_t>(1, static_cast<suseconds_t>(1e6 * (processor_seconds - whole)));
+  ::setitimer(ITIMER_PROF, &timer, nullptr);
+}
+
 /// The kernel kills this process when its parent ends.
 void end_with(pid_t parent) {
 #ifdef __linux__
@@ -50,12 +72,14 @@ void end_with(pid_t parent) {
 }
 
 /// The life of a child. Leaves by _exit: buffers and handlers of the parent are not its own.
-[[noreturn]] void live(int fd, const ChildOptions& options,
+/// @param address_space that it shares with its parent, bytes
+[[noreturn]] void live(int fd, const ChildOptions& options, std::uint64_t address_space,
                        const std::function<std::string(int)>& work, int index) {
   const auto cpu = static_cast<rlim_t>(std::ceil(std::min(options.seconds, kMostSeconds))) + 1;
   // The signal of the hard limit, SIGKILL, would hide why the child ended.
   const rlimit cpu_limit{cpu, cpu + 1};
-  const rlimit memory_limit{options.memory, options.memory};
+  const std::uint64_t memory = address_space + options.memory;
+  const rlimit memory_limit{memory, memory};
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &cpu_limit);
   if (!STILLBASE_SANITIZED) ::setrlimit(RLIMIT_AS, &memory_limit);
@@ -64,6 +88,10 @@ void end_with(pid_t parent) {
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);
+  if (!STILLBASE_SANITIZED) {  // a sanitizer reports by its own handlers
+    for (const int fault : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::signal(fault, SIG_DFL);
+  }
+  end_after(options.processor_seconds);
   int code = kReturned;
   try {
     write_all(fd, work(index));
@@ -116,7 +144,7 @@ ChildOutcome outcome_of(Child& child) {
     out.message = "memory limit";
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == kThrew) {
     out.message = child.bytes;
-  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+  } else if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGPROF)) {
     out.end = ChildEnd::TimedOut;
     out.message = "time limit";
   } else {
@@ -143,7 +171,10 @@ class Children {
   void begin(int index, const ChildOptions& options, const std::function<std::string(int)>& work) {
     int ends[2];
     if (::pipe(ends) != 0) throw FileError(std::string("no pipe: ") + std::strerror(errno));
+    // Programs that another thread starts are not to hold the pipe open.
+    for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC);
     const pid_t parent = ::getpid();
+    const std::uint64_t held = address_space();
     const pid_t pid = ::fork();
     if (pid < 0) {
       ::close(ends[0]);
@@ -154,21 +185,27 @@ class Children {
       end_with(parent);
       ::close(ends[0]);
       for (const Child& other : running_) ::close(other.fd);
-      live(ends[1], options, work, index);
+      live(ends[1], options, held, work, index);
     }
     ::close(ends[1]);
     running_.push_back({pid, ends[0], index, Clock::now(), {}});
   }
 
-  /// Reads what has come within a short while. True for the children whose pipe is at its end.
+  /// Reads what has come within a short while. True for the children whose pipe is at its end, or
+  /// who have ended and left nothing in it: a child that another thread forked may hold its pipe
+  /// open.
   std::vector<bool> listen() {
     constexpr int kMilliseconds = 50;  // also how soon a limit or a stop is seen
     std::vector<pollfd> polled;
     for (const Child& child : running_) polled.push_back({child.fd, POLLIN, 0});
+    const std::vector<bool> was_gone = gone();
     ::poll(polled.data(), polled.size(), kMilliseconds);
     std::vector<bool> ended(running_.size(), false);
     for (std::size_t i = 0; i < running_.size(); ++i) {
-      if (polled[i].revents == 0) continue;
+      if (polled[i].revents == 0) {
+        ended[i] = was_gone[i];
+        continue;
+      }
       char buffer[65536];
       const ssize_t n = ::read(running_[i].fd, buffer, sizeof(buffer));
       if (n > 0) running_[i].bytes.append(buffer, static_cast<std::size_t>(n));
@@ -178,6 +215,18 @@ class Children {
   }
 
  private:
+  /// True for the children that have ended.
+  std::vector<bool> gone() const {
+    std::vector<bool> list;
+    for (const Child& child : running_) {
+      siginfo_t info{};
+      const int status =
+          ::waitid(P_PID, static_cast<id_t>(child.pid), &info, WEXITED | WNOHANG | WNOWAIT);
+      list.push_back(status == 0 && info.si_pid == child.pid);
+    }
+    return list;
+  }
+
   std::vector<Child> running_;
 };
 

@@ -1,5 +1,6 @@
 // Work in children: what they return, and every way to fail.
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -72,6 +73,61 @@ TEST_CASE("a child that asks for more memory than its limit is an outcome") {
   const ChildOutcome greedy =
       outcome_of([](int) { return std::string(std::size_t{1} << 33, 'x').substr(0, 10); }, options);
   CHECK(greedy.end == ChildEnd::OutOfMemory);
+}
+
+TEST_CASE("a child's memory is counted beyond what its parent has") {
+  if (STILLBASE_SANITIZED) {
+    WARN("skipped: no limit of address space under a sanitizer");
+    return;
+  }
+  constexpr std::size_t kBytes = std::size_t{4} << 30;  // reserved, not used
+  void* const reserved =
+      ::mmap(nullptr, kBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  REQUIRE(reserved != MAP_FAILED);
+  ChildOptions options;
+  options.memory = 1ull << 30;
+  const auto outcome_with = [&](std::size_t bytes) {
+    return outcome_of([=](int) { return std::string(bytes, 'x').substr(0, 10); }, options).end;
+  };
+  CHECK(outcome_with(std::size_t{1} << 28) == ChildEnd::Finished);
+  CHECK(outcome_with(std::size_t{1} << 31) == ChildEnd::OutOfMemory);
+  ::munmap(reserved, kBytes);
+}
+
+TEST_CASE("a busy child is killed after its processor time, one that sleeps is not") {
+  ChildOptions options;
+  options.seconds = 1000;
+  options.processor_seconds = 0.1;
+  const ChildOutcome busy = outcome_of(
+      [](int) -> std::string {
+        std::atomic<int> i{0};
+        while (true) ++i;
+      },
+      options);
+  CHECK(busy.end == ChildEnd::TimedOut);
+  const ChildOutcome asleep = outcome_of(
+      [](int) -> std::string {
+        ::usleep(300'000);
+        return "awake";
+      },
+      options);
+  CHECK(asleep.bytes == "awake");
+}
+
+TEST_CASE("a child has ended though another process holds its pipe open") {
+  ChildOptions options;
+  options.seconds = 20;
+  const ChildOutcome out = outcome_of(
+      [](int) -> std::string {
+        if (::fork() == 0) {
+          ::sleep(30);
+          ::_exit(0);
+        }
+        return "done";
+      },
+      options);
+  CHECK(out.end == ChildEnd::Finished);
+  CHECK(out.bytes == "done");
 }
 
 TEST_CASE("a child that hangs, busy or asleep, is killed at its time limit") {

@@ -1,14 +1,15 @@
 // Pieces of work in processes of their own, so that a crash, a hang or a runaway allocation of one
 // is an outcome and not the end.
 //
-// Assumptions: POSIX; the caller has no other threads (a forked child of a threaded process may
-// find locks held for ever).
+// Assumptions: POSIX. Where the caller has other threads, the work takes no lock that one of them
+// may hold: in the child it is held for ever. The allocator's are free there (glibc, musl, macOS).
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <string>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/interrupt.hpp>
 
 namespace stillbase {
@@ -16,7 +17,7 @@ namespace stillbase {
 enum class ChildEnd {
   Finished,     ///< the work returned
   Crashed,      ///< it threw
-  TimedOut,     ///< killed at the time limit
+  TimedOut,     ///< killed at a time limit
   OutOfMemory,  ///< an allocation beyond the memory limit
   Died,         ///< its process was killed by a signal, or left: says nothing of the work
 };
@@ -30,10 +31,14 @@ struct ChildOutcome {
 };
 
 struct ChildOptions {
-  int jobs = 1;                       ///< processes at a time
-  double seconds = 60;                ///< wall clock of each
-  std::uint64_t memory = 2ull << 30;  ///< bytes of address space of each; none under sanitizers
-  StopCondition stop;                 ///< when reached, running children are killed and none begins
+  int jobs = 1;         ///< processes at a time
+  double seconds = 60;  ///< wall clock of each
+  /// Processor time of each: a limit that comes no nearer on a busy machine.
+  double processor_seconds = kInfinity;
+  /// Bytes of address space that each may take beyond those of this process, which it shares (of
+  /// this process only under Linux); no limit under sanitizers.
+  std::uint64_t memory = 2ull << 30;
+  StopCondition stop;  ///< when reached, running children are killed and none begins
 };
 
 /// Runs work(0) .. work(count - 1), each in a child of this process, and calls done(i, outcome) in
