@@ -163,6 +163,7 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   }
   // The size is also counted while reading: pipes have none and files grow.
   std::string text;
+  if (S_ISREG(status.st_mode)) text.reserve(static_cast<std::size_t>(status.st_size));
   char buffer[1 << 16];
   for (;;) {
     const ssize_t count = ::read(file.get(), buffer, sizeof buffer);
