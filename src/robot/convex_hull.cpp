@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
+
+#include <stillbase/robot/physical_checks.hpp>
 
 namespace stillbase {
 
@@ -226,9 +229,13 @@ EnclosingHull enlarged_hull(const std::vector<Vector3d>& points, const Vector3d&
   return hull;
 }
 
-}  // namespace
+struct BoxOfPoints {
+  Vector3d middle, half;  ///< half: of its edges
+  double size;            ///< its diagonal
+};
 
-EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOptions& options) {
+/// @throws std::invalid_argument there are no points, or all are the same
+BoxOfPoints box_of(const std::vector<Vector3d>& points) {
   if (points.empty()) throw std::invalid_argument("there are no points");
   Vector3d lower = points.front(), upper = points.front();
   for (const Vector3d& point : points) {
@@ -239,6 +246,14 @@ EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOpti
   if (!(size > 0) || !std::isfinite(size)) {
     throw std::invalid_argument("all points are the same, or they are not finite");
   }
+  return {(lower + upper) / 2, (upper - lower) / 2, size};
+}
+
+constexpr double kThickness = 1e-4;  ///< of points in a plane, relative to their size
+
+/// The hull of the points, or a polytope around it where that has too many vertices.
+EnclosingHull polytope(const std::vector<Vector3d>& points, const BoxOfPoints& box,
+                       const HullOptions& options) {
   // Beyond this number the hull of all points is not worth its time: nearly all of them may be
   // vertices of it.
   constexpr std::size_t kMostForAll = 20000;
@@ -248,9 +263,9 @@ EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOpti
       hull.mesh = hull_mesh(points, hull.volume);
       if (static_cast<int>(hull.mesh.vertices.size()) <= options.max_vertices) return hull;
     }
-    return enlarged_hull(points, (lower + upper) / 2, ((upper - lower) / 2), options);
+    return enlarged_hull(points, box.middle, box.half, options);
   } catch (const FlatPointsError&) {
-    const double thickness = 1e-4 * size;
+    const double thickness = kThickness * box.size;
     std::vector<Vector3d> thick;
     thick.reserve(6 * points.size());
     for (const Vector3d& point : points) {
@@ -259,11 +274,38 @@ EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOpti
         thick.push_back(point - thickness * Vector3d::Unit(axis));
       }
     }
-    const Vector3d half = (upper - lower).array() / 2 + thickness;
-    EnclosingHull hull = enlarged_hull(thick, (lower + upper) / 2, half, options);
+    EnclosingHull hull = enlarged_hull(thick, box.middle, box.half.array() + thickness, options);
     hull.distance += thickness;
     return hull;
   }
+}
+
+}  // namespace
+
+EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOptions& options) {
+  const BoxOfPoints box = box_of(points);
+  EnclosingHull hull = polytope(points, box, options);
+  if (convex_mesh_fault(hull.mesh).empty()) return hull;
+  // Points whose distances differ by many powers of ten have a hull with faces so narrow that
+  // rounding decides where they look. A polytope of few far points has none.
+  try {
+    hull = enlarged_hull(points, box.middle, box.half.cwiseMax(kThickness * box.size), options);
+    if (convex_mesh_fault(hull.mesh).empty()) return hull;
+  } catch (const FlatPointsError&) {  // so does the box
+  }
+  std::vector<Vector3d> corners;
+  const Vector3d half = (1 + 1e-9) * box.half.cwiseMax(kThickness * box.size);
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d side(i % 2 * 2 - 1, i / 2 % 2 * 2 - 1, i / 4 * 2 - 1);
+    corners.push_back(box.middle + half.cwiseProduct(side));
+  }
+  hull.mesh = hull_mesh(corners, hull.volume);
+  hull.distance = 2 * half.norm();
+  return hull;
+}
+
+EnclosingHull exact_hull(const std::vector<Vector3d>& points) {
+  return polytope(points, box_of(points), {.max_vertices = std::numeric_limits<int>::max()});
 }
 
 }  // namespace stillbase

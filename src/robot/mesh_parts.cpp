@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -121,11 +120,6 @@ std::pair<Mesh, Mesh> cut(const Mesh& mesh, const CutPlane& plane, double in_pla
     outside.add(above);
   }
   return {std::move(inside.mesh), std::move(outside.mesh)};
-}
-
-/// The hull of all vertices, not made simpler.
-EnclosingHull exact_hull(const std::vector<Vector3d>& vertices) {
-  return enclosing_hull(vertices, {.max_vertices = std::numeric_limits<int>::max()});
 }
 
 /// How deep a mesh lies in a convex polytope around it at the most, m; by points of its triangles,

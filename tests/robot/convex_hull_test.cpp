@@ -88,3 +88,28 @@ TEST_CASE("flat and thin sets of points get a thickness") {
   CHECK_THROWS_AS(enclosing_hull({}), std::invalid_argument);
   CHECK_THROWS_AS(enclosing_hull({{1, 2, 3}, {1, 2, 3}}), std::invalid_argument);
 }
+
+TEST_CASE("points near to and far from each other get a polytope without fault around them") {
+  Random random(11);
+  const double scales[] = {1e4, 1, 1e-4, 1e-8, 1e-44};
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<Vector3d> points;
+    const int count = 4 + static_cast<int>(random.uniform(0, 40));
+    for (int k = 0; k < count; ++k) {
+      Vector3d point;
+      for (double& x : point) {
+        // As mesh files hold them: most are equal to some other one.
+        const double value = static_cast<float>(std::round(random.uniform(-3, 3)) / 3);
+        x = value * scales[static_cast<int>(random.uniform(0, 4.999))];
+      }
+      points.push_back(point);
+    }
+    const EnclosingHull hull = enclosing_hull(points);
+    INFO(i);
+    CHECK(convex_mesh_fault(hull.mesh) == "");
+    double size = 0;
+    for (const Vector3d& point : points) size = std::max(size, point.norm());
+    CHECK(outside(hull.mesh, points) <= 1e-6 * size);
+    CHECK(std::isfinite(hull.volume));
+  }
+}
