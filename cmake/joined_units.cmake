@@ -12,7 +12,7 @@ set(STILLBASE_OWN_UNITS
   formulation/capture_model_tangent
   proof/articulated_forms proof/bound proof/case_rows proof/dynamics_over_boxes proof/enclose
   proof/minimum proof/spin proof/variable_encounter
-  reference/reference report/embedded_page robot/convex_hull robot/mesh_file target/prediction
+  reference/reference report/embedded_page robot/convex_hull robot/scene_file target/prediction
   target/target verification/recomputation
   verification/trials)
 

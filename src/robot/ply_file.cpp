@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,9 +10,12 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "robot/mesh_text.hpp"
+#include "robot/polygons.hpp"
 #include "robot/urdf_findings.hpp"
 
 namespace stillbase {
@@ -114,6 +116,9 @@ Header take_header(std::string_view& text) {
 /// more than the length of the file.
 class Numbers {
  public:
+  bool is_ascii() const { return is_ascii_; }
+  /// Of the number that comes next.
+  const char* place() const { return text_.data(); }
   Numbers(const Header& header, std::string_view text)
       : is_ascii_(header.is_ascii), is_swapped_(header.order != std::endian::native), text_(text) {}
 
@@ -155,17 +160,9 @@ class Numbers {
   }
 
   double next_word() {
-    const std::size_t begin = text_.find_first_not_of(" \t\r\n");
-    if (begin == text_.npos) throw ended();
-    text_.remove_prefix(begin);
-    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
-    double value = 0;
-    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (fault != std::errc() || end != word.data() + word.size()) {
-      throw std::runtime_error(urdf::in_quotes(word) + " is no number");
-    }
-    text_.remove_prefix(word.size());
-    return value;
+    const std::string_view word = take_word(text_);
+    if (word.empty()) throw ended();
+    return number_in(word);
   }
 
   template <class T>
@@ -196,57 +193,76 @@ Vector3d read_vertex(const Element& element, Numbers& numbers) {
     const std::size_t axis = std::string_view("xyz").find(property.name[0]);
     if (axis < 3) vertex[static_cast<Eigen::Index>(axis)] = value;
   }
-  if (!vertex.allFinite())
-    throw std::runtime_error("a vertex is not finite, or lacks a coordinate");
+  for (const double value : vertex) {
+    if (std::isnan(value))
+      throw std::runtime_error("a vertex is not finite, or lacks a coordinate");
+    if (const std::string fault = coordinate_fault(value); !fault.empty()) {
+      throw std::runtime_error(fault);
+    }
+  }
   return vertex;
 }
 
-/// Adds the triangles of a face; points and lines enclose nothing. Other elements are passed over.
-void read_face(const Element& element, Numbers& numbers, Mesh& mesh) {
-  for (const Property& property : element.properties) {
-    if (!property.length) {
-      numbers.next(property.number);
-      continue;
-    }
-    const bool is_face = element.name == "face" &&
-                         (property.name == "vertex_indices" || property.name == "vertex_index");
-    std::array<int, 3> triangle{};
-    const std::size_t corners = numbers.next_whole(*property.length);
-    for (std::size_t c = 0; c < corners; ++c) {
-      if (!is_face) {
+/// Adds the triangles of a face. Other elements are passed over.
+class FaceReader {
+ public:
+  explicit FaceReader(Mesh& mesh) : mesh_(mesh), divider_(mesh) {}
+
+  void read(const Element& element, Numbers& numbers) {
+    for (const Property& property : element.properties) {
+      if (!property.length) {
         numbers.next(property.number);
         continue;
       }
-      const std::size_t index = numbers.next_whole(property.number);
-      if (index >= mesh.vertices.size()) {
-        throw std::runtime_error("a face names a vertex that is not there");
+      const bool is_face = element.name == "face" &&
+                           (property.name == "vertex_indices" || property.name == "vertex_index");
+      polygon_.clear();
+      for (std::size_t left = numbers.next_whole(*property.length); left > 0; --left) {
+        if (!is_face) {
+          numbers.next(property.number);
+          continue;
+        }
+        const std::size_t index = numbers.next_whole(property.number);
+        if (index >= mesh_.vertices.size()) {
+          throw std::runtime_error("a face names a vertex that is not there");
+        }
+        polygon_.push_back(static_cast<int>(index));
       }
-      if (c > 2) triangle[1] = triangle[2];
-      triangle[std::min<std::size_t>(c, 2)] = static_cast<int>(index);
-      if (c >= 2) mesh.triangles.push_back(triangle);
-      if (mesh.triangles.size() > kMaxMeshTriangles) {
-        throw std::runtime_error(fmt::format("more than {} triangles", kMaxMeshTriangles));
-      }
+      divider_.add(polygon_);
     }
   }
-}
+
+ private:
+  Mesh& mesh_;
+  PolygonDivider divider_;
+  std::vector<int> polygon_;
+};
 
 }  // namespace
 
 Mesh read_ply(std::string_view text) {
-  const std::size_t size = text.size();
-  const Header header = take_header(text);
-  Numbers numbers(header, text);
+  std::string_view rest = text;
+  const Header header = take_header(rest);
+  Numbers numbers(header, rest);
   Mesh mesh;
-  for (const Element& element : header.elements) {
-    if (element.count > size) throw std::runtime_error("is shorter than its header says");
-    for (std::uintmax_t i = 0; i < element.count; ++i) {
-      if (element.name == "vertex") {
-        mesh.vertices.push_back(read_vertex(element, numbers));
-      } else {
-        read_face(element, numbers, mesh);
+  FaceReader faces(mesh);
+  try {
+    for (const Element& element : header.elements) {
+      if (element.count > text.size()) throw std::runtime_error("is shorter than its header says");
+      if (element.count > 0 && element.properties.empty()) {
+        throw std::runtime_error("its " + urdf::in_quotes(element.name) + " has no properties");
+      }
+      for (std::uintmax_t i = 0; i < element.count; ++i) {
+        if (element.name == "vertex") {
+          mesh.vertices.push_back(read_vertex(element, numbers));
+        } else {
+          faces.read(element, numbers);
+        }
       }
     }
+  } catch (const std::runtime_error& error) {
+    if (!numbers.is_ascii()) throw;
+    throw at_line(text, numbers.place(), error.what());
   }
   return mesh;
 }

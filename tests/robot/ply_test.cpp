@@ -79,14 +79,18 @@ TEST_CASE("PLY files that state what cannot be are refused with the reason") {
       "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string not_whole = "a length or an index is not a whole number from 0 to 2^31 - 1";
   const std::string faces = "element face 1\nproperty list uchar int vertex_index\n";
-  CHECK(with(vertices + faces, "0 0 0 3 0 0 1") == "a face names a vertex that is not there");
-  CHECK(with(vertices + faces, "0 0 0 3 0 0 -1") == not_whole);
-  CHECK(with(vertices + faces, "0 0 0 1e300 0") == not_whole);
-  CHECK(with(vertices, "0 0 nan") == "a vertex is not finite, or lacks a coordinate");
-  CHECK(with(vertices, "0 0 0x") == "'0x' is no number");
+  CHECK(with(vertices + faces, "0 0 0\n3 0 0 1") ==
+        "line 11: a face names a vertex that is not there");
+  CHECK(with(vertices + faces, "0 0 0\n3 0 0 -1") == "line 11: " + not_whole);
+  CHECK(with(vertices + faces, "0 0 0 1e300 0") == "line 10: " + not_whole);
+  CHECK(with(vertices, "0 0 nan") == "line 8: a vertex is not finite, or lacks a coordinate");
+  CHECK(with(vertices, "0 0 -1e38") == "line 8: the coordinate -1e+38 of a vertex is beyond 1e+09");
+  CHECK(with(vertices, "0 0 0x") == "line 8: '0x' is no number");
   CHECK(with("element vertex 1\nproperty float x\n", "0") ==
-        "a vertex is not finite, or lacks a coordinate");
-  CHECK(with("element nothing 300000000\n", "") == "is shorter than its header says");
+        "line 6: a vertex is not finite, or lacks a coordinate");
+  CHECK(with("element nothing 300000000\n", "") == "line 5: is shorter than its header says");
+  // As many elements as the text has letters, again and again, would take hours.
+  CHECK(with("element nothing 10\n", "0123456789") == "line 5: its 'nothing' has no properties");
   CHECK(with("property float x\n", "") == "its header has a wrong line, 'property float x'");
   CHECK(with("element vertex 1\nproperty list float int a\n", "") ==
         "its header has a wrong line, 'property list float int a'");
