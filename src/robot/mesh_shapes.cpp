@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <map>
-#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
+
 #include "robot/convex_hull.hpp"
-#include "robot/mesh_file.hpp"
 #include "robot/mesh_parts.hpp"
 
 namespace stillbase::urdf {
@@ -83,8 +83,28 @@ fs::path root_of(const std::string& robot_file) {
 }
 
 /// A mirrored mesh keeps its outside: its triangles turn round.
+/// @throws std::runtime_error beyond kFarthestVertex, smaller than kSmallestMesh
 Mesh scaled(Mesh mesh, const Vector3d& scale) {
-  for (Vector3d& vertex : mesh.vertices) vertex = vertex.cwiseProduct(scale);
+  Vector3d lower = Vector3d::Constant(kInfinity), upper = -lower;
+  for (Vector3d& vertex : mesh.vertices) {
+    vertex = vertex.cwiseProduct(scale);
+    lower = lower.cwiseMin(vertex);
+    upper = upper.cwiseMax(vertex);
+  }
+  const double farthest = std::max(-lower.minCoeff(), upper.maxCoeff());
+  if (!(farthest <= kFarthestVertex)) {
+    throw std::runtime_error(fmt::format(
+        "reaches {:.3g} m from its own origin, with its scale; {:g} m are allowed: is it in other "
+        "units than m?",
+        farthest, kFarthestVertex));
+  }
+  const double size = (upper - lower).maxCoeff();
+  if (size > 0 && size < kSmallestMesh) {
+    throw std::runtime_error(fmt::format(
+        "is {:.3g} m large, with its scale; {:g} m is the smallest size: is it in other units than "
+        "m?",
+        size, kSmallestMesh));
+  }
   if (scale.prod() < 0) {
     for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   }
@@ -123,6 +143,24 @@ void enclose(const Mesh& mesh, CollisionMeshes collision, const std::string& lin
 }
 
 }  // namespace
+
+const Mesh& MeshFiles::read(const std::string& path) {
+  const auto [at, is_new] = files_.try_emplace(path);
+  File& file = at->second;
+  if (is_new && !limit_.empty()) file.fault = limit_;
+  if (is_new && limit_.empty()) {
+    try {
+      file.mesh = read_mesh(path);
+    } catch (const MeshLimitError& error) {
+      file.fault = error.what();
+      limit_ = "is not read, since an earlier one took too long or too much memory";
+    } catch (const std::exception& error) {
+      file.fault = error.what();
+    }
+  }
+  if (!file.fault.empty()) throw std::runtime_error(file.fault);
+  return file.mesh;
+}
 
 fs::path find_mesh(const std::string& written, const MeshFolders& folders) {
   std::string name = written;
@@ -178,7 +216,7 @@ void put_before_ros_package_path(const std::vector<std::string>& folders) {
 
 bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes collision,
                     Findings& findings) {
-  std::map<std::string, Mesh> meshes;
+  MeshFiles files;
   bool has_hull = false;
   for (TreeLink& link : tree.links) {
     for (MeshUse& use : link.meshes) {
@@ -205,9 +243,7 @@ bool enclose_meshes(Tree& tree, const MeshFolders& folders, CollisionMeshes coll
                           fmt::format("{} ({}: {})", link.name, use.file, why));
           continue;
         }
-        const auto [mesh, is_new] = meshes.try_emplace(path.string());
-        if (is_new) mesh->second = read_mesh(path.string());
-        enclose(scaled(mesh->second, use.scale), collision, link.name, use, findings);
+        enclose(scaled(files.read(path.string()), use.scale), collision, link.name, use, findings);
         has_hull = true;
       } catch (const PathError& error) {
         findings.add(use.line, "mesh-path", error.what());

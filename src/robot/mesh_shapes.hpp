@@ -2,15 +2,23 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <stillbase/robot/assembled_robot.hpp>
 
+#include "robot/mesh_file.hpp"
 #include "robot/urdf_tree.hpp"
 
 namespace stillbase::urdf {
+
+/// No vertex of a collision mesh is farther from its origin along an axis, m. Single precision,
+/// which most mesh files hold, tells points apart to 1 mm there; no spacecraft is larger.
+inline constexpr double kFarthestVertex = 1e4;
+/// The longest edge of the box around a collision mesh is no shorter, m.
+inline constexpr double kSmallestMesh = 1e-6;
 
 /// Where the meshes of a robot file are looked for.
 struct MeshFolders {
@@ -35,6 +43,23 @@ std::vector<std::string> ros_package_path();
 /// that it starts; not while other threads read the environment.
 /// @param folders without colons, relative to the current folder
 void put_before_ros_package_path(const std::vector<std::string>& folders);
+
+/// Meshes of one robot, each file read once.
+class MeshFiles {
+ public:
+  /// When a file has reached a limit of read_mesh(), no other is read: a robot of many such files
+  /// would take as many times as long.
+  /// @throws std::runtime_error what is wrong with the file, each time
+  const Mesh& read(const std::string& path);
+
+ private:
+  struct File {
+    Mesh mesh;
+    std::string fault;  ///< empty: it is read
+  };
+  std::map<std::string, File> files_;
+  std::string limit_;  ///< why no other is read; empty: they are
+};
 
 /// Reads the meshes of all <collision> that have no hull yet and puts hulls around them, or around
 /// the parts of concave ones.

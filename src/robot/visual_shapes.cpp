@@ -36,7 +36,7 @@ class VisualMeshes {
         throw std::runtime_error(
             fmt::format("the meshes have more than {} MiB together", kMaxMeshBytes >> 20));
       }
-      Mesh mesh = thinned(read_mesh(path.string()), most_);
+      Mesh mesh = thinned(read(path.string()), most_);
       if (mesh.triangles.empty()) throw std::runtime_error("its faces have no area");
       known->second = meshes.size();
       meshes.push_back(std::move(mesh));
@@ -48,9 +48,21 @@ class VisualMeshes {
   std::vector<Mesh> meshes;
 
  private:
+  /// After a file that has reached a limit no other is read: see MeshFiles.
+  Mesh read(const std::string& path) {
+    if (is_at_limit_) throw std::runtime_error("an earlier one took too long or too much memory");
+    try {
+      return read_mesh(path);
+    } catch (const MeshLimitError&) {
+      is_at_limit_ = true;
+      throw;
+    }
+  }
+
   const MeshFolders& folders_;
   std::size_t most_;
   std::uintmax_t bytes_ = 0;
+  bool is_at_limit_ = false;
   std::map<std::string, std::optional<std::size_t>> known_;  ///< none: it cannot be read
 };
 

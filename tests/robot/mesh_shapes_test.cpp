@@ -296,10 +296,11 @@ TEST_CASE("hostile meshes are refused within a second, at their line") {
                 "ply\nformat ascii 1.0\nelement vertex 300000000\nproperty float x\n"
                 "property float y\nproperty float z\nend_header\n0 0 0\n");
   scratch.write("point.stl", ascii_stl({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}));
+  scratch.write("far.obj", "v 0 0 0\nv 1e38 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
   scratch.write("mesh.xyz", "1 2 3");
   for (const char* name :
        {"huge.stl", "nan.stl", "nan_text.stl", "empty.stl", "faceless.obj", "faces.obj", "text.stl",
-        "text.dae", "text.obj", "length.glb", "count.ply", "point.stl", "mesh.xyz"}) {
+        "text.dae", "text.obj", "length.glb", "count.ply", "point.stl", "far.obj", "mesh.xyz"}) {
     const std::string robot =
         scratch.write("r.urdf", urdf_with(fmt::format("<mesh filename=\"{}\"/>", name)));
     const auto start = std::chrono::steady_clock::now();
@@ -310,6 +311,26 @@ TEST_CASE("hostile meshes are refused within a second, at their line") {
     CHECK(finding.line == 5);
     CHECK(seconds.count() < 1);
   }
+}
+
+TEST_CASE("meshes that no unit of length makes a robot's are refused with what their size is") {
+  const TemporaryFolder scratch;
+  scratch.write("box.stl", binary_stl(box_triangles(Vector3d(1, 2, 3))));
+  const auto refusal_with = [&](const std::string& scale) {
+    return mesh_refusal(
+        scratch.write("r.urdf", urdf_with("<mesh filename=\"box.stl\" scale=\"" + scale + "\"/>")));
+  };
+  CHECK(refusal_with("3e3 3e3 3e3").message.empty());
+  CHECK(refusal_with("1e-6 1e-6 1e-6").message.empty());
+  const Finding far = refusal_with("1 -1 4e3");
+  CHECK(far.rule == "mesh");
+  CHECK(far.line == 5);
+  CHECK(far.message.find("reaches 1.2e+04 m from its own origin, with its scale; 10000 m are") !=
+        std::string::npos);
+  const Finding small = refusal_with("1e-7 1e-7 1e-7");
+  CHECK(small.line == 5);
+  CHECK(small.message.find("is 3e-07 m large, with its scale; 1e-06 m is the smallest") !=
+        std::string::npos);
 }
 
 TEST_CASE("paths that leave the robot's package or go in circles are refused") {
