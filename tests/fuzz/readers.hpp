@@ -3,6 +3,7 @@
 // not finite, a copy that does not read back.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -27,7 +28,9 @@
 #include "io/fields/sections.hpp"
 #include "robot/assembly.hpp"
 #include "robot/mesh_file.hpp"
+#include "robot/mesh_text.hpp"
 #include "robot/mesh_thinning.hpp"
+#include "robot/scene_file.hpp"
 #include "robot/srdf_reader.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -102,11 +105,13 @@ inline bool srdf(std::string_view text) {
 /// Ending of the mesh format that a text looks like.
 inline std::string mesh_ending(std::string_view text) {
   if (text.starts_with("ply")) return ".ply";
-  if (text.starts_with("glTF")) return ".glb";
-  if (text.starts_with("{")) return ".gltf";
-  if (text.starts_with("<")) return ".dae";
   if (text.starts_with("solid") || text.substr(0, 84).find('\0') != text.npos) return ".stl";
   return ".obj";
+}
+
+inline std::string scene_ending(std::string_view text) {
+  if (text.starts_with("glTF")) return ".glb";
+  return text.starts_with("{") ? ".gltf" : ".dae";
 }
 
 /// A robot with one mesh, scaled and mirrored.
@@ -117,13 +122,12 @@ inline std::string robot_with_mesh(const std::string& file) {
          file + R"(" scale="1 -2 0.5"/></geometry></collision></link></robot>)";
 }
 
-/// Meshes are read from files, by a robot that names them: half of the texts become one hull, half
+/// A mesh is read from its file by a robot that names it: half of the texts become one hull, half
 /// of them parts. The text with hulls that a plan carries must be one of a robot.
-inline bool mesh(std::string_view text) {
+inline bool robot_takes_mesh(std::string_view text, const std::string& ending) {
   static const TemporaryFolder folder;
-  const std::string name = "mesh" + mesh_ending(text);
-  const std::string path = folder.path(name);
-  std::ofstream(path, std::ios::binary) << text;
+  const std::string name = "mesh" + ending;
+  std::ofstream(folder.path(name), std::ios::binary) << text;
   RobotAssembly assembly(text.size() % 2 == 0 ? CollisionMeshes::Hull : CollisionMeshes::Decompose);
   if (!accepts([&] {
         assembly.add_robot(robot_with_mesh(name), {folder.path("robot.urdf"), {}}, "robot.urdf");
@@ -133,11 +137,44 @@ inline bool mesh(std::string_view text) {
   if (!assembly.is_changed()) return true;  // a mesh that is not read, which is no fault
   require(accepts([&] { read_urdf(assembly.text(), "fuzz.urdf", ""); }),
           "the hulls of an accepted mesh are refused");
-  const Mesh mesh = read_mesh(path);
-  require(std::isfinite(enclosed_volume(mesh)), "the volume of a mesh is not finite");
-  require(thinned(mesh, 10).triangles.size() <= 10, "a thinned mesh has too many triangles");
   return true;
 }
+
+/// The text of a STL, OBJ or PLY file; behind "MESH" what a child returns that has read another
+/// format.
+inline bool mesh(std::string_view text) {
+  Mesh mesh;
+  try {
+    mesh = text.starts_with("MESH") ? mesh_of_bytes(text.substr(4))
+                                    : read_mesh_text(text, mesh_ending(text));
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  for (const Vector3d& vertex : mesh.vertices) {
+    require(vertex.cwiseAbs().maxCoeff() <= kMaxMeshCoordinate, "an unsound vertex was accepted");
+  }
+  for (const std::array<int, 3>& triangle : mesh.triangles) {
+    for (const int corner : triangle) {
+      require(corner >= 0 && static_cast<std::size_t>(corner) < mesh.vertices.size(),
+              "an unsound triangle was accepted");
+    }
+  }
+  if (mesh.triangles.empty()) return false;
+  require(std::isfinite(enclosed_volume(mesh)), "the volume of a mesh is not finite");
+  return true;
+}
+
+/// The same files as collision shapes of a robot, and thinned as a page draws them.
+inline bool collision(std::string_view text) {
+  if (!robot_takes_mesh(text, mesh_ending(text))) return false;
+  if (text.starts_with("version https://git-lfs")) return true;  // which is no mesh
+  require(thinned(read_mesh_text(text, mesh_ending(text)), 10).triangles.size() <= 10,
+          "a thinned mesh has too many triangles");
+  return true;
+}
+
+/// COLLADA and glTF files, which Assimp reads in a child: the fuzzer does not see into it.
+inline bool scene(std::string_view text) { return robot_takes_mesh(text, scene_ending(text)); }
 
 inline bool problem(std::string_view text) {
   return accepts_and_copies(
@@ -252,6 +289,8 @@ struct Reader {
 inline constexpr Reader kReaders[] = {{"urdf", urdf},
                                       {"srdf", srdf},
                                       {"mesh", mesh},
+                                      {"collision", collision},
+                                      {"scene", scene},
                                       {"problem", problem},
                                       {"target", target},
                                       {"state", state},
