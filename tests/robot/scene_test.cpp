@@ -1,8 +1,13 @@
 // COLLADA and glTF files, which a child reads: what becomes of one that crashes, hangs or grows.
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <chrono>
+#include <fstream>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <stillbase/core/error.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
@@ -84,6 +89,44 @@ TEST_CASE("a robot names each mesh that is refused, and reads none behind one wi
     says(1, "'b.dae': is not read, since an earlier one");
     says(2, "'a.dae': cannot be read (Assimp ");
   }
+}
+
+TEST_CASE(
+    "threads read COLLADA files beside each other and beside others that allocate and throw") {
+  const TemporaryFolder scratch;
+  const std::string good = scratch.write("good.dae", collada_with("0 1 2"));
+  const std::string bad = scratch.write("bad.dae", collada_with("0 1 9"));
+  std::atomic<bool> is_done{false};
+  std::atomic<int> read{0}, refused{0};
+  std::vector<std::thread> busy, readers;
+  for (int i = 0; i < 2; ++i) {
+    busy.emplace_back([&] {
+      while (!is_done) {
+        try {
+          const std::ifstream file(good);
+          throw std::runtime_error(std::string(1000, 'x'));
+        } catch (const std::runtime_error&) {
+          std::this_thread::yield();
+        }
+      }
+    });
+    readers.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) {
+        read += read_scene(good).triangles.size() == 1 ? 1 : 0;
+        try {
+          read_scene(bad);
+        } catch (const MeshLimitError&) {
+        } catch (const std::runtime_error&) {
+          ++refused;
+        }
+      }
+    });
+  }
+  for (std::thread& reader : readers) reader.join();
+  is_done = true;
+  for (std::thread& thread : busy) thread.join();
+  CHECK(read == 100);
+  CHECK(refused == 100);
 }
 
 TEST_CASE("what a child returns is looked at before it is a mesh") {
