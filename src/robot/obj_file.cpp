@@ -59,27 +59,35 @@ class ObjReader {
   }
 
  private:
-  /// A line and those that continue it behind a backslash.
+  /// A line and, of a vertex or a face, those that continue it behind a backslash. The backslash of
+  /// a path in a comment or a name continues nothing.
   static std::string_view take_line(std::string_view& rest) {
-    std::size_t end = 0;
-    for (;;) {
-      end = rest.find('\n', end);
-      if (end == rest.npos) end = rest.size();
-      std::size_t last = end;
-      if (last > 0 && rest[last - 1] == '\r') --last;
-      if (end == rest.size() || last == 0 || rest[last - 1] != '\\') break;
-      ++end;
+    std::size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view words = rest.substr(0, end);
+    const std::string_view first = word_of(words);
+    if (first == "v" || first == "f") {
+      while (end < rest.size() && is_continued(rest.substr(0, end))) {
+        end = std::min(rest.find('\n', end + 1), rest.size());
+      }
     }
     const std::string_view line = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
     return line;
   }
 
+  static bool is_continued(std::string_view line) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line.ends_with('\\');
+  }
+
   /// The next word of a line; the backslashes at the ends of lines are none.
   static std::string_view word_of(std::string_view& line) {
-    std::string_view word = take_word(line);
-    while (word == "\\") word = take_word(line);
-    return word;
+    for (;;) {
+      std::string_view word = take_word(line);
+      if (word.empty()) return word;
+      if (word.ends_with('\\')) word.remove_suffix(1);
+      if (!word.empty()) return word;
+    }
   }
 
   void read(std::string_view line) {
