@@ -296,8 +296,8 @@ EnclosingHull enclosing_hull(const std::vector<Vector3d>& points, const HullOpti
   std::vector<Vector3d> corners;
   const Vector3d half = (1 + 1e-9) * box.half.cwiseMax(kThickness * box.size);
   for (int i = 0; i < 8; ++i) {
-    const Vector3d side(i % 2 * 2 - 1, i / 2 % 2 * 2 - 1, i / 4 * 2 - 1);
-    corners.push_back(box.middle + half.cwiseProduct(side));
+    const auto side = [&](int axis) { return (i >> axis) % 2 == 0 ? -half[axis] : half[axis]; };
+    corners.push_back(box.middle + Vector3d(side(0), side(1), side(2)));
   }
   hull.mesh = hull_mesh(corners, hull.volume);
   hull.distance = 2 * half.norm();
