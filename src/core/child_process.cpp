@@ -91,6 +91,9 @@ void end_with(pid_t parent) {
   if (!STILLBASE_SANITIZED) {  // a sanitizer reports by its own handlers
     for (const int fault : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::signal(fault, SIG_DFL);
   }
+  sigset_t none;  // the forking thread may have blocked those of the limits
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
   end_after(options.processor_seconds);
   int code = kReturned;
   try {
