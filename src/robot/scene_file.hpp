@@ -6,11 +6,12 @@
 //
 // The child is forked from a process that may have other threads (a Python interpreter, a program
 // that uses the library). In such a child only the forking thread lives on, and a lock that another
-// one held stays held. The child allocates, which glibc, musl and macOS allow after a fork; throws
-// and catches; reads files; and runs Assimp, which takes no lock that another user of it holds for
-// long. It starts no thread, logs nothing, runs no handler at its end and never returns into the
-// caller's code. Should it wait for a held lock all the same, its time limit ends it: then a good
-// file is refused, and the caller goes on.
+// one held stays held. The child allocates, which glibc, musl and macOS allow after a fork (the
+// allocators of sanitizers do not, beside busy threads); throws and catches; reads files; and runs
+// Assimp, which takes no lock that another user of it holds for long. It starts no thread, logs
+// nothing, runs no handler at its end and never returns into the caller's code. Should it wait for
+// a held lock all the same, its time limit ends it: then a good file is refused, and the caller
+// goes on.
 #pragma once
 
 #include <cstdint>

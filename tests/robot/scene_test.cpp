@@ -12,6 +12,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
+#include "core/sanitized.hpp"
 #include "robot/scene_file.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -93,6 +94,10 @@ TEST_CASE("a robot names each mesh that is refused, and reads none behind one wi
 
 TEST_CASE(
     "threads read COLLADA files beside each other and beside others that allocate and throw") {
+  if (STILLBASE_SANITIZED) {
+    WARN("skipped: a sanitizer's allocator keeps locks held in the child of a threaded process");
+    return;
+  }
   const TemporaryFolder scratch;
   const std::string good = scratch.write("good.dae", collada_with("0 1 2"));
   const std::string bad = scratch.write("bad.dae", collada_with("0 1 9"));
