@@ -113,6 +113,7 @@ Coupling sample_coupling(const RobotModel& robot) {
     coupling.words +=
         fmt::format("; largest to smallest singular value {:.3g} to {:.3g}", best, worst);
   }
+  if (std::abs(lightest) < 1e-12 * heaviest) lightest = 0;  // rounding
   coupling.words += fmt::format("\nmoments of the locked robot there: {:.4g} to {:.4g} kg m^2\n",
                                 lightest, heaviest);
   return coupling;

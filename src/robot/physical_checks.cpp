@@ -8,7 +8,7 @@
 
 namespace stillbase {
 
-std::string inertia_fault(const Matrix3d& inertia, double rounding) {
+std::string inertia_fault(const Matrix3d& inertia, double rounding, bool may_be_thin) {
   if (!inertia.allFinite()) return "the inertia tensor is not finite";
   if ((inertia - inertia.transpose()).cwiseAbs().maxCoeff() >
       1e-12 * inertia.cwiseAbs().maxCoeff()) {
@@ -18,7 +18,8 @@ std::string inertia_fault(const Matrix3d& inertia, double rounding) {
   const std::string principal = fmt::format("principal moments {:.6g}, {:.6g}, {:.6g} kg m^2",
                                             moments[0], moments[1], moments[2]);
   // Below 1e-12 of the largest a moment is rounding, not a number of the file.
-  if (!(moments[0] > 1e-12 * std::abs(moments[2]))) {
+  const double negligible = 1e-12 * std::abs(moments[2]);
+  if (may_be_thin ? moments[0] < -negligible : moments[0] <= negligible) {
     return fmt::format("the inertia tensor is not positive definite: {}", principal);
   }
   const double sum = moments[0] + moments[1];

@@ -81,7 +81,7 @@ void look_at_body(const RobotModel& robot, int index, const Body& body,
                   std::vector<std::string>& remarks) {
   const Extent extent = extent_of(robot, index);
   const Vector3d moments = principal_moments(body.inertia);
-  const bool is_same_about_all = moments[2] - moments[0] <= 1e-9 * moments[2];
+  const bool is_same_about_all = moments[2] > 0 && moments[2] - moments[0] <= 1e-9 * moments[2];
   if (is_same_about_all && is_power_of_ten(moments[1])) {
     remarks.push_back(fmt::format(
         "{}: the inertia is {:g} kg m^2 about every axis, as editors write when nobody measured it",
@@ -103,7 +103,7 @@ void look_at_body(const RobotModel& robot, int index, const Body& body,
         "{}: the inertia needs mass {:.3g} m from the centroid, but the body ends {:.3g} m from it",
         body.name, gyration, radius));
   }
-  if (radius > 0.02 && gyration < 0.1 * radius) {
+  if (radius > 0.02 && gyration > 0 && gyration < 0.1 * radius) {
     remarks.push_back(fmt::format(
         "{}: the inertia is that of a body of {:.2g} m about the centroid, but it reaches {:.3g} m",
         body.name, gyration, radius));
@@ -129,8 +129,8 @@ Matrix3d inertia_in_link_axes(const RobotModel& robot, const Body& body) {
 void look_for_shared_tensors(const RobotModel& robot, std::vector<std::string>& remarks) {
   std::vector<bool> is_named(robot.bodies.size(), false);
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
-    if (is_named[i]) continue;
     const Body& first = robot.bodies[i];
+    if (is_named[i] || first.inertia.isZero(0)) continue;
     std::string names = first.name;
     bool differ = false;
     for (std::size_t j = i + 1; j < robot.bodies.size(); ++j) {

@@ -179,10 +179,52 @@ class Builder {
   std::vector<std::vector<Part>> parts_;   // [0]: base, [k + 1]: body k
 };
 
-/// @param joint that moves the body; empty: the base
+/// What resists the joint that moves a body, of the body alone: kg m^2 or kg.
+double inertia_about(const Joint& joint, const Body& body) {
+  const double own = joint.is_prismatic()
+                         ? body.mass
+                         : body.inertia(2, 2) + body.mass * body.centroid.head<2>().squaredNorm();
+  return own + joint.reflected_inertia();
+}
+
+/// A tensor with a moment of zero is that of a point mass or of a rod without thickness. With it
+/// the matrices stay positive definite as long as every joint has an inertia to move.
+/// @param joint that moves the body; null: the base
+/// @return why it cannot be read; empty when it can
+std::string thinness_fault(const Body& body, const Joint* joint) {
+  if (joint == nullptr) return "";
+  const double size = body.inertia.trace() + body.mass * body.centroid.squaredNorm();
+  if (inertia_about(*joint, body) > 1e-12 * size) return "";
+  return fmt::format("no inertia about its joint {}; give it a tensor, or lock the joint",
+                     in_quotes(joint->name));
+}
+
+/// @param joint that moves the body; null: the base
 /// @param rounding of the moments of inertia, kg m^2
-void check_body(const Body& body, int line, const std::string& joint, bool may_lack_mass,
-                double rounding, Findings& findings) {
+void check_inertia(const Body& body, const std::string& name, int line, const Joint* joint,
+                   bool may_be_thin, double rounding, Findings& findings) {
+  const std::string wrong = inertia_fault(body.inertia);
+  if (wrong.empty()) return;
+  if (inertia_fault(body.inertia, rounding).empty()) {
+    findings.remark(line, "inertia",
+                    "the inertia tensor breaks the triangle inequality by no more than the digits "
+                    "of the file leave open",
+                    body.name);
+  } else if (!may_be_thin || !inertia_fault(body.inertia, rounding, true).empty()) {
+    findings.add(line, "inertia", name + ": " + wrong);
+  } else if (const std::string fault = thinness_fault(body, joint); !fault.empty()) {
+    findings.add(line, "inertia", name + ": " + fault);
+  } else {
+    findings.remark(line, "inertia",
+                    "a principal moment of inertia is 0: a point mass or a rod without thickness",
+                    body.name);
+  }
+}
+
+/// @param joint that moves the body; null: the base
+/// @param rounding of the moments of inertia, kg m^2
+void check_body(const Body& body, int line, const Joint* joint, bool may_lack_mass, double rounding,
+                Findings& findings) {
   std::string name = "body " + in_quotes(body.name);
   if (!body.merged_links.empty()) {
     name += fmt::format(" (with {} merged links)", body.merged_links.size());
@@ -193,18 +235,10 @@ void check_body(const Body& body, int line, const std::string& joint, bool may_l
                                 body.mass == 0 ? "mass" : "inertia"));
   } else if (const std::string fault = mass_fault(body.mass); !fault.empty()) {
     const std::string what_to_do =
-        joint.empty() ? "" : "; give it one, or lock its joint " + in_quotes(joint);
+        joint == nullptr ? "" : "; give it one, or lock its joint " + in_quotes(joint->name);
     findings.add(line, "mass", name + ": " + fault + what_to_do);
-  } else if (const std::string wrong = inertia_fault(body.inertia); !wrong.empty()) {
-    if (inertia_fault(body.inertia, rounding).empty()) {
-      findings.remark(
-          line, "inertia",
-          "the inertia tensor breaks the triangle inequality by no more than the digits "
-          "of the file leave open",
-          body.name);
-    } else {
-      findings.add(line, "inertia", name + ": " + wrong);
-    }
+  } else {
+    check_inertia(body, name, line, joint, joint != nullptr || may_lack_mass, rounding, findings);
   }
 }
 
@@ -216,14 +250,14 @@ void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base
     if (inertial)
       roundings[static_cast<std::size_t>(robot.links[i].body + 1)] += inertial->rounding;
   }
-  const auto check = [&](const Body& body, std::size_t number, const std::string& joint,
+  const auto check = [&](const Body& body, std::size_t number, const Joint* joint,
                          bool may_lack_mass) {
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(),
                      [&](const TreeLink& candidate) { return candidate.name == body.name; });
     check_body(body, link->line, joint, may_lack_mass, roundings[number], findings);
   };
-  check(robot.base, 0, "", may_lack_base);
+  check(robot.base, 0, nullptr, may_lack_base);
   const bool has_masses = std::any_of(robot.bodies.begin(), robot.bodies.end(),
                                       [](const Body& body) { return body.mass != 0; });
   if (!has_masses && robot.bodies.size() > 1) {
@@ -234,7 +268,7 @@ void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base
     return;
   }
   for (std::size_t k = 0; k < robot.bodies.size(); ++k) {
-    check(robot.bodies[k], k + 1, robot.tree()[k].name, false);
+    check(robot.bodies[k], k + 1, &robot.tree()[k], false);
   }
 }
 

@@ -17,7 +17,9 @@ namespace stillbase {
 /// @param inertia about the centroid, kg m^2
 /// @param rounding kg m^2; the sum may be missed by this, too, where fewer digits were written, but
 /// by no more than 0.05 of the largest moment
-std::string inertia_fault(const Matrix3d& inertia, double rounding = 0);
+/// @param may_be_thin principal moments of zero pass: those of a rod without thickness and of a
+/// point mass
+std::string inertia_fault(const Matrix3d& inertia, double rounding = 0, bool may_be_thin = false);
 
 /// Why no rigid body can have this mass (kg); empty when one can: finite and > 0.
 std::string mass_fault(double mass);

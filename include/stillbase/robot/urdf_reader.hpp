@@ -36,8 +36,10 @@ struct UrdfOptions {
 /// Accepted: trees of revolute, continuous, prismatic and fixed joints. Fixed links are merged into
 /// their parents (masses added, centroids averaged, parallel-axis theorem); then every body must
 /// have mass > 0 and an inertia tensor that is positive definite and satisfies the triangle
-/// inequality of principal moments, to within the digits that the file gives. What an `<inertial>`
-/// does not state is 0, and links without it are frames without mass. Those of them above a
+/// inequality of principal moments, to within the digits that the file gives. Moments of zero,
+/// those of a point mass or a rod without thickness, are remarked upon where the joint of the body
+/// has an inertia to move all the same; those of the base are refused. What an `<inertial>` does
+/// not state is 0, and links without it are frames without mass. Those of them above a
 /// floating or planar joint are left out, and so is a `world` that no joint names. A parent `world`
 /// need not be stated.
 ///
