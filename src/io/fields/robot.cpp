@@ -1,4 +1,5 @@
 // The section `robot`.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -159,6 +160,20 @@ void read_model(MapReader& map, CaptureProblem& problem, const std::string& sour
   }
 }
 
+/// Adds what read_model() remarked upon bodies, which no part of the robot says alone.
+/// @param is_file the model is that of the robot file, so its lines mean something to the user
+void add_body_remarks(const CaptureProblem& problem, bool is_file, std::vector<Finding>& remarks) {
+  for (Finding remark : problem.robot.remarks) {
+    const bool is_known = std::any_of(remarks.begin(), remarks.end(), [&](const Finding& known) {
+      return known.rule == remark.rule && known.message == remark.message;
+    });
+    if (remark.rule != "inertia" || is_known) continue;
+    remark.file = problem.urdf_path.empty() ? "robot" : problem.urdf_path;
+    if (!is_file) remark.line = 0;
+    remarks.push_back(std::move(remark));
+  }
+}
+
 /// What the robot is before its joints are locked.
 void read_unlocked(MapReader& map, const std::string& text, const RobotAssembly& assembly,
                    const RobotParts& parts, UnlockedRobot& unlocked) {
@@ -305,6 +320,7 @@ void robot_fields(Table& t, CaptureProblem& problem, const ProblemSources& sourc
                  : !assembly->hand().empty() ? assembly->hand()
                                              : tip);
       std::vector<Finding> remarks = assembly->remarks();
+      add_body_remarks(problem, !assembly->is_changed(), remarks);
       if (is_homogeneous) {
         remarks.push_back({map->context().source, map->line_of("base"), "homogeneous",
                            "the base's inertia is that of a homogeneous body of its shape"});
