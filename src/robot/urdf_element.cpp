@@ -103,9 +103,17 @@ std::vector<Finding> Findings::remarks() const {
   return list;
 }
 
+void Element::report(int line, std::string rule, std::string message) {
+  if (only_remarks_ && rule != "macro") {
+    findings_.remark(line, rule, message + ": left out");
+  } else {
+    findings_.add(line, std::move(rule), std::move(message));
+  }
+}
+
 void Element::find_in(const char* attribute, std::string rule, const std::string& message) {
-  findings_.add(xml_.FindAttribute(attribute)->GetLineNum(), std::move(rule),
-                fmt::format("{} {}: {}", tag(), attribute, message));
+  report(xml_.FindAttribute(attribute)->GetLineNum(), std::move(rule),
+         fmt::format("{} {}: {}", tag(), attribute, message));
 }
 
 const char* Element::value(const char* attribute, bool required) {
@@ -125,6 +133,23 @@ std::string Element::text(const char* attribute, bool required) {
   return text;
 }
 
+std::string Element::path(const char* attribute) {
+  constexpr std::string_view kFind = "$(find ";
+  const char* text = value(attribute, true);
+  if (text == nullptr) return "";
+  std::string path = text;
+  const std::size_t begin = path.find(kFind);
+  const std::size_t end = path.find(')', begin);
+  if (end != path.npos && (begin == 0 || path.compare(0, begin, "file://") == 0)) {
+    const std::string_view name =
+        trimmed(std::string_view(path).substr(begin + kFind.size(), end - begin - kFind.size()));
+    path = "package://" + std::string(name) + path.substr(end + 1);
+  }
+  if (!has_macro(path)) return path;
+  find_in(attribute, "macro", in_quotes(path) + ": " + kExpandMacros);
+  return "";
+}
+
 // One finite decimal number and nothing else but blanks around it. from_chars ignores the locale
 // and takes no hexadecimals or trailing text; a plus sign, which it refuses, is legal in URDF.
 double Element::parse(const char* attribute, std::string_view text, std::string_view part,
@@ -139,6 +164,7 @@ double Element::parse(const char* attribute, std::string_view text, std::string_
   };
   if (error == std::errc::result_out_of_range) {
     if (digits.find("e-") != digits.npos || digits.find("E-") != digits.npos) return 0;
+    if (is_limit) return digits.starts_with('-') ? -kInfinity : kInfinity;
     return refuse("not-finite", in_quotes(part) + " does not fit into a double");
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {

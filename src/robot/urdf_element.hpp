@@ -26,8 +26,11 @@ class Element {
 
   int line() const { return xml_.GetLineNum(); }
   void find(std::string rule, std::string message) {
-    findings_.add(line(), std::move(rule), std::move(message));
+    report(line(), std::move(rule), std::move(message));
   }
+  /// From here on, what is wrong with this element is remarked upon: it is neither a mass nor a
+  /// place.
+  void only_remark() { only_remarks_ = true; }
 
   void remark(const std::string& rule, const std::string& message,
               const std::string& subject = {}) {
@@ -37,6 +40,9 @@ class Element {
   bool has(const char* attribute) const { return xml_.Attribute(attribute) != nullptr; }
   /// A required text must not be empty, and none may hold what xacro would replace.
   std::string text(const char* attribute, bool required);
+  /// A path, in which `$(find PACKAGE)` of xacro is read as `package://PACKAGE`. Empty after a
+  /// finding.
+  std::string path(const char* attribute);
   /// One finite number. NaN after a finding.
   /// @param otherwise without the attribute; nothing: it is required
   double number(const char* attribute, Sign sign, std::optional<double> otherwise = {});
@@ -101,9 +107,11 @@ class Element {
   double parse(const char* attribute, std::string_view text, std::string_view part, Sign sign,
                bool is_limit = false);
   void find_in(const char* attribute, std::string rule, const std::string& message);
+  void report(int line, std::string rule, std::string message);
 
   const tinyxml2::XMLElement& xml_;
   Findings& findings_;
+  bool only_remarks_ = false;
   std::vector<std::string_view> attributes_, children_;  ///< asked for
 };
 

@@ -1,5 +1,7 @@
 // <joint> of a URDF file.
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,6 +36,7 @@ constexpr double kEndless = 1e4;  // rad: 1600 turns either way, further than a 
 /// knew it. So do those with one below zero.
 double read_bound(Element& limit, const char* attribute, const Joint& joint) {
   const double bound = limit.limit(attribute);
+  if (std::isnan(bound)) return 0;
   if (!(bound < 0)) return bound;
   limit.remark(
       "negative-limit",
@@ -45,8 +48,10 @@ double read_bound(Element& limit, const char* attribute, const Joint& joint) {
 /// A turning joint of a range that no joint has is endless. Ranges that are not stated are zero, as
 /// URDF says.
 void read_limit(Element& limit, Joint& joint) {
-  const double lower = limit.limit("lower");
-  const double upper = limit.limit("upper");
+  if (joint.type == JointType::Continuous) limit.only_remark();
+  double lower = limit.limit("lower");
+  double upper = limit.limit("upper");
+  limit.only_remark();
   joint.max_velocity = read_bound(limit, "velocity", joint);
   joint.max_effort = read_bound(limit, "effort", joint);
   if (joint.type == JointType::Revolute && lower <= -kEndless && upper >= kEndless) {
@@ -60,17 +65,25 @@ void read_limit(Element& limit, Joint& joint) {
     limit.remark("no-effort-limit", "effort of <limit> is zero or not stated", joint.name);
   }
   if (joint.type == JointType::Continuous) return;
+  if (lower > upper) {
+    std::swap(lower, upper);
+    limit.remark("joint-limits",
+                 "lower is above upper in <limit>: the range between them is read; a turning joint "
+                 "without ends is 'continuous'",
+                 joint.name);
+  }
   joint.lower = std::max(lower, -kLargestNumber);
   joint.upper = std::min(upper, kLargestNumber);
   if (!limit.has("lower") || !limit.has("upper")) {
     limit.remark("joint-limits", "<limit> without lower or upper: it is 0, as URDF says",
                  joint.name);
   }
-  if (lower > upper) {
-    limit.find("joint-limits", fmt::format("joint {}: lower {} is above upper {}; a "
-                                           "turning joint without ends is 'continuous'",
-                                           in_quotes(joint.name), lower, upper));
-  }
+}
+
+/// A coefficient of friction; what is none, or below zero, is taken for one that is not stated.
+double read_friction(Element& dynamics, const char* attribute) {
+  const double friction = dynamics.number(attribute, Sign::NonNegative, 0);
+  return std::isnan(friction) ? 0 : friction;
 }
 
 void read_motion(Element& element, TreeJoint& out) {
@@ -91,8 +104,9 @@ void read_motion(Element& element, TreeJoint& out) {
                     joint.is_prismatic() ? "prismatic" : "revolute"));
   }
   element.each("dynamics", 0, 1, [&](Element& dynamics) {
-    joint.viscous_friction = dynamics.number("damping", Sign::NonNegative, 0);
-    joint.coulomb_friction = dynamics.number("friction", Sign::NonNegative, 0);
+    dynamics.only_remark();
+    joint.viscous_friction = read_friction(dynamics, "damping");
+    joint.coulomb_friction = read_friction(dynamics, "friction");
   });
   element.each("mimic", 0, 1, [&](Element& mimic) {
     out.mimic = Mimic{mimic.text("joint", true), mimic.number("multiplier", Sign::Any, 1),

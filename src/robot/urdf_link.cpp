@@ -43,14 +43,15 @@ Inertial read_inertial(Element& element) {
   return inertial;
 }
 
-/// A size below zero is refused, one of zero makes a shape that is left out.
-bool has_size(Element& shape, double least) {
+/// A shape of which a size is not above zero, or not known, is left out.
+bool has_sizes(Element& shape, std::initializer_list<double> sizes) {
+  const double least = std::min(sizes);
   if (least < 0) {
     shape.find("out-of-range", shape.tag() + ": a size is negative");
   } else if (least == 0) {
     shape.remark("no-shape", shape.tag() + " of size zero: left out");
   }
-  return least > 0;
+  return std::all_of(sizes.begin(), sizes.end(), [](double size) { return size > 0; });
 }
 
 /// A hull that a written file gives beside a mesh, one or several: 3 coordinates per vertex, 3
@@ -87,17 +88,18 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
   const auto each = [&](const char* kind, auto read) {
     element.each(kind, 0, kAny, [&](Element& shape) {
       ++count;
+      shape.only_remark();
       read(shape);
     });
   };
   const auto add = [&](const Geometry& geometry) { link.shapes.emplace_back(pose, geometry); };
   each("sphere", [&](Element& sphere) {
     const double radius = sphere.number("radius", Sign::Any);
-    if (has_size(sphere, radius)) add(Sphere{radius});
+    if (has_sizes(sphere, {radius})) add(Sphere{radius});
   });
   each("box", [&](Element& box) {
     const Vector3d size = box.vector("size", Sign::Any);
-    if (has_size(box, size.minCoeff())) add(Box{size});
+    if (has_sizes(box, {size.x(), size.y(), size.z()})) add(Box{size});
   });
   for (const char* kind : {"cylinder", "capsule"}) {
     each(kind, [&](Element& shape) {
@@ -107,7 +109,7 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
         add(Sphere{radius});
         return;
       }
-      if (!has_size(shape, std::min(radius, length))) return;
+      if (!has_sizes(shape, {radius, length})) return;
       if (is_capsule || std::string_view(kind) == "capsule") {
         add(Capsule{radius, length});
       } else {
@@ -116,12 +118,10 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
     });
   }
   each("mesh", [&](Element& mesh) {
-    const std::string file = mesh.text("filename", !mesh.has("filename"));
+    const std::string file = mesh.path("filename");
     const Vector3d scale = mesh.scale("scale");
-    if (mesh.has("filename") && file.empty()) {
-      mesh.remark("no-shape", "<mesh> of no file: left out");
-      return;
-    }
+    if (file.empty()) mesh.remark("no-shape", "<mesh> of no file: left out");
+    if (file.empty() || !scale.allFinite()) return;
     link.meshes.push_back({mesh.line(), pose, file, scale, {}});
   });
   element.each("hull", 0, kAny, [&](Element& hull) {

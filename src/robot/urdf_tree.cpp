@@ -79,7 +79,9 @@ Tree read_document(std::string_view text, Findings& findings) {
       link.find("too-many-links", fmt::format("at most {}", kMaxUrdfLinks));
     }
   });
-  robot.each("joint", 0, kAny, [&](Element& joint) { tree.joints.push_back(read_joint(joint)); });
+  for (const char* name : {"joint", "drake:joint"}) {
+    robot.each(name, 0, kAny, [&](Element& joint) { tree.joints.push_back(read_joint(joint)); });
+  }
   robot.ignore({"material"});
   robot.leave_out("gazebo", "what it says is for a simulator");
   read_transmissions(robot, tree.joints);
@@ -174,6 +176,89 @@ void drop_free_root(Tree& tree, Findings& findings) {
   const auto is_dropped = [&](const TreeLink& link) { return dropped.count(link.name) > 0; };
   tree.links.erase(std::remove_if(tree.links.begin(), tree.links.end(), is_dropped),
                    tree.links.end());
+}
+
+/// The links without mass that fixed joints join to `link`, and the joints that leave them; nothing
+/// where one of them has a mass.
+struct MasslessGroup {
+  std::set<std::string> links;
+  std::vector<const TreeJoint*> leaving;
+};
+std::optional<MasslessGroup> massless_group(const Tree& tree, const std::string& link) {
+  MasslessGroup group;
+  std::vector<std::string> open = {link};
+  while (!open.empty()) {
+    const std::string name = open.back();
+    open.pop_back();
+    if (!group.links.insert(name).second) continue;
+    const auto stated = std::find_if(tree.links.begin(), tree.links.end(),
+                                     [&](const TreeLink& other) { return other.name == name; });
+    if (stated == tree.links.end() || has_mass(*stated)) return std::nullopt;
+    for (const TreeJoint& joint : tree.joints) {
+      if (joint.parent_name != name) continue;
+      if (joint.is_fixed) {
+        open.push_back(joint.child_name);
+      } else {
+        group.leaving.push_back(&joint);
+      }
+    }
+  }
+  return group;
+}
+
+/// Slides and turns between links without mass, from the root to the first link with one, say what
+/// a floating or planar joint says: the base floats. Asked for are three joints, two of them
+/// slides.
+void drop_virtual_base(Tree& tree, Findings& findings) {
+  std::set<std::string> children, dropped;
+  for (const TreeJoint& joint : tree.joints) children.insert(joint.child_name);
+  const auto root = std::find_if(tree.links.begin(), tree.links.end(), [&](const TreeLink& link) {
+    return children.count(link.name) == 0;
+  });
+  if (root == tree.links.end()) return;
+  std::vector<const TreeJoint*> passed;
+  std::string base = root->name;
+  while (const auto group = massless_group(tree, base)) {
+    if (group->leaving.size() != 1 || dropped.count(base) > 0) return;
+    dropped.insert(group->links.begin(), group->links.end());
+    passed.push_back(group->leaving.front());
+    base = passed.back()->child_name;
+  }
+  const auto slides = std::count_if(passed.begin(), passed.end(), [](const TreeJoint* joint) {
+    return joint->joint.is_prismatic();
+  });
+  const bool leaves_no_arm =
+      std::none_of(tree.joints.begin(), tree.joints.end(), [&](const TreeJoint& j) {
+        return !j.is_fixed && std::find(passed.begin(), passed.end(), &j) == passed.end();
+      });
+  if (passed.size() < 3 || slides < 2 || leaves_no_arm) return;
+  findings.remark(passed.front()->line, "free-root",
+                  fmt::format("links without mass above {} and the {} joints between them: left "
+                              "out, every base floats",
+                              in_quotes(base), passed.size()));
+  std::vector<TreeJoint> joints;
+  for (const TreeJoint& joint : tree.joints) {
+    if (dropped.count(joint.parent_name) == 0) joints.push_back(joint);
+  }
+  tree.joints = std::move(joints);
+  const auto is_dropped = [&](const TreeLink& link) { return dropped.count(link.name) > 0; };
+  tree.links.erase(std::remove_if(tree.links.begin(), tree.links.end(), is_dropped),
+                   tree.links.end());
+}
+
+/// A joint without range, as exporters write for one that nobody measured, moves nothing. With no
+/// mass behind it, it is a fixed one.
+void fix_idle_joints(Tree& tree, Findings& findings) {
+  for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+    const TreeJoint& joint = tree.joints[j];
+    const bool is_idle = !joint.is_fixed && !joint.mimic &&
+                         joint.joint.type != JointType::Continuous &&
+                         joint.joint.lower == joint.joint.upper;
+    if (!is_idle || !massless_group(tree, joint.child_name)) continue;
+    findings.remark(joint.line, "idle-joint", "joint without range that moves no mass: it is fixed",
+                    joint.joint.name);
+    lock(tree, j, joint.joint.lower);
+  }
 }
 
 /// Follows couplings of couplings to a joint that moves by itself. A coupled joint whose master
@@ -333,9 +418,11 @@ Tree read_tree(std::string_view text, Findings& findings) {
   add_implied_world(tree, findings);
   drop_lone_world(tree, findings);
   drop_free_root(tree, findings);
+  drop_virtual_base(tree, findings);
   connect(tree, findings);
   find_root(tree, findings);
   follow_couplings(tree, findings);
+  fix_idle_joints(tree, findings);
   return tree;
 }
 

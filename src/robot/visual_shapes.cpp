@@ -91,14 +91,19 @@ std::vector<VisualPart> parts_of(const tinyxml2::XMLElement& xml, MaterialColors
                                  Findings& findings) {
   Findings own("");
   Element link(xml, own);
+  const auto remark = [&](int line, const std::string& why) {
+    findings.remark(line, "visual", "<visual> that cannot be read: left out",
+                    fmt::format("{} ({})", link.text("name", false), why));
+  };
   try {
     std::vector<VisualPart> parts = read_visuals(link, colors);
     own.raise();
+    for (const Finding& shape : own.remarks()) {
+      if (shape.message.ends_with("left out")) remark(shape.line, shape.message);
+    }
     return parts;
   } catch (const InputError& error) {
-    findings.remark(
-        link.line(), "visual", "<visual> that cannot be read: left out",
-        fmt::format("{} ({})", link.text("name", false), error.findings().front().message));
+    remark(link.line(), error.findings().front().message);
     return {};
   }
 }

@@ -53,7 +53,7 @@ TEST_CASE("what xacro has not expanded is refused by its name, wherever it stand
   Text link, number, mesh;
   link.arm = "${prefix}arm";
   number.limit = "lower='$(arg lower)' upper='1'";
-  mesh.shape = "<mesh filename='$(find robot)/meshes/arm.stl'/>";
+  mesh.shape = "<mesh filename='$(arg folder)/arm.stl'/>";
   for (const Text& text : {link, number, mesh}) {
     CHECK(has(refusal(text), "macros (xacro) must be expanded first: `xacro "));
   }
@@ -84,7 +84,10 @@ TEST_CASE("an infinite limit is none") {
   CHECK(robot.joints[0].type == JointType::Continuous);
   CHECK(robot.joints[0].max_velocity == kInfinity);
   CHECK(robot.joints[0].max_effort == kInfinity);
-  text.limit = "lower='-1' upper='1' velocity='nan' effort='1'";
+  text.limit = "lower='-1e999' upper='1e999' velocity='1e999' effort='1'";
+  CHECK(read(text).joints[0].type == JointType::Continuous);
+  CHECK(read(text).joints[0].max_velocity == kInfinity);
+  text.limit = "lower='nan' upper='1' velocity='1' effort='1'";
   CHECK(has(refusal(text), "not finite"));
 }
 
@@ -98,7 +101,10 @@ TEST_CASE("one number scales a mesh along all axes, and a remark says so") {
   REQUIRE(findings.remarks().size() == 1);
   CHECK(findings.remarks()[0].rule == "scale");
   text.shape = "<mesh filename='arm.stl' scale='1 2'/>";
-  CHECK(has(refusal(text), "three numbers"));
+  urdf::Findings more("r.urdf");
+  CHECK(urdf::read_tree(text.str(), more).links[1].meshes.empty());
+  REQUIRE(more.remarks().size() == 1);
+  CHECK(has(more.remarks()[0].message, "three numbers"));
 }
 
 TEST_CASE("hulls that the file gives are left by decompose, and a remark says so") {

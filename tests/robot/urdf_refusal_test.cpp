@@ -187,9 +187,7 @@ TEST_CASE("joints that are not supported are refused with the reason") {
   refused(with("xyz=\"0 0 1\"", "xyz=\"0 0 0\""), 18, "joint-axis");
   refused(with("<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/>", ""), 14,
           "joint-limits");
-  refused(with("lower=\"-1\" upper=\"1\"", "upper=\"-1.5\""), 19, "joint-limits");
-  refused(with("upper=\"1\"", "upper=\"-1.5\""), 19, "joint-limits");
-  refused(with("<axis", "<dynamics damping=\"-1\"/><axis"), 18, "out-of-range");
+  refused(with("upper=\"1\"", "upper=\"\""), 19, "not-a-number");
 }
 
 TEST_CASE("a robot with more joints that move than the matrices hold is refused") {
@@ -208,16 +206,6 @@ TEST_CASE("a robot with more joints that move than the matrices hold is refused"
   CHECK(findings[0].line > 1);  // of the first joint too many
   CHECK(findings[0].message.find("65 movable joints, at most 64") != std::string::npos);
   CHECK(findings[0].message.find("`robot.locked`") != std::string::npos);
-}
-
-TEST_CASE("shapes that cannot be checked for contact are refused") {
-  refused(with("radius=\"0.1\"", "radius=\"-0.1\""), 12, "out-of-range");
-  refused(with("length=\"1\"", "length=\"-1\""), 12, "out-of-range");
-  refused(with("radius=\"0.1\" ", ""), 12, "missing-attribute");
-  const std::string cylinder = "<cylinder radius=\"0.1\" length=\"1\"/>";
-  refused(with(cylinder, "<box size=\"1 -1 1\"/>"), 12, "out-of-range");
-  refused(with(cylinder, "<capsule radius=\"nan\" length=\"1\"/>"), 12, "not-finite");
-  refused(with(cylinder, "<mesh scale=\"1 1 1\"/>"), 12, "missing-attribute");
 }
 
 TEST_CASE("repeated elements and values at the wrong place are refused, not dropped") {

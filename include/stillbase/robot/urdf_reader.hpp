@@ -39,15 +39,17 @@ struct UrdfOptions {
 /// inequality of principal moments, to within the digits that the file gives. Moments of zero,
 /// those of a point mass or a rod without thickness, are remarked upon where the joint of the body
 /// has an inertia to move all the same; those of the base are refused. What an `<inertial>` does
-/// not state is 0, and links without it are frames without mass. Those of them above a
-/// floating or planar joint are left out, and so is a `world` that no joint names. A parent `world`
-/// need not be stated.
+/// not state is 0, and links without it are frames without mass. Those of them above a floating or
+/// planar joint are left out, and so are three or more slides and turns between links without mass,
+/// two of them slides, that stand for such a joint above the first link with mass. A `world` that
+/// no joint names is left out; a parent `world` need not be stated.
 ///
 /// Revolute and prismatic joints need `<limit>`; its lower and upper are 0 when they are not
 /// stated, as URDF says, and velocity and effort 0, which is remarked upon: no motion can be
-/// planned with it. The same holds for a negative velocity or effort. A continuous joint has no
-/// lower and upper (they are ignored there), and no bounds on velocity and effort unless it has a
-/// `<limit>`. Axes are normalised.
+/// planned with it. The same holds for a velocity or effort that is negative or no number. A lower
+/// above the upper is taken for the upper. A joint without range that moves no mass is fixed. A
+/// continuous joint has no lower and upper (they are ignored there), and no bounds on velocity and
+/// effort unless it has a `<limit>`. Axes are normalised.
 ///
 /// Collision shapes: sphere, box, cylinder, capsule (length without caps). A `<collision>` whose
 /// name ends in "_capsule" and holds a `<cylinder>` is a capsule, the cylinder of that radius and
@@ -61,10 +63,12 @@ struct UrdfOptions {
 ///
 /// Remarked upon once per kind, with the number of times and the first line: elements, attributes
 /// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
-/// axes of fixed joints, ...), shapes without size or of no known kind, limits of zero, an element
-/// that is stated twice alike, a `<robot>` without a name or of another version.
+/// axes of fixed joints, ...), shapes without size or of no known kind, sizes and coefficients of
+/// friction that are negative or no numbers, limits of zero, an element that is stated twice alike,
+/// a `<robot>` without a name or of another version.
 ///
-/// Numbers are plain decimals with a point, finite and at most 1e60 in size. In `<limit>` larger
+/// Numbers of masses and places are plain decimals with a point, finite and at most 1e60 in size;
+/// others are refused. In `<limit>` larger
 /// ones, which some programs write for "none", are no limit: a turning joint without ends is
 /// continuous. An `<origin>` may state quat_xyzw in place of rpy.
 ///
