@@ -138,6 +138,7 @@ std::string Element::path(const char* attribute) {
   const char* text = value(attribute, true);
   if (text == nullptr) return "";
   std::string path = text;
+  std::replace(path.begin(), path.end(), '\\', '/');
   const std::size_t begin = path.find(kFind);
   const std::size_t end = path.find(')', begin);
   if (end != path.npos && (begin == 0 || path.compare(0, begin, "file://") == 0)) {

@@ -40,8 +40,8 @@ class Element {
   bool has(const char* attribute) const { return xml_.Attribute(attribute) != nullptr; }
   /// A required text must not be empty, and none may hold what xacro would replace.
   std::string text(const char* attribute, bool required);
-  /// A path, in which `$(find PACKAGE)` of xacro is read as `package://PACKAGE`. Empty after a
-  /// finding.
+  /// A path with slashes, also where the file has backslashes; `$(find PACKAGE)` of xacro in front
+  /// is read as `package://PACKAGE`. Empty after a finding.
   std::string path(const char* attribute);
   /// One finite number. NaN after a finding.
   /// @param otherwise without the attribute; nothing: it is required

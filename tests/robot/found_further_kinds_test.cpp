@@ -135,6 +135,19 @@ std::vector<Found> further_kinds() {
        held(collision("<mesh filename=\"$(find robot)/meshes/a.stl\"/>") +
             collision("<mesh filename=\"file://$(find robot)/meshes/b.stl\"/>")),
        "mesh", 1},
+      {"exporters under Windows: backslashes in the paths of meshes",
+       held(collision("<mesh filename=\"package:\\\\robot\\meshes\\a.stl\"/>")), "mesh", 1},
+      {"walking excavators: a simulator's block in a link, arrows in comments",
+       held("<gazebo reference=\"x\"><gravity>true</gravity></gazebo>") +
+           "<!--  <noise/> <!- change this -> \n <sensor name=\"${limb}\"/> -->",
+       "unknown-element", 1},
+      {"berths: the name of an assembly, a plate and handles on fixed joints",
+       "<link name=\"Shell.SLDASM 1\"><inertial><mass value=\"0.35\"/><inertia "
+       "ixx=\"0.00169054996882395\" ixy=\"4.84676140167788E-22\" ixz=\"-2.6E-20\" "
+       "iyy=\"0.00337900278950978\" iyz=\"-7.4E-20\" "
+       "izz=\"0.00169054996882395\"/></inertial></link>" +
+           found_joint("f", "fixed", "arm", "Shell.SLDASM 1", "<axis\n xyz=\"0 0 1\" />"),
+       "not-used", 1},
       {"drawings: a cylinder with a height",
        held(collision("<cylinder radius=\"1\" height=\"2\"/>")), "missing-attribute", 1},
   };
@@ -297,10 +310,15 @@ TEST_CASE("joints of several freedoms are named so in the words of a control lib
   }
 }
 
-TEST_CASE("a package that a macro finds in the path of a mesh is read as one") {
-  const RobotModel robot =
-      read_found(held(collision("<mesh filename=\"$(find arm_description)/meshes/a.stl\"/>")));
-  CHECK(remark_with(robot, "x (package://arm_description/meshes/a.stl)") != nullptr);
+TEST_CASE("paths of meshes in other words are read as those of packages") {
+  for (const char* path :
+       {"$(find arm_description)/meshes/a.stl", "file://$(find arm_description)/meshes/a.stl",
+        "package:\\\\arm_description\\meshes\\a.stl", "package://arm_description\\meshes/a.stl"}) {
+    INFO(path);
+    const RobotModel robot =
+        read_found(held(collision("<mesh filename=\"" + std::string(path) + "\"/>")));
+    CHECK(remark_with(robot, "x (package://arm_description/meshes/a.stl)") != nullptr);
+  }
 }
 
 }  // namespace stillbase

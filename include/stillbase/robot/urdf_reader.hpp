@@ -68,9 +68,9 @@ struct UrdfOptions {
 /// a `<robot>` without a name or of another version.
 ///
 /// Numbers of masses and places are plain decimals with a point, finite and at most 1e60 in size;
-/// others are refused. In `<limit>` larger
-/// ones, which some programs write for "none", are no limit: a turning joint without ends is
-/// continuous. An `<origin>` may state quat_xyzw in place of rpy.
+/// others are refused. In `<limit>` larger ones, which some programs write for "none", are no
+/// limit: a turning joint without ends is continuous. An `<origin>` may state quat_xyzw in place of
+/// rpy.
 ///
 /// @param text URDF in UTF-8, in UTF-16 with a byte order mark, or in the ISO 8859-1 that it
 /// declares; at most kMaxUrdfBytes
