@@ -81,6 +81,22 @@ class Element {
     if (count < least) find("missing-element", tag() + " needs a <" + name + ">");
     children_.emplace_back(name);
   }
+  /// Reads the first child of this name, if there is one, as other readers of the format do. What
+  /// is stated again is remarked upon: it is neither a mass nor a place.
+  template <class Read>
+  void first(const char* name, Read read) {
+    const auto* const stated = xml_.FirstChildElement(name);
+    for (const auto* e = stated; e != nullptr; e = e->NextSiblingElement(name)) {
+      Element child(*e, findings_);
+      if (e == stated) {
+        read(child);
+        child.finish();
+      } else {
+        child.remark("repeated-element", tag() + " holds <" + name + "> again: the first is read");
+      }
+    }
+    children_.emplace_back(name);
+  }
   /// The same of any number of children, of which what is not asked for needs no remark.
   template <class Read>
   void look_into(const char* name, Read read) {

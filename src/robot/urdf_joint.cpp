@@ -93,7 +93,7 @@ void read_motion(Element& element, TreeJoint& out) {
     if (out.axis.isZero(0)) axis.find("joint-axis", "<axis> xyz has no direction");
   });
   bool has_limit = false;
-  element.each("limit", 0, 1, [&](Element& limit) {
+  element.first("limit", [&](Element& limit) {
     has_limit = true;
     read_limit(limit, joint);
   });
@@ -103,7 +103,7 @@ void read_motion(Element& element, TreeJoint& out) {
         fmt::format("joint {} is {} and needs <limit> with lower and upper", in_quotes(joint.name),
                     joint.is_prismatic() ? "prismatic" : "revolute"));
   }
-  element.each("dynamics", 0, 1, [&](Element& dynamics) {
+  element.first("dynamics", [&](Element& dynamics) {
     dynamics.only_remark();
     joint.viscous_friction = read_friction(dynamics, "damping");
     joint.coulomb_friction = read_friction(dynamics, "friction");

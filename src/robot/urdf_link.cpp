@@ -187,7 +187,9 @@ TreeLink read_link(Element& element) {
     collision.text("group", false);
     const Pose origin = read_origin(collision);
     bool has_geometry = false;
-    collision.each("geometry", 0, 1, [&](Element& geometry) {
+    collision.each("geometry", 0, kAny, [&](Element& geometry) {
+      if (has_geometry)
+        geometry.remark("geometry", "<collision> with several <geometry>: all are read");
       has_geometry = true;
       read_geometry(geometry, origin, is_capsule, link);
     });

@@ -236,6 +236,27 @@ TEST_CASE("a range from above is read from below") {
   CHECK(joint("upper=\"-1.5\"").upper == 0);
 }
 
+TEST_CASE("limits, friction and shapes that are stated again are read once, or all of them") {
+  const RobotModel robot = read_found(
+      moved("revolute", kRange + "<limit effort=\"9\" velocity=\"7\" flags=\"x\"/><dynamics "
+                                 "damping=\"1\"/><dynamics friction=\"2\"/>") +
+      held(collision("<sphere radius=\"1\"/></geometry><geometry><box size=\"1 1 1\"/>"), "y"));
+  CHECK(robot.joints[1].max_velocity == 1);
+  CHECK(robot.joints[1].upper == 1);
+  CHECK(robot.joints[1].viscous_friction == 1);
+  CHECK(robot.joints[1].coulomb_friction == 0);
+  CHECK(robot.shapes.size() == 2);
+  CHECK(robot.remarks.size() == 3);
+  for (const char* part : {"<joint> holds <limit> again: the first is read",
+                           "<joint> holds <dynamics> again: the first is read",
+                           "<collision> with several <geometry>: all are read"}) {
+    INFO(part);
+    CHECK(remark_with(robot, part) != nullptr);
+  }
+  CHECK_THROWS_WITH(read_found(moved("continuous", "<axis xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>")),
+                    Catch::Contains("more than one <axis>"));
+}
+
 TEST_CASE("a joint without range moves no mass, or is a joint") {
   const std::string still = "<limit lower=\"0.5\" upper=\"0.5\" effort=\"1\" velocity=\"1\"/>";
   const std::string tip =

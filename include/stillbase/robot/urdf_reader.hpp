@@ -65,7 +65,8 @@ struct UrdfOptions {
 /// and text that are not read (`<gazebo>`, `<transmission>`, `<ros2_control>`, safety controllers,
 /// axes of fixed joints, ...), shapes without size or of no known kind, sizes and coefficients of
 /// friction that are negative or no numbers, limits of zero, an element that is stated twice alike,
-/// a `<robot>` without a name or of another version.
+/// `<limit>` and `<dynamics>` that are stated again (the first is read), a `<robot>` without a name
+/// or of another version.
 ///
 /// Numbers of masses and places are plain decimals with a point, finite and at most 1e60 in size;
 /// others are refused. In `<limit>` larger ones, which some programs write for "none", are no
