@@ -136,7 +136,8 @@ TEST_CASE("a plan carries the remarks on its robot file") {
 TEST_CASE("a plan carries the remarks on the bodies of its robot, and verifies") {
   const Workshop shop;
   shop.write_changed("robots/rounded.urdf", "problems/robots/planar_two_link_a.urdf",
-                     R"(ixx="0.333" iyy="33.3" izz="33.3")", R"(ixx="0.333" iyy="33.3" izz="33.7")");
+                     R"(ixx="0.333" iyy="33.3" izz="33.3")",
+                     R"(ixx="0.333" iyy="33.3" izz="33.7")");
   shop.write_changed("problem.yaml", "problems/planar_two_link_c2_a.yaml",
                      "robots/planar_two_link_a.urdf", "robots/rounded.urdf");
   REQUIRE(shop.run("plan problem.yaml -o plan.json").code == 0);
