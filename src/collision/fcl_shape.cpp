@@ -58,10 +58,9 @@ fcl::Transform3d transform(const Matrix3d& R, const Vector3d& p) {
 // Unsigned on purpose: the signed distance of this release stops the process for some poses.
 // 1e-9: with the default of 1e-6 box against box is off by millimetres.
 fcl::DistanceResultd query(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a,
-                           const FclShape& b, const Matrix3d& R_b, const Vector3d& p_b,
-                           bool with_points) {
+                           const FclShape& b, const Matrix3d& R_b, const Vector3d& p_b) {
   assert(R_a.allFinite() && p_a.allFinite() && R_b.allFinite() && p_b.allFinite());
-  const fcl::DistanceRequestd request(with_points, false, 0.0, 0.0, 1e-9, fcl::GST_LIBCCD);
+  const fcl::DistanceRequestd request(true, false, 0.0, 0.0, 1e-9, fcl::GST_LIBCCD);
   fcl::DistanceResultd result;
   fcl::distance(a.geometry.get(), transform(R_a, p_a), b.geometry.get(), transform(R_b, p_b),
                 request, result);
@@ -81,18 +80,15 @@ std::shared_ptr<const FclShape> make_fcl_shape(const Geometry& geometry) {
 double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a, const FclShape& b,
                     const Matrix3d& R_b, const Vector3d& p_b) {
   constexpr double kError = 1e-6;  // m
-  const bool are_boxes = a.half && b.half;
-  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b, !are_boxes);
+  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b);
   const double found = std::max(result.min_distance, 0.0);
   if (!(found > 0)) return found;
-  if (!are_boxes) {
-    const PlacedGeometry shape_a{a.shape, R_a, p_a}, shape_b{b.shape, R_b, p_b};
-    const Vector3d apart = result.nearest_points[0] - result.nearest_points[1];
-    const double length = apart.norm();
-    const Vector3d from = length > kError ? Vector3d(apart / length) : Vector3d::UnitX();
-    if (found <= gap_along(shape_a, shape_b, from) + kError) return found;
-    return std::min(found, std::max(convex_gap(shape_a, shape_b, from), 0.0));
-  }
+  const PlacedGeometry shape_a{a.shape, R_a, p_a}, shape_b{b.shape, R_b, p_b};
+  const Vector3d apart = result.nearest_points[0] - result.nearest_points[1];
+  const double length = apart.norm();
+  const Vector3d from = length > kError ? Vector3d(apart / length) : Vector3d::UnitX();
+  if (found <= gap_along(shape_a, shape_b, from) + kError) return found;
+  if (!a.half || !b.half) return std::min(found, std::max(convex_gap(shape_a, shape_b, from), 0.0));
   const PlacedBox box_a{*a.half, R_a, p_a}, box_b{*b.half, R_b, p_b};
   const double gap = widest_gap(box_a, box_b);
   if (found <= gap + kError) return found;
@@ -103,7 +99,7 @@ double fcl_distance(const FclShape& a, const Matrix3d& R_a, const Vector3d& p_a,
 std::optional<PointPair> fcl_nearest_points(const FclShape& a, const Matrix3d& R_a,
                                             const Vector3d& p_a, const FclShape& b,
                                             const Matrix3d& R_b, const Vector3d& p_b) {
-  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b, true);
+  const fcl::DistanceResultd result = query(a, R_a, p_a, b, R_b, p_b);
   if (!(result.min_distance > 0)) return std::nullopt;
   return PointPair{result.nearest_points[0], result.nearest_points[1]};
 }

@@ -297,6 +297,10 @@ class Instant {
     const double gap = box_gap({a.box.half, pa.R, pa.R * a.box.centre + pa.p},
                                {b.box.half, pb.R, pb.R * b.box.centre + pb.p});
     if (gap > enough + kFclError) return gap;
+    if (a.is_box && b.is_box) {
+      const double widest = widest_gap({a.box.half, pa.R, pa.p}, {b.box.half, pb.R, pb.p});
+      if (widest > enough + kFclError) return widest;
+    }
     return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
   }
 
