@@ -48,6 +48,12 @@ Bounds bounds_of(const Geometry& geometry) {
   return {};
 }
 
+/// Radius of the sphere about the origin beyond which distances are counted, m; see Bounds.
+double reach_of(const Bounds& bounds) {
+  if (bounds.round) return bounds.round->first + bounds.round->second;
+  return bounds.box ? bounds.box->norm() / 2 : kInfinity;
+}
+
 double to_box(const Vector3d& point, const Vector3d& size) {
   Vector3d out;
   for (int i = 0; i < 3; ++i) out[i] = std::abs(point[i]) - size[i] / 2;
@@ -56,23 +62,34 @@ double to_box(const Vector3d& point, const Vector3d& size) {
   return out.norm();
 }
 
-/// The least distance of the edges of one box from another one, by a search along each.
-double edges_from_box(const Pose& of, const Vector3d& size, const Pose& other,
-                      const Vector3d& other_size) {
-  const Pose in_other = other.inverse() * of;
-  double least = kInfinity;
+/// The edges of a box, as middle and half length along its axis.
+std::vector<std::pair<Vector3d, Vector3d>> edges_of(const Pose& pose, const Vector3d& size) {
+  std::vector<std::pair<Vector3d, Vector3d>> out;
   for (int along = 0; along < 3; ++along) {
-    for (const double i : {-0.5, 0.5}) {
-      for (const double j : {-0.5, 0.5}) {
-        least = std::min(least, convex_minimum([&](double t) {
-                           Vector3d part;
-                           part[along] = t / 2;
-                           part[(along + 1) % 3] = i;
-                           part[(along + 2) % 3] = j;
-                           return to_box(in_other * Vector3d(part.cwiseProduct(size)), other_size);
-                         }));
+    const int a = (along + 1) % 3, b = (along + 2) % 3;
+    for (const double side_a : {-0.5, 0.5}) {
+      for (const double side_b : {-0.5, 0.5}) {
+        Vector3d middle = Vector3d::Zero();
+        middle[a] = side_a * size[a];
+        middle[b] = side_b * size[b];
+        out.emplace_back(pose * middle,
+                         pose.orientation * Vector3d(size[along] / 2 * Vector3d::Unit(along)));
       }
     }
+  }
+  return out;
+}
+
+/// The least distance of the edges of one box from another one, by a search along each that may
+/// come closer than those before: no point of an edge is further from its middle than its ends.
+double edges_from_box(const Pose& of, const Vector3d& size, const Pose& other,
+                      const Vector3d& other_size) {
+  double least = kInfinity;
+  for (const auto& edge : edges_of(other.inverse() * of, size)) {
+    const Vector3d &middle = edge.first, &half = edge.second;
+    if (to_box(middle, other_size) - half.norm() >= least) continue;
+    least = std::min(
+        least, convex_minimum([&](double t) { return to_box(middle + t * half, other_size); }));
   }
   return least;
 }
@@ -171,11 +188,13 @@ ContactShapes::ContactShapes(const CaptureProblem& problem, const Configuration&
   }
 }
 
-std::optional<double> ContactShapes::distance(int i, int j) const {
+std::optional<double> ContactShapes::distance(int i, int j, double enough) const {
   if (i < 1 || j < 1 || i > count() || j > count()) return std::nullopt;
   const Shape &a = shape(i), &b = shape(j);
   if (a.geometry == nullptr || b.geometry == nullptr) return std::nullopt;
   const Bounds of_a = bounds_of(*a.geometry), of_b = bounds_of(*b.geometry);
+  const double apart = (a.pose.position - b.pose.position).norm() - reach_of(of_a) - reach_of(of_b);
+  if (apart > enough) return apart;
   std::optional<double> out;
   const auto offer = [&out](double x) { out = std::max(out.value_or(-kInfinity), x); };
   if (of_a.round && of_b.round) offer(round_to_round(a.pose, *of_a.round, b.pose, *of_b.round));
@@ -189,24 +208,6 @@ std::optional<double> ContactShapes::distance(int i, int j) const {
 }
 
 namespace {
-
-/// The edges of a box, as middle and half length along its axis.
-std::vector<std::pair<Vector3d, Vector3d>> edges_of(const Pose& pose, const Vector3d& size) {
-  std::vector<std::pair<Vector3d, Vector3d>> out;
-  for (int along = 0; along < 3; ++along) {
-    const int a = (along + 1) % 3, b = (along + 2) % 3;
-    for (const double side_a : {-0.5, 0.5}) {
-      for (const double side_b : {-0.5, 0.5}) {
-        Vector3d middle = Vector3d::Zero();
-        middle[a] = side_a * size[a];
-        middle[b] = side_b * size[b];
-        out.emplace_back(pose * middle,
-                         pose.orientation * Vector3d(size[along] / 2 * Vector3d::Unit(along)));
-      }
-    }
-  }
-  return out;
-}
 
 /// Of two edges that pass each other, nearest between their ends; else infinite.
 double crossing_distance(const std::pair<Vector3d, Vector3d>& one,
@@ -303,7 +304,7 @@ MarginNumbers margin_numbers(const Situation& situation) {
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
       if (!shapes.must_be_apart(i, j)) continue;
-      const auto distance = shapes.distance(i, j);
+      const auto distance = shapes.distance(i, j, out.distance.value_or(kInfinity));
       if (!distance || (out.distance && *distance >= *out.distance)) continue;
       out.distance = distance;
       out.nearest = shapes.name(i) + " with " + shapes.name(j);
@@ -319,7 +320,7 @@ double neighbours_distance(const CaptureProblem& problem, const Configuration& a
   for (int i = 1; i <= here.count(); ++i) {
     for (int j = i + 1; j <= here.count(); ++j) {
       if (!here.are_neighbours(i, j)) continue;
-      const auto distance = here.distance(i, j), stated = start.distance(i, j);
+      const auto distance = here.distance(i, j, least), stated = start.distance(i, j, 0);
       if (distance && stated && *stated > 0) least = std::min(least, *distance);
     }
   }

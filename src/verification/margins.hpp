@@ -28,8 +28,9 @@ class ContactShapes {
   /// Signed distance of two shapes, m: by a search along the segment of a sphere or capsule or of
   /// an edge of a box; of boxes that overlap, and of those about cylinders, the widest gap along a
   /// separating axis; of a cylinder the larger of those of the capsule and the box about it. Empty
-  /// for numbers out of range and for shapes that no constraint is about.
-  std::optional<double> distance(int i, int j) const;
+  /// for numbers out of range and for shapes that no constraint is about. Where the distance of
+  /// the spheres about the shapes is above `enough`: that one, which is no larger.
+  std::optional<double> distance(int i, int j, double enough = kInfinity) const;
   /// Of every corner of a box of the base and one of the target from the other one, and of each
   /// edge of one from each of the other, m: 16 and 144, all at least the distance of the boxes,
   /// smooth, and infinite for edges that do not pass each other; none of other shapes.

@@ -2,7 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include <stillbase/audit/audit.hpp>
+#include <stillbase/core/random.hpp>
 
+#include "collision/closed_forms.hpp"
 #include "verification/example_plans.hpp"
 #include "verification/margins.hpp"
 
@@ -102,4 +104,29 @@ TEST_CASE("distances at the contact agree with the collision scene where both ar
   const Vector3d q = ((box.inverse() * p).cwiseAbs() - Vector3d::Constant(0.375)).cwiseMax(0);
   CHECK(shapes.distance(1, shapes.count()).value() ==
         Approx(q.norm() - std::get<Sphere>(last.geometry).radius).epsilon(1e-12));
+}
+
+TEST_CASE("distances of boxes are those of the collision scene's closed form") {
+  Plan plan = arm_plan();
+  const Vector3d size(0.7, 0.5, 0.3), other_size(0.1, 0.2, 0.6);
+  Random random(72);
+  int apart = 0, bounded = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Pose one{random.uniform(0, 1.5) * random.unit_vector(),
+                   rotation_exp(2 * random.unit_vector())};
+    const Pose other{Vector3d::Zero(), rotation_exp(2 * random.unit_vector())};
+    plan.problem.robot.shapes = {{kBase, "one", one, Box{size}},
+                                 {kBase, "other", other, Box{other_size}}};
+    const verification::ContactShapes shapes(plan.problem, plan.configuration, nullptr);
+    const PlacedBox a{size / 2, one.orientation.toRotationMatrix(), one.position};
+    const PlacedBox b{other_size / 2, other.orientation.toRotationMatrix(), other.position};
+    const double gap = widest_gap(a, b), distance = shapes.distance(1, 2).value();
+    CHECK(distance == Approx(gap > 0 ? separate_box_distance(a, b) : gap).epsilon(0).margin(1e-12));
+    apart += gap > 0;
+    const double enough = random.uniform(0, 0.3), found = shapes.distance(1, 2, enough).value();
+    CHECK((found == distance || (found > enough && found <= distance)));
+    bounded += found != distance;
+  }
+  CHECK(apart > 150);
+  CHECK(bounded > 50);
 }
