@@ -43,6 +43,13 @@ Vector3d plain(const Vector3<S>& v) {
   return {value_of_number(v[0]), value_of_number(v[1]), value_of_number(v[2])};
 }
 
+template <class S>
+Matrix3d plain_axes(const Matrix3<S>& M) {
+  Matrix3d out;
+  for (int i = 0; i < 3; ++i) out.col(i) = plain<S>(Vector3<S>(M.col(i)));
+  return out;
+}
+
 inline double sign_of(double x) { return x < 0 ? -1 : 1; }
 
 /// Gaps of boxes (m) and slopes of their faces (rad) that may be the same but for rounding. What is
@@ -141,7 +148,8 @@ struct BoxChoice {
 };
 
 /// The signed distance is convex along the segment. Between the places where it enters or leaves a
-/// slab of the box its square is one parabola; inside it is a broken line.
+/// slab of the box its square is one parabola; inside it is a broken line, which is looked at where
+/// the segment comes in.
 inline BoxChoice nearest_to_box(const Vector3d& p, const Vector3d& d, const Vector3d& half) {
   std::array<BoxChoice, 26> breaks;
   std::size_t count = 0;
@@ -150,20 +158,6 @@ inline BoxChoice nearest_to_box(const Vector3d& p, const Vector3d& d, const Vect
     const double t = numerator / denominator;
     if (t > -1 && t < 1) breaks[count++] = {t, false, i, j};
   };
-  for (int i = 0; i < 3; ++i) {
-    add(-p[i], d[i], i, i);
-    add(half[i] - p[i], d[i], -1, -1);
-    add(-half[i] - p[i], d[i], -1, -1);
-    const int j = (i + 1) % 3;  // |p_i| - h_i = |p_j| - h_j
-    for (const double sign : {1.0, -1.0}) {
-      add(half[i] - half[j] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
-      add(half[j] - half[i] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
-    }
-  }
-  breaks[count++] = {-1, false, -1, -1};
-  breaks[count++] = {1, false, -1, -1};
-  std::sort(breaks.begin(), breaks.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const BoxChoice& a, const BoxChoice& b) { return a.t < b.t; });
   BoxChoice best;
   double least = kInfinity;
   const auto offer = [&](BoxChoice choice) {
@@ -179,21 +173,43 @@ inline BoxChoice nearest_to_box(const Vector3d& p, const Vector3d& d, const Vect
     }
     best = choice;
   };
-  for (std::size_t k = 0; k < count; ++k) offer(breaks[k]);
-  for (std::size_t k = 0; k + 1 < count; ++k) {
-    const double low = breaks[k].t, high = breaks[k + 1].t;
-    const Vector3d middle = p + (low + high) / 2 * d;
-    double slope = 0, curvature = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double side = sign_of(middle[i]);
-      if (!(side * middle[i] > half[i])) continue;
-      slope += (side * p[i] - half[i]) * side * d[i];
-      curvature += d[i] * d[i];
+  const auto search = [&] {
+    std::sort(breaks.begin(), breaks.begin() + static_cast<std::ptrdiff_t>(count),
+              [](const BoxChoice& a, const BoxChoice& b) { return a.t < b.t; });
+    for (std::size_t k = 0; k < count; ++k) offer(breaks[k]);
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+      const double low = breaks[k].t, high = breaks[k + 1].t;
+      const Vector3d middle = p + (low + high) / 2 * d;
+      double slope = 0, curvature = 0;
+      for (int i = 0; i < 3; ++i) {
+        const double side = sign_of(middle[i]);
+        if (!(side * middle[i] > half[i])) continue;
+        slope += (side * p[i] - half[i]) * side * d[i];
+        curvature += d[i] * d[i];
+      }
+      if (!(curvature > 0)) continue;
+      const double t = -slope / curvature;
+      if (t > low && t < high) offer({t, true, -1, -1});
     }
-    if (!(curvature > 0)) continue;
-    const double t = -slope / curvature;
-    if (t > low && t < high) offer({t, true, -1, -1});
+  };
+  for (int i = 0; i < 3; ++i) {
+    add(half[i] - p[i], d[i], -1, -1);
+    add(-half[i] - p[i], d[i], -1, -1);
   }
+  breaks[count++] = {-1, false, -1, -1};
+  breaks[count++] = {1, false, -1, -1};
+  search();
+  if (least > kSameGap) return best;  // not inside the box
+  for (int i = 0; i < 3; ++i) {
+    add(-p[i], d[i], i, i);
+    const int j = (i + 1) % 3;  // |p_i| - h_i = |p_j| - h_j
+    for (const double sign : {1.0, -1.0}) {
+      add(half[i] - half[j] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
+      add(half[j] - half[i] - p[i] + sign * p[j], d[i] - sign * d[j], i, j);
+    }
+  }
+  least = kInfinity;
+  search();
   return best;
 }
 
@@ -288,20 +304,17 @@ Separation<S> nearest_corner(const PlacedShape<S>& first, const PlacedShape<S>& 
   Vector3d nearest = Vector3d::Zero();
   double least = kInfinity;
   const auto offer = [&](const PlacedShape<S>& box, const PlacedShape<S>& other) {
-    const Vector3d from = plain<S>(box.p) - plain<S>(other.p);
-    Matrix3d R, other_R;
-    for (int i = 0; i < 3; ++i) {
-      R.col(i) = plain<S>(box.R.col(i));
-      other_R.col(i) = plain<S>(other.R.col(i));
-    }
+    const Matrix3d to_other = plain_axes<S>(other.R).transpose();
+    const Vector3d from = to_other * (plain<S>(box.p) - plain<S>(other.p));
+    const Matrix3d halves = to_other * plain_axes<S>(box.R) * box.shape->half.asDiagonal();
     for (unsigned i = 0; i < 8; ++i) {
       const Vector3d sign((i & 1U) != 0 ? 1 : -1, (i & 2U) != 0 ? 1 : -1, (i & 4U) != 0 ? 1 : -1);
-      const Vector3d corner = sign.cwiseProduct(box.shape->half);
-      const double distance =
-          box_distance(other_R.transpose() * (from + R * corner), other.shape->half);
+      const Vector3d q = (from + halves * sign).cwiseAbs() - other.shape->half;
+      const double inside = q.maxCoeff();
+      const double distance = inside > 0 ? q.cwiseMax(0).squaredNorm() : inside;  // or its square
       if (distance >= least) continue;
       least = distance;
-      nearest = corner;
+      nearest = sign.cwiseProduct(box.shape->half);
       of = &box;
     }
   };
@@ -354,32 +367,36 @@ struct WidestGap {
 
 template <class S>
 WidestGap widest_gap(const PlacedShape<S>& first, const PlacedShape<S>& second) {
+  const Matrix3d A = plain_axes<S>(first.R), B = plain_axes<S>(second.R);
   const Vector3d c = plain<S>(first.p) - plain<S>(second.p);
-  std::array<Vector3d, 3> a, b;
-  for (int i = 0; i < 3; ++i) {
-    a[i] = plain<S>(first.R.col(i));
-    b[i] = plain<S>(second.R.col(i));
-  }
+  const Matrix3d cosines = A.transpose() * B, sizes = cosines.cwiseAbs();
+  const Vector3d c_A = A.transpose() * c, c_B = B.transpose() * c;
+  const Vector3d &a = first.shape->half, &b = second.shape->half;
+  const Vector3d of_first = c_A.cwiseAbs() - a - sizes * b;
+  const Vector3d of_second = c_B.cwiseAbs() - b - sizes.transpose() * a;
   WidestGap out;
-  const auto offer = [&](const Vector3d& axis, int i, int j) {
-    double gap = std::abs(axis.dot(c));
-    for (int k = 0; k < 3; ++k) {
-      gap -= std::abs(axis.dot(a[k])) * first.shape->half[k] +
-             std::abs(axis.dot(b[k])) * second.shape->half[k];
-    }
-    if (gap > out.gap + 1e-12) {
-      out.gap = gap;
-      out.i = i;
-      out.j = j;
-    }
-    return gap;
+  const auto offer = [&](double gap, int i, int j) {
+    if (!(gap > out.gap + 1e-12)) return;
+    out.gap = gap;
+    out.i = i;
+    out.j = j;
   };
-  for (int i = 0; i < 3; ++i) offer(a[i], i, -1);
-  for (int j = 0; j < 3; ++j) offer(b[j], -1, j);
+  for (int i = 0; i < 3; ++i) offer(of_first[i], i, -1);
+  for (int j = 0; j < 3; ++j) offer(of_second[j], -1, j);
   for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3, l = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
-      const Vector3d axis = a[i].cross(b[j]);
-      out.of_edges[i][j] = axis.norm() > 1e-6 ? offer(axis.normalized(), i, j) : -kInfinity;
+      // The product has the parts -cosines(l, j) and cosines(k, j) along the axes k and l of the
+      // first box, and such ones along those of the second.
+      const int m = (j + 1) % 3, n = (j + 2) % 3;
+      const double length =
+          std::sqrt(cosines(k, j) * cosines(k, j) + cosines(l, j) * cosines(l, j));
+      const double apart = std::abs(c_A[l] * cosines(k, j) - c_A[k] * cosines(l, j));
+      const double halves =
+          a[k] * sizes(l, j) + a[l] * sizes(k, j) + b[m] * sizes(i, n) + b[n] * sizes(i, m);
+      double& gap = out.of_edges[i][j];
+      gap = length > 1e-6 ? (apart - halves) / length : -kInfinity;
+      offer(gap, i, j);
     }
   }
   return out;
