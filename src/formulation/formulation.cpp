@@ -180,6 +180,30 @@ void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const
                         &out.jacobian);
 }
 
+void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alone,
+                                    Eigen::VectorXd& violation, Eigen::MatrixXd& jacobian) const {
+  parts_->count(1);
+  const CaptureModel& model = parts_->model;
+  const auto placement = model.place<double>(x);
+  const auto posture = model.posture(placement);
+  ScenarioImpact<double> nominal;
+  if (parts_->rows_need_impact) nominal = model.impact(placement, posture, model.nominal);
+  const ConstraintPoint<double> at{model, placement, posture, nominal};
+  violation.resize(num_constraints());
+  jacobian.resize(num_constraints(), x.size());
+  Eigen::Index count = 0;
+  for (const Constraint* row : parts_->rows.kept) {
+    if (!row->is_equation() && (equations_alone || row->surely_holds(at))) continue;
+    const double value = row->value_and_gradient(at, jacobian.row(count));
+    violation[count] = value > row->upper   ? value - row->upper
+                       : value < row->lower ? value - row->lower
+                                            : 0.0;
+    if (row->is_equation() || violation[count] != 0) ++count;
+  }
+  violation.conservativeResize(count);
+  jacobian.conservativeResize(count, Eigen::NoChange);
+}
+
 Scenario Formulation::nominal_scenario() const { return parts_->model.nominal; }
 
 void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,

@@ -1,7 +1,6 @@
 #include "formulation/projection.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include <stillbase/core/linear_algebra.hpp>
 
@@ -14,23 +13,16 @@ namespace {
 /// Residual and Jacobian of the equations, of the inequalities that are violated, and of y.
 void evaluate_residual(const Formulation& formulation, const Eigen::VectorXd& x, bool with_zero,
                        bool with_violated, Eigen::VectorXd& r, Eigen::MatrixXd& J) {
-  ScenarioEvaluation at_x;  // of no scenario: the objective may take a simulation
-  formulation.evaluate_scenarios(x, {}, true, at_x);
-  const Eigen::VectorXd lower = formulation.constraint_lower();
-  const Eigen::VectorXd upper = formulation.constraint_upper();
-  const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < violation.size(); ++i) {
-    if (lower[i] == upper[i] || (with_violated && violation[i] != 0)) rows.push_back(i);
-  }
+  formulation.evaluate_violated(x, !with_violated, r, J);
+  if (!with_zero) return;
   Eigen::VectorXd y;
-  Eigen::MatrixXd J_y(0, x.size());
-  if (with_zero) formulation.objective_vector(x, y, J_y);
-  const auto m = static_cast<Eigen::Index>(rows.size());
-  r.resize(m + y.size());
-  J.resize(m + y.size(), x.size());
-  r << violation(rows), y;
-  J << at_x.jacobian(rows, Eigen::all), J_y;
+  Eigen::MatrixXd J_y;
+  formulation.objective_vector(x, y, J_y);
+  const Eigen::Index rows = r.size();
+  r.conservativeResize(rows + y.size());
+  J.conservativeResize(rows + y.size(), Eigen::NoChange);
+  r.tail(y.size()) = y;
+  J.bottomRows(y.size()) = J_y;
 }
 
 }  // namespace

@@ -213,6 +213,71 @@ TEST_CASE("what lies before the end of a cylinder is as far as the end is") {
   }
 }
 
+TEST_CASE(
+    "shapes that are surely beyond a distance are beyond it, and most that are far are known") {
+  Random random(70);
+  const ClearanceShape shapes[] = {box({0.75, 0.75, 0.75}), box({0.1, 0.5, 0.1}),
+                                   capsule(0.06, 0.4),      capsule(0.1, 0),
+                                   cylinder(0.06, 0.4),     cylinder(0.3, 0.1)};
+  int far = 0, known = 0;
+  for (const ClearanceShape& a : shapes) {
+    for (const ClearanceShape& b : shapes) {
+      for (int trial = 0; trial < 100; ++trial) {
+        const Pose pose_a = random_pose(random, random.uniform(0, 1.5)),
+                   pose_b = random_pose(random, 0);
+        const double wanted = trial % 3 == 0 ? 0 : random.uniform(0, 0.2);
+        const double distance = separate<double>(at(a, pose_a), at(b, pose_b)).distance;
+        const bool is_known = is_beyond(at(a, pose_a), at(b, pose_b), wanted);
+        if (is_known) CHECK(distance > wanted - 1e-12);
+        far += distance > wanted + 0.2;
+        known += is_known && distance > wanted + 0.2;
+      }
+    }
+  }
+  CHECK(far > 1000);
+  CHECK(known > 0.9 * far);
+}
+
+TEST_CASE("violations are those of all rows, whatever was not evaluated for them") {
+  Random random(71);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  problem.robot.shapes = {{kBase, "base", {}, Box{{0.6, 0.6, 0.6}}}};
+  for (int k = 0; k < 6; ++k) {
+    const Pose pose{Vector3d(0, 0, 0.1), Eigen::Quaterniond::Identity()};
+    problem.robot.shapes.push_back(
+        {k, "link" + std::to_string(k), pose,
+         k % 2 == 0 ? Geometry(Cylinder{0.05, 0.2}) : Geometry(Box{{0.1, 0.1, 0.2}})});
+  }
+  problem.constraints.clearance = 0.05;
+  const Formulation formulation(problem);
+  const Eigen::VectorXd lower = formulation.constraint_lower(),
+                        upper = formulation.constraint_upper();
+  int inequalities = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::VectorXd x =
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 1));
+    nlp::Evaluation all;
+    formulation.evaluate(x, all);
+    const Eigen::VectorXd violation = nlp::signed_violation(all.constraints, lower, upper);
+    for (const bool equations_alone : {false, true}) {
+      std::vector<Eigen::Index> rows;
+      for (Eigen::Index i = 0; i < violation.size(); ++i) {
+        const bool is_equation = lower[i] == upper[i];
+        if (is_equation || (!equations_alone && violation[i] != 0)) rows.push_back(i);
+        inequalities += !is_equation && !equations_alone && violation[i] != 0;
+      }
+      Eigen::VectorXd found;
+      Eigen::MatrixXd jacobian;
+      formulation.evaluate_violated(x, equations_alone, found, jacobian);
+      REQUIRE(found.size() == static_cast<Eigen::Index>(rows.size()));
+      CHECK(found == violation(rows));
+      CHECK(jacobian == all.jacobian(rows, Eigen::all));
+    }
+  }
+  CHECK(inequalities > 50);
+}
+
 TEST_CASE("only bodies that may not touch are kept apart") {
   Random random(64);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 3, false));

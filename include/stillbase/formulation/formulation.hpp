@@ -79,6 +79,10 @@ class Formulation final : public nlp::Problem {
   /// Several scenarios at once: the posture is evaluated and factorised for all of them together.
   void evaluate_scenarios(const Eigen::VectorXd& x, const std::vector<Scenario>& scenarios,
                           bool derivatives, ScenarioEvaluation& out) const;
+  /// Of the equations and, unless they alone are asked for, of the inequalities that do not hold:
+  /// how far they are off, signed, with the Jacobian (rows x N).
+  void evaluate_violated(const Eigen::VectorXd& x, bool equations_alone, Eigen::VectorXd& violation,
+                         Eigen::MatrixXd& jacobian) const;
   /// Values of many scenarios at many points (points x scenarios), several at a time in the lanes
   /// of wide registers: for screening, not for solving.
   Eigen::MatrixXd evaluate_points(const std::vector<Eigen::VectorXd>& points,

@@ -1,4 +1,5 @@
 // Distances between bodies at the contact.
+#include <algorithm>
 #include <vector>
 
 #include <stillbase/core/error.hpp>
@@ -9,6 +10,19 @@
 namespace stillbase {
 
 namespace {
+
+/// Origin of a shape in B, as placed() has it.
+Vector3d origin(const ClearanceShape& shape, const TargetPlacement& target,
+                const ConstraintPoint<double>& at) {
+  const Kinematics<double>& kin = at.posture.kinematics;
+  if (shape.body >= 0) {
+    const auto body = static_cast<std::size_t>(shape.body);
+    return kin.o[body] + kin.R[body] * shape.p;
+  }
+  if (shape.body != kTargetBody) return shape.p;
+  const Vector3d from_hand = target.R_ET * (shape.p - target.r);
+  return kin.r_bh + at.placement.contact.R_EB.transpose() * from_hand;
+}
 
 /// A shape in B; the target lies with its contact at the hand.
 template <class S>
@@ -54,6 +68,35 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
   }
 }
 
+/// The distance of a pair, at least the clearance.
+struct PairDistance {
+  ClearancePair pair;
+  TargetPlacement target;
+  double clearance;
+
+  template <class S>
+  S operator()(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
+    const Separation<S> found =
+        separate<S>(placed<S>(pair.first, target, at), placed<S>(pair.second, target, at));
+    if (gradient != nullptr) {
+      add_gradient_of_body<S>(pair.first.body, found.normal, found.point, at, *gradient);
+      add_gradient_of_body<S>(pair.second.body, -found.normal, found.point, at, *gradient);
+    }
+    return found.distance;
+  }
+
+  /// Spheres about the shapes are looked at first: most pairs are far apart.
+  bool surely_holds(const ConstraintPoint<double>& at) const {
+    constexpr double kRounding = 1e-9;  // m
+    const double enough = std::max(clearance, 0.0) + kRounding;
+    const double reach = pair.first.reach() + pair.second.reach();
+    const Vector3d apart = origin(pair.first, target, at) - origin(pair.second, target, at);
+    return apart.norm() - reach > enough ||
+           is_beyond(placed<double>(pair.first, target, at),
+                     placed<double>(pair.second, target, at), enough);
+  }
+};
+
 /// Where faces of two boxes are parallel their distance is the least of those of several corners,
 /// and has a kink there, at which many searches end: base and target, the largest bodies, come to
 /// stand side by side. The distance of each corner from the other box is smooth while they are
@@ -98,20 +141,11 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
     target = target_placement(problem, encounter);
   }
   const auto add = [&](const ClearancePair& pair, bool is_part) {
-    const auto distance = [pair, target]<class S>(const ConstraintPoint<S>& at,
-                                                  ScalarGradient<S>* gradient) -> S {
-      const Separation<S> found =
-          separate<S>(placed<S>(pair.first, target, at), placed<S>(pair.second, target, at));
-      if (gradient != nullptr) {
-        add_gradient_of_body<S>(pair.first.body, found.normal, found.point, at, *gradient);
-        add_gradient_of_body<S>(pair.second.body, -found.normal, found.point, at, *gradient);
-      }
-      return found.distance;
-    };
     ConstraintLabel label{pair.name, "m", *problem.constraints.clearance, kInfinity};
     label.is_limit = label.has_kinks = true;
     label.is_part = is_part;
-    add_constraint(is_part ? out.parts : out.rows, label, distance);
+    add_constraint(is_part ? out.parts : out.rows, label,
+                   PairDistance{pair, target, *problem.constraints.clearance});
   };
   for (const ClearancePair& pair : clearance_pairs(problem)) {
     add(pair, false);

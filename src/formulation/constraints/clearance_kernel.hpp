@@ -482,6 +482,39 @@ Separation<S> separate_as(const PlacedShape<S>& first, bool first_is_box,
   return out;
 }
 
+/// A capsule about a shape, its axis from one end to the other.
+struct CapsuleAbout {
+  Vector3d p, half_axis;
+  double radius;
+};
+inline CapsuleAbout capsule_about(const PlacedShape<double>& shape) {
+  const Vector3d& half = shape.shape->half;
+  if (!shape.shape->is_box) return {shape.p, shape.R.col(2) * half.z(), shape.shape->radius};
+  int longest = 0;
+  half.maxCoeff(&longest);
+  return {shape.p, shape.R.col(longest) * half[longest],
+          std::sqrt(half.squaredNorm() - half[longest] * half[longest])};
+}
+
+/// Whether separate() is surely above a distance that is not negative, by simpler shapes about the
+/// two: a sphere about one of them and a box, capsules.
+inline bool is_beyond(const PlacedShape<double>& first, const PlacedShape<double>& second,
+                      double distance) {
+  const auto by_sphere = [distance](const PlacedShape<double>& box,
+                                    const PlacedShape<double>& other) {
+    return box.shape->is_box &&
+           closed_form::box_distance(box.R.transpose() * (other.p - box.p), box.shape->half) -
+                   other.shape->reach() >
+               distance;
+  };
+  if (by_sphere(first, second) || by_sphere(second, first)) return true;
+  const CapsuleAbout a = capsule_about(first), b = capsule_about(second);
+  const closed_form::SegmentChoice nearest =
+      closed_form::nearest_on_segments(a.p, a.half_axis, b.p, b.half_axis);
+  const Vector3d apart = a.p + nearest.s * a.half_axis - b.p - nearest.t * b.half_axis;
+  return apart.norm() - a.radius - b.radius > distance;
+}
+
 /// A cylinder is the intersection of the capsule and the box about it, so that neither of the two
 /// is farther away from anything than the cylinder: the larger distance counts.
 template <class S>

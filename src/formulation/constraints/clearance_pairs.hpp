@@ -30,6 +30,8 @@ struct ClearanceShape {
 
   /// Which closed forms it has: that of a box, that of what is round.
   bool may_count_as(bool box) const { return is_cylinder || box == is_box; }
+  /// No point is further from the origin, m; of a cylinder no point of its capsule.
+  double reach() const { return is_box ? half.norm() : half.z() + radius; }
 };
 
 struct ClearancePair {

@@ -71,13 +71,16 @@ class Constraint : public ConstraintLabel {
   /// out += multiplier * gradient.
   virtual void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
                             VectorX<Tangent>& out) const = 0;
+  /// Whether the value is known to lie strictly within its bounds without being evaluated.
+  virtual bool surely_holds(const ConstraintPoint<double>&) const { return false; }
   /// Whether add_gradient() is exact.
   virtual bool has_hessian() const { return true; }
 };
 
 /// A constraint from one generic lambda,
 ///   []<class S>(const ConstraintPoint<S>&, ScalarGradient<S>* gradient) -> S
-/// which returns the value and, unless it is null, fills the gradient, which is zero before.
+/// which returns the value and, unless it is null, fills the gradient, which is zero before. An
+/// object in its place may have a surely_holds() as well.
 template <class Evaluate>
 class ConstraintFrom final : public Constraint {
  public:
@@ -103,6 +106,10 @@ class ConstraintFrom final : public Constraint {
     VectorX<Tangent> row(out.size());
     at.model.compress_into(at.placement, gradient, row);
     out += row * Tangent(multiplier);
+  }
+  bool surely_holds(const ConstraintPoint<double>& at) const override {
+    if constexpr (requires { evaluate_.surely_holds(at); }) return evaluate_.surely_holds(at);
+    return false;
   }
 
  private:
