@@ -249,6 +249,13 @@ void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocke
                " overlap where the joints are locked; lock them in another position, "
                "or state the pair in robot.allowed_contacts");
   }
+  if (const auto hit = sunk_link(problem)) {
+    refuse(
+        "robot.arms", "mount-inside",
+        to_string(*hit) +
+            ": the middle of the link is inside the satellite; move the `mount` or the shapes of "
+            "robot.base, or state the pair in robot.allowed_contacts");
+  }
   const ApproachSpec& approach = problem.approach;
   if (!approach.enabled) return;
   // Obstacles in N are left out where the base does not start as stated.

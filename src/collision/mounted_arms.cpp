@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "collision/fcl_shape.hpp"
@@ -23,19 +25,18 @@ int arm_of(const std::string& link, const std::vector<MountedArm>& arms) {
 }
 
 struct PlacedShape {
-  int arm;
-  const std::string& link;
+  int arm;  ///< -1: the base itself
+  const CollisionShape& shape;
   Matrix3d R;  ///< axes of the shape in B
   Vector3d p;  ///< its origin in B
   std::shared_ptr<const FclShape> fcl;
 };
 
-std::vector<PlacedShape> shapes_of_arms(const CaptureProblem& problem) {
+std::vector<PlacedShape> place_shapes(const CaptureProblem& problem) {
   const auto at = compute_kinematics<double>(problem.robot, problem.start);
   std::vector<PlacedShape> placed;
   for (const CollisionShape& shape : problem.robot.shapes) {
     const int arm = arm_of(shape.link, problem.parts.arms);
-    if (arm < 0) continue;
     Matrix3d R = shape.pose.orientation.toRotationMatrix();
     Vector3d p = shape.pose.position;
     if (shape.body != kBase) {
@@ -43,27 +44,63 @@ std::vector<PlacedShape> shapes_of_arms(const CaptureProblem& problem) {
       p = at.o[body] + at.R[body] * p;
       R = at.R[body] * R;
     }
-    placed.push_back({arm, shape.link, R, p, make_fcl_shape(shape.geometry)});
+    placed.push_back({arm, shape, R, p, make_fcl_shape(shape.geometry)});
   }
   return placed;
+}
+
+bool is_allowed(const CaptureProblem& problem, const std::string& a, const std::string& b) {
+  return std::any_of(
+      problem.allowed_contacts.begin(), problem.allowed_contacts.end(),
+      [&](const auto& pair) { return pair == std::pair(a, b) || pair == std::pair(b, a); });
+}
+
+/// The middle of a shape's extents along its axes, in its frame.
+Vector3d middle_of(const Geometry& geometry) {
+  const auto* mesh = std::get_if<ConvexMesh>(&geometry);
+  if (mesh == nullptr) return Vector3d::Zero();
+  Vector3d low = mesh->vertices.front(), high = low;
+  for (const Vector3d& vertex : mesh->vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  return (low + high) / 2;
+}
+
+/// Whether a body belongs to the base or moves on it.
+bool is_on_base(const RobotModel& robot, int body) {
+  return body == kBase || robot.tree()[static_cast<std::size_t>(body)].parent == kBase;
 }
 
 }  // namespace
 
 std::optional<Proximity> overlap_of_arms(const CaptureProblem& problem) {
   if (problem.parts.arms.size() < 2) return std::nullopt;
-  const auto is_allowed = [&](const std::string& a, const std::string& b) {
-    return std::any_of(
-        problem.allowed_contacts.begin(), problem.allowed_contacts.end(),
-        [&](const auto& pair) { return pair == std::pair(a, b) || pair == std::pair(b, a); });
-  };
-  const std::vector<PlacedShape> shapes = shapes_of_arms(problem);
+  const std::vector<PlacedShape> shapes = place_shapes(problem);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (std::size_t j = i + 1; j < shapes.size(); ++j) {
       const PlacedShape &a = shapes[i], &b = shapes[j];
-      if (a.arm == b.arm || is_allowed(a.link, b.link)) continue;
+      if (a.arm < 0 || b.arm < 0 || a.arm == b.arm) continue;
+      if (is_allowed(problem, a.shape.link, b.shape.link)) continue;
       const double distance = fcl_distance(*a.fcl, a.R, a.p, *b.fcl, b.R, b.p);
-      if (distance <= 0) return Proximity{b.link, a.link, distance};
+      if (distance <= 0) return Proximity{b.shape.link, a.shape.link, distance};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Proximity> sunk_link(const CaptureProblem& problem) {
+  if (problem.parts.arms.empty()) return std::nullopt;
+  const auto point = make_fcl_shape(Sphere{1e-6});
+  const std::vector<PlacedShape> shapes = place_shapes(problem);
+  for (const PlacedShape& base : shapes) {
+    if (base.arm >= 0) continue;
+    for (const PlacedShape& link : shapes) {
+      if (link.arm < 0 || !is_on_base(problem.robot, link.shape.body)) continue;
+      if (is_allowed(problem, link.shape.link, base.shape.link)) continue;
+      const Vector3d middle = link.p + link.R * middle_of(link.shape.geometry);
+      const double distance = fcl_distance(*point, link.R, middle, *base.fcl, base.R, base.p);
+      if (distance <= 0) return Proximity{link.shape.link, base.shape.link, distance};
     }
   }
   return std::nullopt;

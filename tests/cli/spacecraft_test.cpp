@@ -109,6 +109,21 @@ TEST_CASE("arms that are mounted into one another are refused") {
   }
 }
 
+TEST_CASE("an arm that is mounted inside the satellite is refused") {
+  const Workshop shop;
+  shop.write("arm.urdf", six_joint_arm());
+  const auto check_at = [&](const std::string& z) {
+    shop.write("problem.yaml", problem_with("[0, 0, 0.5]", "[0, 0, " + z + "]"));
+    return shop.run("check problem.yaml");
+  };
+  CHECK(check_at("0.5").code == 0);
+  const Outcome sunk = check_at("-0.2");
+  INFO(sunk.err);
+  CHECK(sunk.code == 3);
+  CHECK(sunk.says("problem.yaml:6: mount-inside: robot.arms: r_"));
+  CHECK(sunk.says(" with satellite: the middle of the link is inside the satellite"));
+}
+
 TEST_CASE("locked links that stand in what they are merged with are refused") {
   const Workshop shop;
   std::string text = file_text(source_path("problems/mounted_two_arms.yaml"));
