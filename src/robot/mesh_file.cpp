@@ -12,6 +12,7 @@
 
 #include <stillbase/core/file.hpp>
 
+#include "robot/mesh_text.hpp"
 #include "robot/obj_file.hpp"
 #include "robot/ply_file.hpp"
 #include "robot/scene_file.hpp"
@@ -55,7 +56,7 @@ std::string why_unread(const std::string& path) {
 
 Mesh read_mesh_text(std::string_view text, const std::string& ending) {
   if (ending == ".stl") return read_stl(text);
-  if (ending == ".obj") return read_obj(text);
+  if (ending == ".obj") return read_obj(without_byte_order_mark(text));
   return read_ply(text);
 }
 

@@ -19,6 +19,11 @@ void check_triangle_count(std::size_t count) {
   throw std::runtime_error(fmt::format("more than {} triangles", kMaxMeshTriangles));
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 int line_of(std::string_view text, const char* place) {
   return 1 + static_cast<int>(std::count(text.data(), place, '\n'));
 }

@@ -15,6 +15,9 @@ inline constexpr double kMaxMeshCoordinate = 1e9;
 /// @throws std::runtime_error more than kMaxMeshTriangles
 void check_triangle_count(std::size_t count);
 
+/// The text behind the mark of UTF-8 that some editors begin a file with.
+std::string_view without_byte_order_mark(std::string_view text);
+
 /// Which line of a text a place in it is in, from 1.
 int line_of(std::string_view text, const char* place);
 

@@ -57,10 +57,12 @@ Mesh read_ascii_stl(std::string_view text) {
   constexpr std::size_t kBytesPerTriangle = 150;  // or more, as programs write them
   JoinedMesh mesh(text.size() / kBytesPerTriangle);
   std::string_view rest = text;
+  const char* place = text.data();  // of the word that is read
   try {
     std::array<int, 3> triangle{};
     std::size_t corners = 0;
     for (std::string_view word; !(word = take_word(rest)).empty();) {
+      place = word.data();
       if (is_word(word, "vertex")) {
         if (corners == 3) throw std::runtime_error("a facet has more than three corners");
         Vector3d vertex;
@@ -74,9 +76,10 @@ Mesh read_ascii_stl(std::string_view text) {
         rest.remove_prefix(std::min(rest.find_first_of("\r\n"), rest.size()));  // its name
       }
     }
+    place = rest.data();
     if (corners != 0) throw std::runtime_error("the file ends within a facet");
   } catch (const std::runtime_error& error) {
-    throw at_line(text, rest.data(), error.what());
+    throw at_line(text, place, error.what());
   }
   return mesh.take();
 }
@@ -90,8 +93,9 @@ Mesh read_stl(std::string_view text) {
   if (has_count && text.size() == length) {
     return read_binary_stl(text.substr(kStlHeader + kStlCount));
   }
-  std::string_view rest = text;
-  if (is_word(take_word(rest), "solid")) return read_ascii_stl(text);
+  const std::string_view words = without_byte_order_mark(text);
+  std::string_view rest = words;
+  if (is_word(take_word(rest), "solid")) return read_ascii_stl(words);
   if (!has_count) throw std::runtime_error("is no STL file: it is too short");
   throw std::runtime_error(
       fmt::format("is no STL file: it does not begin with 'solid', and its {} bytes are not the {} "

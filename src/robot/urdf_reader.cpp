@@ -242,13 +242,25 @@ void check_body(const Body& body, int line, const Joint* joint, bool may_lack_ma
   }
 }
 
+/// The sum alone counts in a body, but a part of it that cannot be is a mistake all the same.
+void check_merged(const TreeLink& link, const std::string& body, Findings& findings) {
+  const std::string fault = inertia_fault(link.inertial->inertia, link.inertial->rounding, true);
+  if (fault.empty()) return;
+  findings.remark(link.line, "inertia",
+                  "a link that is merged into another one has a tensor that no body can have",
+                  fmt::format("{} (merged into {}): {}", link.name, body, fault));
+}
+
 void check_physics(const RobotModel& robot, const Tree& tree, bool may_lack_base,
                    Findings& findings) {
   std::vector<double> roundings(robot.bodies.size() + 1, 0);  // of the base first
   for (std::size_t i = 0; i < tree.links.size(); ++i) {
     const auto& inertial = tree.links[i].inertial;
-    if (inertial)
-      roundings[static_cast<std::size_t>(robot.links[i].body + 1)] += inertial->rounding;
+    if (!inertial) continue;
+    const auto number = static_cast<std::size_t>(robot.links[i].body + 1);
+    roundings[number] += inertial->rounding;
+    const std::string& body = number == 0 ? robot.base.name : robot.bodies[number - 1].name;
+    if (tree.links[i].name != body) check_merged(tree.links[i], body, findings);
   }
   const auto check = [&](const Body& body, std::size_t number, const Joint* joint,
                          bool may_lack_mass) {

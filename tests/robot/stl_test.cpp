@@ -11,6 +11,7 @@
 #include <string>
 
 #include "robot/joined_mesh.hpp"
+#include "robot/mesh_file.hpp"
 #include "robot/stl_file.hpp"
 
 using namespace stillbase;
@@ -68,6 +69,7 @@ TEST_CASE("STL files that state what cannot be are refused, ascii ones at their 
         "line 5: a facet has more than three corners");
   CHECK(with(kFacet + "vertex 0 0 0\n") == "line 10: the file ends within a facet");
   CHECK(with("vertex 0 0") == "line 2: '' is no number");
+  CHECK(with("vertex 0 0\nendloop\n") == "line 2: 'endloop' is no number");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   CHECK(refusal_of_stl(binary_with({0, 0, 0, 1, 0, 0, 0, nan, 0})) == "a vertex is not finite");
   CHECK(refusal_of_stl("") == "is no STL file: it is too short");
@@ -77,6 +79,17 @@ TEST_CASE("STL files that state what cannot be are refused, ascii ones at their 
       refusal_of_stl(other) ==
       "is no STL file: it does not begin with 'solid', and its 134 bytes are not the 434 of the 7 "
       "triangles that it states");
+}
+
+TEST_CASE("a byte order mark before the words of a mesh file is passed over") {
+  const std::string mark = "\xEF\xBB\xBF";
+  CHECK(read_mesh_text(mark + "solid a\n" + kFacet, ".stl").triangles.size() == 1);
+  const Mesh mesh = read_mesh_text(mark + "v 1 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ".obj");
+  REQUIRE(mesh.vertices.size() == 3);
+  CHECK(mesh.vertices[0] == Vector3d(1, 2, 3));
+  std::string binary = binary_with({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  binary.replace(0, mark.size(), mark);
+  CHECK(read_mesh_text(binary, ".stl").triangles.size() == 1);
 }
 
 TEST_CASE("vertices that were chosen to share a hash cost no more than others") {

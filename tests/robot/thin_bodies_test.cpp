@@ -95,6 +95,24 @@ TEST_CASE("a base without thickness has yet to be filled") {
   CHECK(robot.remarks[0].message.find("a rod without thickness: base") != std::string::npos);
 }
 
+TEST_CASE("a merged link with a tensor that no body can have is remarked upon") {
+  const auto with_fixed = [](const std::string& tensor) {
+    return thin_arm(moments("0.1", "0.1", "0.1"), "0 0 0", "continuous",
+                    "<link name=\"tip\"><inertial><mass value=\"0.1\"/>" + tensor +
+                        "</inertial></link><joint name=\"t\" type=\"fixed\"><parent "
+                        "link=\"x\"/><child link=\"tip\"/></joint>");
+  };
+  for (const std::string& tensor :
+       {moments("-0.01", "0.01", "0.05"), moments("0.01", "0.01", "0.05")}) {
+    const std::string message = remark_on(with_fixed(tensor));
+    CHECK(message.find("no body can have: tip (merged into x): the inertia tensor") !=
+          std::string::npos);
+  }
+  for (const std::string& tensor : {kPoint, moments("0.01", "0.01", "0.01")}) {
+    CHECK(read_urdf(with_fixed(tensor), "found.urdf", "x").remarks.empty());
+  }
+}
+
 TEST_CASE("the matrices of a robot of point masses are positive definite at every posture") {
   std::string links, joints;
   for (int k = 1; k <= 6; ++k) {
