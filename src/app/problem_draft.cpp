@@ -261,7 +261,7 @@ Draft draft_problem(const DraftRequest& request) {
   robot_lines += draft_of.joint_lines;
 
   std::string start, resistance;
-  bool slides = false;
+  double shortest_slide = kInfinity;
   for (int k = 0; k < robot.n(); ++k) {
     const Joint& joint = robot.joints[k];
     const char* const comma = k > 0 ? ", " : "";
@@ -271,8 +271,13 @@ Draft draft_problem(const DraftRequest& request) {
     // A drive that the robot file states is part of the robot.
     resistance += fmt::format("{}{}: {:.3g}", comma, yaml_word(joint.name),
                               joint.rotor_inertia > 0 ? 0 : std::clamp(0.01 * effort, 0.02, 5.0));
-    slides = slides || joint.is_prismatic();
+    if (joint.is_prismatic()) shortest_slide = std::min(shortest_slide, joint.upper - joint.lower);
   }
+  // At a stop the impact would drive the joint into it.
+  const std::string margin = std::isfinite(shortest_slide)
+                                 ? fmt::format("{:.2g}  # rad, and m of joints that slide",
+                                               std::min(0.02, 0.05 * shortest_slide))
+                                 : "2 deg";
   std::string contacts;
   for (const auto& [a, b] : encounter->allowed_contacts) {
     contacts += fmt::format("{}[{}, {}]", contacts.empty() ? "" : ", ", yaml_word(a), yaml_word(b));
@@ -382,7 +387,7 @@ post_impact:
       target_mass, target.inertia(0, 0), edge, vector_text(target.features.front().point), distance,
       kClosingSpeed, vector_text(position), quaternion_text(q), vector_text(motion.velocity),
       request.spin, resistance, contact_time - half_window, contact_time + half_window,
-      vector_text(encounter->axis), slides ? "" : "  joint_limit_margin: 2 deg\n",
+      vector_text(encounter->axis), fmt::format("  joint_limit_margin: {}\n", margin),
       velocity_scale(robot), kDraftClearance, controller_lines, kRestitution, has_meshes ? 128 : 64,
       vector_text(motion.spin_axis), kWait);
   return draft;
