@@ -1,12 +1,11 @@
 #include "collision/mounted_arms.hpp"
 
-#include <algorithm>
 #include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
+#include "collision/closed_forms.hpp"
 #include "collision/fcl_shape.hpp"
+#include "plan/allowed_contacts.hpp"
 
 namespace stillbase {
 
@@ -49,24 +48,6 @@ std::vector<PlacedShape> place_shapes(const CaptureProblem& problem) {
   return placed;
 }
 
-bool is_allowed(const CaptureProblem& problem, const std::string& a, const std::string& b) {
-  return std::any_of(
-      problem.allowed_contacts.begin(), problem.allowed_contacts.end(),
-      [&](const auto& pair) { return pair == std::pair(a, b) || pair == std::pair(b, a); });
-}
-
-/// The middle of a shape's extents along its axes, in its frame.
-Vector3d middle_of(const Geometry& geometry) {
-  const auto* mesh = std::get_if<ConvexMesh>(&geometry);
-  if (mesh == nullptr) return Vector3d::Zero();
-  Vector3d low = mesh->vertices.front(), high = low;
-  for (const Vector3d& vertex : mesh->vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  return (low + high) / 2;
-}
-
 /// Whether a body belongs to the base or moves on it.
 bool is_on_base(const RobotModel& robot, int body) {
   return body == kBase || robot.tree()[static_cast<std::size_t>(body)].parent == kBase;
@@ -81,7 +62,7 @@ std::optional<Proximity> overlap_of_arms(const CaptureProblem& problem) {
     for (std::size_t j = i + 1; j < shapes.size(); ++j) {
       const PlacedShape &a = shapes[i], &b = shapes[j];
       if (a.arm < 0 || b.arm < 0 || a.arm == b.arm) continue;
-      if (is_allowed(problem, a.shape.link, b.shape.link)) continue;
+      if (is_allowed(problem.allowed_contacts, a.shape.link, b.shape.link)) continue;
       const double distance = fcl_distance(*a.fcl, a.R, a.p, *b.fcl, b.R, b.p);
       if (distance <= 0) return Proximity{b.shape.link, a.shape.link, distance};
     }
@@ -91,16 +72,15 @@ std::optional<Proximity> overlap_of_arms(const CaptureProblem& problem) {
 
 std::optional<Proximity> sunk_link(const CaptureProblem& problem) {
   if (problem.parts.arms.empty()) return std::nullopt;
-  const auto point = make_fcl_shape(Sphere{1e-6});
   const std::vector<PlacedShape> shapes = place_shapes(problem);
   for (const PlacedShape& base : shapes) {
     if (base.arm >= 0) continue;
     for (const PlacedShape& link : shapes) {
       if (link.arm < 0 || !is_on_base(problem.robot, link.shape.body)) continue;
-      if (is_allowed(problem, link.shape.link, base.shape.link)) continue;
-      const Vector3d middle = link.p + link.R * middle_of(link.shape.geometry);
-      const double distance = fcl_distance(*point, link.R, middle, *base.fcl, base.R, base.p);
-      if (distance <= 0) return Proximity{link.shape.link, base.shape.link, distance};
+      if (is_allowed(problem.allowed_contacts, link.shape.link, base.shape.link)) continue;
+      const Vector3d middle = link.p + link.R * bounding_box(link.shape.geometry).centre;
+      if (point_distance(base.shape.geometry, base.R.transpose() * (middle - base.p)) > 0) continue;
+      return Proximity{link.shape.link, base.shape.link, 0};
     }
   }
   return std::nullopt;

@@ -11,6 +11,7 @@
 
 #include "collision/closed_forms.hpp"
 #include "collision/fcl_shape.hpp"
+#include "plan/allowed_contacts.hpp"
 
 namespace stillbase {
 
@@ -115,13 +116,6 @@ bool overlap_at_joint(const RobotModel& robot, const CollisionShape& a, const Co
   return both_reach || overlap_always(joint, child, parent, options.overlap_positions);
 }
 
-bool is_allowed(const SceneParts& parts, const std::string& a, const std::string& b) {
-  return std::any_of(
-      parts.allowed_contacts.begin(), parts.allowed_contacts.end(), [&](const auto& pair) {
-        return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
-      });
-}
-
 SceneParts parts_of(const CaptureProblem& problem) {
   SceneParts parts{problem.allowed_contacts, problem.obstacles, problem.target, std::nullopt,
                    problem.approach.contact_allowance};
@@ -177,7 +171,7 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
     item.motion = motion_bound(robot, item.body, item.reach, parts.options);
   }
   const auto add = [&](std::size_t a, std::size_t b, bool is_hand_and_target) {
-    if (is_allowed(parts, items[a].name, items[b].name)) return;
+    if (is_allowed(parts.allowed_contacts, items[a].name, items[b].name)) return;
     data->pairs.push_back({a, b, items[a].carrier == Carrier::Target, is_hand_and_target});
   };
   for (std::size_t i = 0; i < robot_count; ++i) {

@@ -8,6 +8,7 @@
 #include <stillbase/core/rotation.hpp>
 
 #include "formulation/constraints/clearance_kernel.hpp"
+#include "plan/allowed_contacts.hpp"
 
 namespace stillbase {
 
@@ -114,19 +115,14 @@ std::vector<ClearancePair> clearance_pairs(const CaptureProblem& problem) {
       add(kTargetBody, "target", shape.pose, shape.geometry, false, false);
     }
   }
-  const auto is_allowed = [&](const std::string& a, const std::string& b) {
-    return std::any_of(
-        problem.allowed_contacts.begin(), problem.allowed_contacts.end(), [&](const auto& pair) {
-          return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
-        });
-  };
   std::vector<ClearancePair> out;
   for (std::size_t j = 0; j < shapes.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
       const ClearanceShape& a = shapes[i].shape;
       const ClearanceShape& b = shapes[j].shape;
       const bool hand_meets_target = b.body == kTargetBody && a.body == robot.hand_body;
-      if (a.body == b.body || hand_meets_target || is_allowed(a.name, b.name)) continue;
+      if (a.body == b.body || hand_meets_target) continue;
+      if (is_allowed(problem.allowed_contacts, a.name, b.name)) continue;
       if (!shapes[i].is_obstacle && !shapes[j].is_obstacle &&
           overlap_at_joint(robot, problem.constraints.clearance.value_or(0), a, b)) {
         continue;
