@@ -144,16 +144,24 @@ void enclose(const Mesh& mesh, CollisionMeshes collision, const std::string& lin
 
 }  // namespace
 
+Mesh MeshReader::read(const std::string& path) {
+  if (has_met_limit_) {
+    throw std::runtime_error("is not read, since an earlier one took too long or too much memory");
+  }
+  try {
+    return read_mesh(path);
+  } catch (const MeshLimitError&) {
+    has_met_limit_ = true;
+    throw;
+  }
+}
+
 const Mesh& MeshFiles::read(const std::string& path) {
   const auto [at, is_new] = files_.try_emplace(path);
   File& file = at->second;
-  if (is_new && !limit_.empty()) file.fault = limit_;
-  if (is_new && limit_.empty()) {
+  if (is_new) {
     try {
-      file.mesh = read_mesh(path);
-    } catch (const MeshLimitError& error) {
-      file.fault = error.what();
-      limit_ = "is not read, since an earlier one took too long or too much memory";
+      file.mesh = reader_.read(path);
     } catch (const std::exception& error) {
       file.fault = error.what();
     }

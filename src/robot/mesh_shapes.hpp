@@ -44,12 +44,21 @@ std::vector<std::string> ros_package_path();
 /// @param folders without colons, relative to the current folder
 void put_before_ros_package_path(const std::vector<std::string>& folders);
 
+/// Reads the mesh files of one robot. When one has reached a limit of read_mesh(), no other is
+/// read: a robot of many such files would take as many times as long.
+class MeshReader {
+ public:
+  /// @throws std::runtime_error as read_mesh(), or an earlier file has reached a limit
+  Mesh read(const std::string& path);
+
+ private:
+  bool has_met_limit_ = false;
+};
+
 /// Meshes of one robot, each file read once.
 class MeshFiles {
  public:
-  /// When a file has reached a limit of read_mesh(), no other is read: a robot of many such files
-  /// would take as many times as long.
-  /// @throws std::runtime_error what is wrong with the file, each time
+  /// @throws std::runtime_error what MeshReader says of the file, each time
   const Mesh& read(const std::string& path);
 
  private:
@@ -57,8 +66,8 @@ class MeshFiles {
     Mesh mesh;
     std::string fault;  ///< empty: it is read
   };
+  MeshReader reader_;
   std::map<std::string, File> files_;
-  std::string limit_;  ///< why no other is read; empty: they are
 };
 
 /// Reads the meshes of all <collision> that have no hull yet and puts hulls around them, or around

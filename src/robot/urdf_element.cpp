@@ -105,7 +105,7 @@ std::vector<Finding> Findings::remarks() const {
 
 void Element::report(int line, std::string rule, std::string message) {
   if (only_remarks_ && rule != "macro") {
-    findings_.remark(line, rule, message + ": left out");
+    findings_.leave_out(line, rule, message);
   } else {
     findings_.add(line, std::move(rule), std::move(message));
   }

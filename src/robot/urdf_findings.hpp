@@ -22,6 +22,12 @@ class Findings {
   /// @param subject joint or link that it is about; empty: the message says it
   void remark(int line, const std::string& rule, const std::string& message,
               const std::string& subject = {});
+  /// A remark upon a part that is left out, which left_out() names, too.
+  void leave_out(int line, const std::string& rule, const std::string& what) {
+    remark(line, rule, what + ": left out");
+    left_out_.push_back({source_, line, rule, what});
+  }
+  const std::vector<Finding>& left_out() const { return left_out_; }
   /// One finding per kind, in the order of the file: first line, number of times, subjects.
   std::vector<Finding> remarks() const;
   /// @throws InputError when anything is wrong
@@ -35,7 +41,7 @@ class Findings {
     std::vector<std::string> subjects;
   };
   std::string source_;
-  std::vector<Finding> findings_;
+  std::vector<Finding> findings_, left_out_;
   std::map<std::pair<std::string, std::string>, Kind> remarks_;  ///< by rule and message
 };
 

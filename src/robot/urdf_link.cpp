@@ -49,7 +49,7 @@ bool has_sizes(Element& shape, std::initializer_list<double> sizes) {
   if (least < 0) {
     shape.find("out-of-range", shape.tag() + ": a size is negative");
   } else if (least == 0) {
-    shape.remark("no-shape", shape.tag() + " of size zero: left out");
+    shape.find("no-shape", shape.tag() + " of size zero");
   }
   return std::all_of(sizes.begin(), sizes.end(), [](double size) { return size > 0; });
 }
@@ -120,7 +120,7 @@ void read_geometry(Element& element, const Pose& pose, bool is_capsule, TreeLink
   each("mesh", [&](Element& mesh) {
     const std::string file = mesh.path("filename");
     const Vector3d scale = mesh.scale("scale");
-    if (file.empty()) mesh.remark("no-shape", "<mesh> of no file: left out");
+    if (file.empty()) mesh.find("no-shape", "<mesh> of no file");
     if (file.empty() || !scale.allFinite()) return;
     link.meshes.push_back({mesh.line(), pose, file, scale, {}});
   });

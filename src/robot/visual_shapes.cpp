@@ -36,7 +36,7 @@ class VisualMeshes {
         throw std::runtime_error(
             fmt::format("the meshes have more than {} MiB together", kMaxMeshBytes >> 20));
       }
-      Mesh mesh = thinned(read(path.string()), most_);
+      Mesh mesh = thinned(reader_.read(path.string()), most_);
       if (mesh.triangles.empty()) throw std::runtime_error("its faces have no area");
       known->second = meshes.size();
       meshes.push_back(std::move(mesh));
@@ -48,21 +48,10 @@ class VisualMeshes {
   std::vector<Mesh> meshes;
 
  private:
-  /// After a file that has reached a limit no other is read: see MeshFiles.
-  Mesh read(const std::string& path) {
-    if (is_at_limit_) throw std::runtime_error("an earlier one took too long or too much memory");
-    try {
-      return read_mesh(path);
-    } catch (const MeshLimitError&) {
-      is_at_limit_ = true;
-      throw;
-    }
-  }
-
   const MeshFolders& folders_;
   std::size_t most_;
   std::uintmax_t bytes_ = 0;
-  bool is_at_limit_ = false;
+  MeshReader reader_;
   std::map<std::string, std::optional<std::size_t>> known_;  ///< none: it cannot be read
 };
 
@@ -98,9 +87,7 @@ std::vector<VisualPart> parts_of(const tinyxml2::XMLElement& xml, MaterialColors
   try {
     std::vector<VisualPart> parts = read_visuals(link, colors);
     own.raise();
-    for (const Finding& shape : own.remarks()) {
-      if (shape.message.ends_with("left out")) remark(shape.line, shape.message);
-    }
+    for (const Finding& shape : own.left_out()) remark(shape.line, shape.message);
     return parts;
   } catch (const InputError& error) {
     remark(link.line(), error.findings().front().message);

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "robot/obj_file.hpp"
+#include "robot/refusal.hpp"
 
 using namespace stillbase;
 
@@ -17,13 +18,8 @@ namespace {
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 using Triangles = std::vector<std::array<int, 3>>;
 
-std::string refusal_of(const std::string& text) {
-  try {
-    read_obj(text);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal_of_obj(const std::string& text) {
+  return test::refusal_of([&] { read_obj(text); });
 }
 
 /// Sum of the areas of triangles, and the size of the sum of their area vectors.
@@ -63,14 +59,14 @@ TEST_CASE("faces of OBJ files name their vertices in every way") {
 
 TEST_CASE("lines of an OBJ file are looked at once") {
   CHECK(read_obj(std::string(4'000'000, '\n') + kSquare + "f 1 2 3\n").triangles.size() == 1);
-  CHECK(refusal_of("f 1 2 " + std::string(1'000'000, '\\') + "\n") != "");
+  CHECK(refusal_of_obj("f 1 2 " + std::string(1'000'000, '\\') + "\n") != "");
   std::string continued = "f";
   for (int i = 0; i < 1'000'000; ++i) continued += "\\\n";
   CHECK(read_obj(continued).triangles.empty());
 }
 
 TEST_CASE("OBJ files that state what cannot be are refused at their line") {
-  const auto with = [](const std::string& rest) { return refusal_of(kSquare + rest); };
+  const auto with = [](const std::string& rest) { return refusal_of_obj(kSquare + rest); };
   CHECK(with("f 1 2 3\nf 1 2 5\n") == "line 6: a face names vertex 5; there are 4");
   CHECK(with("f 1 2 2000000000\n") == "line 5: a face names vertex 2000000000; there are 4");
   CHECK(with("f 1 2 -5\n") == "line 5: a face names the vertex 5 before the last; there are 4");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "robot/ply_file.hpp"
+#include "robot/refusal.hpp"
 
 using namespace stillbase;
 
@@ -39,13 +40,8 @@ std::string binary(std::endian order) {
   return text + bytes_of(0.5f, order);
 }
 
-std::string refusal(const std::string& text) {
-  try {
-    read_ply(text);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal_of_ply(const std::string& text) {
+  return test::refusal_of([&] { read_ply(text); });
 }
 
 }  // namespace
@@ -66,14 +62,14 @@ TEST_CASE("PLY files in ascii and both orders of bytes are one mesh") {
     // However much is cut off, the rest is refused.
     for (std::size_t length = 0; length + 4 < text.size(); ++length) {
       INFO(length);
-      CHECK(refusal(text.substr(0, length)) != "");
+      CHECK(refusal_of_ply(text.substr(0, length)) != "");
     }
   }
 }
 
 TEST_CASE("PLY files that state what cannot be are refused with the reason") {
   const auto with = [](const std::string& header, const std::string& rest) {
-    return refusal("ply\nformat ascii 1.0\n" + header + "end_header\n" + rest);
+    return refusal_of_ply("ply\nformat ascii 1.0\n" + header + "end_header\n" + rest);
   };
   const std::string vertices =
       "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
@@ -94,6 +90,6 @@ TEST_CASE("PLY files that state what cannot be are refused with the reason") {
   CHECK(with("property float x\n", "") == "its header has a wrong line, 'property float x'");
   CHECK(with("element vertex 1\nproperty list float int a\n", "") ==
         "its header has a wrong line, 'property list float int a'");
-  CHECK(refusal("ply\nend_header\n") == "its header states no format");
-  CHECK(refusal("ply\nformat ascii 1.0\nelement ") == "its header has no end");
+  CHECK(refusal_of_ply("ply\nend_header\n") == "its header states no format");
+  CHECK(refusal_of_ply("ply\nformat ascii 1.0\nelement ") == "its header has no end");
 }

@@ -13,6 +13,7 @@
 #include <stillbase/robot/urdf_reader.hpp>
 
 #include "core/sanitized.hpp"
+#include "robot/refusal.hpp"
 #include "robot/scene_file.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -36,12 +37,7 @@ std::string collada_with(const std::string& corners, const std::string& nodes = 
 }
 
 std::string refusal_of_bytes(const std::string& bytes) {
-  try {
-    mesh_of_bytes(bytes);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal_of([&] { mesh_of_bytes(bytes); });
 }
 
 }  // namespace

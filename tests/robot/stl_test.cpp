@@ -12,6 +12,7 @@
 
 #include "robot/joined_mesh.hpp"
 #include "robot/mesh_file.hpp"
+#include "robot/refusal.hpp"
 #include "robot/stl_file.hpp"
 
 using namespace stillbase;
@@ -32,12 +33,7 @@ std::string binary_with(const std::array<float, 9>& corners, std::uint32_t count
 }
 
 std::string refusal_of_stl(const std::string& text) {
-  try {
-    read_stl(text);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal_of([&] { read_stl(text); });
 }
 
 }  // namespace

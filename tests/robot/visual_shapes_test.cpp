@@ -92,12 +92,14 @@ TEST_CASE("drawings that are not there or cannot be read are remarks") {
     CHECK(remarks.find("visual") != std::string::npos);
     CHECK(remarks.find("arm") != std::string::npos);
   }
-  for (const std::string wrong :
-       {"<sphere radius=\"nan\"/>", "<sphere radius=\"1e9\"/>", "<box size=\"1 2\"/>"}) {
-    const auto [visuals, remarks] = folder.read(visual(wrong));
-    INFO(wrong << ": " << remarks);
-    CHECK(visuals.shapes.empty());
-    CHECK(remarks.find("visual") != std::string::npos);
+  for (const std::string wrong : {"<sphere radius=\"nan\"/>", "<sphere radius=\"1e9\"/>",
+                                  "<box size=\"1 2\"/>", "<sphere radius=\"0\"/>"}) {
+    for (const std::string& text : {visual(wrong), visual(wrong) + visual(wrong)}) {
+      const auto [visuals, remarks] = folder.read(text);
+      INFO(text << ": " << remarks);
+      CHECK(visuals.shapes.empty());
+      CHECK(remarks.find("visual") != std::string::npos);
+    }
   }
 }
 
