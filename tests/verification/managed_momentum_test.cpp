@@ -243,6 +243,32 @@ TEST_CASE("what a plan says of the time after the horizon is recomputed") {
   CHECK(fails(plan) == "after_horizon ");
 }
 
+TEST_CASE("a stop that a joint reaches at once is compared to rounding") {
+  Plan plan = arm_plan();
+  plan.problem.approach.enabled = false;
+  for (int k = 0; k < plan.problem.robot.n(); ++k) {
+    plan.problem.robot.joints[k].lower = plan.problem.robot.joints[k].upper =
+        plan.configuration.phi[k];
+  }
+  plan.after_horizon = motion_after_horizon(plan.problem, plan.configuration, plan.impact,
+                                            plan.problem.post_impact.controllers.front());
+  REQUIRE(plan.after_horizon);
+  REQUIRE(plan.after_horizon->stop_time);
+  REQUIRE(*plan.after_horizon->stop_time < 1e-9);
+  const auto fails_later_by = [&](double seconds) {
+    Plan judged = plan;
+    *judged.after_horizon->stop_time += seconds;
+    for (const Claim& claim : judge_plan(judged, {}).claims) {
+      if (claim.name == "after_horizon_stop_time") return claim.fails();
+    }
+    FAIL("not judged");
+    return true;
+  };
+  CHECK_FALSE(fails_later_by(0));
+  CHECK_FALSE(fails_later_by(1e-12));
+  CHECK(fails_later_by(1e-6));
+}
+
 TEST_CASE("where no joint reaches a stop after the horizon, none is named") {
   Plan plan = arm_plan();
   plan.problem.approach.enabled = false;
