@@ -264,8 +264,8 @@ void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocke
     std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
   }
   const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
-  if (const auto hit =
-          CollisionScene(alone).first_hit(kinematics, problem.base, nullptr, approach.clearance)) {
+  if (const auto hit = CollisionScene(alone).first_hit(kinematics, problem.base, nullptr,
+                                                       least_distance(approach))) {
     refuse("robot.start", "start-too-close",
            fmt::format("{} are {:.4g} m apart, approach.clearance asks for {:.4g} m; state another "
                        "posture, a smaller clearance, or the pair in robot.allowed_contacts",

@@ -134,7 +134,7 @@ bool leaves_target(const ApproachTask& task, const TimedMotion& motion, double r
     gap = contact.normal.dot(hand - contact.point);
     if (gap < -rounding) return false;
   }
-  return gap >= task.problem.approach.clearance;
+  return gap >= least_distance(task.problem.approach);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Pose StillScene::base_at(const Kinematics<double>& kinematics) const {
 std::optional<Proximity> StillScene::first_hit(const JointVectord& phi) const {
   const auto kinematics = compute_kinematics<double>(problem_.robot, phi);
   const Pose base = base_at(kinematics);
-  const double margin = problem_.approach.clearance;
+  const double margin = least_distance(problem_.approach);
   if (auto hit = scene_.first_hit(kinematics, base, nullptr, margin)) return hit;
   for (const Pose& target : targets_) {
     if (auto hit = target_scene_.first_hit(kinematics, base, &target, margin)) return hit;
@@ -50,7 +50,7 @@ bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b, d
   bool clear = true;
   const auto look = [&](const CollisionScene& scene, const Pose* target) {
     const SweepVerdict verdict =
-        scene.sweep(kinematics, base, target, travel, problem_.approach.clearance).verdict;
+        scene.sweep(kinematics, base, target, travel, least_distance(problem_.approach)).verdict;
     clear = clear && verdict == SweepVerdict::Clear;
     return verdict != SweepVerdict::Hit;
   };
@@ -103,7 +103,7 @@ class Follower {
     }
     Pose storage;
     const auto hit = task_.scene.first_hit(kinematics(path_.phi.back()), base_poses_.back(),
-                                           target_pose(contact_time_, storage), clearance());
+                                           target_pose(contact_time_, storage), margin());
     if (!hit) return std::nullopt;
     return TimedHit{*hit, contact_time_};
   }
@@ -137,7 +137,7 @@ class Follower {
   Kinematics<double> kinematics(const JointVectord& phi) const {
     return compute_kinematics<double>(task_.problem.robot, phi);
   }
-  double clearance() const { return task_.problem.approach.clearance; }
+  double margin() const { return least_distance(task_.problem.approach); }
   /// Null when there is no target.
   const Pose* target_pose(double time, Pose& storage) const {
     if (target_ == nullptr) return nullptr;
@@ -173,7 +173,7 @@ class Follower {
     Pose storage;
     const SweepResult result =
         task_.scene.sweep(kinematics(motion_on_segment(path_, i, middle).phi), base_at(i, middle),
-                          target_pose(middle, storage), travel, clearance());
+                          target_pose(middle, storage), travel, margin());
     if (result.verdict == SweepVerdict::Hit) return TimedHit{result.closest, middle};
     const bool is_small =
         std::max({travel.joints.norm(), travel.base_translation, travel.base_rotation,

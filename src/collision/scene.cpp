@@ -131,6 +131,10 @@ SceneParts parts_of(const CaptureProblem& problem) {
 
 }  // namespace
 
+double least_distance(const ApproachSpec& approach) {
+  return std::max(0.0, approach.clearance - kDistanceTolerance);
+}
+
 std::string to_string(const Proximity& proximity) {
   return proximity.first + " with " + proximity.second;
 }

@@ -20,7 +20,7 @@ std::string CollisionJudge::first_collision(const Configuration& configuration) 
   const auto kinematics = compute_kinematics<double>(problem_.robot, configuration.phi);
   const std::optional<TargetMotion> motion = target_towards(configuration);
   // The approach keeps its clearance up to the contact, so a candidate must offer it.
-  const double margin = problem_.approach.enabled ? problem_.approach.clearance : 0;
+  const double margin = problem_.approach.enabled ? least_distance(problem_.approach) : 0;
   if (!motion) {
     const auto hit = scene_.first_hit(kinematics, configuration.base, nullptr, margin);
     return hit ? to_string(*hit) : "";

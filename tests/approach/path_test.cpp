@@ -186,6 +186,24 @@ TEST_CASE("start and goal that break a limit or the clearance are named before a
   CHECK(calls.empty());
 }
 
+TEST_CASE("a goal at the clearance is valid whichever way its distance is rounded") {
+  CaptureProblem problem = planar_problem(posture({-60, 30}));
+  const Configuration goal = goal_at(posture({40, -50}));
+  const Vector3d centre(3.2, 2.6, 0);
+  const double gap = arm_clearance(goal.phi, 1.4, centre, 0);
+  const auto status = [&](double lacks) {
+    const Sphere ball{gap - problem.approach.clearance + lacks};
+    problem.obstacles = {
+        {"ball", Frame::Inertial, Pose{centre, Eigen::Quaterniond::Identity()}, ball}};
+    return plan(problem, goal).status;
+  };
+  for (const double rounding : {-4e-15, 4e-15, 1e-9}) {
+    CAPTURE(rounding);
+    CHECK(status(rounding) == ApproachStatus::Found);
+  }
+  CHECK(status(3e-6) == ApproachStatus::GoalInvalid);
+}
+
 TEST_CASE("a goal behind a wall is unreachable, and a reached stop is a time-out") {
   CaptureProblem problem = planar_problem(posture({-60, 0}));
   problem.approach.max_iterations = 500;

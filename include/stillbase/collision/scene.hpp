@@ -45,6 +45,14 @@ struct NearestPoints {
 /// "link2 with base".
 std::string to_string(const Proximity& proximity);
 
+/// To what (m) distances of this file are known.
+inline constexpr double kDistanceTolerance = 1e-6;
+
+/// Distance (m) below which bodies are too near for an approach: its clearance less
+/// kDistanceTolerance. Where a search has a constraint of the same clearance that is active,
+/// rounding alone would decide otherwise.
+double least_distance(const ApproachSpec& approach);
+
 /// Upper bounds on the motion during an interval, from the instant of the query to either end.
 struct SceneTravel {
   JointVectord joints;            ///< n, rad or m
