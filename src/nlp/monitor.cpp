@@ -115,6 +115,11 @@ void Monitor::stop_if_certified(const Point& point) {
   stop(StopReason::Certified);
 }
 
+void Monitor::stop_if_asked(const Point& point) {
+  if (!options_.ends_at || !point.valid) return;
+  if (options_.ends_at(point.x, point.evaluation)) stop(StopReason::Asked);
+}
+
 const Evaluation* Monitor::evaluate(const double* x) noexcept {
   try {
     trial_ = Eigen::Map<const Eigen::VectorXd>(x, trial_.size()).cwiseMax(lower_).cwiseMin(upper_);
@@ -136,6 +141,7 @@ const Evaluation* Monitor::evaluate(const double* x) noexcept {
     run_model(point, with_derivatives_);
     keep_if_best(point);
     if (stops_when_certified_) stop_if_certified(point);
+    stop_if_asked(point);
     return point.valid ? &point.evaluation : nullptr;
   } catch (...) {
     keep_exception();
@@ -164,6 +170,7 @@ bool Monitor::evaluate_start(const Eigen::VectorXd& x) noexcept {
     point.x = x;
     run_model(point, true);
     keep_if_best(point);
+    stop_if_asked(point);
     return point.valid;
   } catch (...) {
     keep_exception();

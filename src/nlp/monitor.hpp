@@ -100,6 +100,7 @@ class Monitor {
   const Point* find_known(const Eigen::VectorXd& x) const;
   void keep_if_best(const Point& point);
   void stop_if_certified(const Point& point);
+  void stop_if_asked(const Point& point);
 
   const Problem& problem_;
   const OptimizeOptions& options_;

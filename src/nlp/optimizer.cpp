@@ -127,6 +127,7 @@ void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptio
   OptimizeOptions inner = options;
   inner.max_evaluations = budget;
   inner.explain_infeasibility = false;
+  inner.ends_at = nullptr;  // of another problem
   const OptimizeResult nearest =
       make_optimizer("nlopt-slsqp")->minimize(ViolationProblem(problem), result.x, inner);
   Evaluation at_x;
@@ -176,9 +177,9 @@ std::string_view to_string(Status status) {
 }
 
 std::string_view to_string(StopReason reason) {
-  static constexpr const char* kWords[] = {"solver ended", "evaluation limit", "deadline",
-                                           "interrupted",  "not finite",       "stalled",
-                                           "certified",    "refused"};
+  static constexpr const char* kWords[] = {
+      "solver ended", "evaluation limit", "deadline", "interrupted", "not finite",
+      "stalled",      "certified",        "asked",    "refused"};
   return kWords[static_cast<int>(reason)];
 }
 
@@ -211,7 +212,7 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
   if (!start_is_finite && !info_.global) {
     monitor.stop(StopReason::NonFinite);
     remark(result, "the model is not finite at the start");
-  } else {
+  } else if (!monitor.stopped()) {
     const NativeOutcome native = solve(monitor, start, options);
     result.native_code = native.code;
     result.native_status = native.status;

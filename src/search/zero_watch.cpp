@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "nlp/dense_qp.hpp"
 
@@ -55,53 +54,6 @@ void set_program(const Formulation& formulation, const Eigen::VectorXd& x,
   }
 }
 
-/// Thrown out of a solve: what it is for is done.
-struct ZeroFound {
-  Eigen::VectorXd x;
-};
-
-/// The formulation during one solve.
-class ZeroWatch final : public nlp::Problem {
- public:
-  ZeroWatch(const Formulation& formulation, const ZeroOptions& options)
-      : formulation_(formulation),
-        options_(options),
-        lower_(formulation.constraint_lower()),
-        upper_(formulation.constraint_upper()),
-        next_(options.near) {}
-
-  int num_variables() const override { return formulation_.num_variables(); }
-  int num_constraints() const override { return formulation_.num_constraints(); }
-  Eigen::VectorXd lower() const override { return formulation_.lower(); }
-  Eigen::VectorXd upper() const override { return formulation_.upper(); }
-  Eigen::VectorXd constraint_lower() const override { return lower_; }
-  Eigen::VectorXd constraint_upper() const override { return upper_; }
-  bool has_hessian() const override { return formulation_.has_hessian(); }
-  void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
-                          const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
-    formulation_.lagrangian_hessian(x, sigma, multipliers, out);
-  }
-  double objective_scale() const override { return formulation_.objective_scale(); }
-  void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    formulation_.evaluate_value(x, out);
-  }
-  /// @throws ZeroFound
-  void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    formulation_.evaluate(x, out);
-    if (!(out.objective < next_)) return;
-    if (!(violation_of(out, lower_, upper_) <= options_.violation)) return;
-    next_ = options_.again * out.objective;
-    if (auto zero = zero_near(formulation_, x, options_)) throw ZeroFound{*std::move(zero)};
-  }
-
- private:
-  const Formulation& formulation_;
-  const ZeroOptions& options_;
-  const Eigen::VectorXd lower_, upper_;
-  /// Objective of the next try. Values do not depend on it, the end of the solve alone does.
-  mutable double next_;
-};
-
 }  // namespace
 
 std::optional<Eigen::VectorXd> zero_near(const Formulation& formulation, Eigen::VectorXd x,
@@ -134,13 +86,21 @@ std::optional<Eigen::VectorXd> zero_near(const Formulation& formulation, Eigen::
 }
 
 Eigen::VectorXd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
-                                 const Eigen::VectorXd& from, const nlp::OptimizeOptions& solve,
+                                 const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
                                  const ZeroOptions& options) {
-  try {
-    return optimizer.minimize(ZeroWatch(formulation, options), from, solve).x;
-  } catch (const ZeroFound& found) {
-    return found.x;
-  }
+  const Eigen::VectorXd lower = formulation.constraint_lower();
+  const Eigen::VectorXd upper = formulation.constraint_upper();
+  double next = options.near;  // objective of the next try
+  std::optional<Eigen::VectorXd> zero;
+  solve.ends_at = [&](const Eigen::VectorXd& x, const nlp::Evaluation& at_x) {
+    if (!(at_x.objective < next)) return false;
+    if (!(violation_of(at_x, lower, upper) <= options.violation)) return false;
+    next = options.again * at_x.objective;
+    zero = zero_near(formulation, x, options);
+    return zero.has_value();
+  };
+  const Eigen::VectorXd end = optimizer.minimize(formulation, from, solve).x;
+  return zero.value_or(end);
 }
 
 }  // namespace stillbase

@@ -35,7 +35,7 @@ std::optional<Eigen::VectorXd> zero_near(const Formulation& formulation, Eigen::
 /// at.
 /// @param from inside the bounds
 Eigen::VectorXd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
-                                 const Eigen::VectorXd& from, const nlp::OptimizeOptions& solve,
+                                 const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
                                  const ZeroOptions& options = {});
 
 }  // namespace stillbase

@@ -117,6 +117,31 @@ TEST_CASE("a solver is stopped at a point that is certain to be a minimum, and n
   CHECK(s.x == best);
 }
 
+TEST_CASE("a caller ends a solve at the first point that it has waited for") {
+  const KnownProblem p = hs035();
+  const Eigen::VectorXd far = vec({0.0, 0.0, 0.0}), low = vec({1.3, 0.7, 0.4});
+  const auto value = [&](const Eigen::VectorXd& x) {
+    Evaluation at_x;
+    p.evaluate(x, at_x);
+    return at_x.objective;
+  };
+  REQUIRE(value(low) < value(p.start));
+  REQUIRE(value(low) < value(far));
+  OptimizeOptions options;
+  options.ends_at = [&](const Eigen::VectorXd& x, const Evaluation& at_x) {
+    CHECK(at_x.objective == value(x));
+    return at_x.objective <= value(low);
+  };
+  const OptimizeResult r = Scripted({far, low, far}).minimize(p, p.start, options);
+  CHECK(r.stop == StopReason::Asked);
+  CHECK(r.evaluations == 3);
+  CHECK(r.x == low);
+  const OptimizeResult at_start = Scripted({far}).minimize(p, low, options);
+  CHECK(at_start.stop == StopReason::Asked);
+  CHECK(at_start.evaluations == 1);
+  CHECK(at_start.x == low);
+}
+
 TEST_CASE("a solver that evaluates one point for ever is stopped") {
   const KnownProblem p = rosenbrock();
   const OptimizeResult r =

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -53,6 +54,9 @@ struct OptimizeOptions {
   /// Leave the solver's options as its authors set them instead of OptimizerInfo::tuning: what a
   /// user gets who does not read the manual. For comparisons.
   bool library_defaults = false;
+  /// Asked at every new point that the model is defined at, with its values (and derivatives, where
+  /// the solver uses them); true ends the solve. May be empty.
+  std::function<bool(const Eigen::VectorXd& x, const Evaluation& at_x)> ends_at = {};
 };
 
 /// Verdict on the point of a result.
@@ -74,6 +78,7 @@ enum class StopReason {
   NonFinite,  ///< the model gave NaN or infinity at the start, or too often in a row
   Stalled,    ///< the solver asked for the same point many times, or left a violation as it is
   Certified,  ///< our own residuals are far below the tolerances
+  Asked,      ///< OptimizeOptions::ends_at said so
   Refused,    ///< nothing was run: see message
 };
 
