@@ -413,18 +413,15 @@ std::string approach_words(const Plan& plan) {
   return text;
 }
 
-std::string managed_words(const ManagedMomentum& managed) {
+std::string managed_words(const ManagedMomentum& managed, const SensorSpec& sensor) {
   std::string text =
       fmt::format("momentum to be managed: {} N m s, {} N s", size_words(managed.angular.norm()),
                   size_words(managed.linear.norm()));
   if (!managed.least_time) return text;
   text += fmt::format("; the wheels alone need at least {:.4g} s while the base keeps its attitude",
                       *managed.least_time);
-  if (managed.rest_time) {
-    return text + fmt::format(", all but {:.4g} % is taken after {:.4g} s", 100 * kAtRest,
-                              *managed.rest_time);
-  }
-  if (!managed.remaining) return text;
+  if (managed.rest_time) text += ", " + rest_words(sensor, *managed.rest_time);
+  if (!managed.remaining || (managed.rest_time && !have_rate_errors(sensor))) return text;
   return text + fmt::format(", {} N m s are left at the horizon", size_words(*managed.remaining));
 }
 
@@ -543,8 +540,8 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
                        after_horizon_words(*plan.after_horizon, plan.problem.post_impact.horizon)});
     }
     if (plan.managed_momentum) {
-      lines.push_back(
-          {plan.after_horizon ? "" : "afterwards", managed_words(*plan.managed_momentum)});
+      lines.push_back({plan.after_horizon ? "" : "afterwards",
+                       managed_words(*plan.managed_momentum, plan.problem.post_impact.sensor)});
       if (!plan.managed_momentum->limits.empty()) {
         lines.push_back(
             {"", binding_limit_words(*plan.managed_momentum, plan.problem.post_impact.horizon)});

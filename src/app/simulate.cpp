@@ -84,7 +84,7 @@ Run simulate(const Case& subject, const std::string& name, const StopCondition& 
   return out;
 }
 
-std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
+std::string run_words(const RobotModel& robot, const PostImpactSpec& spec, const Run& run) {
   const SimulationSummary& summary = run.result.summary;
   const TraceSample &first = run.result.trace.front(), &last = run.result.trace.back();
   std::string text =
@@ -109,12 +109,10 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
                         four(summary.peak_grip_moment));
   }
   if (summary.peak_wheel_torque > 0) {
-    text += fmt::format(
-        "  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
-        summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
-        summary.rest_time ? fmt::format("all but {:.4g} % of the momentum is taken after {:.4g} s",
-                                        100 * kAtRest, *summary.rest_time)
-                          : "not at rest at the horizon");
+    text += fmt::format("  wheels          at most {:.4g} N m and {:.4g} N m s of an axis; {}\n",
+                        summary.peak_wheel_torque, summary.peak_wheel_momenta.maxCoeff(),
+                        summary.rest_time ? rest_words(spec.sensor, *summary.rest_time)
+                                          : "not at rest at the horizon");
   }
   // A contact that takes time changes the momentum of the robot: that of the pair stays.
   text += fmt::format("  momentum drift  {:.2g} (relative)\n",
@@ -126,7 +124,7 @@ std::string run_words(const RobotModel& robot, double horizon, const Run& run) {
                         to_string(event.kind), event.time);
   }
   if (run.after_horizon) {
-    text += "  afterwards      " + after_horizon_words(*run.after_horizon, horizon) + '\n';
+    text += "  afterwards      " + after_horizon_words(*run.after_horizon, spec.horizon) + '\n';
   }
   return text;
 }
@@ -322,7 +320,7 @@ int simulate_motion(const SimulateRequest& request) {
     if (request.plot.is_given()) {
       for (PlotPanel& panel : figure_panels(name, run.result.trace)) panels.push_back(panel);
     }
-    words += run_words(robot, subject.problem.post_impact.horizon, run);
+    words += run_words(robot, subject.problem.post_impact, run);
     all_finished = all_finished && run.result.status == SimulationStatus::Finished;
     if (signal_exit_code() != 0) break;
   }

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/simulation/simulate.hpp>
+
 #include "io/defaults.hpp"
 
 namespace stillbase::app {
@@ -80,6 +82,18 @@ std::string after_horizon_words(const AfterHorizon& after, double horizon) {
                      after.stop_time ? fmt::format("{} reaches its stop {:.4g} s after the impact",
                                                    after.joint, *after.stop_time)
                                      : fmt::format("none reaches a stop within ten horizons"));
+}
+
+bool have_rate_errors(const SensorSpec& sensor) {
+  return sensor.base_rate_error > 0 || sensor.joint_rate_error > 0;
+}
+
+std::string rest_words(const SensorSpec& sensor, double time) {
+  if (have_rate_errors(sensor)) {
+    return fmt::format("at rest as far as the sensors tell after {:.4g} s", time);
+  }
+  return fmt::format("all but {:.4g} % of the momentum is taken after {:.4g} s", 100 * kAtRest,
+                     time);
 }
 
 std::string count_words(long count, const std::string& one, const std::string& many) {

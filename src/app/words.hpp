@@ -27,6 +27,10 @@ inline constexpr double kZeroSize = 1e-9;
 double rounded_up(double x);
 /// "joints still move at 0.11 rad/s at the horizon of 10 s: joint_2 reaches its stop at 18.3 s"
 std::string after_horizon_words(const AfterHorizon& after, double horizon);
+/// Whether sensors have errors in the rates that a momentum is known from.
+bool have_rate_errors(const SensorSpec& sensor);
+/// "all but 1 % of the momentum is taken after 24 s", or of sensors with errors how far they tell.
+std::string rest_words(const SensorSpec& sensor, double time);
 /// "1 body", "3 bodies"
 std::string count_words(long count, const std::string& one, const std::string& many);
 

@@ -36,6 +36,17 @@ TraceSample make_sample(double t, const PlantState& state, const PlantTerms& ter
   return sample;
 }
 
+/// Whether the sensors do not tell an angular momentum from none: L_g' C^-1 L_g <= 1 with the
+/// covariance C of what they measure of it, sigma_base^2 Htilde_omega Htilde_omega' +
+/// sigma_joint^2 Htilde_omegaphi Htilde_omegaphi'.
+bool is_unseen(const SensorSpec& sensors, const TildeInertia<double>& tilde, const Vector3d& L_g) {
+  const double base = sensors.base_rate_error, joints = sensors.joint_rate_error;
+  const Eigen::LLT<Matrix3d> C(base * base * tilde.Htilde_omega * tilde.Htilde_omega.transpose() +
+                               joints * joints * tilde.Htilde_omegaphi *
+                                   tilde.Htilde_omegaphi.transpose());
+  return C.info() == Eigen::Success && L_g.dot(C.solve(L_g)) <= 1;
+}
+
 /// First zero in [0, 1] of the cubic Hermite segment from (y0, slope m0) to (y1, slope m1) with
 /// y0 <= 0 < y1, by bisection.
 double hermite_crossing(double y0, double m0, double y1, double m1) {
@@ -191,12 +202,10 @@ void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& t
   touched_ = touches;
   const double rate = state.phidot.size() > 0 ? state.phidot.lpNorm<Eigen::Infinity>() : 0;
   peak_rate_ = std::max(peak_rate_, rate);
-  // A momentum that the sensors do not tell from none is none.
-  const double unseen = options_.sensors.base_rate_error * terms.tilde.Htilde_omega.trace() +
-                        options_.sensors.joint_rate_error * terms.tilde.Htilde_omegaphi.norm();
-  const double least = std::max({kAtRest * rest_L_g_, kNoRotation * rest_L_scale_, unseen});
+  const double least = std::max(kAtRest * rest_L_g_, kNoRotation * rest_L_scale_);
   const bool rests =
-      !touches && momentum.L_g.norm() <= least &&
+      !touches &&
+      (momentum.L_g.norm() <= least || is_unseen(options_.sensors, terms.tilde, momentum.L_g)) &&
       rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error});
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();

@@ -144,6 +144,26 @@ TEST_CASE("detumble is at rest within 5 % of the time that the wheels need at le
   }
 }
 
+TEST_CASE("errors of the rates excuse one deviation of the momentum and no more", "[simulation]") {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Capture capture = random_capture(seed);
+    const double least = 8;
+    const PlantTerms terms(capture.latched.robot, JointVectord::Zero(6), capture.latched.state);
+    const double widest = terms.tilde.Htilde_omega.operatorNorm();
+    PostImpactSpec spec = wheels_for(capture, least);
+    spec.sensor.base_rate_error = 0.1 * capture.L_g.norm() / widest;
+    const SimulationResult run = detumble(capture, spec, 14);
+    INFO("seed " << seed);
+    REQUIRE(run.summary.rest_time);
+    // One deviation is a tenth of the momentum at most, which the wheels take evenly.
+    CHECK(*run.summary.rest_time > 0.85 * least);
+    for (const TraceSample& sample : run.trace) {
+      if (sample.time < *run.summary.rest_time) continue;
+      CHECK(sample.total.norm() < 0.11 * capture.L_g.norm());
+    }
+  }
+}
+
 TEST_CASE("rns_handback gives the momentum of robot and target to the wheels, the base keeps still",
           "[simulation]") {
   const Capture capture = random_capture(1, 0.02);
