@@ -47,7 +47,9 @@ double typical_objective(const Formulation::Parts& parts) {
   return whole > 0 ? whole : 1;
 }
 
+/// Where a user's function is not defined no limit is kept.
 double violation_of(double value, double lower, double upper) {
+  if (!std::isfinite(value)) return kInfinity;
   return std::max({lower - value, value - upper, 0.0});
 }
 

@@ -213,8 +213,20 @@ class Search {
       done = 1;
     }
     out_.stopped = done < starts;
+    if (nearest_.x.size() == 0) throw std::invalid_argument(undefined_words());
     if (rescuer_) rescue_solutions();
     solve_.seed = options_.seed + static_cast<std::uint64_t>(std::max(done - 1, 0));
+  }
+
+  /// Which functions have no value, by the first start.
+  std::string undefined_words() const {
+    const Eigen::VectorXd x = postures_.of(0).x;
+    std::string names;
+    for (const ConstraintValue& value : formulation_.report(x)) {
+      if (!std::isfinite(value.value)) names += " " + value.name;
+    }
+    if (names.empty()) names = " the objective";
+    return "no start has a number as the value of" + names;
   }
 
   /// Goes on from the solutions at which the optimizer stopped short of a minimum, once from each.

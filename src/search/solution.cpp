@@ -53,7 +53,8 @@ Solution judge(const CaptureProblem& problem, const Formulation& formulation,
     const double size = formulation.objective_power().length(value) / formulation.objective_unit();
     at_x.objective = size * size / 2;
   }
-  return {x, at_x.objective, largest_violation(problem, formulation, x)};
+  const double violation = largest_violation(problem, formulation, x);
+  return {x, at_x.objective, std::isfinite(at_x.objective) ? violation : kInfinity};
 }
 
 bool better(const Solution& a, const Solution& b) {

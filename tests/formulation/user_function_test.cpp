@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include <catch2/catch.hpp>
 
@@ -86,6 +87,40 @@ TEST_CASE("a constraint from outside the library is kept, listed and differentia
   CHECK(std::count_if(listed.begin(), listed.end(), [&](const ConstraintValue& value) {
           return value.name == "base_speed_squared" && value.upper == limit;
         }) == 1);
+}
+
+TEST_CASE("a function from outside is kept away from where it is not defined") {
+  Random random(74);
+  CaptureProblem problem = point_mass_problem(random_planar_robot(random, 4), {0.6, 0.8, 0});
+  SearchOptions options;
+  options.starts = 12;
+  const auto half = [](const Configuration& at, const ImpactSummary&) {
+    return at.phi[0] > 0 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
+  };
+  const auto nowhere = [](const Configuration&, const ImpactSummary&) {
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  const auto found = [&] { return search(problem, Formulation(problem), options); };
+  SECTION("a constraint") {
+    problem.user.constraints = {{"half", "1", 0, 2, half}};
+    const SearchResult result = found();
+    REQUIRE(result.status == PlanStatus::Feasible);
+    for (const Candidate& candidate : result.candidates) {
+      CHECK(candidate.configuration.phi[0] <= 0);
+    }
+    problem.user.constraints = {{"nowhere", "1", -kInfinity, 2, nowhere}};
+    CHECK_THROWS_WITH(found(), Catch::Contains("has a number as the value of nowhere"));
+  }
+  SECTION("a term of the objective") {
+    problem.user.terms = {{"half", "1", 1, half}};
+    const SearchResult result = found();
+    REQUIRE(result.status == PlanStatus::Feasible);
+    for (const Candidate& candidate : result.candidates) {
+      CHECK(candidate.configuration.phi[0] <= 0);
+    }
+    problem.user.terms = {{"nowhere", "1", 1, nowhere}};
+    CHECK_THROWS_WITH(found(), Catch::Contains("has a number as the value of the objective"));
+  }
 }
 
 TEST_CASE("a gradient of the user's own takes the place of differences") {
