@@ -28,14 +28,19 @@ class TreeBuilder {
     if (PyBool_Check(object.ptr()) || py::isinstance(object, bool_)) {
       return scalar(io::Node::Kind::Plain, object.cast<bool>() ? "true" : "false");
     }
+    if (PyFloat_Check(object.ptr()) || py::isinstance(object, floating_)) {
+      return scalar(io::Node::Kind::Plain, fmt::format("{}", object.cast<double>()));
+    }
     if (py::hasattr(object, "tolist")) {  // arrays, and the other numbers of numpy
-      return build(object.attr("tolist")(), path, depth);
+      // Some numbers of numpy give themselves, a mock gives a mock: neither has an end.
+      const py::object plain = object.attr("tolist")();
+      if (py::isinstance(plain, floating_) || !py::hasattr(plain, "tolist")) {
+        return build(plain, path, depth);
+      }
+      return refuse_type(object, path);
     }
     if (PyLong_Check(object.ptr())) {
       return scalar(io::Node::Kind::Plain, py::str(object).cast<std::string>());
-    }
-    if (PyFloat_Check(object.ptr())) {
-      return scalar(io::Node::Kind::Plain, fmt::format("{}", object.cast<double>()));
     }
     if (PyMapping_Check(object.ptr()) && py::hasattr(object, "items")) {
       return map(object.attr("items")(), path, depth);
@@ -57,10 +62,7 @@ class TreeBuilder {
     if (is_record && !py::isinstance<py::type>(object)) {
       return map(py::module_::import("builtins").attr("vars")(object).attr("items")(), path, depth);
     }
-    refuse(path, "wrong-type",
-           fmt::format("an object of type {} is nothing that a file can state",
-                       Py_TYPE(object.ptr())->tp_name));
-    return node;
+    return refuse_type(object, path);
   }
 
  private:
@@ -89,6 +91,12 @@ class TreeBuilder {
     return node;
   }
 
+  io::Node refuse_type(py::handle object, const std::string& path) {
+    refuse(path, "wrong-type",
+           fmt::format("an object of type {} is nothing that a file can state",
+                       Py_TYPE(object.ptr())->tp_name));
+    return {};
+  }
   void refuse(const std::string& path, const char* rule, const std::string& what) {
     context_.add(0, rule, path.empty() ? what : path + ": " + what);
   }
@@ -100,6 +108,7 @@ class TreeBuilder {
   io::ReadContext& context_;
   const io::DocumentLimits limits_;
   const py::object bool_ = py::module_::import("numpy").attr("bool_");
+  const py::object floating_ = py::module_::import("numpy").attr("floating");
   const py::object namespace_ = py::module_::import("types").attr("SimpleNamespace");
   std::size_t count_ = 0;
 };

@@ -9,6 +9,7 @@ import pickle
 import tempfile
 import types
 import unittest
+import unittest.mock
 import warnings
 
 import numpy as np
@@ -100,9 +101,33 @@ class Reading(unittest.TestCase):
                 error = self.refusal(changed(section, key, value))
                 self.assertIn(rule, [finding.rule for finding in error.findings])
                 self.assertIn(key, str(error))
+        for value in (np.clongdouble(1), np.array(np.clongdouble(1)), unittest.mock.MagicMock()):
+            with self.subTest(value=str(value)[:20]):
+                error = self.refusal(changed("impact", "magnitude", value))
+                self.assertIn("wrong-type", [finding.rule for finding in error.findings])
         error = self.refusal(changed("impact", 3, 1))
         self.assertIn("impact: the key 3 must be text", str(error))
         self.assertEqual(error.line, 0)
+
+    def test_numbers_of_every_floating_type_are_numbers(self):
+        def read(value):
+            return stillbase.Problem.from_dict(
+                changed("impact", "magnitude", value), folder=str(PROBLEMS)
+            ).to_dict()["impact"]["magnitude"]
+
+        for kind in (np.float16, np.float32, np.float64, np.longdouble):
+            with self.subTest(kind.__name__):
+                self.assertEqual(read(kind(8.5)), 8.5)
+                self.assertEqual(read(np.array(kind(8.5))), 8.5)
+        long = changed("impact", "direction", np.array([1, 0, 0], np.longdouble))
+        self.assertEqual(
+            stillbase.Problem.from_dict(long, folder=str(PROBLEMS)).to_json(),
+            stillbase.Problem.from_dict(sections(), folder=str(PROBLEMS)).to_json(),
+        )
+        after = problem().replace(search={"starts": np.longdouble(8)})
+        self.assertEqual(after.to_dict()["search"]["starts"], 8)
+        with self.assertRaisesRegex(stillbase.InputError, "not-finite"):
+            read(np.finfo(np.longdouble).max)  # beyond the numbers of a file
 
     def test_findings_are_those_of_a_file(self):
         stated = changed("impact", "magnitud", 1)
