@@ -83,9 +83,11 @@ void register_formulation(py::module_& m) {
   formulation.def(
       "variables",
       [](const Formulation& f, const Configuration& configuration) {
+        const Eigen::VectorXd any = Eigen::VectorXd::Zero(f.num_variables());
+        check_fits(f.configuration(any).phi.size(), configuration);
         return array_of(f.variables(configuration));
       },
-      py::arg("configuration"), "The variables (N,) of a configuration.");
+      py::arg("configuration"), "The variables (N,) of a configuration. Raises ValueError.");
   formulation.def(
       "value_of",
       [](const Formulation& f, double objective) {

@@ -38,8 +38,8 @@ struct Problem {
 };
 
 std::shared_ptr<Problem> make_problem(CaptureProblem data);
-/// A configuration that fits the problem. @throws std::invalid_argument with what does not fit
-void check_fits(const CaptureProblem& problem, const Configuration& configuration);
+/// @throws std::invalid_argument unless the configuration has this many joint positions
+void check_fits(Eigen::Index num_joints, const Configuration& configuration);
 
 void register_robot(py::module_& m);
 void register_impact(py::module_& m);

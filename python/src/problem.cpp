@@ -172,12 +172,12 @@ std::shared_ptr<Problem> make_problem(CaptureProblem data) {
       Problem{std::move(data), std::move(robot), py::tuple(), py::tuple()});
 }
 
-void check_fits(const CaptureProblem& problem, const Configuration& configuration) {
-  if (configuration.phi.size() != problem.robot.n()) {
+void check_fits(Eigen::Index num_joints, const Configuration& configuration) {
+  if (configuration.phi.size() != num_joints) {
     throw std::invalid_argument(
         fmt::format("configuration: has {} joint positions, the robot has "
                     "{} joints",
-                    configuration.phi.size(), problem.robot.n()));
+                    configuration.phi.size(), num_joints));
   }
 }
 
@@ -229,7 +229,7 @@ void register_problem(py::module_& m) {
   problem.def(
       "impact_at",
       [](const Problem& p, const Configuration& configuration) {
-        check_fits(p.data, configuration);
+        check_fits(p.data.robot.n(), configuration);
         return Impact{impact_at(p.data, configuration), p.robot};
       },
       py::arg("configuration"),

@@ -43,7 +43,7 @@ Subject subject_of(const py::object& object, const std::optional<Configuration>&
                                       ? object.cast<const PlanResult&>().file.plan.problem
                                       : object.cast<const Problem&>().data;
   const Configuration at = configuration ? *configuration : start_configuration(problem);
-  check_fits(problem, at);
+  check_fits(problem.robot.n(), at);
   return {problem, at, impact_at(problem, at)};
 }
 

@@ -87,7 +87,7 @@ class NonlinearProgram:
         return self._formulation.configuration(x)
 
     def variables(self, configuration: Configuration) -> NDArray[np.float64]:
-        """The variables (N,) of a configuration."""
+        """The variables (N,) of a configuration. ValueError: it has another number of joints."""
         return self._formulation.variables(configuration)
 
     def value(self, x: ArrayLike) -> float:

@@ -75,6 +75,12 @@ class Program(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, r"must be in \[0, 1\)"):
             self.program.start_point(np.full(self.x.size, 1.0))
 
+    def test_configurations_of_other_robots_are_refused(self):
+        for size in (0, 6, 8):
+            other = stillbase.Configuration(np.zeros(size))
+            with self.assertRaisesRegex(ValueError, f"has {size} joint positions, the robot has 7"):
+                self.program.variables(other)
+
 
 @unittest.skipIf(scipy is None, "skipped: python3-scipy is not installed")
 class Scipy(unittest.TestCase):
