@@ -30,6 +30,8 @@ struct Trials {
 
 /// Trials between two looks at the progress, per worker.
 constexpr int kTrialsAtOnce = 16;
+/// More threads than any machine runs at a time; kTrialsAtOnce times it is an int.
+constexpr int kMostWorkers = 4096;
 
 py::object verify(const PlanResult& plan, bool audit, const std::optional<double>& time_limit) {
   LongCall call(time_limit);
@@ -75,6 +77,7 @@ py::object run(const PlanResult& plan, int count, std::uint64_t seed, int jobs,
                const std::optional<double>& time_limit) {
   if (count < 1) throw std::invalid_argument("count: must be at least 1");
   if (jobs < 1) throw std::invalid_argument("jobs: must be at least 1");
+  const int workers = std::min(jobs, kMostWorkers);
   const Plan& subject = plan.file.plan;
   Trials out{{sizes_of(subject.problem, sizes), seed, 0, count}, {}, {}};
   LongCall call(time_limit);
@@ -83,9 +86,9 @@ py::object run(const PlanResult& plan, int count, std::uint64_t seed, int jobs,
     std::vector<TrialOutcome> all;
     while (static_cast<int>(all.size()) < count && !call.stop().reached()) {
       const int first = static_cast<int>(all.size());
-      const int some = std::min(count - first, kTrialsAtOnce * jobs);
+      const int some = std::min(count - first, kTrialsAtOnce * workers);
       const auto more =
-          run_trials(subject, out.setting.sizes, seed, first, some, jobs, call.stop());
+          run_trials(subject, out.setting.sizes, seed, first, some, workers, call.stop());
       all.insert(all.end(), more.begin(), more.end());
       if (report) report("trials", static_cast<int>(all.size()), count);
     }

@@ -133,6 +133,8 @@ class Planning(unittest.TestCase):
         single = {key: 0.0 for key, value in sizes.items() if isinstance(value, float | int)}
         exact = stillbase.trials(self.plan, 4, sizes=single)
         np.testing.assert_allclose(exact.impulse, np.linalg.norm(self.plan.impact.impulse[:3]))
+        many = stillbase.trials(self.plan, 24, seed=3, jobs=2**28, time_limit=30)
+        self.assertEqual(one.inputs.tobytes(), many.inputs.tobytes())
         with self.assertRaisesRegex(ValueError, "'luck' is not known"):
             stillbase.trials(self.plan, 4, sizes={"luck": 1.0})
 
