@@ -223,6 +223,15 @@ Eigen::VectorXd vector_of(const Numbers& array, Eigen::Index size, const char* n
   return Eigen::Map<const Eigen::VectorXd>(array.data(), size);
 }
 
+Eigen::MatrixXd matrix_of(const Numbers& array, Eigen::Index rows, Eigen::Index columns,
+                          const char* name) {
+  if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != columns) {
+    throw std::invalid_argument(fmt::format("{}: has the shape {}, must have ({}, {})", name,
+                                            shape_words(array), rows, columns));
+  }
+  return rows_of(array, rows, columns, name);
+}
+
 Eigen::MatrixXd rows_of(const Numbers& array, Eigen::Index count, Eigen::Index columns,
                         const char* name) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -36,6 +36,9 @@ py::object python_of(const io::TableBody& body);
 
 /// @throws std::invalid_argument unless the array has this many finite numbers
 Eigen::VectorXd vector_of(const Numbers& array, Eigen::Index size, const char* name);
+/// @throws std::invalid_argument unless the array has this shape and finite numbers
+Eigen::MatrixXd matrix_of(const Numbers& array, Eigen::Index rows, Eigen::Index columns,
+                          const char* name);
 /// Rows (k, n), or one row for all of them. @param count of rows; < 0: any, the array must be (k,
 /// n)
 /// @throws std::invalid_argument for other shapes and for numbers that are not finite

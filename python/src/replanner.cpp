@@ -6,6 +6,8 @@
 
 #include <pybind11/stl.h>
 
+#include <stillbase/core/error.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/planner/replanner.hpp>
 
 #include "convert.hpp"
@@ -32,6 +34,27 @@ StopCondition stop_at(const std::optional<double>& deadline) {
   return stop;
 }
 
+/// The tolerances are those of the replanner and of files.
+StateCovariance covariance_of(const Numbers& array) {
+  constexpr int kSize = StateCovariance::RowsAtCompileTime;
+  const StateCovariance covariance = matrix_of(array, kSize, kSize, "covariance");
+  const auto refuse = [](const std::string& what) {
+    throw InputError({{"estimate", 0, "not-a-covariance", "covariance" + what}});
+  };
+  if (!covariance.isApprox(covariance.transpose(), 1e-9)) refuse(": is not symmetric");
+  for (int k = 0; k < kSize; ++k) {
+    if (!(covariance(k, k) >= 0)) {
+      refuse(fmt::format("[{0}][{0}]: is {1}; a variance is not negative", k, covariance(k, k)));
+    }
+  }
+  const Eigen::VectorXd values = symmetric_eigenvalues(covariance);
+  if (values.minCoeff() < -1e-9 * values.maxCoeff()) {
+    refuse(fmt::format(": is not positive semidefinite, its smallest eigenvalue is {:.4g}",
+                       values.minCoeff()));
+  }
+  return covariance;
+}
+
 ReplanUpdate replan(Replanner& replanner, double time, const Numbers& position,
                     const Numbers& orientation, const Numbers& linear_velocity,
                     const Numbers& angular_velocity, const std::optional<Numbers>& covariance,
@@ -44,7 +67,7 @@ ReplanUpdate replan(Replanner& replanner, double time, const Numbers& position,
   estimate.state.pose.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
   estimate.state.linear_velocity = vector_of(linear_velocity, 3, "linear_velocity");
   estimate.state.angular_velocity = vector_of(angular_velocity, 3, "angular_velocity");
-  if (covariance) estimate.covariance = rows_of(*covariance, 12, 12, "covariance");
+  if (covariance) estimate.covariance = covariance_of(*covariance);
   return {replanner.replan(estimate, stop)};
 }
 
@@ -168,7 +191,7 @@ void register_replanner(py::module_& m) {
       "Takes an estimate of the target in N (orientation [w, x, y, z] of its axes) and gives\n"
       "the best contact found within deadline, s: never worse than a feasible old one.\n"
       "covariance (12, 12): of position, orientation (rotation vector in the target's axes),\n"
-      "linear and angular velocity.");
+      "linear and angular velocity. Raises ValueError, InputError for what is no covariance.");
   replanner.def_property_readonly(
       "last", [](const Replanner& r) { return ReplanUpdate{r.last()}; },
       "The last update; that of the plan's own estimate before the first.");

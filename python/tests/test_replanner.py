@@ -72,6 +72,21 @@ class Replanning(unittest.TestCase):
         self.assertIn("no time", replanner.last.reason)
         with self.assertRaises(ValueError):
             replanner.replan(**dict(self.stream[0], position=[0, 0]))
+        good = self.stream[0]["covariance"]
+        for wrong, words in (
+            (np.diag(good), r"\(12,\), must have \(12, 12\)"),
+            (good[:11], r"\(11, 12\), must have \(12, 12\)"),
+            (good * math.nan, "is not finite"),
+            (-good, "a variance is not negative"),
+            (np.triu(np.full((12, 12), 1e-6)), "not symmetric"),
+            (np.full((12, 12), 1e-6) - 1e-7 * np.eye(12), "smallest eigenvalue is -1e-07"),
+            (np.diag([*np.full(11, 1.0), -1e-12]), r"\[11\]\[11\]: is -1e-12"),
+        ):
+            with self.assertRaisesRegex(ValueError, "^.*covariance.*" + words):
+                replanner.replan(**dict(self.stream[0], covariance=wrong))
+        for right in (0 * good, good, np.full((12, 12), 1e-9), None):
+            status = replanner.replan(**dict(self.stream[0], covariance=right)).status
+            self.assertEqual(status, "optimal")
         with self.assertRaises(ValueError):
             replanner.replan(**self.stream[0], deadline=-1)
         with self.assertRaises(ValueError):
