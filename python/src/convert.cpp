@@ -42,9 +42,7 @@ class TreeBuilder {
     if (PyLong_Check(object.ptr())) {
       return scalar(io::Node::Kind::Plain, py::str(object).cast<std::string>());
     }
-    if (PyMapping_Check(object.ptr()) && py::hasattr(object, "items")) {
-      return map(object.attr("items")(), path, depth);
-    }
+    if (const py::object items = items_of(object)) return map(items, path, depth);
     if (py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object)) {
       node.kind = io::Node::Kind::Sequence;
       for (const py::handle item : object) {
@@ -56,11 +54,6 @@ class TreeBuilder {
     if (py::hasattr(object, "__fspath__")) {
       return scalar(io::Node::Kind::Quoted,
                     py::module_::import("os").attr("fspath")(object).cast<std::string>());
-    }
-    const bool is_record =
-        py::hasattr(object, "__dataclass_fields__") || py::isinstance(object, namespace_);
-    if (is_record && !py::isinstance<py::type>(object)) {
-      return map(py::module_::import("builtins").attr("vars")(object).attr("items")(), path, depth);
     }
     return refuse_type(object, path);
   }
@@ -109,7 +102,6 @@ class TreeBuilder {
   const io::DocumentLimits limits_;
   const py::object bool_ = py::module_::import("numpy").attr("bool_");
   const py::object floating_ = py::module_::import("numpy").attr("floating");
-  const py::object namespace_ = py::module_::import("types").attr("SimpleNamespace");
   std::size_t count_ = 0;
 };
 
@@ -176,6 +168,17 @@ std::string shape_words(const Numbers& array) {
 }
 
 }  // namespace
+
+py::object items_of(py::handle object) {
+  if (py::hasattr(object, "tolist") || py::isinstance<py::type>(object)) return {};
+  if (PyMapping_Check(object.ptr()) && py::hasattr(object, "items")) return object.attr("items")();
+  if (py::hasattr(object, "__fspath__")) return {};
+  if (py::hasattr(object, "__dataclass_fields__") ||
+      py::isinstance(object, py::module_::import("types").attr("SimpleNamespace"))) {
+    return py::module_::import("builtins").attr("vars")(object).attr("items")();
+  }
+  return {};
+}
 
 io::Node node_of(py::handle object, io::ReadContext& context, const std::string& path) {
   return TreeBuilder(context).build(object, path, 0);

@@ -19,7 +19,11 @@ namespace py = pybind11;
 /// Numbers from Python, in rows; converted when they are of another type or layout.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A dict, dataclass or SimpleNamespace as a map; lists, tuples and arrays as sequences; numbers,
+/// (key, value) of what is read as a map: a dict, another Mapping, a dataclass or a
+/// SimpleNamespace. Null for other objects.
+py::object items_of(py::handle object);
+
+/// What items_of() knows as a map; lists, tuples and arrays as sequences; numbers,
 /// texts, paths, booleans and None as a file would state them. Has no lines. What no file can
 /// state, and what is nested too deeply, is a finding of the context.
 io::Node node_of(py::handle object, io::ReadContext& context, const std::string& path = "");

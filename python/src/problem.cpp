@@ -50,12 +50,14 @@ py::dict problem_dict(const Problem& problem) {
   return python_of(io::problem_json(problem.data)).cast<py::dict>();
 }
 
-/// Values of one dict in place of those of another, maps key by key.
-void merge(const py::dict& into, const py::dict& changes) {
-  for (const auto& [key, value] : changes) {
-    if (py::isinstance<py::dict>(value) && into.contains(key) &&
-        py::isinstance<py::dict>(into[key])) {
-      merge(py::reinterpret_borrow<py::dict>(into[key]), py::reinterpret_borrow<py::dict>(value));
+/// Values of one map, given by its items, in place of those of a dict; maps key by key.
+void merge(const py::dict& into, const py::object& changes) {
+  for (const py::handle item : changes) {
+    const auto pair = item.cast<py::tuple>();
+    const py::object key = pair[0], value = pair[1];
+    const bool was_map = into.contains(key) && py::isinstance<py::dict>(into[key]);
+    if (const py::object inner = was_map ? items_of(value) : py::object()) {
+      merge(py::reinterpret_borrow<py::dict>(into[key]), inner);
     } else {
       into[key] = value;
     }
@@ -68,7 +70,7 @@ std::shared_ptr<Problem> with_functions(const Problem& problem, py::tuple terms,
 
 std::shared_ptr<Problem> replace_sections(const Problem& problem, const py::kwargs& changes) {
   const py::dict stated = problem_dict(problem);
-  merge(stated, changes);
+  merge(stated, items_of(changes));
   const auto changed =
       read_problem_object(stated, problem.data.source, {.urdf = problem.data.urdf, .folder = "."});
   return with_functions(*changed, problem.terms, problem.constraints);

@@ -1,5 +1,6 @@
 """Problems from files, dicts and keywords go through one reader."""
 
+import collections
 import copy
 import dataclasses
 import json
@@ -167,6 +168,22 @@ class Changing(unittest.TestCase):
         self.assertNotEqual(before.to_json(), after.to_json())
         with self.assertRaisesRegex(stillbase.InputError, "did you mean 'starts'"):
             before.replace(search={"stars": 8})
+
+    def test_replace_takes_namespaces_dataclasses_and_mappings_as_dicts(self):
+        @dataclasses.dataclass
+        class Search:
+            seed: int = 3
+
+        before = problem(search={"starts": 8})
+        expected = before.replace(search={"seed": 3}).to_json()
+        for section in (
+            types.SimpleNamespace(seed=3),
+            Search(),
+            collections.UserDict(seed=3),
+            types.MappingProxyType({"seed": 3}),
+        ):
+            with self.subTest(type(section).__name__):
+                self.assertEqual(before.replace(search=section).to_json(), expected)
 
     def test_copies_and_pickles_are_equal(self):
         before = problem().with_term("bend", bend, gradient=bend_gradient)
