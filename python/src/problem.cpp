@@ -80,11 +80,18 @@ Impact impact_for_user(const SharedRobot& robot, const ImpactSummary& summary) {
   return {summary, robot};
 }
 
-UserFunction value_function(const SharedRobot& robot, const py::object& function) {
-  return [robot, shared = shared_function(function)](const Configuration& configuration,
-                                                     const ImpactSummary& impact) {
+UserFunction value_function(const SharedRobot& robot, const std::string& name,
+                            const py::object& function) {
+  return [robot, name, shared = shared_function(function)](const Configuration& configuration,
+                                                           const ImpactSummary& impact) {
     const py::gil_scoped_acquire locked;
-    return (*shared)(configuration, impact_for_user(robot, impact)).cast<double>();
+    const py::object out = (*shared)(configuration, impact_for_user(robot, impact));
+    try {
+      return out.cast<double>();
+    } catch (const py::cast_error&) {
+      throw py::type_error(fmt::format("{}: must return a number, returned an object of type {}",
+                                       name, Py_TYPE(out.ptr())->tp_name));
+    }
   };
 }
 
@@ -107,15 +114,15 @@ std::shared_ptr<Problem> with_functions(const Problem& problem, py::tuple terms,
     const auto t = item.cast<py::tuple>();
     const auto name = t[0].cast<std::string>();
     out->data.user.terms.push_back({name, t[1].cast<std::string>(), t[2].cast<double>(),
-                                    value_function(problem.robot, t[3]),
+                                    value_function(problem.robot, name, t[3]),
                                     gradient_function(problem.robot, name, t[4])});
   }
   for (const py::handle item : constraints) {
     const auto c = item.cast<py::tuple>();
     const auto name = c[0].cast<std::string>();
-    out->data.user.constraints.push_back({name, c[1].cast<std::string>(), c[2].cast<double>(),
-                                          c[3].cast<double>(), value_function(problem.robot, c[4]),
-                                          gradient_function(problem.robot, name, c[5])});
+    out->data.user.constraints.push_back(
+        {name, c[1].cast<std::string>(), c[2].cast<double>(), c[3].cast<double>(),
+         value_function(problem.robot, name, c[4]), gradient_function(problem.robot, name, c[5])});
   }
   out->terms = std::move(terms);
   out->constraints = std::move(constraints);

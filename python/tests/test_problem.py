@@ -227,6 +227,15 @@ class Changing(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "has 5 components, the search has 2 variables"):
             stillbase.NonlinearProgram(wrong).evaluate(np.zeros(2))
 
+    def test_user_functions_must_return_numbers(self):
+        for value in (None, "1", np.zeros(3)):
+            with self.subTest(repr(value)):
+                broken = problem().with_term("broken", lambda c, i: value, gradient=bend_gradient)
+                with self.assertRaisesRegex(TypeError, "broken: must return a number"):
+                    stillbase.NonlinearProgram(broken).evaluate(np.zeros(2))
+                with self.assertRaisesRegex(TypeError, "broken: must return a number"):
+                    stillbase.plan(broken)
+
 
 def bend(configuration, impact):
     """Smooth function of the posture alone."""
