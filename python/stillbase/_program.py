@@ -38,7 +38,7 @@ class NonlinearProgram:
         self._limits: NDArray[np.float64] = self._signs * np.concatenate(
             (upper[self.equations], upper[above], lower[below])
         )
-        self._last: tuple[bytes, Evaluation] | None = None
+        self._last: tuple[tuple[tuple[int, ...], bytes], Evaluation] | None = None
 
     def __getstate__(self) -> Problem:
         return self.problem
@@ -69,7 +69,7 @@ class NonlinearProgram:
     def evaluate(self, x: ArrayLike) -> Evaluation:
         """f, its gradient, g and its Jacobian at x (N,); the last point is remembered."""
         point = np.ascontiguousarray(x, dtype=np.float64)
-        key = point.tobytes()
+        key = point.shape, point.tobytes()
         last = self._last
         if last is not None and last[0] == key:
             return last[1]

@@ -74,6 +74,10 @@ class Program(unittest.TestCase):
             self.program.fitness(np.full(self.x.size, np.nan))
         with self.assertRaisesRegex(ValueError, r"must be in \[0, 1\)"):
             self.program.start_point(np.full(self.x.size, 1.0))
+        for _ in range(2):  # the second time beside a remembered point of the same numbers
+            with self.assertRaisesRegex(ValueError, "^x: has the shape"):
+                self.program.evaluate(self.x[np.newaxis])
+            self.program.evaluate(self.x)
 
     def test_configurations_of_other_robots_are_refused(self):
         for size in (0, 6, 8):
