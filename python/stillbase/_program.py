@@ -91,7 +91,10 @@ class NonlinearProgram:
         return self._formulation.variables(configuration)
 
     def value(self, x: ArrayLike) -> float:
-        """The objective's quantity at x (N,), in its own unit."""
+        """The objective's quantity at x (N,), in its own unit.
+
+        The nominal value, also where the measure of the plan is another, as a worst case.
+        """
         return self._formulation.value_of(self.evaluate(x).objective)
 
     # scipy.optimize
