@@ -32,6 +32,22 @@ void translate(std::exception_ptr pointer) {
   }
 }
 
+void* refuse_memory(std::size_t) {
+  throw py::type_error("the object has not been made: it comes from __new__ alone");
+}
+
+/// Objects of __new__ alone are refused: where a function takes one, pybind11 would hand over
+/// memory that nothing has been written to.
+void refuse_unmade_objects(const py::module_& m) {
+  for (const auto& [name, value] : m.attr("__dict__").cast<py::dict>()) {
+    if (!py::isinstance<py::type>(value)) continue;
+    auto* const type = reinterpret_cast<PyTypeObject*>(value.ptr());
+    if (py::detail::type_info* known = py::detail::get_type_info(type)) {
+      known->operator_new = &refuse_memory;
+    }
+  }
+}
+
 }  // namespace
 
 }  // namespace stillbase::python
@@ -52,4 +68,5 @@ PYBIND11_MODULE(_stillbase, m) {
   register_replanner(m);
   register_simulation(m);
   register_results(m);
+  refuse_unmade_objects(m);
 }

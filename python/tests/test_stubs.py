@@ -83,6 +83,19 @@ class Stubs(unittest.TestCase):
             ]
         self.assertEqual(missing, [])
 
+    def test_objects_without_a_constructor_call_are_refused(self):
+        classes = [kind for kind in vars(_stillbase).values() if inspect.isclass(kind)]
+        self.assertGreater(len(classes), 20)
+        for kind in classes:
+            with self.subTest(kind.__name__):
+                empty = kind.__new__(kind)
+                for name, value in vars(kind).items():
+                    if isinstance(value, property):
+                        # pybind11 itself refuses what takes a shared pointer.
+                        refusal = "has not been made|from non-held to held"
+                        with self.assertRaisesRegex((TypeError, RuntimeError), refusal):
+                            getattr(empty, name)
+
     def test_everything_is_listed(self):
         self.assertEqual(sorted(stillbase.__all__), stillbase.__all__)
         for name in dir(_stillbase):
