@@ -7,10 +7,10 @@
 #include <pybind11/stl.h>
 
 #include <stillbase/core/error.hpp>
-#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/planner/replanner.hpp>
 
 #include "convert.hpp"
+#include "core/covariance.hpp"
 #include "results.hpp"
 
 namespace stillbase::python {
@@ -34,23 +34,11 @@ StopCondition stop_at(const std::optional<double>& deadline) {
   return stop;
 }
 
-/// The tolerances are those of the replanner and of files.
 StateCovariance covariance_of(const Numbers& array) {
   constexpr int kSize = StateCovariance::RowsAtCompileTime;
   const StateCovariance covariance = matrix_of(array, kSize, kSize, "covariance");
-  const auto refuse = [](const std::string& what) {
-    throw InputError({{"estimate", 0, "not-a-covariance", "covariance" + what}});
-  };
-  if (!covariance.isApprox(covariance.transpose(), 1e-9)) refuse(": is not symmetric");
-  for (int k = 0; k < kSize; ++k) {
-    if (!(covariance(k, k) >= 0)) {
-      refuse(fmt::format("[{0}][{0}]: is {1}; a variance is not negative", k, covariance(k, k)));
-    }
-  }
-  const Eigen::VectorXd values = symmetric_eigenvalues(covariance);
-  if (values.minCoeff() < -1e-9 * values.maxCoeff()) {
-    refuse(fmt::format(": is not positive semidefinite, its smallest eigenvalue is {:.4g}",
-                       values.minCoeff()));
+  if (const auto objection = covariance_objection(covariance)) {
+    throw InputError({{"estimate", 0, "not-a-covariance", "covariance" + objection->text}});
   }
   return covariance;
 }

@@ -78,8 +78,8 @@ class Replanning(unittest.TestCase):
             (good[:11], r"\(11, 12\), must have \(12, 12\)"),
             (good * math.nan, "is not finite"),
             (-good, "a variance is not negative"),
-            (np.triu(np.full((12, 12), 1e-6)), "not symmetric"),
-            (np.full((12, 12), 1e-6) - 1e-7 * np.eye(12), "smallest eigenvalue is -1e-07"),
+            (np.triu(np.full((12, 12), 1e-6)), "a covariance is symmetric"),
+            (np.full((12, 12), 1e-6) - 1e-7 * np.eye(12), "not positive semidefinite"),
             (np.diag([*np.full(11, 1.0), -1e-12]), r"\[11\]\[11\]: is -1e-12"),
         ):
             with self.assertRaisesRegex(ValueError, "^.*covariance.*" + words):

@@ -7,11 +7,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-
 #include <stillbase/core/error.hpp>
 #include <stillbase/core/file.hpp>
 
+#include "core/covariance.hpp"
 #include "io/fields/ranges.hpp"
 #include "io/scalars.hpp"
 
@@ -220,12 +219,8 @@ class EstimateReader {
       for (int i = 0; i < kErrors; ++i) {
         for (int j = i; j < kErrors; ++j) covariance(i, j) = covariance(j, i) = number(next++);
       }
-      const Eigen::SelfAdjointEigenSolver<StateCovariance> eigen(covariance,
-                                                                 Eigen::EigenvaluesOnly);
-      if (eigen.eigenvalues().minCoeff() < -1e-9 * eigen.eigenvalues().maxCoeff()) {
-        add(line, "not-a-covariance",
-            fmt::format("columns cov_...: the smallest eigenvalue is {:.4g}, must be >= 0",
-                        eigen.eigenvalues().minCoeff()));
+      if (const auto objection = covariance_objection(covariance)) {
+        add(line, "not-a-covariance", "columns cov" + objection->text);
       }
     }
   }

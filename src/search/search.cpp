@@ -213,7 +213,7 @@ class Search {
       done = 1;
     }
     out_.stopped = done < starts;
-    if (nearest_.x.size() == 0) throw std::invalid_argument(undefined_words());
+    if (starts > 0 && nearest_.x.size() == 0) throw std::invalid_argument(undefined_words());
     if (rescuer_) rescue_solutions();
     solve_.seed = options_.seed + static_cast<std::uint64_t>(std::max(done - 1, 0));
   }
@@ -226,7 +226,7 @@ class Search {
       if (!std::isfinite(value.value)) names += " " + value.name;
     }
     if (names.empty()) names = " the objective";
-    return "no start has a number as the value of" + names;
+    return "there is no finite value at any start of" + names;
   }
 
   /// Goes on from the solutions at which the optimizer stopped short of a minimum, once from each.

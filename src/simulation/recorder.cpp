@@ -205,8 +205,8 @@ void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& t
   const double least = std::max(kAtRest * rest_L_g_, kNoRotation * rest_L_scale_);
   const bool rests =
       !touches &&
-      (momentum.L_g.norm() <= least || is_unseen(options_.sensors, terms.tilde, momentum.L_g)) &&
-      rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error});
+      rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error}) &&
+      (momentum.L_g.norm() <= least || is_unseen(options_.sensors, terms.tilde, momentum.L_g));
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();
   if (rests && !since) since = std::max(t, 0.0);  // a compliant contact starts before zero

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/rotation.hpp>
 
+#include "core/covariance.hpp"
 #include "io/field_reader.hpp"
 #include "io/fields/describer.hpp"
 
@@ -229,45 +229,7 @@ Numbers::Numbers(int size, const std::function<std::vector<double>()>& get,
 
 namespace {
 
-constexpr double kSymmetric = 1e-9, kSemidefinite = 1e-9;
 const Range kCovarianceRange{.lower = -kFastest * kFastest, .upper = kFastest * kFastest};
-
-/// What keeps a matrix from being a covariance; empty: nothing. @param row set to where
-std::string covariance_objection(const Matrix6d& A, int& row) {
-  for (int i = 0; i < 6; ++i) {
-    row = i;
-    if (A(i, i) < 0)
-      return fmt::format("[{0}][{0}]: is {1}; a variance is not negative", i, A(i, i));
-  }
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < i; ++j) {
-      row = i;
-      const double size = std::sqrt(A(i, i) * A(j, j));
-      if (!(std::abs(A(i, j) - A(j, i)) <= kSymmetric * size)) {
-        return fmt::format("[{0}][{1}]: is {2}, but [{1}][{0}] is {3}; a covariance is symmetric",
-                           i, j, A(i, j), A(j, i));
-      }
-      if (!(std::abs(A(i, j)) <= (1 + kSemidefinite) * size)) {
-        return fmt::format(
-            "[{0}][{1}]: is {2}; must be at most {3:.6g} in size, the product of the deviations "
-            "{0} "
-            "and {1}, or the covariance is not positive semidefinite",
-            i, j, A(i, j), size);
-      }
-    }
-  }
-  row = 0;
-  Matrix6d correlations = A;
-  for (int i = 0; i < 6; ++i) {
-    const double scale = A(i, i) > 0 ? 1 / std::sqrt(A(i, i)) : 0;
-    correlations.row(i) *= scale;
-    correlations.col(i) *= scale;
-  }
-  const double least = symmetric_eigenvalues(correlations)[0];
-  if (least >= -kSemidefinite) return "";
-  return fmt::format(
-      ": is not positive semidefinite: the least eigenvalue of its correlations is {:.4g}", least);
-}
 
 }  // namespace
 
@@ -294,11 +256,9 @@ Covariance::Covariance(Matrix6d& x) {
       if (row) A.row(i) = Eigen::Map<const Vector6d>(row->data()).transpose();
     }
     if (!is_read) return false;
-    int row = 0;
-    const std::string objection = covariance_objection(A, row);
-    if (!objection.empty()) {
-      context.add(node.items[static_cast<std::size_t>(row)].line, "not-a-covariance",
-                  path + objection);
+    if (const auto objection = covariance_objection(A)) {
+      context.add(node.items[static_cast<std::size_t>(objection->row)].line, "not-a-covariance",
+                  path + objection->text);
       return false;
     }
     x = (A + A.transpose()) / 2;
