@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "convert.hpp"
+#include "interpreter.hpp"
 #include "objects.hpp"
 
 namespace stillbase::python {
@@ -54,7 +55,7 @@ void register_formulation(py::module_& m) {
       [](const Formulation& f, const Numbers& x, bool derivatives) {
         const Eigen::VectorXd at = point_of(f, x);
         nlp::Evaluation out;
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         if (derivatives) {
           f.evaluate(at, out);
         } else {

@@ -3,8 +3,13 @@
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
+
+#include <unistd.h>
+
+#include "interpreter.hpp"
 
 namespace stillbase::python {
 
@@ -14,6 +19,43 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenLooks{50};
 /// A year: beyond it the clock's arithmetic could overflow.
 constexpr double kLongest = 3e7;
+/// What an interpreter that ends leaves the calls of daemon threads.
+constexpr std::chrono::seconds kToEnd{2};
+
+/// The calls that go on in this process.
+class Running {
+ public:
+  void add(std::atomic<bool>& interrupted) {
+    const std::lock_guard lock(mutex_);
+    if (is_ending_) interrupted = true;
+    all_.insert(&interrupted);
+  }
+  void remove(std::atomic<bool>& interrupted) {
+    const std::lock_guard lock(mutex_);
+    all_.erase(&interrupted);
+    changed_.notify_all();
+  }
+  /// Interrupts all of them, now and later, and waits for their end. A child of fork() has none.
+  void end() {
+    if (getpid() != process_) return;
+    std::unique_lock lock(mutex_);
+    is_ending_ = true;
+    for (std::atomic<bool>* interrupted : all_) *interrupted = true;
+    changed_.wait_for(lock, kToEnd, [this] { return all_.empty(); });
+  }
+
+ private:
+  const pid_t process_ = getpid();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<std::atomic<bool>*> all_;
+  bool is_ending_ = false;
+};
+
+Running& running() {
+  static auto* const calls = new Running;  // daemon threads may outlive static objects
+  return *calls;
+}
 
 }  // namespace
 
@@ -31,21 +73,23 @@ LongCall::LongCall(const std::optional<double>& time_limit) {
 Progress LongCall::progress(const py::object& function) {
   if (function.is_none()) return {};
   return [this, shared = shared_function(function)](const std::string& what, int done, int total) {
-    const py::gil_scoped_acquire locked;
-    if (of_python_) return;
-    try {
-      (*shared)(what, done, total);
-    } catch (py::error_already_set&) {
-      of_python_ = std::current_exception();
-      interrupted_ = true;
-    }
+    with_interpreter([&] {
+      if (of_python_) return;
+      try {
+        (*shared)(what, done, total);
+      } catch (py::error_already_set&) {
+        of_python_ = std::current_exception();
+        interrupted_ = true;
+      }
+    });
   };
 }
 
 void LongCall::run(const std::function<void()>& work) {
   std::exception_ptr error;
   {
-    const py::gil_scoped_release unlocked;
+    Unlocked unlocked;
+    running().add(interrupted_);
     std::mutex mutex;
     std::condition_variable changed;
     bool is_done = false;
@@ -62,22 +106,29 @@ void LongCall::run(const std::function<void()>& work) {
     std::unique_lock lock(mutex);
     while (!changed.wait_for(lock, kBetweenLooks, [&] { return is_done; })) {
       lock.unlock();
-      {
-        const py::gil_scoped_acquire locked;
-        if (PyErr_CheckSignals() != 0) {
-          py::error_already_set raised;
-          was_key_ = was_key_ || raised.matches(PyExc_KeyboardInterrupt);
-          if (!was_key_ && !of_python_) of_python_ = std::make_exception_ptr(raised);
-          interrupted_ = true;
-        }
-      }
+      unlocked.locked([this] {
+        if (PyErr_CheckSignals() == 0) return;
+        py::error_already_set raised;
+        was_key_ = was_key_ || raised.matches(PyExc_KeyboardInterrupt);
+        if (!was_key_ && !of_python_) of_python_ = std::make_exception_ptr(raised);
+        interrupted_ = true;
+      });
       lock.lock();
     }
     lock.unlock();
     worker.join();
+    running().remove(interrupted_);
   }
   if (of_python_) std::rethrow_exception(of_python_);
   if (error) std::rethrow_exception(error);
+}
+
+void end_long_calls_at_exit() {
+  running();
+  py::module_::import("atexit").attr("register")(py::cpp_function([] {
+    const Unlocked unlocked;
+    running().end();
+  }));
 }
 
 py::object LongCall::finish(py::object result) const {
@@ -89,8 +140,7 @@ py::object LongCall::finish(py::object result) const {
 
 std::shared_ptr<py::object> shared_function(py::object function) {
   return {new py::object(std::move(function)), [](py::object* object) {
-            const py::gil_scoped_acquire locked;
-            delete object;
+            with_interpreter([&] { delete object; });
           }};
 }
 

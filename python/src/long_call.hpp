@@ -49,6 +49,9 @@ class LongCall {
   std::exception_ptr of_python_;  ///< raised by a progress function or a signal handler
 };
 
+/// An interpreter that ends interrupts the calls of daemon threads first.
+void end_long_calls_at_exit();
+
 /// A function of Python that threads may copy and drop without the interpreter's lock.
 std::shared_ptr<py::object> shared_function(py::object function);
 

@@ -7,6 +7,7 @@
 #include <stillbase/proof/proof.hpp>
 #endif
 
+#include "long_call.hpp"
 #include "objects.hpp"
 
 namespace stillbase::python {
@@ -69,4 +70,5 @@ PYBIND11_MODULE(_stillbase, m) {
   register_simulation(m);
   register_results(m);
   refuse_unmade_objects(m);
+  end_long_calls_at_exit();
 }

@@ -233,6 +233,12 @@ void register_plan(py::module_& m) {
   plan.def_property_readonly(
       "approach", [](std::shared_ptr<PlanResult> p) { return PlanApproach{std::move(p)}; },
       "Path to the configuration.");
+  plan.def(py::pickle(
+      [](const PlanResult& p) { return py::make_tuple(text_of(p), p.problem); },
+      [](const py::tuple& state) {
+        return make_plan_result(read_plan(state[0].cast<std::string>(), "plan"),
+                                state[1].cast<std::shared_ptr<Problem>>());
+      }));
   plan.def("__repr__", [](const PlanResult& p) {
     const ObjectiveValue& objective = p.file.plan.objective;
     return fmt::format("<stillbase.Plan '{}': {}, {} {:.4g} {}>", p.file.plan.problem.name,

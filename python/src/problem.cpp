@@ -11,6 +11,7 @@
 #include <stillbase/io/problem_file.hpp>
 
 #include "convert.hpp"
+#include "interpreter.hpp"
 #include "io/problem_reader.hpp"
 #include "long_call.hpp"
 #include "objects.hpp"
@@ -84,14 +85,15 @@ UserFunction value_function(const SharedRobot& robot, const std::string& name,
                             const py::object& function) {
   return [robot, name, shared = shared_function(function)](const Configuration& configuration,
                                                            const ImpactSummary& impact) {
-    const py::gil_scoped_acquire locked;
-    const py::object out = (*shared)(configuration, impact_for_user(robot, impact));
-    try {
-      return out.cast<double>();
-    } catch (const py::cast_error&) {
-      throw py::type_error(fmt::format("{}: must return a number, returned an object of type {}",
-                                       name, Py_TYPE(out.ptr())->tp_name));
-    }
+    return with_interpreter([&] {
+      const py::object out = (*shared)(configuration, impact_for_user(robot, impact));
+      try {
+        return out.cast<double>();
+      } catch (const py::cast_error&) {
+        throw py::type_error(fmt::format("{}: must return a number, returned an object of type {}",
+                                         name, Py_TYPE(out.ptr())->tp_name));
+      }
+    });
   };
 }
 
@@ -100,9 +102,15 @@ UserGradient gradient_function(const SharedRobot& robot, const std::string& name
   if (function.is_none()) return {};
   return [robot, name, shared = shared_function(function)](const Configuration& configuration,
                                                            const ImpactSummary& impact) {
-    const py::gil_scoped_acquire locked;
-    const auto out = (*shared)(configuration, impact_for_user(robot, impact)).cast<Numbers>();
-    return vector_of(out, out.size(), name.c_str());
+    return with_interpreter([&] {
+      const auto out = (*shared)(configuration, impact_for_user(robot, impact)).cast<Numbers>();
+      if (out.ndim() != 1) {
+        throw std::invalid_argument(fmt::format(
+            "{}: the gradient has {} dimensions, must be an array (N,) of the variables", name,
+            out.ndim()));
+      }
+      return vector_of(out, out.size(), name.c_str());
+    });
   };
 }
 

@@ -13,6 +13,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "convert.hpp"
+#include "interpreter.hpp"
 #include "io/fields/results.hpp"
 #include "objects.hpp"
 
@@ -107,6 +108,9 @@ ImpactBatch batch_of(const Robot& robot, const Numbers& phi, const Numbers& impu
   if (approach) {
     batch.approach = vector_of(*approach, count, "approach");
     batch.target_inverse_mass = vector_of(*target_inverse_mass, count, "target_inverse_mass");
+    if ((batch.target_inverse_mass.array() < 0).any()) {
+      throw std::invalid_argument("target_inverse_mass: must be at least 0 1/kg");
+    }
   }
   return batch;
 }
@@ -119,7 +123,7 @@ Responses evaluate_batch(const Robot& robot, const Numbers& phi, const Numbers& 
   const ImpactBatch batch = batch_of(robot, phi, impulse, approach, target_inverse_mass);
   const ImpactResistance resistance = resistance_of(robot, added_inertia, locked);
   Responses out;
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   evaluate_postures(robot.model, resistance, batch, out.values);
   return out;
 }
@@ -157,7 +161,7 @@ ObjectiveValues evaluate_batch_objective(const Robot& robot, const Numbers& phi,
   const ImpactBatch batch = batch_of(robot, phi, impulse, approach, target_inverse_mass);
   const ImpactResistance resistance = resistance_of(robot, added_inertia, locked);
   ObjectiveValues out;
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   evaluate_objective(robot.model, resistance, batch, objective, derivatives, out.values);
   return out;
 }

@@ -3,7 +3,10 @@
 import json
 import os
 import pathlib
+import pickle
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -80,6 +83,12 @@ class Planning(unittest.TestCase):
                 stillbase.Plan.load(path)
             self.assertEqual(caught.exception.rule, "fingerprint")
             self.assertEqual(stillbase.Plan.load(path, check_fingerprint=False).status, "feasible")
+
+    def test_copies_by_pickle_are_equal(self):
+        copy = pickle.loads(pickle.dumps(self.plan))
+        self.assertEqual(copy.to_json(), self.plan.to_json())
+        self.assertEqual(copy.problem.to_json(), self.plan.problem.to_json())
+        self.assertTrue(stillbase.verify(copy).passes)
 
     def test_verification_passes_a_plan_and_fails_an_altered_one(self):
         verdict = stillbase.verify(self.plan)
@@ -171,6 +180,35 @@ class Stopping(unittest.TestCase):
             stillbase.plan(self.problem, time_limit=60)
         self.assertIsInstance(caught.exception, KeyboardInterrupt)
         self.assertEqual(caught.exception.result.status, "limit")
+
+    def test_daemon_threads_end_with_the_interpreter(self):
+        """Of one in a long call, one in batches, and one whose progress is told to Python."""
+        for work in (
+            "stillbase.plan(problem, time_limit=60)",
+            "stillbase.plan(problem, time_limit=60, progress=lambda *step: None)",
+            "problem.robot.respond(postures, impulse)",
+        ):
+            with self.subTest(work):
+                script = f"""
+import threading, time
+import numpy as np
+import stillbase
+problem = stillbase.Problem.from_file(stillbase.PROBLEMS / "iiwa_client_50.yaml")
+problem = problem.replace(search={{"starts": 200000}})
+postures, impulse = np.zeros((20000, problem.robot.n)), np.ones(6)
+begun = threading.Event()
+def work():
+    while True:
+        begun.set()
+        {work}
+threading.Thread(target=work, daemon=True).start()
+begun.wait()
+time.sleep(0.3)
+"""
+                ended = subprocess.run(
+                    [sys.executable, "-c", script], capture_output=True, text=True, timeout=30
+                )
+                self.assertEqual((ended.returncode, ended.stderr), (0, ""))
 
     def test_what_progress_raises_ends_the_search(self):
         def fail(what, done, total):

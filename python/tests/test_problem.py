@@ -236,6 +236,11 @@ class Changing(unittest.TestCase):
                 with self.assertRaisesRegex(TypeError, "broken: must return a number"):
                     stillbase.plan(broken)
 
+    def test_user_gradients_must_be_vectors(self):
+        broken = problem().with_term("bend", bend, gradient=lambda c, i: np.zeros((3, 3)))
+        with self.assertRaisesRegex(ValueError, "bend: the gradient has 2 dimensions"):
+            stillbase.NonlinearProgram(broken).evaluate(np.zeros(2))
+
 
 def bend(configuration, impact):
     """Smooth function of the posture alone."""

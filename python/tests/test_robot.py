@@ -170,6 +170,10 @@ class ManyPostures(unittest.TestCase):
         np.testing.assert_allclose(many.p, approach / (many.hand_inverse_mass + inverse_mass))
         with self.assertRaisesRegex(ValueError, "state both of them"):
             self.robot.respond(self.phi, self.impulses, approach=approach)
+        with self.assertRaisesRegex(ValueError, "target_inverse_mass: must be at least 0"):
+            self.robot.respond(
+                self.phi, self.impulses, approach=approach, target_inverse_mass=-inverse_mass
+            )
 
     def test_objective_and_gradient_agree_with_responses(self):
         values = self.robot.objective(
