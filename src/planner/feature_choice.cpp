@@ -28,6 +28,7 @@ std::size_t best_of(const std::vector<PlanOfFeature>& plans, double equal) {
     indices.push_back(i);
     const ObjectiveValue& objective = plans[i].plan.objective;
     Candidate& candidate = chosen.emplace_back();
+    candidate.configuration = plans[i].plan.configuration;
     candidate.objective = objective.nominal;
     candidate.worst_case = objective.worst_case;
     candidate.value = objective.value;

@@ -7,6 +7,7 @@
 
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/free_roll.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "formulation/measures/measure.hpp"
 #include "formulation/projection.hpp"
@@ -116,7 +117,8 @@ void compare_nominal_optimum(const Candidate& candidate, double equal, SearchRes
 }
 
 /// Puts a candidate into the ranked list, in place of the last one when the list is full.
-void insert_ranked(const CaptureProblem& problem, const CertifiedCandidate& one,
+/// @param equal values that differ by less are one, as in candidate_order()
+void insert_ranked(const CaptureProblem& problem, const CertifiedCandidate& one, double equal,
                    const WorstCase& worst, const Eigen::VectorXd& x, SearchResult& found) {
   const auto most = static_cast<std::size_t>(problem.search.max_candidates);
   if (found.candidates.size() >= most) {
@@ -126,8 +128,12 @@ void insert_ranked(const CaptureProblem& problem, const CertifiedCandidate& one,
     found.points.pop_back();
   }
   const double rank = rank_of(problem, one.candidate);
-  const auto place = std::find_if(found.candidates.begin(), found.candidates.end(),
-                                  [&](const Candidate& c) { return rank < rank_of(problem, c); });
+  const auto follows = [&](const Candidate& other) {
+    const double difference = rank_of(problem, other) - rank;
+    if (std::abs(difference) > equal) return difference > 0;
+    return is_nearer_to_start(problem, one.candidate.configuration, other.configuration);
+  };
+  const auto place = std::find_if(found.candidates.begin(), found.candidates.end(), follows);
   const auto at = place - found.candidates.begin();
   found.candidates.insert(place, one.candidate);
   found.certificates.insert(found.certificates.begin() + at, one.certificate);
@@ -207,7 +213,7 @@ void add_candidates_that_hold(const CaptureProblem& problem, const Formulation& 
       const CertifiedCandidate certified =
           certify_candidate(problem, other.points[i], candidate, found.certificates.front());
       compare_nominal_optimum(certified.candidate, equal, found);
-      insert_ranked(problem, certified, other.worst_cases[i], other.points[i], found);
+      insert_ranked(problem, certified, equal, other.worst_cases[i], other.points[i], found);
       ++added;
     }
     if (added == 0) continue;

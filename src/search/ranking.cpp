@@ -1,36 +1,72 @@
 #include "search/ranking.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <stillbase/plan/scenario.hpp>
+#include <stillbase/plan/turns.hpp>
 
 namespace stillbase {
 
+namespace {
+
+using Indices = std::vector<std::size_t>;
+using Key = double Candidate::*;
+
+class Order {
+ public:
+  Order(const CaptureProblem& problem, const std::vector<Candidate>& candidates, double equal)
+      : problem_(problem),
+        candidates_(candidates),
+        power_(objective_power(problem)),
+        equal_(equal) {
+    if (problem.measure.kind == RiskMeasure::Nominal) {
+      keys_ = {&Candidate::objective, &Candidate::worst_case};
+    } else {
+      keys_ = {&Candidate::value};
+    }
+  }
+
+  void sort(Indices::iterator begin, Indices::iterator end, std::size_t key = 0) const {
+    if (end - begin < 2) return;
+    if (key == keys_.size()) {
+      std::stable_sort(begin, end, [&](std::size_t a, std::size_t b) {
+        return is_nearer_to_start(problem_, candidates_[a].configuration,
+                                  candidates_[b].configuration);
+      });
+      return;
+    }
+    const auto value = [&](std::size_t i) {
+      const double number = candidates_[i].*keys_[key];
+      return std::isnan(number) ? kInfinity : number;
+    };
+    std::stable_sort(begin, end,
+                     [&](std::size_t a, std::size_t b) { return value(a) < value(b); });
+    while (begin != end) {
+      const double most = power_.length(value(*begin)) + equal_;
+      const auto next = std::find_if(
+          begin, end, [&](std::size_t i) { return power_.length(value(i)) > most; });
+      sort(begin, next, key + 1);
+      begin = next;
+    }
+  }
+
+ private:
+  const CaptureProblem& problem_;
+  const std::vector<Candidate>& candidates_;
+  Power power_;
+  double equal_;
+  std::vector<Key> keys_;
+};
+
+}  // namespace
+
 std::vector<std::size_t> candidate_order(const CaptureProblem& problem,
                                          const std::vector<Candidate>& candidates, double equal) {
-  std::vector<std::size_t> order(candidates.size());
+  Indices order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto sort = [&](auto begin, auto end, double Candidate::*by) {
-    std::stable_sort(begin, end, [&](std::size_t a, std::size_t b) {
-      return candidates[a].*by < candidates[b].*by;
-    });
-  };
-  if (problem.measure.kind != RiskMeasure::Nominal) {
-    sort(order.begin(), order.end(), &Candidate::value);
-    return order;
-  }
-  sort(order.begin(), order.end(), &Candidate::objective);
-  const Power power = objective_power(problem);
-  for (auto begin = order.begin(); begin != order.end();) {
-    const double most = power.length(candidates[*begin].objective) + equal;
-    const auto end = std::find_if(begin, order.end(), [&](std::size_t i) {
-      return !(power.length(candidates[i].objective) <= most);
-    });
-    if (end == begin) break;  // not a number: sorted last
-    sort(begin, end, &Candidate::worst_case);
-    begin = end;
-  }
+  Order(problem, candidates, equal).sort(order.begin(), order.end());
   return order;
 }
 

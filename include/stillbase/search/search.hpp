@@ -127,8 +127,9 @@ struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
   /// Distinct local minima of the problem's measure and of the nominal value that satisfy all
   /// constraints, ordered by the measure (nominal values that are equal to `equal_nominal`: by
-  /// their worst case); when there is none, the single least violated point. Where the zeros of the
-  /// nominal value form a curve: the local minima of the worst case along it.
+  /// their worst case), equal ones by their distance from the start posture; when there is none,
+  /// the single least violated point. Where the zeros of the nominal value form a curve: the local
+  /// minima of the worst case along it.
   std::vector<Candidate> candidates;
   std::vector<Certificate> certificates;  ///< one per candidate
   std::vector<WorstCase> worst_cases;     ///< one per candidate
