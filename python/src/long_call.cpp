@@ -22,12 +22,24 @@ constexpr double kLongest = 3e7;
 /// What an interpreter that ends leaves the calls of daemon threads.
 constexpr std::chrono::seconds kToEnd{2};
 
-/// The calls that go on in this process.
-class Running {
+/// The calls that go on in a process.
+class RunningCalls {
  public:
+  /// Of this process: a child of fork() has none of its parent's.
+  static RunningCalls& here() {
+    // Never deleted: daemon threads may outlive static objects.
+    static std::atomic<RunningCalls*> current{new RunningCalls};
+    RunningCalls* known = current;
+    if (known->process_ == getpid()) return *known;
+    auto* const fresh = new RunningCalls;
+    if (current.compare_exchange_strong(known, fresh)) return *fresh;
+    delete fresh;
+    return *known;
+  }
+
   void add(std::atomic<bool>& interrupted) {
     const std::lock_guard lock(mutex_);
-    if (is_ending_) interrupted = true;
+    if (ending_ && *ending_ != std::this_thread::get_id()) interrupted = true;
     all_.insert(&interrupted);
   }
   void remove(std::atomic<bool>& interrupted) {
@@ -35,11 +47,10 @@ class Running {
     all_.erase(&interrupted);
     changed_.notify_all();
   }
-  /// Interrupts all of them, now and later, and waits for their end. A child of fork() has none.
+  /// Interrupts all of them, and later ones of other threads, and waits for their end.
   void end() {
-    if (getpid() != process_) return;
     std::unique_lock lock(mutex_);
-    is_ending_ = true;
+    ending_ = std::this_thread::get_id();
     for (std::atomic<bool>* interrupted : all_) *interrupted = true;
     changed_.wait_for(lock, kToEnd, [this] { return all_.empty(); });
   }
@@ -49,13 +60,23 @@ class Running {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::atomic<bool>*> all_;
-  bool is_ending_ = false;
+  std::optional<std::thread::id> ending_;
 };
 
-Running& running() {
-  static auto* const calls = new Running;  // daemon threads may outlive static objects
-  return *calls;
-}
+/// One of them.
+class RunningCall {
+ public:
+  explicit RunningCall(std::atomic<bool>& interrupted) : interrupted_(interrupted) {
+    calls_.add(interrupted_);
+  }
+  RunningCall(const RunningCall&) = delete;
+  RunningCall& operator=(const RunningCall&) = delete;
+  ~RunningCall() { calls_.remove(interrupted_); }
+
+ private:
+  RunningCalls& calls_ = RunningCalls::here();
+  std::atomic<bool>& interrupted_;
+};
 
 }  // namespace
 
@@ -76,7 +97,7 @@ Progress LongCall::progress(const py::object& function) {
     with_interpreter([&] {
       if (of_python_) return;
       try {
-        (*shared)(what, done, total);
+        call(*shared, py::make_tuple(what, done, total));
       } catch (py::error_already_set&) {
         of_python_ = std::current_exception();
         interrupted_ = true;
@@ -89,7 +110,7 @@ void LongCall::run(const std::function<void()>& work) {
   std::exception_ptr error;
   {
     Unlocked unlocked;
-    running().add(interrupted_);
+    const RunningCall running(interrupted_);
     std::mutex mutex;
     std::condition_variable changed;
     bool is_done = false;
@@ -107,7 +128,7 @@ void LongCall::run(const std::function<void()>& work) {
     while (!changed.wait_for(lock, kBetweenLooks, [&] { return is_done; })) {
       lock.unlock();
       unlocked.locked([this] {
-        if (PyErr_CheckSignals() == 0) return;
+        if (stand_still_at_exit(&PyErr_CheckSignals) == 0) return;
         py::error_already_set raised;
         was_key_ = was_key_ || raised.matches(PyExc_KeyboardInterrupt);
         if (!was_key_ && !of_python_) of_python_ = std::make_exception_ptr(raised);
@@ -117,17 +138,15 @@ void LongCall::run(const std::function<void()>& work) {
     }
     lock.unlock();
     worker.join();
-    running().remove(interrupted_);
   }
   if (of_python_) std::rethrow_exception(of_python_);
   if (error) std::rethrow_exception(error);
 }
 
 void end_long_calls_at_exit() {
-  running();
   py::module_::import("atexit").attr("register")(py::cpp_function([] {
     const Unlocked unlocked;
-    running().end();
+    RunningCalls::here().end();
   }));
 }
 
@@ -140,7 +159,11 @@ py::object LongCall::finish(py::object result) const {
 
 std::shared_ptr<py::object> shared_function(py::object function) {
   return {new py::object(std::move(function)), [](py::object* object) {
-            with_interpreter([&] { delete object; });
+            with_interpreter([object] {
+              PyObject* const held = object->release().ptr();
+              delete object;
+              stand_still_at_exit([held] { Py_XDECREF(held); });
+            });
           }};
 }
 

@@ -233,12 +233,16 @@ void register_plan(py::module_& m) {
   plan.def_property_readonly(
       "approach", [](std::shared_ptr<PlanResult> p) { return PlanApproach{std::move(p)}; },
       "Path to the configuration.");
-  plan.def(py::pickle(
-      [](const PlanResult& p) { return py::make_tuple(text_of(p), p.problem); },
-      [](const py::tuple& state) {
-        return make_plan_result(read_plan(state[0].cast<std::string>(), "plan"),
-                                state[1].cast<std::shared_ptr<Problem>>());
-      }));
+  plan.def(py::pickle([](const PlanResult& p) { return py::make_tuple(text_of(p), p.problem); },
+                      [](const py::tuple& state) {
+                        auto problem = state[1].cast<std::shared_ptr<Problem>>();
+                        PlanFile file = read_plan(state[0].cast<std::string>(), "plan");
+                        if (problem != nullptr) {
+                          file.plan.problem.user = problem->data.user;  // not in the text
+                          file.plan.problem.source = problem->data.source;
+                        }
+                        return make_plan_result(std::move(file), std::move(problem));
+                      }));
   plan.def("__repr__", [](const PlanResult& p) {
     const ObjectiveValue& objective = p.file.plan.objective;
     return fmt::format("<stillbase.Plan '{}': {}, {} {:.4g} {}>", p.file.plan.problem.name,

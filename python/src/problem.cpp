@@ -86,7 +86,8 @@ UserFunction value_function(const SharedRobot& robot, const std::string& name,
   return [robot, name, shared = shared_function(function)](const Configuration& configuration,
                                                            const ImpactSummary& impact) {
     return with_interpreter([&] {
-      const py::object out = (*shared)(configuration, impact_for_user(robot, impact));
+      const py::object out =
+          call(*shared, py::make_tuple(configuration, impact_for_user(robot, impact)));
       try {
         return out.cast<double>();
       } catch (const py::cast_error&) {
@@ -103,7 +104,8 @@ UserGradient gradient_function(const SharedRobot& robot, const std::string& name
   return [robot, name, shared = shared_function(function)](const Configuration& configuration,
                                                            const ImpactSummary& impact) {
     return with_interpreter([&] {
-      const auto out = (*shared)(configuration, impact_for_user(robot, impact)).cast<Numbers>();
+      const auto out = call(*shared, py::make_tuple(configuration, impact_for_user(robot, impact)))
+                           .cast<Numbers>();
       if (out.ndim() != 1) {
         throw std::invalid_argument(fmt::format(
             "{}: the gradient has {} dimensions, must be an array (N,) of the variables", name,

@@ -1,5 +1,6 @@
 """Long calls: plans, simulations, verification, trials; progress and Ctrl-C."""
 
+import copy
 import json
 import os
 import pathlib
@@ -85,10 +86,18 @@ class Planning(unittest.TestCase):
             self.assertEqual(stillbase.Plan.load(path, check_fingerprint=False).status, "feasible")
 
     def test_copies_by_pickle_are_equal(self):
-        copy = pickle.loads(pickle.dumps(self.plan))
-        self.assertEqual(copy.to_json(), self.plan.to_json())
-        self.assertEqual(copy.problem.to_json(), self.plan.problem.to_json())
-        self.assertTrue(stillbase.verify(copy).passes)
+        other = pickle.loads(pickle.dumps(self.plan))
+        self.assertEqual(other.to_json(), self.plan.to_json())
+        self.assertEqual(other.problem.to_json(), self.plan.problem.to_json())
+        self.assertTrue(stillbase.verify(other).passes)
+
+    def test_copies_by_pickle_keep_the_functions_of_the_user(self):
+        with self.assertWarns(RuntimeWarning):
+            bent = problem("planar_three_link_client", search={"starts": 4}).with_term("bend", bend)
+        plan = stillbase.plan(bent, max_approaches=1)
+        for other in (plan, pickle.loads(pickle.dumps(plan)), copy.deepcopy(plan)):
+            with self.assertRaisesRegex(stillbase.InputError, "functions of the user"):
+                stillbase.Replanner(other)
 
     def test_verification_passes_a_plan_and_fails_an_altered_one(self):
         verdict = stillbase.verify(self.plan)
@@ -182,17 +191,25 @@ class Stopping(unittest.TestCase):
         self.assertEqual(caught.exception.result.status, "limit")
 
     def test_daemon_threads_end_with_the_interpreter(self):
-        """Of one in a long call, one in batches, and one whose progress is told to Python."""
-        for work in (
-            "stillbase.plan(problem, time_limit=60)",
-            "stillbase.plan(problem, time_limit=60, progress=lambda *step: None)",
-            "problem.robot.respond(postures, impulse)",
+        """In a long call, in batches, while progress is told, and in a function that takes longer
+        than is waited for, while the interpreter is ending."""
+        slow_end = "Late.kept = Late()"
+        for work, before in (
+            ("stillbase.plan(problem, time_limit=60)", ""),
+            ("stillbase.plan(problem, time_limit=60, progress=lambda *step: None)", ""),
+            ("problem.robot.respond(postures, impulse)", ""),
+            ("stillbase.plan(problem, jobs=1, progress=lambda *step: sleep(2.6))", slow_end),
         ):
             with self.subTest(work):
                 script = f"""
 import threading, time
 import numpy as np
 import stillbase
+class Late:
+    def __del__(self, sleep=time.sleep):
+        sleep(1.5)
+{before}
+sleep = time.sleep
 problem = stillbase.Problem.from_file(stillbase.PROBLEMS / "iiwa_client_50.yaml")
 problem = problem.replace(search={{"starts": 200000}})
 postures, impulse = np.zeros((20000, problem.robot.n)), np.ones(6)
@@ -210,12 +227,29 @@ time.sleep(0.3)
                 )
                 self.assertEqual((ended.returncode, ended.stderr), (0, ""))
 
+    def test_functions_called_at_exit_plan_to_the_end(self):
+        script = """
+import atexit
+def late():
+    print(stillbase.plan(problem).status)
+atexit.register(late)
+import stillbase
+problem = stillbase.Problem.from_file(stillbase.PROBLEMS / "planar_two_link_c2_a.yaml")
+"""
+        ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertEqual((ended.stdout, ended.stderr), ("optimal\n", ""))
+
     def test_what_progress_raises_ends_the_search(self):
         def fail(what, done, total):
             raise LookupError(what)
 
         with self.assertRaises(LookupError):
             stillbase.plan(self.problem, progress=fail, time_limit=60)
+
+
+def bend(configuration, impact):
+    """Smooth function of the posture alone."""
+    return float(configuration.joint_positions @ configuration.joint_positions)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/rotation.hpp>
 #include <stillbase/plan/scenario.hpp>
 
 namespace stillbase {
@@ -74,6 +75,18 @@ std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
 bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
                         const Configuration& b) {
   return way_from_start(problem, a) < way_from_start(problem, b);
+}
+
+double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration) {
+  Eigen::VectorXd way = configuration.phi - problem.start;
+  for (int k = 0; k < problem.robot.n(); ++k) {
+    if (is_endless(problem.robot, k)) way[k] = wrap_angle(way[k]);
+  }
+  for (const JointTurns& turns : whole_turns(problem, configuration, std::nullopt)) {
+    double& of_joint = way[find_joint(problem.robot, turns.joint)];
+    of_joint += kTurn * std::clamp<double>(std::round(-of_joint / kTurn), turns.least, turns.most);
+  }
+  return way.lpNorm<1>();
 }
 
 std::vector<Configuration> other_turns(const CaptureProblem& problem,

@@ -361,10 +361,13 @@ class Stage {
   /// One run of the planner for all of them.
   ApproachToAny approach_to_goals(const std::list<Goal>& goals, std::uint64_t seed) {
     std::vector<ApproachGoal> asked;
-    const double most = rank_of(problem_, found_.candidates[order_.order.front()]);
+    const auto rank = [this](const Candidate& candidate) {
+      return std::max(rank_of(problem_, candidate), kZeroRank);
+    };
+    const double best = rank(found_.candidates[order_.order.front()]);
     for (const Goal& goal : goals) {
       // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
-      const double part = most > 0 ? rank_of(problem_, candidate_of(goal)) / most : 1;
+      const double part = rank(candidate_of(goal)) / best;
       asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
                        1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }

@@ -18,7 +18,7 @@ enum class PlanQuality {
 struct PlanOfFeature {
   Plan plan;
   PlanQuality quality = PlanQuality::Nothing;
-  double equal = 0;  ///< nominal values that differ by less count as equal, see candidate_order()
+  double equal = 0;  ///< values that differ by less count as equal, see candidate_order()
 };
 
 /// Plans for the one feature of the problem.

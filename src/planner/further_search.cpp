@@ -7,13 +7,13 @@
 
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/free_roll.hpp>
-#include <stillbase/plan/turns.hpp>
 
 #include "formulation/measures/measure.hpp"
 #include "formulation/projection.hpp"
 #include "planner/candidates.hpp"
 #include "planner/self_motion.hpp"
 #include "search/continua.hpp"
+#include "search/ranking.hpp"
 #include "search/roll.hpp"
 #include "search/solution_curve.hpp"
 
@@ -127,15 +127,11 @@ void insert_ranked(const CaptureProblem& problem, const CertifiedCandidate& one,
     found.worst_cases.pop_back();
     found.points.pop_back();
   }
-  const double rank = rank_of(problem, one.candidate);
-  const auto follows = [&](const Candidate& other) {
-    const double difference = rank_of(problem, other) - rank;
-    if (std::abs(difference) > equal) return difference > 0;
-    return is_nearer_to_start(problem, one.candidate.configuration, other.configuration);
-  };
-  const auto place = std::find_if(found.candidates.begin(), found.candidates.end(), follows);
-  const auto at = place - found.candidates.begin();
-  found.candidates.insert(place, one.candidate);
+  std::vector<Candidate> all = found.candidates;
+  all.push_back(one.candidate);
+  const std::vector<std::size_t> order = candidate_order(problem, all, equal);
+  const auto at = std::find(order.begin(), order.end(), all.size() - 1) - order.begin();
+  found.candidates.insert(found.candidates.begin() + at, one.candidate);
   found.certificates.insert(found.certificates.begin() + at, one.certificate);
   found.worst_cases.insert(found.worst_cases.begin() + at, worst);
   found.points.insert(found.points.begin() + at, x);

@@ -62,8 +62,9 @@ double rank_of(const CaptureProblem& problem, const Candidate& candidate) {
 
 bool is_good(const CaptureProblem& problem, const Candidate& candidate, const Candidate& best,
              double factor) {
-  // Zeros of the objective differ by rounding alone.
-  const auto within = [&](double value, double least) { return value <= factor * least + 1e-9; };
+  const auto within = [&](double value, double least) {
+    return value <= factor * least + kZeroRank;
+  };
   return within(candidate.value, best.value) &&
          within(rank_of(problem, candidate), rank_of(problem, best));
 }

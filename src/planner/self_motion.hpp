@@ -13,6 +13,9 @@ namespace stillbase {
 /// nominal value. Smaller is better.
 double rank_of(const CaptureProblem& problem, const Candidate& candidate);
 
+/// Ranks up to this are zeros, which differ by rounding alone.
+constexpr double kZeroRank = 1e-9;
+
 /// Whether value and rank of a candidate are at most `factor` times those of the best one.
 bool is_good(const CaptureProblem& problem, const Candidate& candidate, const Candidate& best,
              double factor);
