@@ -13,7 +13,9 @@ inline Matrix3d random_rotation(Random& random) {
 }
 
 inline Vector3d random_vector(Random& random, double scale) {
-  return scale * Vector3d(random.normal(), random.normal(), random.normal());
+  // One after the other: compilers evaluate arguments in different orders.
+  const double z = random.normal(), y = random.normal(), x = random.normal();
+  return scale * Vector3d(x, y, z);
 }
 
 /// A body of point masses spread at random: its inertia is physical by construction.
