@@ -25,15 +25,21 @@ void add_link(RobotModel& robot, const Vector3d& p, double mass, const Vector3d&
 
 Matrix3d diagonal(double x, double y, double z) { return Vector3d(x, y, z).asDiagonal(); }
 
+// One number after the other: compilers evaluate operands in different orders.
+Vector3d random_vector(Random& random, double lower, double upper) {
+  const Vector3d direction = random.unit_vector();
+  return random.uniform(lower, upper) * direction;
+}
+
 Matrix3d random_rotation(Random& random) {
-  return rotation_exp(random.uniform(0, 3.1) * random.unit_vector()).toRotationMatrix();
+  return rotation_exp(random_vector(random, 0, 3.1)).toRotationMatrix();
 }
 
 /// Of a cloud of point masses, so it is possible.
 Matrix3d random_inertia(Random& random, double mass) {
   Matrix3d I = Matrix3d::Zero();
   for (int i = 0; i < 6; ++i) {
-    const Vector3d r = 0.3 * random.uniform(0.3, 1) * random.unit_vector();
+    const Vector3d r = 0.3 * random_vector(random, 0.3, 1);
     I += mass / 6 * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
   }
   return I;
@@ -85,9 +91,9 @@ RobotModel random_robot(Random& random, int n, bool prismatic) {
   robot.base = {"base", {}, base_mass, Vector3d::Zero(), random_inertia(random, 4 * base_mass)};
   for (int k = 0; k < n; ++k) {
     const double mass = random.uniform(1, 10);
-    add_link(robot, random.uniform(0.2, 0.7) * random.unit_vector(), mass,
-             random.uniform(0, 0.3) * random.unit_vector(), random_inertia(random, mass),
-             random_rotation(random));
+    const Matrix3d R = random_rotation(random), inertia = random_inertia(random, mass);
+    const Vector3d centroid = random_vector(random, 0, 0.3), p = random_vector(random, 0.2, 0.7);
+    add_link(robot, p, mass, centroid, inertia, R);
     Joint& joint = robot.joints.back();
     joint.parent = k == 0 ? kBase : random.index(k + 1) - 1;
     if (prismatic && k % 3 == 2) joint.type = JointType::Prismatic;
