@@ -227,6 +227,20 @@ time.sleep(0.3)
                 )
                 self.assertEqual((ended.returncode, ended.stderr), (0, ""))
 
+    def test_an_ending_interpreter_interrupts_a_plan(self):
+        """Which would take minutes; what cannot be interrupted is waited for for 2 s."""
+        script = """
+import threading, time
+import stillbase
+problem = stillbase.Problem.from_file(stillbase.PROBLEMS / "iiwa_client_50.yaml")
+problem = problem.replace(search={"starts": 200000})
+threading.Thread(target=stillbase.plan, args=(problem,), daemon=True).start()
+time.sleep(0.3)
+print(time.time())
+"""
+        ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertLess(time.time() - float(ended.stdout), 1.5)
+
     def test_functions_called_at_exit_plan_to_the_end(self):
         script = """
 import atexit

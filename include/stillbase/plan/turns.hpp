@@ -38,8 +38,8 @@ std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
 bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
                         const Configuration& b);
 
-/// How far the joints have to turn from the start posture, in sum, rad (m): endless ones the shorter
-/// way, those with whole turns to the nearest of these.
+/// How far the joints have to turn from the start posture, in sum, rad (m): endless ones the
+/// shorter way, those with whole turns to the nearest of these.
 double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration);
 
 /// The other configurations that are whole turns away, the nearest to the start posture first.
