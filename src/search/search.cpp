@@ -107,8 +107,12 @@ class Search {
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
+      if (measure_.is_nominal() && !isolated_) refine_best();
       state_nominal_optimum();
-      if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
+      if (!measure_.is_nominal() && !isolated_) {
+        find_minima_of_measure();
+        refine_best();
+      }
       // Each value takes a simulation, or is a function of the user.
       if (!isolated_ && !simulates_ && problem_.user.empty()) state_rolls();
     }
@@ -414,6 +418,48 @@ class Search {
       if (!(measure_.value(x) < measure_.value(best))) return;
       keep_minimum(x, minima);
     }
+  }
+
+  /// The solutions that will be listed, to their last digits.
+  void refine_best() {
+    if (simulates_ || !problem_.user.empty()) return;
+    const PhaseClock::Phase phase(options_.clock, "search.refinement");
+    std::stable_sort(solutions_.begin(), solutions_.end(), better);
+    const auto most = static_cast<std::size_t>(options_.max_candidates);
+    const auto count = static_cast<int>(std::min(most, solutions_.size()));
+    std::vector<Solution> refined = std::move(solutions_);
+    for_each_index(jobs_, count, options_.stop, [&](int i) {
+      Solution& solution = refined[static_cast<std::size_t>(i)];
+      if (solution.family < 0) solution = refined_solution(solution);
+    });
+    solutions_.clear();
+    for (const Solution& solution : refined)
+      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
+  }
+
+  Solution refined_solution(const Solution& from) {
+    constexpr double kZero = 1e-9;       // |y| in typical sizes: only rounding is left
+    constexpr double kRounding = 1e-12;  // of the objective
+    const double zero = kZero * kZero / 2;
+    const bool is_zero = from.objective <= zero;
+    if (is_zero && !measure_.is_nominal()) return from;
+    Solution out = from;
+    out.x = formulation_.normalised(is_zero ? rounded_zero(from.x) : measure_.refined(from.x));
+    out.objective = measure_.value(out.x);
+    out.violation = largest_violation(problem_, formulation_, out.x);
+    const double most = is_zero ? zero : from.objective * (1 + kRounding);
+    return out.violation <= kFeasibilityTolerance && out.objective <= most ? out : from;
+  }
+
+  /// Zeros fill more than a curve: where a solve has met them is known to the digits that its path
+  /// has in common with that of another compiler.
+  Eigen::VectorXd rounded_zero(const Eigen::VectorXd& x) const {
+    constexpr double kPlace = 1e-6;
+    const Eigen::VectorXd grid = (x / kPlace).array().round().matrix() * kPlace;
+    return project_onto_constraints(
+               formulation_, grid.cwiseMax(formulation_.lower()).cwiseMin(formulation_.upper()),
+               true, 8)
+        .x;
   }
 
   /// Candidates in their order, with certificates.

@@ -10,6 +10,7 @@
 #include "formulation/measures/residual.hpp"
 #include "formulation/measures/scenario_program.hpp"
 #include "formulation/projection.hpp"
+#include "nlp/refinement.hpp"
 
 namespace stillbase {
 
@@ -252,6 +253,20 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   }
   const ScenarioProgram program(formulation_, samples_, level(), scale);
   return nlp::certify(program, program.lifted(x), {.second_order = true});
+}
+
+Eigen::VectorXd Measure::refined(const Eigen::VectorXd& x) {
+  // CVaR has a variable per sample: a step would cost as much as the whole solve.
+  if (!formulation_.has_hessian() || level()) return x;
+  if (is_nominal()) return nlp::refined_minimum(formulation_, x);
+  const double size = value(x);
+  if (!(size > options_.zero * options_.zero / 2)) return x;
+  const auto refined_in = [&x](const ScenarioProgram& program) -> Eigen::VectorXd {
+    return nlp::refined_minimum(program, program.lifted(x)).head(x.size());
+  };
+  if (problem_.measure.kind != RiskMeasure::WorstCase)
+    return refined_in({formulation_, samples_, std::nullopt, size});
+  return refined_in({formulation_, scenarios_of(maxima_at(x)), size, &problem_});
 }
 
 }  // namespace stillbase

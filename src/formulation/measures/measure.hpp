@@ -86,6 +86,10 @@ class Measure {
   /// searched for.
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
+  /// The local minimum of the measure that x is near, to its last digits: see
+  /// nlp::refined_minimum(). x itself where derivatives take simulations, and of CVaR.
+  Eigen::VectorXd refined(const Eigen::VectorXd& x);
+
  private:
   RoughSolution exchange(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0, const RoughLimits& limits = {});

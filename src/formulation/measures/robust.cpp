@@ -142,7 +142,7 @@ Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& 
 /// Of Newton's method on the sphere of directions.
 struct ClimbOptions {
   int steps = 50, halvings = 6;
-  double least_step = 1e-10;   ///< rad: a shorter one ends the climb
+  double least_step = 1e-10;   ///< rad: a shorter one is the last
   double visible_step = 1e-7;  ///< rad: a shorter step changes the value by rounding alone
   int rounds = 4;              ///< of a climb and a compass search, which leaves saddles
 };
@@ -154,9 +154,10 @@ Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptio
     double part = 1;
     for (int halving = 0; halving < options.halvings && !rose; ++halving, part /= 2) {
       const double length = part * step.along.norm();
-      if (length < (halving == 0 ? options.least_step : options.visible_step)) return place;
+      if (halving > 0 && length < options.visible_step) return place;
       const Eigen::Vector2d c = moved_along(model, place.c, step, part);
       const Place trial{c, model.value(c)};
+      if (length < options.least_step) return trial;
       // Of a step that values do not see the derivatives decide.
       rose = trial.value > place.value || length < options.visible_step;
       if (rose) place = trial;
