@@ -34,15 +34,19 @@ class Refinement {
     if (!is_stationary_at(x)) return x0;
     const double violation = std::max(options_.feasible, certificate_.max_violation);
     const double residual = std::max(options_.stationary, certificate_.kkt_residual);
+    const Eigen::VectorXd to_grid =
+        (x0 / options_.grid).array().round().matrix() * options_.grid - x0;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(x0.size());
     Eigen::VectorXd best = x0;
     double shortest = options_.longest_step;
     for (int k = 0; k < options_.most_steps; ++k) {
+      along_flat_ = k == 0 ? to_grid : none;
       const std::optional<Eigen::VectorXd> d = step(x);
-      if (!d) return best;
+      if (!d) break;
       const double length = d->lpNorm<Eigen::Infinity>();
       if (!(length <= shortest)) break;  // at first: no minimum near; then: rounding alone is left
       shortest = length / 2;
-      if (!move(x, *d)) return best;
+      if (!move(x, *d)) break;
       if (certificate_.max_violation <= violation && certificate_.kkt_residual <= residual)
         best = x;
     }
@@ -145,11 +149,10 @@ class Refinement {
     if (curvature.values[0] < -rounding) return std::nullopt;
     const Eigen::MatrixXd axes = Z * curvature.vectors;
     const Eigen::VectorXd slope = axes.transpose() * (at_.gradient + H * d);
-    const Eigen::VectorXd to_grid =
-        axes.transpose() * ((x / options_.grid).array().round().matrix() * options_.grid - x);
+    const Eigen::VectorXd flat = axes.transpose() * along_flat_;
     for (Eigen::Index i = 0; i < axes.cols(); ++i) {
       const bool is_flat = curvature.values[i] <= rounding;
-      d += axes.col(i) * (is_flat ? to_grid[i] : -slope[i] / curvature.values[i]);
+      d += axes.col(i) * (is_flat ? flat[i] : -slope[i] / curvature.values[i]);
     }
     return d;
   }
@@ -161,20 +164,18 @@ class Refinement {
       problem_.lagrangian_hessian(x, 1, certificate_.multipliers, H);
       return H;
     }
-    const auto slope = [this](const Evaluation& at) -> Eigen::VectorXd {
-      return at.gradient + at.jacobian.transpose() * certificate_.multipliers;
-    };
-    const Eigen::VectorXd here = slope(at_);
     H.setZero(x.size(), x.size());
     Evaluation there;
-    for (Eigen::Index j = 0; j < x.size(); ++j) {
-      const bool has_room = x[j] + options_.difference <= upper_[j];
-      const double h = has_room ? options_.difference : -options_.difference;
-      if (x[j] + h < lower_[j]) continue;  // a fixed variable does not move
+    const auto slope_at = [&](Eigen::Index j, double xj) -> Eigen::VectorXd {
       Eigen::VectorXd beside = x;
-      beside[j] += h;
+      beside[j] = xj;
       problem_.evaluate(beside, there);
-      H.col(j) = (slope(there) - here) / h;
+      return there.gradient + there.jacobian.transpose() * certificate_.multipliers;
+    };
+    for (Eigen::Index j = 0; j < x.size(); ++j) {
+      const double above = std::min(x[j] + options_.difference, upper_[j]);
+      const double below = std::max(x[j] - options_.difference, lower_[j]);
+      if (above > below) H.col(j) = (slope_at(j, above) - slope_at(j, below)) / (above - below);
     }
     return (H + H.transpose()) / 2;
   }
@@ -182,9 +183,10 @@ class Refinement {
   const Problem& problem_;
   const RefinementOptions& options_;
   const Eigen::VectorXd lower_, upper_, g_lower_, g_upper_;
-  Eigen::VectorXd beyond_;   // the bound of each row, where it has a kink
-  Evaluation at_;            // of the point that was evaluated last
-  Certificate certificate_;  // of the same
+  Eigen::VectorXd along_flat_;  // what a step goes along flat directions
+  Eigen::VectorXd beyond_;      // the bound of each row, where it has a kink
+  Evaluation at_;               // of the point that was evaluated last
+  Certificate certificate_;     // of the same
 };
 
 }  // namespace

@@ -21,9 +21,9 @@ struct RefinementOptions {
   double active = 1e-6;  ///< as CertificateOptions::activity_tolerance
   double longest_step = 1e-3;         ///< in any variable; solvers that ended are nearer
   double flat = 1e-10;                ///< of the largest curvature: what is less is rounding
-  double flat_by_differences = 1e-6;  ///< the same of a Hessian by differences
-  double grid = 1e-6;                 ///< onto which x is rounded along flat directions
-  double difference = 1e-6;           ///< step in x where the problem has no Hessian
+  double flat_by_differences = 1e-8;  ///< the same of a Hessian by differences
+  double grid = 1e-5;                 ///< onto which x is rounded along flat directions
+  double difference = 1e-5;           ///< step in x where the problem has no Hessian
   double other_slope = 1e-2;   ///< least difference of the slopes at a kink; rows are of order one
   double beyond_kink = 1e-13;  ///< violation of a row that keeps the side of its kink
   int most_steps = 8;

@@ -454,7 +454,7 @@ class Search {
   /// Zeros fill more than a curve: where a solve has met them is known to the digits that its path
   /// has in common with that of another compiler.
   Eigen::VectorXd rounded_zero(const Eigen::VectorXd& x) const {
-    constexpr double kPlace = 1e-6;
+    constexpr double kPlace = 1e-4;
     const Eigen::VectorXd grid = (x / kPlace).array().round().matrix() * kPlace;
     return project_onto_constraints(
                formulation_, grid.cwiseMax(formulation_.lower()).cwiseMin(formulation_.upper()),

