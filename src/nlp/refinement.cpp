@@ -18,6 +18,21 @@ struct Active {
   Eigen::VectorXd missing;  ///< bound minus value (k)
 };
 
+/// What is known of a point.
+struct Known {
+  Evaluation at;
+  Certificate certificate;
+
+  /// Whether the same rows and bounds balance the gradient.
+  bool has_active_set_of(const Known& other) const {
+    const auto same = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return ((a.array() != 0) == (b.array() != 0)).all();
+    };
+    return same(certificate.multipliers, other.certificate.multipliers) &&
+           same(certificate.bound_multipliers, other.certificate.bound_multipliers);
+  }
+};
+
 class Refinement {
  public:
   Refinement(const Problem& problem, const RefinementOptions& options)
@@ -27,60 +42,82 @@ class Refinement {
         upper_(problem.upper()),
         g_lower_(problem.constraint_lower()),
         g_upper_(problem.constraint_upper()),
+        along_flat_(Eigen::VectorXd::Zero(lower_.size())),
         beyond_(Eigen::VectorXd::Zero(g_lower_.size())) {}
 
   Eigen::VectorXd from(const Eigen::VectorXd& x0) {
-    Eigen::VectorXd x = x0;
-    if (!is_stationary_at(x)) return x0;
-    const double violation = std::max(options_.feasible, certificate_.max_violation);
-    const double residual = std::max(options_.stationary, certificate_.kkt_residual);
-    const Eigen::VectorXd to_grid =
-        (x0 / options_.grid).array().round().matrix() * options_.grid - x0;
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(x0.size());
-    Eigen::VectorXd best = x0;
-    double shortest = options_.longest_step;
+    if (!is_stationary_at(x0)) return x0;
+    violation_ = std::max(options_.feasible, here_.certificate.max_violation);
+    const Eigen::VectorXd minimum = converged(x0);
+    if (!has_flat_ || !is_stationary_at(minimum)) return minimum;
+    const double residual = here_.certificate.kkt_residual;
+    Eigen::VectorXd x = minimum;
+    along_flat_ = (x0 / options_.grid).array().round().matrix() * options_.grid - x;
+    const std::optional<Eigen::VectorXd> d = step(x);
+    if (!d || length(*d) > options_.longest_step || !move(x, *d)) return minimum;
+    along_flat_.setZero();
+    x = converged(x);
+    return is_stationary_at(x) && is_acceptable(residual) ? x : minimum;
+  }
+
+ private:
+  /// The last of Newton's steps from x, of which all is known, that is no worse than the ones
+  /// before.
+  Eigen::VectorXd converged(Eigen::VectorXd x) {
+    Eigen::VectorXd best = x;
+    double least = here_.certificate.kkt_residual, longest = options_.longest_step;
     for (int k = 0; k < options_.most_steps; ++k) {
-      along_flat_ = k == 0 ? to_grid : none;
       const std::optional<Eigen::VectorXd> d = step(x);
-      if (!d) break;
-      const double length = d->lpNorm<Eigen::Infinity>();
-      if (!(length <= shortest)) break;  // at first: no minimum near; then: rounding alone is left
-      shortest = length / 2;
+      // Too long at first: no minimum is near. Later: rounding alone is left.
+      if (!d || !(length(*d) <= longest)) break;
+      longest = length(*d) / 2;
+      const Known before = here_;
       if (!move(x, *d)) break;
-      if (certificate_.max_violation <= violation && certificate_.kkt_residual <= residual)
-        best = x;
+      if (is_bend_ || !here_.has_active_set_of(before)) {  // other directions are curved now
+        longest = options_.longest_step;
+        H_.resize(0, 0);
+      }
+      if (!is_acceptable(least)) continue;
+      best = x;
+      least = std::min(least, here_.certificate.kkt_residual);
     }
     return best;
   }
 
- private:
+  static double length(const Eigen::VectorXd& d) { return d.lpNorm<Eigen::Infinity>(); }
+
+  /// Of the point that was evaluated last, beside one with this residual.
+  bool is_acceptable(double residual) const {
+    return here_.certificate.max_violation <= violation_ &&
+           here_.certificate.kkt_residual <= std::max(options_.stationary, residual);
+  }
+
   /// Moves x by a step. Whether it is still where a minimum may be.
   bool move(Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-    const Eigen::VectorXd there = inside(x + d);
-    const Evaluation before = at_;
-    const Certificate certificate = certificate_;
+    const Known before = here_;
+    Eigen::VectorXd there = inside(x + d);
     if (!is_stationary_at(there)) {
-      // The minimum is at a kink of a row, the least of several distances, where another row is
-      // the distance beyond it. A little farther out the row is still the one that it was.
-      if (!mark_kinks(before, certificate)) return false;
-      at_ = before;
-      certificate_ = certificate;
+      // The minimum is at a kink of a row, the least of several distances, where another one is the
+      // least beyond it. A little farther out the row is still the one that it was.
+      if (!mark_kinks(before)) return false;
+      here_ = before;
       const std::optional<Eigen::VectorXd> other = step(x);
-      if (!other || !is_stationary_at(inside(x + *other))) return false;
-      x = inside(x + *other);
-      return true;
+      if (!other) return false;
+      there = inside(x + *other);
+      if (!is_stationary_at(there)) return false;
     }
     x = there;
     return true;
   }
 
-  /// Rows that count and have another gradient at the point that was evaluated last.
-  bool mark_kinks(const Evaluation& before, const Certificate& certificate) {
+  /// Inequalities that count and have another gradient at the point that was evaluated last.
+  bool mark_kinks(const Known& before) {
     bool has_new = false;
-    for (Eigen::Index i = 0; i < at_.constraints.size(); ++i) {
-      const bool is_other =
-          !((at_.jacobian.row(i) - before.jacobian.row(i)).norm() <= options_.other_slope);
-      if (!is_other || certificate.multipliers[i] == 0 || beyond_[i] > 0) continue;
+    for (Eigen::Index i = 0; i < g_lower_.size(); ++i) {
+      const double other = (here_.at.jacobian.row(i) - before.at.jacobian.row(i)).norm();
+      const bool counts =
+          g_lower_[i] != g_upper_[i] && before.certificate.multipliers[i] != 0 && beyond_[i] == 0;
+      if (other <= options_.other_slope || !counts) continue;
       beyond_[i] = options_.beyond_kink;
       has_new = true;
     }
@@ -92,13 +129,9 @@ class Refinement {
   }
 
   bool is_stationary_at(const Eigen::VectorXd& x) {
-    return evaluate(x) && certificate_.kkt_residual <= options_.near;
-  }
-
-  bool evaluate(const Eigen::VectorXd& x) {
-    problem_.evaluate(x, at_);
-    certificate_ = certify(problem_, x, at_, {.activity_tolerance = options_.active});
-    return std::isfinite(certificate_.kkt_residual);
+    problem_.evaluate(x, here_.at);
+    here_.certificate = certify(problem_, x, here_.at, {.activity_tolerance = options_.active});
+    return here_.certificate.kkt_residual <= options_.near;
   }
 
   Active active_at(const Eigen::VectorXd& x) const {
@@ -110,13 +143,13 @@ class Refinement {
       normals.push_back(normal);
       missing.push_back((multiplier > 0 ? upper + beyond : lower - beyond) - value);
     };
-    for (Eigen::Index i = 0; i < at_.constraints.size(); ++i) {
-      add(at_.jacobian.row(i).transpose(), at_.constraints[i], g_lower_[i], g_upper_[i],
-          certificate_.multipliers[i], beyond_[i]);
+    for (Eigen::Index i = 0; i < here_.at.constraints.size(); ++i) {
+      add(here_.at.jacobian.row(i).transpose(), here_.at.constraints[i], g_lower_[i], g_upper_[i],
+          here_.certificate.multipliers[i], beyond_[i]);
     }
     for (Eigen::Index j = 0; j < x.size(); ++j) {
       add(Eigen::VectorXd::Unit(x.size(), j), x[j], lower_[j], upper_[j],
-          certificate_.bound_multipliers[j], 0);
+          here_.certificate.bound_multipliers[j], 0);
     }
     Active out;
     const auto count = static_cast<Eigen::Index>(normals.size());
@@ -129,11 +162,13 @@ class Refinement {
     return out;
   }
 
-  /// The step of Newton's method; nothing at a saddle, or where a number is not finite.
-  std::optional<Eigen::VectorXd> step(const Eigen::VectorXd& x) const {
+  /// The step of Newton's method, and `along_flat_` along flat directions; nothing at a saddle, or
+  /// where a number is not finite.
+  std::optional<Eigen::VectorXd> step(const Eigen::VectorXd& x) {
     const Active active = active_at(x);
-    const Eigen::MatrixXd H = hessian(x);
-    if (!H.allFinite()) return std::nullopt;
+    const bool is_new = H_.size() == 0;
+    if (is_new) H_ = hessian(x);
+    if (!H_.allFinite()) return std::nullopt;
     Eigen::VectorXd d = Eigen::VectorXd::Zero(x.size());
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(x.size(), x.size());
     if (active.normals.cols() > 0) {
@@ -141,27 +176,36 @@ class Refinement {
       d = least_norm_solution(active.normals.transpose(), active.missing, kIndependent);
       Z = PivotedQr(active.normals).complement();
     }
+    has_flat_ = is_bend_ = false;
     if (Z.cols() == 0) return d;
-    const SymmetricEigen curvature = symmetric_eigen(Z.transpose() * H * Z);
-    const double rounding =
-        (problem_.has_hessian() ? options_.flat : options_.flat_by_differences) *
-        curvature.values.lpNorm<Eigen::Infinity>();
-    if (curvature.values[0] < -rounding) return std::nullopt;
+    const SymmetricEigen curvature = symmetric_eigen(Z.transpose() * H_ * Z);
     const Eigen::MatrixXd axes = Z * curvature.vectors;
-    const Eigen::VectorXd slope = axes.transpose() * (at_.gradient + H * d);
-    const Eigen::VectorXd flat = axes.transpose() * along_flat_;
+    const Eigen::VectorXd slope = axes.transpose() * (here_.at.gradient + H_ * d);
+    const Eigen::VectorXd flat_part = axes.transpose() * along_flat_;
+    if (is_new) set_flat(slope);
+    if (curvature.values[0] < -flat_) return std::nullopt;
+    has_flat_ = curvature.values[0] <= flat_;
+    is_bend_ = has_flat_ && flat_ > rounding_;
     for (Eigen::Index i = 0; i < axes.cols(); ++i) {
-      const bool is_flat = curvature.values[i] <= rounding;
-      d += axes.col(i) * (is_flat ? flat[i] : -slope[i] / curvature.values[i]);
+      const double curved = curvature.values[i];
+      d += axes.col(i) * (curved <= flat_ ? flat_part[i] : -slope[i] / curved);
     }
     return d;
+  }
+
+  /// Curvature that may be none: rounding of the Hessian, or the bend of an orbit of equal values
+  /// beside which x lies, where the slope across it appears as a curvature along it. A minimum that
+  /// so little curvature places is farther off than the longest step.
+  void set_flat(const Eigen::VectorXd& slope) {
+    rounding_ = (problem_.has_hessian() ? options_.flat : options_.flat_by_differences) * H_.norm();
+    flat_ = std::max(rounding_, options_.bend * slope.lpNorm<Eigen::Infinity>());
   }
 
   /// Of the Lagrangian at x.
   Eigen::MatrixXd hessian(const Eigen::VectorXd& x) const {
     Eigen::MatrixXd H;
     if (problem_.has_hessian()) {
-      problem_.lagrangian_hessian(x, 1, certificate_.multipliers, H);
+      problem_.lagrangian_hessian(x, 1, here_.certificate.multipliers, H);
       return H;
     }
     H.setZero(x.size(), x.size());
@@ -170,7 +214,7 @@ class Refinement {
       Eigen::VectorXd beside = x;
       beside[j] = xj;
       problem_.evaluate(beside, there);
-      return there.gradient + there.jacobian.transpose() * certificate_.multipliers;
+      return there.gradient + there.jacobian.transpose() * here_.certificate.multipliers;
     };
     for (Eigen::Index j = 0; j < x.size(); ++j) {
       const double above = std::min(x[j] + options_.difference, upper_[j]);
@@ -183,10 +227,15 @@ class Refinement {
   const Problem& problem_;
   const RefinementOptions& options_;
   const Eigen::VectorXd lower_, upper_, g_lower_, g_upper_;
-  Eigen::VectorXd along_flat_;  // what a step goes along flat directions
+  Eigen::VectorXd along_flat_;  // what steps go along flat directions
   Eigen::VectorXd beyond_;      // the bound of each row, where it has a kink
-  Evaluation at_;               // of the point that was evaluated last
-  Certificate certificate_;     // of the same
+  Eigen::MatrixXd H_;           // of the Lagrangian, while the active set is one: x hardly moves
+  double rounding_ = 0;         // of its curvatures
+  double flat_ = 0;             // curvature that may be none, where H was taken
+  double violation_ = 0;        // the largest acceptable one
+  bool has_flat_ = false;       // whether the last step knew a flat direction,
+  bool is_bend_ = false;        // and it may be one for its slope alone
+  Known here_;                  // of the point that was evaluated last
 };
 
 }  // namespace

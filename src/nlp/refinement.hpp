@@ -22,14 +22,15 @@ struct RefinementOptions {
   double longest_step = 1e-3;         ///< in any variable; solvers that ended are nearer
   double flat = 1e-10;                ///< of the largest curvature: what is less is rounding
   double flat_by_differences = 1e-8;  ///< the same of a Hessian by differences
+  double bend = 100;                  ///< of the remaining slope: curvature that it may be alone
   double grid = 1e-5;                 ///< onto which x is rounded along flat directions
-  double difference = 1e-5;           ///< step in x where the problem has no Hessian
+  double difference = 1e-6;           ///< step in x where the problem has no Hessian
   double other_slope = 1e-2;   ///< least difference of the slopes at a kink; rows are of order one
   double beyond_kink = 1e-13;  ///< violation of a row that keeps the side of its kink
   int most_steps = 8;
   // What the refined point may have, if x has less.
   double feasible = 1e-12;    ///< violation
-  double stationary = 1e-12;  ///< KKT residual
+  double stationary = 1e-11;  ///< KKT residual; from there on x is rounded along flat directions
 };
 
 /// The minimum that x is near, or x where it is near none: at a KKT residual beyond `near`, at a

@@ -15,6 +15,7 @@
 
 #include "formulation/measures/residual.hpp"
 #include "formulation/projection.hpp"
+#include "nlp/refinement.hpp"
 #include "search/continua.hpp"
 #include "search/kink.hpp"
 #include "search/measure_search.hpp"
@@ -107,12 +108,11 @@ class Search {
     if (solutions_.empty() && nearest_.x.size() > 0) solutions_.push_back(nearest_);
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
-      if (measure_.is_nominal() && !isolated_) refine_best();
-      state_nominal_optimum();
-      if (!measure_.is_nominal() && !isolated_) {
-        find_minima_of_measure();
-        refine_best();
+      if (!isolated_) {
+        refine(solutions_, [this](const Solution& one) { return refined_solution(one); });
       }
+      state_nominal_optimum();
+      if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
       // Each value takes a simulation, or is a function of the user.
       if (!isolated_ && !simulates_ && problem_.user.empty()) state_rolls();
     }
@@ -341,6 +341,7 @@ class Search {
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
     improve_prediction(minima);
+    refine(minima, [this](const Solution& one) { return refined_minimum_of_measure(one); });
     // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
     for (Solution& solution : solutions_) {
@@ -420,39 +421,65 @@ class Search {
     }
   }
 
-  /// The solutions that will be listed, to their last digits.
-  void refine_best() {
+  /// Minima to their last digits. After a stop some are left as they are.
+  template <class Refined>
+  void refine(std::vector<Solution>& solutions, const Refined& refined) {
     if (simulates_ || !problem_.user.empty()) return;
     const PhaseClock::Phase phase(options_.clock, "search.refinement");
-    std::stable_sort(solutions_.begin(), solutions_.end(), better);
-    const auto most = static_cast<std::size_t>(options_.max_candidates);
-    const auto count = static_cast<int>(std::min(most, solutions_.size()));
-    std::vector<Solution> refined = std::move(solutions_);
-    for_each_index(jobs_, count, options_.stop, [&](int i) {
-      Solution& solution = refined[static_cast<std::size_t>(i)];
-      if (solution.family < 0) solution = refined_solution(solution);
+    std::vector<Solution> before = std::move(solutions);
+    const auto is_of_curve = [&](const Solution& solution) {
+      return std::any_of(before.begin(), before.end(), [&](const Solution& other) {
+        return other.family >= 0 &&
+               formulation_.distance(other.x, solution.x) <= options_.same_configuration;
+      });
+    };
+    std::vector<Solution> after(before.size());
+    for_each_index(jobs_, static_cast<int>(before.size()), {}, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      after[k] = before[k];
+      if (before[k].family >= 0 || options_.stop.reached()) return;
+      const Solution end = refined(before[k]);
+      // A curve has counted its starts.
+      if (end.x != before[k].x && !is_of_curve(end)) after[k] = end;
     });
-    solutions_.clear();
-    for (const Solution& solution : refined)
-      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
+    solutions.clear();
+    for (const Solution& solution : after)
+      keep_distinct(formulation_, solution, solutions, options_.same_configuration);
   }
 
-  Solution refined_solution(const Solution& from) {
-    constexpr double kZero = 1e-9;       // |y| in typical sizes: only rounding is left
-    constexpr double kRounding = 1e-12;  // of the objective
-    const double zero = kZero * kZero / 2;
-    const bool is_zero = from.objective <= zero;
-    if (is_zero && !measure_.is_nominal()) return from;
+  /// Of the nominal value.
+  Solution refined_solution(const Solution& from) const {
+    constexpr double kZero = 1e-9;  // |y| in typical sizes: only rounding is left
+    const bool is_zero = size(from) <= kZero;
+    const Eigen::VectorXd x =
+        is_zero ? rounded_zero(from.x) : nlp::refined_minimum(formulation_, from.x);
+    Solution out = judge(problem_, formulation_, formulation_.normalised(x));
+    out.reached = from.reached;
+    out.family = from.family;
+    return takes_place_of(from, out, is_zero ? kZero : size(from)) ? out : from;
+  }
+
+  /// Of the measure.
+  Solution refined_minimum_of_measure(const Solution& from) {
     Solution out = from;
-    out.x = formulation_.normalised(is_zero ? rounded_zero(from.x) : measure_.refined(from.x));
+    out.x = formulation_.normalised(measure_.refined(from.x));
     out.objective = measure_.value(out.x);
     out.violation = largest_violation(problem_, formulation_, out.x);
-    const double most = is_zero ? zero : from.objective * (1 + kRounding);
-    return out.violation <= kFeasibilityTolerance && out.objective <= most ? out : from;
+    return takes_place_of(from, out, size(from)) ? out : from;
   }
 
-  /// Zeros fill more than a curve: where a solve has met them is known to the digits that its path
-  /// has in common with that of another compiler.
+  /// |y| in typical sizes.
+  static double size(const Solution& solution) { return std::sqrt(2 * solution.objective); }
+
+  /// Where constraints were broken by their tolerance the value was too low by as much.
+  bool takes_place_of(const Solution& from, const Solution& out, double most) const {
+    constexpr double kRounding = 1e-10, kNear = 1e-2;
+    return out.violation <= kFeasibilityTolerance && size(out) <= most + kRounding &&
+           formulation_.distance(from.x, out.x) <= kNear;
+  }
+
+  /// A zero is seldom alone: where a solve has met them is known to the digits that its path has in
+  /// common with that of another compiler.
   Eigen::VectorXd rounded_zero(const Eigen::VectorXd& x) const {
     constexpr double kPlace = 1e-4;
     const Eigen::VectorXd grid = (x / kPlace).array().round().matrix() * kPlace;

@@ -59,6 +59,8 @@ TEST_CASE("a flat minimum is placed by its curvature, with a Hessian and without
   const Eigen::VectorXd start = c + vec({3e-8, -4e-7, 6e-6});
   REQUIRE(certify(p, start).kkt_residual < 1e-7);
   CHECK(distance(refined_minimum(p, start), c) < 1e-14);
+  const Eigen::VectorXd steep = c + vec({3e-6, 4e-6, 6e-6});
+  CHECK(distance(refined_minimum(p, steep), c) < 1e-14);
   p.hessian = nullptr;
   CHECK(distance(refined_minimum(p, start), c) < 1e-13);
 }
@@ -92,6 +94,43 @@ TEST_CASE("along a direction in which nothing changes x is rounded, and stays wh
   CHECK(distance(a, vec({0.25, 0.12346, 0.75})) < 1e-15);
 }
 
+TEST_CASE("one free direction beside equations is flat, one along an orbit too") {
+  KnownProblem p = valley(vec({1, 0}), vec({0.25, 0}));
+  p.g_l = p.g_u = vec({0.25});
+  for (const double noise : {1e-17, -1e-17}) {
+    const auto model = valley(vec({1, noise}), vec({0.25, 0})).model;
+    p.hessian = valley(vec({1, noise}), vec({0.25, 0})).hessian;
+    p.model = [model](const Eigen::VectorXd& x, Evaluation& e) {
+      model(x, e);
+      e.constraints[0] = x[0];
+      e.jacobian << 1, 0;
+    };
+    const Eigen::VectorXd x = refined_minimum(p, vec({0.25 + 1e-8, 0.1234567891}));
+    CHECK(distance(x, vec({0.25, 0.12346})) < 1e-15);
+  }
+  // (|x| - 1)^2 / 2 is zero on a circle.
+  KnownProblem orbit = valley(vec({1, 1}), vec({0, 0}));
+  orbit.model = [](const Eigen::VectorXd& x, Evaluation& e) {
+    const double r = x.norm();
+    e.objective = (r - 1) * (r - 1) / 2;
+    e.gradient = x * (r - 1) / r;
+  };
+  orbit.hessian = nullptr;
+  const Eigen::VectorXd side = vec({std::cos(0.7), std::sin(0.7)});
+  const Eigen::VectorXd on = refined_minimum(orbit, side);
+  for (const double off : {1e-7, 1e-9, -1e-9, -1e-7}) {
+    CHECK(distance(refined_minimum(orbit, (1 + off) * side), on) < 1e-12);
+  }
+}
+
+TEST_CASE("a bound that a residual pushes at is left again") {
+  KnownProblem p = valley(vec({0.05, 1}), vec({1, 2}));
+  p.u[0] = 1 + 5e-7;
+  CHECK(distance(refined_minimum(p, vec({1 - 3e-8, 2 + 5e-8})), vec({1, 2})) < 1e-14);
+  CHECK(distance(refined_minimum(p, vec({1 + 3e-8, 2 + 5e-8})), vec({1, 2})) < 1e-14);
+  CHECK(distance(refined_minimum(p, vec({1 - 3e-8, 2})), vec({1, 2})) < 1e-14);
+}
+
 TEST_CASE("what is no minimum, or not near one, is left as it is") {
   const Eigen::VectorXd c = vec({0.25, 0.5});
   const Eigen::VectorXd near = c + vec({1e-8, 1e-8});
@@ -111,8 +150,9 @@ TEST_CASE("what is no minimum, or not near one, is left as it is") {
 }
 
 TEST_CASE("a minimum at a kink of a row keeps the side from which it is stationary") {
-  // Minimise x1 - x0 with the row min(x1, x1 + x0) >= 0 and x0 <= 0 in a row of its own: at the
-  // minimum (0, 0) the gradient is balanced by the side x1 + x0 alone, and the other side's is not.
+  // Minimise x1 - x0 / 2 + |x|^2 / 2 with the rows min(x1 + x0, x1 - x0) >= 0 and x1 - x0 >= 0. At
+  // the minimum (0, 0) they balance the gradient where the first is x1 + x0, and not where both are
+  // the same.
   KnownProblem p;
   p.start = vec({0, 0});
   p.l = vec({-10, -10});
@@ -127,9 +167,7 @@ TEST_CASE("a minimum at a kink of a row keeps the side from which it is stationa
     e.jacobian << (is_left ? 1 : -1), 1, -1, 1;
   };
   const Eigen::VectorXd start = vec({-2e-8, 1e-8});
-  Evaluation e;
-  p.evaluate(start, e);
-  CAPTURE(certify(p, start).kkt_residual);
+  REQUIRE(certify(p, start).kkt_residual < 1e-6);
   const Eigen::VectorXd x = refined_minimum(p, start);
   CHECK(distance(x, vec({0, 0})) < 1e-12);
   CHECK(certify(p, x).kkt_residual < 1e-12);

@@ -87,7 +87,8 @@ class Measure {
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
   /// The local minimum of the measure that x is near, to its last digits: see
-  /// nlp::refined_minimum(). x itself where derivatives take simulations, and of CVaR.
+  /// nlp::refined_minimum(). x itself where derivatives take simulations or are none, of CVaR, and
+  /// where nothing is left of the measure.
   Eigen::VectorXd refined(const Eigen::VectorXd& x);
 
  private:

@@ -150,14 +150,17 @@ struct ClimbOptions {
 Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptions& options) {
   for (int i = 0; i < options.steps; ++i) {
     const Step step = newton_step(model, place.c);
+    const auto moved = [&](double part) -> Place {
+      const Eigen::Vector2d c = moved_along(model, place.c, step, part);
+      return {c, model.value(c)};
+    };
+    if (step.along.norm() < options.least_step) return moved(1);
     bool rose = false;
     double part = 1;
     for (int halving = 0; halving < options.halvings && !rose; ++halving, part /= 2) {
       const double length = part * step.along.norm();
       if (halving > 0 && length < options.visible_step) return place;
-      const Eigen::Vector2d c = moved_along(model, place.c, step, part);
-      const Place trial{c, model.value(c)};
-      if (length < options.least_step) return trial;
+      const Place trial = moved(part);
       // Of a step that values do not see the derivatives decide.
       rose = trial.value > place.value || length < options.visible_step;
       if (rose) place = trial;
