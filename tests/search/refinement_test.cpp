@@ -55,7 +55,7 @@ TEST_CASE("zeros that a last digit of the target's motion leads elsewhere are th
   const SearchResult a = searched(problem, 1, 16), b = searched(other, 1, 16);
   int common = 0;
   for (const Candidate& candidate : a.candidates) {
-    if (nearest(b, candidate) <= 1e-10) ++common;
+    if (nearest(b, candidate) <= 1e-13) ++common;
   }
   CAPTURE(a.candidates.size());
   // The others come from solves of hundreds of evaluations.
