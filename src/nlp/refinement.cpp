@@ -48,7 +48,7 @@ class Refinement {
   Eigen::VectorXd from(const Eigen::VectorXd& x0) {
     if (!is_stationary_at(x0)) return x0;
     violation_ = std::max(options_.feasible, here_.certificate.max_violation);
-    const Eigen::VectorXd minimum = converged(x0);
+    Eigen::VectorXd minimum = converged(x0);
     if (!has_flat_ || !is_stationary_at(minimum)) return minimum;
     const double residual = here_.certificate.kkt_residual;
     Eigen::VectorXd x = minimum;

@@ -20,6 +20,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Scenario> scenarios_of(const std::vector<ConeMaximum>& maxima) {
   std::vector<Scenario> out;
+  out.reserve(maxima.size());
   for (const ConeMaximum& maximum : maxima) out.push_back(maximum.scenario);
   return out;
 }
@@ -74,7 +75,7 @@ double Measure::sampled_value(const Eigen::VectorXd& x) {
 
 WorstCase Measure::worst_at(const Eigen::VectorXd& x) {
   if (const Known here = known(x); here.worst) return *here.worst;
-  const WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
+  WorstCase worst = worst_case(problem_, formulation_, formulation_.configuration(x));
   if (worst.is_complete) remember(x, [&](Known& here) { here.worst = worst; });
   return worst;
 }

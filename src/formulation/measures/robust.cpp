@@ -205,7 +205,7 @@ void ConeSearch::scan(const DirectionModel& model) {
       directions_.push_back(model.direction(grid_.back()));
     }
   } else if (alpha > 0) {
-    grid_.reserve(static_cast<std::size_t>(1 + rings * spokes));
+    grid_.reserve(1 + static_cast<std::size_t>(rings) * static_cast<std::size_t>(spokes));
     directions_.reserve(grid_.capacity());
     polar_.clear();
     for (int ring = 1; ring <= rings; ++ring) {
