@@ -20,7 +20,7 @@ struct RefinementOptions {
                          ///< those of the minimum
   double active = 1e-6;  ///< as CertificateOptions::activity_tolerance
   double longest_step = 1e-3;         ///< in any variable; solvers that ended are nearer
-  double flat = 1e-10;                ///< of the largest curvature: what is less is rounding
+  double flat = 1e-10;                ///< of the norm of the Hessian: less curvature is rounding
   double flat_by_differences = 1e-8;  ///< the same of a Hessian by differences
   double bend = 100;                  ///< of the remaining slope: curvature that it may be alone
   double grid = 1e-5;                 ///< onto which x is rounded along flat directions
@@ -30,12 +30,13 @@ struct RefinementOptions {
   int most_steps = 8;
   // What the refined point may have, if x has less.
   double feasible = 1e-12;    ///< violation
-  double stationary = 1e-11;  ///< KKT residual; from there on x is rounded along flat directions
+  double stationary = 1e-11;  ///< KKT residual
 };
 
 /// The minimum that x is near, or x where it is near none: at a KKT residual beyond `near`, at a
-/// saddle, and where steps do not shorten. Along directions in which nothing changes x decides, but
-/// for digits beyond `grid`. A problem without a Hessian has it from differences of its gradients.
+/// saddle, and where the first step is too long. Along directions in which nothing changes x
+/// decides, but for digits beyond `grid`. A problem without a Hessian has it from differences of
+/// its gradients.
 /// @param x inside the bounds, from a local solver (N)
 [[nodiscard]] Eigen::VectorXd refined_minimum(const Problem& problem, const Eigen::VectorXd& x,
                                               const RefinementOptions& options = {});

@@ -109,7 +109,7 @@ class Search {
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
       if (!isolated_) {
-        refine(solutions_, [this](const Solution& one) { return refined_solution(one); });
+        refine(solutions_, [this](const Solution& one) { return refined_nominal(one); });
       }
       state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
@@ -341,7 +341,7 @@ class Search {
     for (const Eigen::VectorXd& x : found.points) keep_minimum(x, minima);
     rescue_best(minima);
     improve_prediction(minima);
-    refine(minima, [this](const Solution& one) { return refined_minimum_of_measure(one); });
+    refine(minima, [this](const Solution& one) { return refined_by_measure(one); });
     // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
     for (Solution& solution : solutions_) {
@@ -448,19 +448,19 @@ class Search {
   }
 
   /// Of the nominal value.
-  Solution refined_solution(const Solution& from) const {
-    constexpr double kZero = 1e-9;  // |y| in typical sizes: only rounding is left
-    const bool is_zero = size(from) <= kZero;
+  Solution refined_nominal(const Solution& from) const {
+    const double zero = options_.continua.zero;
+    const bool is_zero = size(from) <= zero;
     const Eigen::VectorXd x =
         is_zero ? rounded_zero(from.x) : nlp::refined_minimum(formulation_, from.x);
     Solution out = judge(problem_, formulation_, formulation_.normalised(x));
     out.reached = from.reached;
     out.family = from.family;
-    return takes_place_of(from, out, is_zero ? kZero : size(from)) ? out : from;
+    return takes_place_of(from, out, is_zero ? zero : size(from)) ? out : from;
   }
 
   /// Of the measure.
-  Solution refined_minimum_of_measure(const Solution& from) {
+  Solution refined_by_measure(const Solution& from) {
     Solution out = from;
     out.x = formulation_.normalised(measure_.refined(from.x));
     out.objective = measure_.value(out.x);
@@ -473,13 +473,13 @@ class Search {
 
   /// Where constraints were broken by their tolerance the value was too low by as much.
   bool takes_place_of(const Solution& from, const Solution& out, double most) const {
-    constexpr double kRounding = 1e-10, kNear = 1e-2;
+    constexpr double kRounding = 1e-10;
     return out.violation <= kFeasibilityTolerance && size(out) <= most + kRounding &&
-           formulation_.distance(from.x, out.x) <= kNear;
+           formulation_.distance(from.x, out.x) <= options_.minima.same_basin;
   }
 
-  /// A zero is seldom alone: where a solve has met them is known to the digits that its path has in
-  /// common with that of another compiler.
+  /// A zero near x. It is seldom alone, and of the place where a solve met the others only the
+  /// leading digits are the same with another compiler: the others are rounded off.
   Eigen::VectorXd rounded_zero(const Eigen::VectorXd& x) const {
     constexpr double kPlace = 1e-4;
     const Eigen::VectorXd grid = (x / kPlace).array().round().matrix() * kPlace;

@@ -259,7 +259,6 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
 Eigen::VectorXd Measure::refined(const Eigen::VectorXd& x) {
   // CVaR has a variable per sample: a step would cost as much as the whole solve.
   if (!formulation_.has_hessian() || level()) return x;
-  if (is_nominal()) return nlp::refined_minimum(formulation_, x);
   const double size = value(x);
   if (!(size > options_.zero * options_.zero / 2)) return x;
   const auto refined_in = [&x](const ScenarioProgram& program) -> Eigen::VectorXd {

@@ -86,9 +86,9 @@ class Measure {
   /// searched for.
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
-  /// The local minimum of the measure that x is near, to its last digits: see
-  /// nlp::refined_minimum(). x itself where derivatives take simulations or are none, of CVaR, and
-  /// where nothing is left of the measure.
+  /// The local minimum of the measure over the uncertainty that x is near, to its last digits: see
+  /// nlp::refined_minimum(), which does for the nominal value. x itself where derivatives take
+  /// simulations or are none, of CVaR, and where nothing is left of the measure.
   Eigen::VectorXd refined(const Eigen::VectorXd& x);
 
  private:
