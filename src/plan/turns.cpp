@@ -15,11 +15,11 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kSlack = 1e-9;  ///< rad: an angle at its limit is within it
 
-/// How far the joints are from the start posture, in sum, rad, then the sum of their angles: what
-/// is less goes first. Ways that differ by rounding are equal.
+/// How far the joints are from the start posture, rad, then the sum of their angles: what is less
+/// goes first. Ways that differ by rounding are equal.
 std::pair<double, double> way_from_start(const CaptureProblem& problem, const Configuration& at) {
   constexpr double kSameWay = 1e-9;  // rad
-  const double way = (at.phi - problem.start).lpNorm<1>();
+  const double way = (at.phi - problem.start).norm();
   return {std::round(way / kSameWay), at.phi.lpNorm<1>()};
 }
 
@@ -86,13 +86,14 @@ double least_way_from_start(const CaptureProblem& problem, const Configuration& 
     double& of_joint = way[find_joint(problem.robot, turns.joint)];
     of_joint += kTurn * std::clamp<double>(std::round(-of_joint / kTurn), turns.least, turns.most);
   }
-  return way.lpNorm<1>();
+  return way.norm();
 }
 
 std::vector<Configuration> other_turns(const CaptureProblem& problem,
                                        const Configuration& configuration,
                                        std::optional<int> rolled, std::size_t most) {
-  // The joints' ways add up: of the nearest in sum, each part is among the nearest of its kind.
+  // The squares of the joints' ways add up: of the nearest, each part is among the nearest of its
+  // kind.
   const std::size_t kept = most + 1;
   const auto width = static_cast<int>(kept);
   std::vector<Configuration> out{configuration};

@@ -16,9 +16,10 @@ using Key = double Candidate::*;
 
 class Order {
  public:
-  Order(const CaptureProblem& problem, const std::vector<Candidate>& candidates, double equal)
+  Order(const CaptureProblem& problem, const std::vector<Candidate>& candidates, double equal,
+        RiskMeasure measure)
       : candidates_(candidates), power_(objective_power(problem)), equal_(equal) {
-    if (problem.measure.kind == RiskMeasure::Nominal) {
+    if (measure == RiskMeasure::Nominal) {
       keys_ = {&Candidate::objective, &Candidate::worst_case};
     } else {
       keys_ = {&Candidate::value};
@@ -66,9 +67,15 @@ class Order {
 
 std::vector<std::size_t> candidate_order(const CaptureProblem& problem,
                                          const std::vector<Candidate>& candidates, double equal) {
+  return candidate_order(problem, candidates, equal, problem.measure.kind);
+}
+
+std::vector<std::size_t> candidate_order(const CaptureProblem& problem,
+                                         const std::vector<Candidate>& candidates, double equal,
+                                         RiskMeasure measure) {
   Indices order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  Order(problem, candidates, equal).sort(order.begin(), order.end());
+  Order(problem, candidates, equal, measure).sort(order.begin(), order.end());
   return order;
 }
 

@@ -15,4 +15,9 @@ namespace stillbase {
 std::vector<std::size_t> candidate_order(const CaptureProblem& problem,
                                          const std::vector<Candidate>& candidates, double equal);
 
+/// The same by another measure than the problem's.
+std::vector<std::size_t> candidate_order(const CaptureProblem& problem,
+                                         const std::vector<Candidate>& candidates, double equal,
+                                         RiskMeasure measure);
+
 }  // namespace stillbase

@@ -6,12 +6,14 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "formulation/measures/residual.hpp"
 #include "formulation/projection.hpp"
@@ -19,6 +21,7 @@
 #include "search/continua.hpp"
 #include "search/kink.hpp"
 #include "search/measure_search.hpp"
+#include "search/nearest_zero.hpp"
 #include "search/ranking.hpp"
 #include "search/roll.hpp"
 #include "search/solution.hpp"
@@ -46,19 +49,26 @@ std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
   const auto size = [](const Solution& solution) { return std::sqrt(2 * solution.objective); };
   double lowest = kInfinity;
   for (const Solution& solution : solutions) lowest = std::min(lowest, size(solution));
-  NominalOptimum best;
-  best.worst_case = kInfinity;
+  std::vector<Candidate> best;
+  std::vector<const Solution*> solution_of;
   for (const Solution& solution : solutions) {
     if (size(solution) > lowest + equal) continue;
-    const Configuration configuration = formulation.configuration(solution.x);
-    const double worst = measure.worst_at(solution.x).value;
+    Candidate candidate;
+    candidate.configuration = formulation.configuration(solution.x);
+    candidate.worst_case = measure.worst_at(solution.x).value;
     const double measured = measure.value(solution.x);
     if (!measure.knows(solution.x) || std::isnan(measured)) return std::nullopt;
-    if (worst >= best.worst_case) continue;
-    const double nominal = nominal_value(problem, formulation, configuration);
-    best = {configuration, nominal, worst, reported(measure, solution.x, nominal, worst)};
+    candidate.objective = nominal_value(problem, formulation, candidate.configuration);
+    best.push_back(candidate);
+    solution_of.push_back(&solution);
   }
-  return best;
+  if (best.empty()) return NominalOptimum{};
+  const std::size_t first =
+      candidate_order(problem, best, equal * formulation.objective_unit(), RiskMeasure::Nominal)
+          .front();
+  const Candidate& at = best[first];
+  return NominalOptimum{at.configuration, at.objective, at.worst_case,
+                        reported(measure, solution_of[first]->x, at.objective, at.worst_case)};
 }
 
 /// Whether what a solver leaves is meant to be a minimum.
@@ -110,6 +120,7 @@ class Search {
     if (feasible) {
       if (!isolated_) {
         refine(solutions_, [this](const Solution& one) { return refined_nominal(one); });
+        if (has_equal_zeros()) move_zeros_nearer();
       }
       state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
@@ -383,7 +394,8 @@ class Search {
             size(from) < lowest - options_.better_prediction))
         break;
       const Solution further = local_minimum(from.x, solve_, out_.solver_calls);
-      keep_distinct(formulation_, better(further, from) ? further : from, solutions_,
+      const Solution& found = better(further, from) ? further : from;
+      keep_distinct(formulation_, can_refine() ? refined_nominal(found) : found, solutions_,
                     options_.same_configuration);
       is_better = true;
     }
@@ -421,10 +433,13 @@ class Search {
     }
   }
 
+  /// Newton steps take exact derivatives.
+  bool can_refine() const { return !simulates_ && problem_.user.empty(); }
+
   /// Minima to their last digits. After a stop some are left as they are.
   template <class Refined>
   void refine(std::vector<Solution>& solutions, const Refined& refined) {
-    if (simulates_ || !problem_.user.empty()) return;
+    if (!can_refine()) return;
     const PhaseClock::Phase phase(options_.clock, "search.refinement");
     std::vector<Solution> before = std::move(solutions);
     const auto is_of_curve = [&](const Solution& solution) {
@@ -447,16 +462,54 @@ class Search {
       keep_distinct(formulation_, solution, solutions, options_.same_configuration);
   }
 
+  /// Whether zeros of the nominal value are equal but for their way from the start posture.
+  bool has_equal_zeros() const {
+    return measure_.is_nominal() && looks_for_zeros_ && problem_.user.empty() &&
+           problem_.uncertainty.cone_half_angle == 0 && !has_residual(problem_);
+  }
+
+  /// Zeros that fill a surface are moved to where that is nearest to the start posture, unless they
+  /// touch something there and not here: those that are near anyway.
+  void move_zeros_nearer() {
+    const PhaseClock::Phase phase(options_.clock, "search.refinement");
+    std::vector<Solution> before = std::move(solutions_);
+    std::vector<std::pair<double, Solution*>> zeros;
+    for (Solution& solution : before) {
+      if (solution.family >= 0 || !is_zero(solution)) continue;
+      const Configuration at = formulation_.configuration(solution.x);
+      zeros.emplace_back(least_way_from_start(problem_, at), &solution);
+    }
+    std::stable_sort(zeros.begin(), zeros.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    const int moved = std::min(static_cast<int>(zeros.size()), options_.moved_zeros);
+    for_each_index(jobs_, moved, options_.stop, [&](int i) {
+      Solution& zero = *zeros[static_cast<std::size_t>(i)].second;
+      const auto x = nearest_zero(problem_, formulation_, zero.x, *optimizer_, solve_);
+      if (!x) return;
+      Solution nearest = judge(problem_, formulation_, formulation_.normalised(*x));
+      if (!(nearest.violation <= kFeasibilityTolerance && is_zero(nearest))) return;
+      if (is_blocked(nearest.x) && !is_blocked(zero.x)) return;
+      nearest.reached = zero.reached;
+      zero = nearest;
+    });
+    solutions_.clear();
+    for (const Solution& solution : before)
+      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
+  }
+  bool is_zero(const Solution& solution) const { return size(solution) <= options_.continua.zero; }
+  bool is_blocked(const Eigen::VectorXd& x) const {
+    return options_.is_free && !options_.is_free(formulation_.configuration(x));
+  }
+
   /// Of the nominal value.
   Solution refined_nominal(const Solution& from) const {
-    const double zero = options_.continua.zero;
-    const bool is_zero = size(from) <= zero;
+    const bool was_zero = is_zero(from);
     const Eigen::VectorXd x =
-        is_zero ? rounded_zero(from.x) : nlp::refined_minimum(formulation_, from.x);
+        was_zero ? rounded_zero(from.x) : nlp::refined_minimum(formulation_, from.x);
     Solution out = judge(problem_, formulation_, formulation_.normalised(x));
     out.reached = from.reached;
     out.family = from.family;
-    return takes_place_of(from, out, is_zero ? zero : size(from)) ? out : from;
+    return takes_place_of(from, out, was_zero ? options_.continua.zero : size(from)) ? out : from;
   }
 
   /// Of the measure.

@@ -283,7 +283,7 @@ TEST_CASE("an objective that is zero everywhere leaves the self-motion as its cu
 TEST_CASE("a momentum that vanishes over the whole cone is compared to a part of its terms") {
   const Plan plan = make_plan(problem_at_centroid());
   REQUIRE(plan.nominal_optimum);
-  REQUIRE(plan.nominal_optimum->worst_case < 1e-12);
+  REQUIRE(plan.nominal_optimum->worst_case < 1e-10);  // of those that are equal the nearest
   const char* const names[] = {"nominal_optimum_nominal", "nominal_optimum_worst_case",
                                "nominal_optimum_value",   "nominal_optimum_is_lowest",
                                "candidates_objective",    "candidates_worst_case",

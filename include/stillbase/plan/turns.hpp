@@ -33,13 +33,13 @@ double central_angle(const Joint& joint, double angle);
 std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
                                     const Configuration& configuration, std::optional<int> rolled);
 
-/// Whether the joints of a turn less from the start posture than those of b, in sum; as much, but
-/// with smaller angles.
+/// Whether a is nearer to the start posture than b, see least_way_from_start(); as near, but with
+/// smaller angles.
 bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
                         const Configuration& b);
 
-/// How far the joints have to turn from the start posture, in sum, rad (m): endless ones the
-/// shorter way, those with whole turns to the nearest of these.
+/// How far the joints have to turn from the start posture, the root of their ways' squares, rad
+/// (m): endless ones the shorter way, those with whole turns to the nearest of these.
 double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration);
 
 /// The other configurations that are whole turns away, the nearest to the start posture first.

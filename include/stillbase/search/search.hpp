@@ -116,7 +116,9 @@ struct SearchOptions {
   int starts_per_isolated = 16;  ///< Newton steps for isolated points cost less than a solve
   double equal_nominal = 1e-8;   ///< of the objective's typical size: zeros differ by rounding
   int prediction_rounds = 3;     ///< nominal solves from minima of the measure that are better
-  double better_prediction = 1e-7;   ///< of the objective's typical size
+  double better_prediction = 1e-7;  ///< of the objective's typical size
+  int moved_zeros = 8;  ///< nearest to the start posture that are moved nearer along the surface of
+                        ///< zeros; one costs as much as a local solve
   double same_configuration = 1e-5;  ///< distance of solutions that are one
   ScreeningOptions screening;
   MeasureSearchOptions minima;
