@@ -17,7 +17,7 @@ constexpr double kSlack = 1e-9;  ///< rad: an angle at its limit is within it
 
 /// How far the joints are from the start posture, rad, then the sum of their angles: what is less
 /// goes first. Ways that differ by rounding are equal.
-std::pair<double, double> way_from_start(const CaptureProblem& problem, const Configuration& at) {
+std::pair<double, double> rank_by_way(const CaptureProblem& problem, const Configuration& at) {
   constexpr double kSameWay = 1e-9;  // rad
   const double way = (at.phi - problem.start).norm();
   return {std::round(way / kSameWay), at.phi.lpNorm<1>()};
@@ -74,11 +74,11 @@ std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
 
 bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
                         const Configuration& b) {
-  return way_from_start(problem, a) < way_from_start(problem, b);
+  return rank_by_way(problem, a) < rank_by_way(problem, b);
 }
 
-double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration) {
-  Eigen::VectorXd way = configuration.phi - problem.start;
+JointVectord way_from_start(const CaptureProblem& problem, const Configuration& configuration) {
+  JointVectord way = configuration.phi - problem.start;
   for (int k = 0; k < problem.robot.n(); ++k) {
     if (is_endless(problem.robot, k)) way[k] = wrap_angle(way[k]);
   }
@@ -86,7 +86,11 @@ double least_way_from_start(const CaptureProblem& problem, const Configuration& 
     double& of_joint = way[find_joint(problem.robot, turns.joint)];
     of_joint += kTurn * std::clamp<double>(std::round(-of_joint / kTurn), turns.least, turns.most);
   }
-  return way.norm();
+  return way;
+}
+
+double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration) {
+  return way_from_start(problem, configuration).norm();
 }
 
 std::vector<Configuration> other_turns(const CaptureProblem& problem,

@@ -1,10 +1,16 @@
 #include "search/nearest_zero.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/nlp/certificate.hpp>
+#include <stillbase/nlp/optimizer.hpp>
+#include <stillbase/plan/turns.hpp>
 
 #include "formulation/projection.hpp"
 #include "formulation/variables/layout.hpp"
@@ -14,19 +20,79 @@ namespace stillbase {
 
 namespace {
 
-/// The distance from the start posture among the zeros.
+/// Components of y that vanish together where all of y does: M y, with independent slopes.
+struct IndependentZeros {
+  std::vector<Eigen::Index> rows;  ///< of y
+  Eigen::MatrixXd M;               ///< their slopes beside the equations become orthonormal
+};
+
+IndependentZeros independent_zeros(const Formulation& formulation, const Eigen::VectorXd& zero,
+                                   double dependent) {
+  Eigen::VectorXd residual, y;
+  Eigen::MatrixXd equations, J_y;
+  evaluate_equations(formulation, zero, false, residual, equations);
+  formulation.objective_vector(zero, y, J_y);
+  std::vector<Eigen::VectorXd> basis;  // orthonormal
+  const auto beside = [&](const Eigen::VectorXd& row) {
+    Eigen::VectorXd rest = row;
+    for (int twice = 0; twice < 2; ++twice) {
+      for (const Eigen::VectorXd& other : basis) rest -= other.dot(rest) * other;
+    }
+    return rest;
+  };
+  const auto adds = [&](const Eigen::VectorXd& row) {
+    const Eigen::VectorXd rest = beside(row);
+    if (!(rest.norm() > dependent * std::max(1.0, row.norm()))) return false;
+    basis.push_back(rest.normalized());
+    return true;
+  };
+  for (Eigen::Index i = 0; i < equations.rows(); ++i) adds(equations.row(i).transpose());
+  const std::size_t of_equations = basis.size();
+  IndependentZeros out;
+  for (Eigen::Index i = 0; i < J_y.rows(); ++i) {
+    if (adds(J_y.row(i).transpose())) out.rows.push_back(i);
+  }
+  // Their slopes over that basis, without what the equations take: lower triangular.
+  const auto k = static_cast<Eigen::Index>(out.rows.size());
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(k, k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      L(i, j) = basis[of_equations + static_cast<std::size_t>(j)].dot(
+          J_y.row(out.rows[static_cast<std::size_t>(i)]).transpose());
+    }
+  }
+  out.M = L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(k, k));
+  return out;
+}
+
+/// The problem of this file's header.
 class DistanceAmongZeros final : public nlp::Problem {
  public:
-  DistanceAmongZeros(const Formulation& formulation, std::vector<Eigen::Index> rows,
-                     Eigen::VectorXd start, Eigen::VectorXd weights)
+  DistanceAmongZeros(const CaptureProblem& problem, const Formulation& formulation,
+                     const Eigen::VectorXd& zero, const NearestZeroOptions& options)
       : formulation_(formulation),
-        rows_(std::move(rows)),
-        start_(std::move(start)),
-        weights_(std::move(weights)) {}
+        zeros_(independent_zeros(formulation, zero, options.dependent)),
+        options_(options) {
+    const VariableLayout layout(problem);
+    Configuration start = start_configuration(problem);
+    weights_ = Eigen::VectorXd::Constant(zero.size(), options.attitude_weight);
+    if (layout.time >= 0) {
+      const double from = layout.lower[layout.time], half = (layout.upper[layout.time] - from) / 2;
+      start.contact_time = from + half;
+      weights_[layout.time] = options.time_weight / (half * half);
+    }
+    start_ = formulation.variables(start);
+    const JointVectord way = way_from_start(problem, formulation.configuration(zero));
+    for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      weights_[k] = 1;
+      start_[k] = zero[k] - way[layout.joints[i]];
+    }
+  }
 
   int num_variables() const override { return formulation_.num_variables(); }
   int num_constraints() const override {
-    return formulation_.num_constraints() + static_cast<int>(rows_.size());
+    return formulation_.num_constraints() + static_cast<int>(zeros_.rows.size());
   }
   Eigen::VectorXd lower() const override { return formulation_.lower(); }
   Eigen::VectorXd upper() const override { return formulation_.upper(); }
@@ -44,16 +110,20 @@ class DistanceAmongZeros final : public nlp::Problem {
     const Eigen::VectorXd away = x - start_;
     out.gradient = weights_.cwiseProduct(away);
     out.objective = away.dot(out.gradient) / 2;
+    push_off(x, lower(), upper(), options_.bound_margin, out,
+             [&](Eigen::Index i, double slope) { out.gradient[i] += slope; });
+    push_off(inner.constraints, formulation_.constraint_lower(), formulation_.constraint_upper(),
+             options_.row_margin, out, [&](Eigen::Index i, double slope) {
+               out.gradient += slope * inner.jacobian.row(i).transpose();
+             });
     const Eigen::Index m = inner.constraints.size();
-    const auto more = static_cast<Eigen::Index>(rows_.size());
+    const auto more = static_cast<Eigen::Index>(zeros_.rows.size());
     out.constraints.resize(m + more);
     out.jacobian.resize(m + more, x.size());
     out.constraints.head(m) = inner.constraints;
     out.jacobian.topRows(m) = inner.jacobian;
-    for (Eigen::Index i = 0; i < more; ++i) {
-      out.constraints[m + i] = y[rows_[static_cast<std::size_t>(i)]];
-      out.jacobian.row(m + i) = J_y.row(rows_[static_cast<std::size_t>(i)]);
-    }
+    out.constraints.tail(more) = zeros_.M * y(zeros_.rows);
+    out.jacobian.bottomRows(more) = zeros_.M * J_y(zeros_.rows, Eigen::all);
   }
 
  private:
@@ -63,6 +133,23 @@ class DistanceAmongZeros final : public nlp::Problem {
     Eigen::MatrixXd J_y;
   };
 
+  /// Adds the second term of the objective for some values, and their slopes by `add`.
+  template <class Add>
+  void push_off(const Eigen::VectorXd& values, const Eigen::VectorXd& lower,
+                const Eigen::VectorXd& upper, double most, nlp::Evaluation& out,
+                const Add& add) const {
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const double margin = std::min(most, (upper[i] - lower[i]) / 20);
+      if (!(margin > 0)) continue;
+      for (const double side : {-1.0, 1.0}) {
+        const double distance = side > 0 ? upper[i] - values[i] : values[i] - lower[i];
+        const double part = std::max(0.0, 1 - distance / margin);
+        out.objective += options_.push * margin * part * part / 2;
+        if (part > 0) add(i, side * options_.push * part);
+      }
+    }
+  }
+
   Eigen::VectorXd with_zeros(const Eigen::VectorXd& bounds) const {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(num_constraints());
     out.head(bounds.size()) = bounds;
@@ -70,59 +157,79 @@ class DistanceAmongZeros final : public nlp::Problem {
   }
 
   const Formulation& formulation_;
-  std::vector<Eigen::Index> rows_;  ///< of y
-  Eigen::VectorXd start_, weights_;
+  const IndependentZeros zeros_;
+  const NearestZeroOptions& options_;
+  Eigen::VectorXd start_, weights_;  ///< x_s, diagonal of W
 };
 
-/// The components of y whose slopes at a zero are no combinations of those of the equations and of
-/// each other.
-std::vector<Eigen::Index> independent_rows(const Formulation& formulation,
-                                           const Eigen::VectorXd& zero, double dependent) {
-  Eigen::VectorXd residual, y;
-  Eigen::MatrixXd equations, J_y;
-  evaluate_equations(formulation, zero, false, residual, equations);
-  formulation.objective_vector(zero, y, J_y);
-  std::vector<Eigen::VectorXd> basis;  // orthonormal
-  const auto adds = [&](const Eigen::VectorXd& row) {
-    Eigen::VectorXd rest = row;
-    for (int twice = 0; twice < 2; ++twice) {
-      for (const Eigen::VectorXd& other : basis) rest -= other.dot(rest) * other;
-    }
-    if (!(rest.norm() > dependent * std::max(1.0, row.norm()))) return false;
-    basis.push_back(rest.normalized());
-    return true;
-  };
-  for (Eigen::Index i = 0; i < equations.rows(); ++i) adds(equations.row(i).transpose());
-  std::vector<Eigen::Index> out;
-  for (Eigen::Index i = 0; i < J_y.rows(); ++i) {
-    if (adds(J_y.row(i).transpose())) out.push_back(i);
-  }
-  return out;
+/// The least singular value of the slopes of equations and y, of those that zeros have in general.
+double least_slope(const Formulation& formulation, const Eigen::VectorXd& x, Eigen::Index rank) {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd J;
+  evaluate_equations(formulation, x, true, residual, J);
+  return right_svd(J).sigma[rank - 1];
+}
+
+double value_at(const nlp::Problem& problem, const Eigen::VectorXd& x) {
+  nlp::Evaluation here;
+  problem.evaluate(x, here);
+  return here.objective;
 }
 
 }  // namespace
 
+double way_among_zeros(const CaptureProblem& problem, const Formulation& formulation,
+                       const Eigen::VectorXd& zero) {
+  constexpr double kNothing = 1e-9;  // slopes over typical sizes
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd J;
+  evaluate_equations(formulation, zero, true, residual, J);
+  JointVectord way = way_from_start(problem, formulation.configuration(zero));
+  const std::vector<int> joints = VariableLayout(problem).joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (J.col(static_cast<Eigen::Index>(i)).isZero(kNothing)) way[joints[i]] = 0;
+  }
+  return way.norm();
+}
+
 std::optional<Eigen::VectorXd> nearest_zero(const CaptureProblem& problem,
                                             const Formulation& formulation,
-                                            const Eigen::VectorXd& zero,
-                                            const nlp::Optimizer& optimizer,
-                                            nlp::OptimizeOptions solve,
+                                            const Eigen::VectorXd& zero, const StopCondition& stop,
                                             const NearestZeroOptions& options) {
-  if (open_directions(formulation, zero, true).cols() < 2) return std::nullopt;
-  const VariableLayout layout(problem);
-  Configuration start = start_configuration(problem);
-  if (layout.time >= 0)
-    start.contact_time = (layout.lower[layout.time] + layout.upper[layout.time]) / 2;
-  // The difference counts angles to the nearest whole turn.
-  const Eigen::VectorXd from = zero - formulation.difference(zero, formulation.variables(start));
-  Eigen::VectorXd weights = Eigen::VectorXd::Constant(zero.size(), options.other_weight);
-  weights.head(static_cast<Eigen::Index>(layout.joints.size())).setOnes();
-  const DistanceAmongZeros distance(
-      formulation, independent_rows(formulation, zero, options.dependent), from, weights);
-  solve.max_evaluations = options.max_evaluations;
-  solve.certain = 1;  // refined afterwards
-  const Eigen::VectorXd x = optimizer.minimize(distance, zero, solve).x;
-  return nlp::refined_minimum(distance, x);
+  const Eigen::Index open = open_directions(formulation, zero, true).cols();
+  if (open < 2) return std::nullopt;
+  const DistanceAmongZeros distance(problem, formulation, zero, options);
+  const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
+  nlp::OptimizeOptions rough, fine;
+  rough.stop = fine.stop = stop;
+  rough.explain_infeasibility = fine.explain_infeasibility = false;
+  rough.max_evaluations = options.rough_evaluations;
+  rough.feasibility_tolerance = options.rough_violation;
+  fine.max_evaluations = options.evaluations;
+  fine.feasibility_tolerance = kFeasibilityTolerance;
+  fine.certain = 1;  // refined afterwards
+  const auto residual = [&](const Eigen::VectorXd& at) {
+    return nlp::certify(distance, at).kkt_residual;
+  };
+  const double near = nlp::RefinementOptions{}.near;
+  Eigen::VectorXd x = zero;
+  double least = value_at(distance, x);
+  for (int solve = 0; solve < options.rough_solves && residual(x) > near; ++solve) {
+    const Eigen::VectorXd end = optimizer->minimize(distance, x, rough).x;
+    const ProjectionResult there = project_onto_constraints(formulation, end, true, 20);
+    if (!(there.violation <= kFeasibilityTolerance)) break;
+    const double value = value_at(distance, there.x);
+    if (!(value < least - options.stationary)) break;
+    x = there.x;
+    least = value;
+  }
+  if (residual(x) > near) x = optimizer->minimize(distance, x, fine).x;
+  x = nlp::refined_minimum(distance, x);
+  const Eigen::Index rank = zero.size() - open;
+  const bool is_regular =
+      least_slope(formulation, x, rank) >= options.singular * least_slope(formulation, zero, rank);
+  const bool is_minimum = residual(x) <= options.stationary;
+  return is_regular && is_minimum ? std::optional(x) : std::nullopt;
 }
 
 }  // namespace stillbase

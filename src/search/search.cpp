@@ -13,7 +13,6 @@
 #include <stillbase/core/random.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
-#include <stillbase/plan/turns.hpp>
 
 #include "formulation/measures/residual.hpp"
 #include "formulation/projection.hpp"
@@ -120,7 +119,7 @@ class Search {
     if (feasible) {
       if (!isolated_) {
         refine(solutions_, [this](const Solution& one) { return refined_nominal(one); });
-        if (has_equal_zeros()) move_zeros_nearer();
+        if (may_move_zeros()) move_zeros_nearer();
       }
       state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
@@ -462,29 +461,28 @@ class Search {
       keep_distinct(formulation_, solution, solutions, options_.same_configuration);
   }
 
-  /// Whether zeros of the nominal value are equal but for their way from the start posture.
-  bool has_equal_zeros() const {
-    return measure_.is_nominal() && looks_for_zeros_ && problem_.user.empty() &&
+  /// Whether nothing tells zeros of the nominal value apart but their way from the start posture.
+  bool may_move_zeros() const {
+    return measure_.is_nominal() && looks_for_zeros_ && can_refine() &&
            problem_.uncertainty.cone_half_angle == 0 && !has_residual(problem_);
   }
 
-  /// Zeros that fill a surface are moved to where that is nearest to the start posture, unless they
-  /// touch something there and not here: those that are near anyway.
+  /// Some zeros of those that fill a surface are moved along it to where it is nearest to the start
+  /// posture, unless they touch something there and not here.
   void move_zeros_nearer() {
     const PhaseClock::Phase phase(options_.clock, "search.refinement");
     std::vector<Solution> before = std::move(solutions_);
     std::vector<std::pair<double, Solution*>> zeros;
     for (Solution& solution : before) {
       if (solution.family >= 0 || !is_zero(solution)) continue;
-      const Configuration at = formulation_.configuration(solution.x);
-      zeros.emplace_back(least_way_from_start(problem_, at), &solution);
+      zeros.emplace_back(way_among_zeros(problem_, formulation_, solution.x), &solution);
     }
     std::stable_sort(zeros.begin(), zeros.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const int moved = std::min(static_cast<int>(zeros.size()), options_.moved_zeros);
-    for_each_index(jobs_, moved, options_.stop, [&](int i) {
+    const int done = for_each_index(jobs_, moved, options_.stop, [&](int i) {
       Solution& zero = *zeros[static_cast<std::size_t>(i)].second;
-      const auto x = nearest_zero(problem_, formulation_, zero.x, *optimizer_, solve_);
+      const auto x = nearest_zero(problem_, formulation_, zero.x, options_.stop);
       if (!x) return;
       Solution nearest = judge(problem_, formulation_, formulation_.normalised(*x));
       if (!(nearest.violation <= kFeasibilityTolerance && is_zero(nearest))) return;
@@ -492,6 +490,7 @@ class Search {
       nearest.reached = zero.reached;
       zero = nearest;
     });
+    out_.stopped = out_.stopped || done < moved || options_.stop.reached();
     solutions_.clear();
     for (const Solution& solution : before)
       keep_distinct(formulation_, solution, solutions_, options_.same_configuration);

@@ -51,8 +51,9 @@ struct ObjectiveValue {
   std::optional<ResidualSummary> residual;  ///< where the problem states a residual velocity
 };
 
-/// The configuration with the lowest nominal value; among equal ones (exact zeros) the one with the
-/// smallest worst case.
+/// The configuration with the lowest nominal value; among equal ones (zeros) the one with the
+/// smallest worst case, among these the nearest to the start posture. Values are equal to 1e-8 of
+/// the objective's typical size.
 struct NominalOptimum {
   Configuration configuration;
   double nominal = 0;

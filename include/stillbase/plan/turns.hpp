@@ -33,13 +33,16 @@ double central_angle(const Joint& joint, double angle);
 std::vector<JointTurns> whole_turns(const CaptureProblem& problem,
                                     const Configuration& configuration, std::optional<int> rolled);
 
-/// Whether a is nearer to the start posture than b, see least_way_from_start(); as near, but with
-/// smaller angles.
+/// Whether the joints of a are nearer to the start posture as they are, without whole turns more or
+/// less: by the root of the sum of squares; as near, but with smaller angles.
 bool is_nearer_to_start(const CaptureProblem& problem, const Configuration& a,
                         const Configuration& b);
 
-/// How far the joints have to turn from the start posture, the root of their ways' squares, rad
-/// (m): endless ones the shorter way, those with whole turns to the nearest of these.
+/// What the joints turn from the start posture, rad (m): endless ones the shorter way, those with
+/// whole turns to the nearest of these within their limits (n).
+JointVectord way_from_start(const CaptureProblem& problem, const Configuration& configuration);
+
+/// The norm of that.
 double least_way_from_start(const CaptureProblem& problem, const Configuration& configuration);
 
 /// The other configurations that are whole turns away, the nearest to the start posture first.
