@@ -33,15 +33,11 @@ IndependentZeros independent_zeros(const Formulation& formulation, const Eigen::
   evaluate_equations(formulation, zero, false, residual, equations);
   formulation.objective_vector(zero, y, J_y);
   std::vector<Eigen::VectorXd> basis;  // orthonormal
-  const auto beside = [&](const Eigen::VectorXd& row) {
+  const auto adds = [&](const Eigen::VectorXd& row) {
     Eigen::VectorXd rest = row;
     for (int twice = 0; twice < 2; ++twice) {
       for (const Eigen::VectorXd& other : basis) rest -= other.dot(rest) * other;
     }
-    return rest;
-  };
-  const auto adds = [&](const Eigen::VectorXd& row) {
-    const Eigen::VectorXd rest = beside(row);
     if (!(rest.norm() > dependent * std::max(1.0, row.norm()))) return false;
     basis.push_back(rest.normalized());
     return true;
@@ -162,8 +158,10 @@ class DistanceAmongZeros final : public nlp::Problem {
   Eigen::VectorXd start_, weights_;  ///< x_s, diagonal of W
 };
 
-/// The least singular value of the slopes of equations and y, of those that zeros have in general.
+/// The least singular value of the slopes of equations and y, of the `rank` that are not zero in
+/// general.
 double least_slope(const Formulation& formulation, const Eigen::VectorXd& x, Eigen::Index rank) {
+  if (rank == 0) return 0;
   Eigen::VectorXd residual;
   Eigen::MatrixXd J;
   evaluate_equations(formulation, x, true, residual, J);

@@ -95,6 +95,18 @@ TEST_CASE("moved zeros keep off the limits that stand between them and the start
   CHECK(moved >= 5);
 }
 
+TEST_CASE("where the objective is zero everywhere the start posture is the nearest zero") {
+  CaptureProblem problem = test::without_path("planar_three_link_null");
+  problem.robot.joints.front().p.setZero();
+  problem.hand.constraint = HandConstraint::None;
+  const Formulation formulation(problem);
+  const Eigen::VectorXd zero =
+      formulation.start_point(Eigen::VectorXd::Constant(formulation.num_variables(), 0.4));
+  const auto x = nearest_zero(problem, formulation, zero, {});
+  REQUIRE(x);
+  CHECK(way(problem, formulation, *x) < 1e-12);
+}
+
 TEST_CASE("a zero that is alone is left as it is") {
   const CaptureProblem problem = test::without_path("planar_two_link_c2_a");
   const Formulation formulation(problem);

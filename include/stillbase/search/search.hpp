@@ -117,8 +117,8 @@ struct SearchOptions {
   double equal_nominal = 1e-8;   ///< of the objective's typical size: zeros differ by rounding
   int prediction_rounds = 3;     ///< nominal solves from minima of the measure that are better
   double better_prediction = 1e-7;  ///< of the objective's typical size
-  int moved_zeros = 6;  ///< nearest to the start posture, that are moved nearer along the surface of
-                        ///< zeros; one costs about as much as two local solves
+  int moved_zeros = 6;  ///< nearest to the start posture, that are moved nearer along the surface
+                        ///< of zeros; one costs about as much as two local solves
   double same_configuration = 1e-5;  ///< distance of solutions that are one
   ScreeningOptions screening;
   MeasureSearchOptions minima;
