@@ -100,9 +100,10 @@ class DistanceAmongZeros final : public nlp::Problem {
   }
 
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    auto& [inner, y, J_y] = out.workspace_as<Workspace>();
-    formulation_.evaluate(x, inner);
-    formulation_.objective_vector(x, y, J_y);
+    auto& here = out.workspace_as<Workspace>();
+    const nlp::Evaluation& inner = here.inner;
+    formulation_.evaluate(x, here.inner);
+    formulation_.objective_vector(x, here.y, here.J_y);
     const Eigen::VectorXd away = x - start_;
     out.gradient = weights_.cwiseProduct(away);
     out.objective = away.dot(out.gradient) / 2;
@@ -118,8 +119,8 @@ class DistanceAmongZeros final : public nlp::Problem {
     out.jacobian.resize(m + more, x.size());
     out.constraints.head(m) = inner.constraints;
     out.jacobian.topRows(m) = inner.jacobian;
-    out.constraints.tail(more) = zeros_.M * y(zeros_.rows);
-    out.jacobian.bottomRows(more) = zeros_.M * J_y(zeros_.rows, Eigen::all);
+    out.constraints.tail(more) = zeros_.M * here.y(zeros_.rows);
+    out.jacobian.bottomRows(more) = zeros_.M * here.J_y(zeros_.rows, Eigen::all);
   }
 
  private:
