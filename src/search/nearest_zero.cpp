@@ -7,6 +7,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/parallel.hpp>
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/nlp/optimizer.hpp>
@@ -175,8 +176,8 @@ double value_at(const nlp::Problem& problem, const Eigen::VectorXd& x) {
   return here.objective;
 }
 
-}  // namespace
-
+/// How far the joints are from the start posture, as least_way_from_start(), but for those that
+/// zeros do not depend on.
 double way_among_zeros(const CaptureProblem& problem, const Formulation& formulation,
                        const Eigen::VectorXd& zero) {
   constexpr double kNothing = 1e-9;  // slopes over typical sizes
@@ -190,6 +191,8 @@ double way_among_zeros(const CaptureProblem& problem, const Formulation& formula
   }
   return way.norm();
 }
+
+}  // namespace
 
 std::optional<Eigen::VectorXd> nearest_zero(const CaptureProblem& problem,
                                             const Formulation& formulation,
@@ -229,6 +232,36 @@ std::optional<Eigen::VectorXd> nearest_zero(const CaptureProblem& problem,
       least_slope(formulation, x, rank) >= options.singular * least_slope(formulation, zero, rank);
   const bool is_minimum = residual(x) <= options.stationary;
   return is_regular && is_minimum ? std::optional(x) : std::nullopt;
+}
+
+bool move_zeros_nearer(const CaptureProblem& problem, const Formulation& formulation, int most,
+                       double zero, const std::function<bool(const Configuration&)>& is_free,
+                       const StopCondition& stop, int jobs, std::vector<Solution>& solutions) {
+  const auto is_zero = [&](const Solution& solution) {
+    return std::sqrt(2 * solution.objective) <= zero;
+  };
+  const auto is_blocked = [&](const Eigen::VectorXd& x) {
+    return is_free && !is_free(formulation.configuration(x));
+  };
+  std::vector<std::pair<double, Solution*>> zeros;
+  for (Solution& solution : solutions) {
+    if (solution.family >= 0 || !is_zero(solution)) continue;
+    zeros.emplace_back(way_among_zeros(problem, formulation, solution.x), &solution);
+  }
+  std::stable_sort(zeros.begin(), zeros.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const int count = std::min(static_cast<int>(zeros.size()), most);
+  const int done = for_each_index(jobs, count, stop, [&](int i) {
+    Solution& from = *zeros[static_cast<std::size_t>(i)].second;
+    const auto x = nearest_zero(problem, formulation, from.x, stop);
+    if (!x) return;
+    Solution nearest = judge(problem, formulation, formulation.normalised(*x));
+    if (!(nearest.violation <= kFeasibilityTolerance && is_zero(nearest))) return;
+    if (is_blocked(nearest.x) && !is_blocked(from.x)) return;
+    nearest.reached = from.reached;
+    from = nearest;
+  });
+  return done == count && !stop.reached();
 }
 
 }  // namespace stillbase

@@ -11,16 +11,20 @@
 // reach of a path, by rounding alone.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/formulation/formulation.hpp>
 
+#include "search/solution.hpp"
+
 namespace stillbase {
 
 struct NearestZeroOptions {
-  // W of joints is one. The others settle what the joints leave open, from the stated attitude and
-  // the middle of the time window.
+  // W of joints is one. The others decide where the joints leave a choice: from the stated attitude
+  // and the middle of the time window.
   double attitude_weight = 1e-3;
   double time_weight = 1e-2;      ///< over the square of half the window
   double push = 10;               ///< p: slope at the limit; that of the way is its length, rad
@@ -37,12 +41,6 @@ struct NearestZeroOptions {
                            ///< holds a minimum in its place
 };
 
-/// How far the joints are from the start posture, as least_way_from_start(), but for those that
-/// zeros do not depend on.
-/// @param zero on the constraints (N)
-double way_among_zeros(const CaptureProblem& problem, const Formulation& formulation,
-                       const Eigen::VectorXd& zero);
-
 /// A local minimum, to its last digits. Empty where the zero is alone or on a curve (continua.hpp),
 /// and where the solves end at no minimum, or where slopes of y become dependent.
 /// @param zero of the nominal objective, on the constraints (N)
@@ -51,5 +49,15 @@ double way_among_zeros(const CaptureProblem& problem, const Formulation& formula
                                                           const Eigen::VectorXd& zero,
                                                           const StopCondition& stop,
                                                           const NearestZeroOptions& options = {});
+
+/// Moves the zeros that are nearest to the start posture nearer, unless they touch something there
+/// and not here. The way of joints that zeros do not depend on does not count.
+/// @param most at most so many of them
+/// @param zero the largest |y| of a zero, typical sizes
+/// @param is_free whether a configuration touches nothing; may be empty
+/// @return false: the stop came first
+bool move_zeros_nearer(const CaptureProblem& problem, const Formulation& formulation, int most,
+                       double zero, const std::function<bool(const Configuration&)>& is_free,
+                       const StopCondition& stop, int jobs, std::vector<Solution>& solutions);
 
 }  // namespace stillbase

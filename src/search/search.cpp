@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
-#include <utility>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/parallel.hpp>
@@ -61,7 +60,7 @@ std::optional<NominalOptimum> nominal_optimum(const CaptureProblem& problem,
     best.push_back(candidate);
     solution_of.push_back(&solution);
   }
-  if (best.empty()) return NominalOptimum{};
+  if (best.empty()) return std::nullopt;
   const std::size_t first =
       candidate_order(problem, best, equal * formulation.objective_unit(), RiskMeasure::Nominal)
           .front();
@@ -119,7 +118,7 @@ class Search {
     if (feasible) {
       if (!isolated_) {
         refine(solutions_, [this](const Solution& one) { return refined_nominal(one); });
-        if (may_move_zeros()) move_zeros_nearer();
+        if (may_move_zeros()) move_zeros();
       }
       state_nominal_optimum();
       if (!measure_.is_nominal() && !isolated_) find_minima_of_measure();
@@ -467,38 +466,18 @@ class Search {
            problem_.uncertainty.cone_half_angle == 0 && !has_residual(problem_);
   }
 
-  /// Some zeros of those that fill a surface are moved along it to where it is nearest to the start
-  /// posture, unless they touch something there and not here.
-  void move_zeros_nearer() {
+  void move_zeros() {
     const PhaseClock::Phase phase(options_.clock, "search.refinement");
-    std::vector<Solution> before = std::move(solutions_);
-    std::vector<std::pair<double, Solution*>> zeros;
-    for (Solution& solution : before) {
-      if (solution.family >= 0 || !is_zero(solution)) continue;
-      zeros.emplace_back(way_among_zeros(problem_, formulation_, solution.x), &solution);
-    }
-    std::stable_sort(zeros.begin(), zeros.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    const int moved = std::min(static_cast<int>(zeros.size()), options_.moved_zeros);
-    const int done = for_each_index(jobs_, moved, options_.stop, [&](int i) {
-      Solution& zero = *zeros[static_cast<std::size_t>(i)].second;
-      const auto x = nearest_zero(problem_, formulation_, zero.x, options_.stop);
-      if (!x) return;
-      Solution nearest = judge(problem_, formulation_, formulation_.normalised(*x));
-      if (!(nearest.violation <= kFeasibilityTolerance && is_zero(nearest))) return;
-      if (is_blocked(nearest.x) && !is_blocked(zero.x)) return;
-      nearest.reached = zero.reached;
-      zero = nearest;
-    });
-    out_.stopped = out_.stopped || done < moved || options_.stop.reached();
+    const bool is_complete =
+        move_zeros_nearer(problem_, formulation_, options_.moved_zeros, options_.continua.zero,
+                          options_.is_free, options_.stop, jobs_, solutions_);
+    out_.stopped = out_.stopped || !is_complete;
+    std::vector<Solution> moved = std::move(solutions_);
     solutions_.clear();
-    for (const Solution& solution : before)
+    for (const Solution& solution : moved)
       keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
   }
   bool is_zero(const Solution& solution) const { return size(solution) <= options_.continua.zero; }
-  bool is_blocked(const Eigen::VectorXd& x) const {
-    return options_.is_free && !options_.is_free(formulation_.configuration(x));
-  }
 
   /// Of the nominal value.
   Solution refined_nominal(const Solution& from) const {

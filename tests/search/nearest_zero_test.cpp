@@ -95,6 +95,36 @@ TEST_CASE("moved zeros keep off the limits that stand between them and the start
   CHECK(moved >= 5);
 }
 
+TEST_CASE(
+    "a zero that would touch something where it is nearest stays, and all keep their starts") {
+  const CaptureProblem problem = test::without_path("matched_light");
+  const Formulation formulation(problem);
+  std::vector<Solution> before;
+  for (const Eigen::VectorXd& zero : zeros_of(formulation, 48)) {
+    before.push_back(judge(problem, formulation, zero));
+    before.back().reached = static_cast<int>(before.size());
+  }
+  const auto moved = [&](int most, const std::function<bool(const Configuration&)>& is_free) {
+    std::vector<Solution> after = before;
+    CHECK(move_zeros_nearer(problem, formulation, most, 1e-9, is_free, {}, 1, after));
+    int count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      CHECK(after[i].reached == before[i].reached);
+      if (after[i].x != before[i].x) ++count;
+    }
+    return count;
+  };
+  CHECK(moved(100, {}) >= 5);
+  CHECK(moved(2, {}) <= 2);
+  const auto is_where_it_was = [&](const Configuration& at) {
+    return std::any_of(before.begin(), before.end(), [&](const Solution& one) {
+      return formulation.configuration(one.x).phi == at.phi;
+    });
+  };
+  CHECK(moved(100, is_where_it_was) == 0);
+  CHECK(moved(100, [](const Configuration&) { return false; }) >= 5);
+}
+
 TEST_CASE("where the objective is zero everywhere the start posture is the nearest zero") {
   CaptureProblem problem = test::without_path("planar_three_link_null");
   problem.robot.joints.front().p.setZero();

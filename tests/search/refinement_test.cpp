@@ -59,7 +59,7 @@ TEST_CASE("zeros that a last digit of the target's motion leads elsewhere are th
     const SearchResult a = searched(problem, 1, starts), b = searched(other, 1, starts);
     int common = 0;
     for (const Candidate& candidate : a.candidates) {
-      if (nearest(b, candidate) <= 1e-12) ++common;
+      if (nearest(b, candidate) <= 1e-13) ++common;
     }
     CAPTURE(a.candidates.size());
     CHECK(common >= least);
