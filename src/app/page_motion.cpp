@@ -204,17 +204,19 @@ Json approach_json(const Plan& plan) {
 namespace {
 
 /// The target right after the impulse on the hand, whose opposite it takes.
-TargetState target_after(const ContactCase& contact) {
+/// @param Fbar impulse [f; t] on the hand, in B
+TargetState target_after(const ContactCase& contact, const Vector6d& Fbar) {
   const TargetAtContact& target = *contact.target;
   const TargetPlantState& before = target.state;
-  const Vector3d J = -contact.impulse * contact.normal_N;
+  const Eigen::Quaterniond& R_NB = contact.before.base.orientation;
+  const Vector3d J = -(R_NB * Fbar.head<3>()), turning = -(R_NB * Fbar.tail<3>());
   const Eigen::Quaterniond& R = before.pose.orientation;
   TargetState after;
   after.pose = before.pose;
   after.linear_velocity = before.velocity + J / target.body.mass;
   const Vector3d hand =
       contact.before.base * compute_kinematics<double>(contact.robot, contact.before.phi).r_bh;
-  const Vector3d moment = R.conjugate() * (hand - before.pose.position).cross(J);
+  const Vector3d moment = R.conjugate() * ((hand - before.pose.position).cross(J) + turning);
   after.angular_velocity =
       R * Vector3d(before.angular_velocity + target.body.inverse_inertia() * moment);
   return after;
@@ -238,7 +240,8 @@ Json after_json(const Plan& plan, const std::string& controller, const StopCondi
     return Pose{kinematics.r_bh, Eigen::Quaterniond(kinematics.R_hand)};
   };
   if (contact.target) {
-    free_motion.emplace(contact.target->body, target_after(contact), trace.back().time + 1);
+    free_motion.emplace(contact.target->body, target_after(contact, plan.impact.Fbar),
+                        trace.back().time + 1);
     const PlantState& before = contact.before;
     hand_target =
         (before.base * hand_pose(compute_kinematics<double>(contact.robot, before.phi))).inverse() *
