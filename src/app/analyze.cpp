@@ -14,6 +14,7 @@
 
 #include "app/command_line.hpp"
 #include "app/words.hpp"
+#include "core/escape.hpp"
 #include "io/fields/results.hpp"
 
 namespace stillbase::app {
@@ -104,7 +105,8 @@ std::string analysis_csv(const Analysis& analysis) {
   for (const char* axis : {"x", "y", "z"}) text += fmt::format(",omega_{}_rad_s", axis);
   for (const char* part : {"jump", "rns", "orthogonal"}) {
     for (const Joint& joint : analysis.robot.joints) {
-      text += fmt::format(",{}_{}_{}", joint.name, part, joint.is_prismatic() ? "m_s" : "rad_s");
+      const char* const unit = joint.is_prismatic() ? "m_s" : "rad_s";
+      text += ',' + csv_field(fmt::format("{}_{}_{}", joint.name, part, unit));
     }
   }
   text += ",elevation_deg\n";

@@ -22,6 +22,7 @@
 #include "app/plan_summary.hpp"
 #include "app/window_words.hpp"
 #include "app/words.hpp"
+#include "core/escape.hpp"
 #include "io/fields/results.hpp"
 
 namespace stillbase::app {
@@ -88,7 +89,7 @@ std::string column(ObjectiveQuantity quantity) {
 std::string front_csv(const CaptureProblem& problem, const TradeOff& front) {
   std::string text = column(front.first) + "," + column(front.second);
   for (const Joint& joint : problem.robot.joints) {
-    text += fmt::format(",{}_{}", joint.name, joint.is_prismatic() ? "m" : "rad");
+    text += ',' + csv_field(joint.name + (joint.is_prismatic() ? "_m" : "_rad"));
   }
   text += ",base_x_m,base_y_m,base_z_m,base_qw,base_qx,base_qy,base_qz,contact_time_s\n";
   for (const TradeOffPoint& point : front.points) {

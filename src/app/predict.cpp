@@ -15,6 +15,7 @@
 #include "app/command_line.hpp"
 #include "app/quantity.hpp"
 #include "app/words.hpp"
+#include "core/escape.hpp"
 #include "io/fields/results.hpp"
 
 namespace stillbase::app {
@@ -157,14 +158,14 @@ std::string prediction_csv(const TargetPrediction& prediction) {
   for (const PredictedInstant& instant : prediction.instants) {
     const TargetState& state = instant.state;
     const Eigen::Quaterniond& q = state.pose.orientation;
-    text += fmt::format("{},{}", state.time, prediction.target);
+    text += fmt::format("{},{}", state.time, csv_field(prediction.target));
     add_cells(text, state.pose.position);
     add_cells(text, state.linear_velocity);
     add_cells(text, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()));
     add_cells(text, state.angular_velocity);
     text += no_feature + '\n';
     for (const PredictedFeature& feature : instant.features) {
-      text += fmt::format("{},{}", state.time, feature.name);
+      text += fmt::format("{},{}", state.time, csv_field(feature.name));
       add_cells(text, feature.point);
       add_cells(text, feature.velocity);
       text += ",,,,,,,";

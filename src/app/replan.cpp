@@ -16,6 +16,7 @@
 #include "app/command_line.hpp"
 #include "app/quantity.hpp"
 #include "app/words.hpp"
+#include "core/escape.hpp"
 #include "io/fields/replan.hpp"
 
 namespace stillbase::app {
@@ -186,7 +187,7 @@ std::string record_csv(const ReplanRecord& record) {
       "time_s,status,cut,old_value,old_max_violation,corrected_value,value,nominal,worst_case,"
       "max_violation,kkt_residual,tightest,tightest_margin,contact_time_s";
   for (const Joint& joint : record.robot.joints) {
-    text += fmt::format(",{}_{}", joint.name, joint.is_prismatic() ? "m" : "rad");
+    text += ',' + csv_field(joint.name + (joint.is_prismatic() ? "_m" : "_rad"));
   }
   text +=
       ",base_x_m,base_y_m,base_z_m,base_qw,base_qx,base_qy,base_qz,contact_point_sd_m,"
@@ -203,8 +204,9 @@ std::string record_csv(const ReplanRecord& record) {
           result.nominal, result.worst_case, result.max_violation, result.kkt_residual}) {
       text += cell(x);
     }
-    text +=
-        tightest == nullptr ? ",," : fmt::format(",{},{}", tightest->name, margin_of(*tightest));
+    text += tightest == nullptr
+                ? ",,"
+                : fmt::format(",{},{}", csv_field(tightest->name), margin_of(*tightest));
     text += cell(at.contact_time);
     for (const double phi : at.phi) text += cell(phi);
     const Eigen::Quaterniond& q = at.base.orientation;
@@ -217,8 +219,7 @@ std::string record_csv(const ReplanRecord& record) {
     text += cell(contact.point) + cell(contact.half_angle) + cell(contact.closing_speed) +
             cell(result.cone_half_angle);
     const bool is_last = &update == &record.updates.back();  // that alone is simulated
-    text +=
-        is_last && !record.after_impact.empty() ? fmt::format(",\"{}\"", record.after_impact) : ",";
+    text += is_last ? ',' + csv_field(record.after_impact) : ",";
     text += fmt::format(",{}", result.steps);
     if (record.with_seconds) text += cell(result.seconds);
     text += '\n';

@@ -11,6 +11,7 @@
 
 #include "app/tool.hpp"
 #include "app/words.hpp"
+#include "core/escape.hpp"
 
 namespace stillbase::app {
 
@@ -142,7 +143,9 @@ std::string window_csv(const CaptureProblem& problem) {
   const WindowSurvey survey = survey_to_draw(problem);
   std::string text = "time_s";
   for (const FeatureWindows& feature : survey.features) {
-    text += fmt::format(",{0}_closing_m_s,{0}_facing_deg,{0}_distance_m", feature.feature);
+    for (const char* const column : {"_closing_m_s", "_facing_deg", "_distance_m"}) {
+      text += ',' + csv_field(feature.feature + column);
+    }
   }
   text += '\n';
   for (std::size_t i = 0; i < survey.features.front().views.size(); ++i) {

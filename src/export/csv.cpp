@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/escape.hpp"
 #include "export/columns.hpp"
 
 namespace stillbase {
@@ -20,14 +21,6 @@ std::string unit_suffix(const std::string& unit) {
     }
   }
   return text;
-}
-
-/// A field of RFC 4180.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

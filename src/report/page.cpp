@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/escape.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -63,15 +65,7 @@ std::string table_to_csv(const TextTable& table) {
   const auto line = [](const std::vector<std::string>& cells) {
     std::string out;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (i > 0) out += ",";
-      const bool quoted = cells[i].find_first_of(",\"\r\n") != std::string::npos;
-      if (!quoted) {
-        out += cells[i];
-        continue;
-      }
-      out += '"';
-      for (const char c : cells[i]) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-      out += '"';
+      out += (i > 0 ? "," : "") + csv_field(cells[i]);
     }
     return out + "\n";
   };

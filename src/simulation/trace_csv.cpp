@@ -2,6 +2,8 @@
 
 #include <stillbase/simulation/simulate.hpp>
 
+#include "core/escape.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -73,23 +75,12 @@ std::vector<std::string> column_names(const Quantity& quantity, const RobotModel
   return names;
 }
 
-/// A CSV field: quoted when the joint's name makes it necessary.
-std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string text = "\"";
-  for (const char c : name) {
-    if (c == '"') text += '"';
-    text += c;
-  }
-  return text + '"';
-}
-
 }  // namespace
 
 std::string trace_csv(const RobotModel& robot, const std::vector<TraceSample>& trace) {
   std::string text;
   for (const Quantity& quantity : kQuantities) {
-    for (const std::string& name : column_names(quantity, robot)) text += quoted(name) + ',';
+    for (const std::string& name : column_names(quantity, robot)) text += csv_field(name) + ',';
   }
   text.back() = '\n';
   for (const TraceSample& sample : trace) {
