@@ -20,8 +20,8 @@ class CaseProgram final : public nlp::Problem {
   explicit CaseProgram(const Formulation& formulation) : formulation_(formulation) {
     const auto& rows = formulation.parts().rows.kept;
     for (int i = 0; i < formulation.num_constraints(); ++i) {
-      const bool of_case = rows[static_cast<std::size_t>(i)]->name.rfind("case_", 0) == 0;
-      (of_case ? equations_ : others_).push_back(i);
+      const bool is_of_case = rows[static_cast<std::size_t>(i)]->is_of_case;
+      (is_of_case ? equations_ : others_).push_back(i);
     }
   }
 
@@ -36,34 +36,36 @@ class CaseProgram final : public nlp::Problem {
     return formulation_.constraint_upper()(others_);
   }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    formulation_.evaluate(x, here_);
-    const Eigen::VectorXd r = here_.constraints(equations_);
+    nlp::Evaluation here;
+    formulation_.evaluate(x, here);
+    const Eigen::VectorXd r = here.constraints(equations_);
     out.objective = r.squaredNorm() / 2;
-    out.gradient = here_.jacobian(equations_, Eigen::all).transpose() * r;
-    out.constraints = here_.constraints(others_);
-    out.jacobian = here_.jacobian(others_, Eigen::all);
+    out.gradient = here.jacobian(equations_, Eigen::all).transpose() * r;
+    out.constraints = here.constraints(others_);
+    out.jacobian = here.jacobian(others_, Eigen::all);
   }
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    formulation_.evaluate_value(x, here_);
-    out.objective = Eigen::VectorXd(here_.constraints(equations_)).squaredNorm() / 2;
-    out.constraints = here_.constraints(others_);
+    nlp::Evaluation here;
+    formulation_.evaluate_value(x, here);
+    out.objective = Eigen::VectorXd(here.constraints(equations_)).squaredNorm() / 2;
+    out.constraints = here.constraints(others_);
   }
   bool has_hessian() const override { return true; }
   void lagrangian_hessian(const Eigen::VectorXd& x, double sigma,
                           const Eigen::VectorXd& multipliers, Eigen::MatrixXd& out) const override {
-    formulation_.evaluate(x, here_);
+    nlp::Evaluation here;
+    formulation_.evaluate(x, here);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(formulation_.num_constraints());
-    all(equations_) = sigma * here_.constraints(equations_);
+    all(equations_) = sigma * here.constraints(equations_);
     all(others_) = multipliers;
     formulation_.lagrangian_hessian(x, 0, all, out);
-    const Eigen::MatrixXd J = here_.jacobian(equations_, Eigen::all);
+    const Eigen::MatrixXd J = here.jacobian(equations_, Eigen::all);
     out += sigma * J.transpose() * J;
   }
 
  private:
   const Formulation& formulation_;
   std::vector<int> equations_, others_;
-  mutable nlp::Evaluation here_;
 };
 
 /// The nominal direction, four on a ring at half the angle and eight on the rim; planar: nine

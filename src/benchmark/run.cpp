@@ -14,11 +14,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// The point of the last improvement; x is empty before the first.
+struct BestPoint {
+  Judged judged;
+  Eigen::VectorXd x;
+};
+
 /// Counts what passes through and keeps every point better than all before it.
 class RecordingProgram final : public ForwardingProgram {
  public:
-  RecordingProgram(const BenchmarkProgram& program, RunRecord& record)
-      : program_(program), record_(record) {}
+  RecordingProgram(const BenchmarkProgram& program, RunRecord& record, BestPoint& best)
+      : program_(program), record_(record), best_(best) {}
 
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     program_.evaluate(x, out);
@@ -35,9 +41,6 @@ class RecordingProgram final : public ForwardingProgram {
     program_.lagrangian_hessian(x, sigma, multipliers, out);
   }
 
-  /// The point of the last improvement; empty before the first.
-  const Eigen::VectorXd& best_x() const { return best_x_; }
-
  protected:
   const nlp::Problem& inner() const override { return program_; }
 
@@ -46,13 +49,12 @@ class RecordingProgram final : public ForwardingProgram {
     ++record_.evaluations;
     const Judged here = program_.judge(x, at_x);
     const bool feasible = here.violation <= kBenchmarkViolation;
-    const bool was_feasible = best_.violation <= kBenchmarkViolation;
+    const bool was_feasible = best_.judged.violation <= kBenchmarkViolation;
     const bool better = feasible != was_feasible ? feasible
-                        : feasible               ? here.value < best_.value
-                                                 : here.violation < best_.violation;
+                        : feasible               ? here.value < best_.judged.value
+                                                 : here.violation < best_.judged.violation;
     if (!better) return;
-    best_ = here;
-    best_x_ = x;
+    best_ = {here, x};
     record_.improvements.push_back({record_.evaluations, record_.gradients, here.value,
                                     here.violation,
                                     std::chrono::duration<double>(Clock::now() - begin_).count()});
@@ -60,8 +62,7 @@ class RecordingProgram final : public ForwardingProgram {
 
   const BenchmarkProgram& program_;
   RunRecord& record_;
-  mutable Judged best_;
-  mutable Eigen::VectorXd best_x_;
+  BestPoint& best_;
   Clock::time_point begin_ = Clock::now();
 };
 
@@ -139,7 +140,8 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
   const BenchmarkProgram program(instance);
   RunRecord record = empty_record(instance, request);
 
-  const RecordingProgram recorded(program, record);
+  BestPoint best;
+  const RecordingProgram recorded(program, record, best);
   std::vector<Eigen::VectorXd> solutions;
   for (int start = 0; record.evaluations < request.budget && !stop.reached(); ++start) {
     const long before_start = program.model_evaluations();
@@ -171,8 +173,8 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
     if (result.stop == nlp::StopReason::Refused || record.evaluations == before) break;
   }
   record.distinct_solutions = static_cast<long>(solutions.size());
-  if (recorded.best_x().size() > 0) {
-    const Eigen::VectorXd& x = recorded.best_x();
+  if (best.x.size() > 0) {
+    const Eigen::VectorXd& x = best.x;
     nlp::Evaluation at_x;
     program.evaluate(x, at_x);
     const double residual = nlp::certify(program, x, at_x).kkt_residual;
