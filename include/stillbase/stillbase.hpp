@@ -19,7 +19,8 @@
 //     make_plan(problem)                            search, approach path, certificate
 //     simulate_post_impact(problem, configuration, impact, controller)   the time afterwards
 //     Replanner(plan).replan(estimate)              posture and time for a new estimate
-//     verify_plan(plan)                             every statement of a plan, by other code
+//     verify_plan(plan)                             does it work, by other code
+//     judge_plan(plan)                              the same, and is its search record right
 //
 // Shapes and frames: phi is n joint positions (rad, m for prismatic joints); six-vectors have the
 // linear part first; Fbar is [force; moment] on the hand in B (N s, N m s); B has its origin at the
@@ -34,6 +35,7 @@
 // enable_proofs() of <stillbase/proof/proof.hpp> first. examples/ has six programs that begin here.
 #pragma once
 
+#include <stillbase/audit/audit.hpp>                   // judge_plan
 #include <stillbase/core/error.hpp>                    // InputError, FileError
 #include <stillbase/dynamics/inertia.hpp>              // compute_inertia
 #include <stillbase/dynamics/jacobian.hpp>             // compute_hand_jacobian

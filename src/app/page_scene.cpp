@@ -89,18 +89,12 @@ Json target_pose_json(const CaptureProblem& problem, const Configuration& config
   return state ? pose_json(state->pose) : Json();
 }
 
-/// The problem with the contact feature of a configuration.
-CaptureProblem with_feature(CaptureProblem problem, const Configuration& configuration) {
-  if (!configuration.feature.empty()) problem.variables.feature = configuration.feature;
-  return problem;
-}
-
 /// The most angular momentum that goes into the base, over the deviation of the impulse from its
 /// nominal direction, in one configuration.
 Json spread_json(const CaptureProblem& stated, const Configuration& at,
                  const std::vector<double>& deviations) {
   constexpr int kAzimuths = 24;
-  CaptureProblem problem = with_feature(stated, at);
+  CaptureProblem problem = at_feature(stated, at.feature);
   const EncounterModel model = encounter_model(problem);
   const auto contact =
       contact_kinematics<double>(model, at.base.orientation.toRotationMatrix(), at.contact_time);
@@ -212,7 +206,7 @@ Json problem_scene(const CaptureProblem& problem) {
 
 Json plan_scene(const Plan& plan, const StopCondition& stop) {
   Plan chosen = plan;
-  chosen.problem = with_feature(plan.problem, plan.configuration);
+  chosen.problem = at_feature(plan.problem, plan.configuration.feature);
   Json out = setting_json(chosen.problem);
   if (plan.candidates.empty()) return out;
   const Configuration& contact = plan.configuration;
@@ -224,7 +218,7 @@ Json plan_scene(const Plan& plan, const StopCondition& stop) {
   out["contact_ellipsoid"] = contact_ellipsoid_json(chosen.problem, contact.contact_time);
   Json candidates = Json::array();
   for (const Candidate& candidate : plan.candidates) {
-    candidates.push_back(target_pose_json(with_feature(plan.problem, candidate.configuration),
+    candidates.push_back(target_pose_json(at_feature(plan.problem, candidate.configuration.feature),
                                           candidate.configuration));
   }
   out["candidate_targets"] = candidates;

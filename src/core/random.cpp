@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase {
 
 namespace {
@@ -51,9 +53,8 @@ double Random::uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53;
 double Random::uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
 
 double Random::normal() {
-  constexpr double kTwoPi = 6.28318530717958647692;
   const double radius = std::sqrt(-2 * std::log(1 - uniform()));  // 1 - u is in (0, 1]
-  return radius * std::cos(kTwoPi * uniform());
+  return radius * std::cos(2 * kPi * uniform());
 }
 
 Vector3d Random::unit_vector() {

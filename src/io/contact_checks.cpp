@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/plan/scenario.hpp>
+
 #include "io/problem_reader.hpp"
 
 namespace stillbase::io {
@@ -69,10 +71,7 @@ void check_rigid_contact(MapReader& map, const CaptureProblem& problem) {
                "is uncertain");
   }
   if (!is_latch) return;
-  const bool turns =
-      std::any_of(problem.objective.begin(), problem.objective.end(),
-                  [](const ObjectiveTerm& t) { return row_of(t.quantity).is_simulated(); });
-  if (turns) {
+  if (simulates_turn(problem)) {
     refuse("objective", "not-supported",
            "attitude_turned: is simulated with the robot alone; after a latch it holds the target");
   }

@@ -97,12 +97,6 @@ inline constexpr auto kContactModelNames = names<ContactModel>(
 inline constexpr auto kContactLawNames = names<ContactLaw>({{"normal", ContactLaw::Frictionless},
                                                             {"sticking", ContactLaw::Sticking},
                                                             {"latch", ContactLaw::Latch}});
-/// Without `Stated`, which is a map.
-inline constexpr auto kHandVelocityNames =
-    names<HandVelocity>({{"rest", HandVelocity::Rest},
-                         {"match_normal", HandVelocity::MatchNormal},
-                         {"match_linear", HandVelocity::MatchLinear},
-                         {"match_all", HandVelocity::MatchAll}});
 inline constexpr auto kArrivalRatesNames =
     names<ArrivalRates>({{"least_joint_rate", ArrivalRates::LeastJointRate},
                          {"least_base_rate", ArrivalRates::LeastBaseRate}});

@@ -13,6 +13,7 @@
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/plan/feature.hpp>
 #include <stillbase/plan/free_roll.hpp>
+#include <stillbase/plan/scenario.hpp>
 #include <stillbase/plan/turns.hpp>
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
@@ -212,11 +213,8 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   plan.objective.terms = objective_terms(at, there, best.configuration);
   plan.objective.is_judged = best.is_judged;
   // Simulated terms over a cone or over samples take too many simulations for a remark.
-  const bool is_simulated =
-      std::any_of(problem.objective.begin(), problem.objective.end(),
-                  [](const ObjectiveTerm& term) { return row_of(term.quantity).needs_time; });
   const bool is_cheap = best.is_judged && !options.stop.reached() &&
-                        (!is_simulated || problem.measure.kind == RiskMeasure::Nominal);
+                        (!simulates_turn(problem) || problem.measure.kind == RiskMeasure::Nominal);
   for (const UserTerm& term : problem.user.terms) plan.objective.user_terms.push_back(term.name);
   if (status_of(plan.certificate) == PlanStatus::Optimal && is_cheap) {
     plan.binding = binding_limits(at, there, there.variables(best.configuration));

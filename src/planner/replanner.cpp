@@ -10,6 +10,7 @@
 
 #include "nlp/dense_qp.hpp"
 #include "planner/replanner_program.hpp"
+#include "search/solution.hpp"
 #include "target/contact_predictor.hpp"
 
 namespace stillbase {
@@ -18,7 +19,6 @@ namespace {
 
 using ReplanClock = StopCondition::Clock;
 
-constexpr double kOptimalResidual = 1e-6;  ///< as the search's own
 constexpr double kReportedConfidence = 0.95;
 constexpr int kWindowInstants = 9;  ///< as direction_cone()
 
@@ -367,7 +367,7 @@ bool Replanner::Impl::take_step(const StopCondition& stop) {
   kkt_residual_ = residual_of(here_);
   if (kkt_residual_ <= options_.optimality_tolerance) return false;
   if (!step_along(stop)) {
-    return !result_.was_cut && kkt_residual_ > kOptimalResidual && forget_hessian();
+    return !result_.was_cut && kkt_residual_ > kOptimal && forget_hessian();
   }
   update_hessian();
   std::swap(here_, trial_);
@@ -448,8 +448,8 @@ void Replanner::Impl::finish(bool is_feasible) {
   const bool is_number = std::isfinite(here_.measure);
   result_.status = !is_feasible || !is_number || !(result_.max_violation <= kFeasibilityTolerance)
                        ? ReplanStatus::Infeasible
-                   : kkt_residual_ <= kOptimalResidual ? ReplanStatus::Optimal
-                                                       : ReplanStatus::Feasible;
+                   : kkt_residual_ <= kOptimal ? ReplanStatus::Optimal
+                                               : ReplanStatus::Feasible;
   if (result_.status == ReplanStatus::Infeasible) return;
   old_ = here_.x;
   held_ = result_;

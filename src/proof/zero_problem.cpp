@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/plan/turns.hpp>
 
@@ -33,7 +34,7 @@ void set_variables(const CaptureProblem& problem, VariableEncounter& out) {
   } else if (attitude != AttitudeFreedom::Fixed) {
     // A cone does not limit the rotation as a whole.
     if (attitude == AttitudeFreedom::Free) {
-      out.parameter_max = std::tan(std::min(largest, M_PI) / 4);
+      out.parameter_max = std::tan(std::min(largest, stillbase::kPi) / 4);
     }
     for (int i = 0; i < 3; ++i) {
       out.variables.push_back({VariableKind::BaseParameter, -out.parameter_max, out.parameter_max,

@@ -15,6 +15,7 @@
 #include <stillbase/search/search.hpp>
 
 #include "formulation/projection.hpp"
+#include "search/solution.hpp"
 
 namespace stillbase {
 
@@ -106,7 +107,7 @@ class FrontSearch {
     solve_.max_evaluations = 1000;
     solve_.stop = options.stop;
     solve_.feasibility_tolerance = kFeasibilityTolerance;
-    solve_.optimality_tolerance = 1e-6;
+    solve_.optimality_tolerance = kOptimal;
   }
 
   void run() {
