@@ -279,7 +279,7 @@ void add_repeated_search(const PlanFile& file, int jobs, Verification& verificat
   options.on_progress = [&](const std::string& what, int done, int total) {
     progress.show("repeated " + what, done, total);
   };
-  const Plan again = make_plan(file.plan.problem, options);
+  const Plan repeated = make_plan(file.plan.problem, options);
   progress.clear();
   if (options.stop.reached()) {
     claim.detail = "not verified: stopped before its end";
@@ -287,7 +287,7 @@ void add_repeated_search(const PlanFile& file, int jobs, Verification& verificat
     return;
   }
   const io::Json stated = io::Json::parse(plan_to_json(file.plan, {}, {}, file.inputs));
-  const io::Json found = io::Json::parse(plan_to_json(again, {}, {}, file.inputs));
+  const io::Json found = io::Json::parse(plan_to_json(repeated, {}, {}, file.inputs));
   std::vector<std::string> different;
   for (const auto& [key, value] : stated.items()) {
     if (key == "tool" || key == "timing" || key == "content_sha256") continue;

@@ -188,13 +188,13 @@ bool is_use(const LimitUses& uses, const std::string& words) {
       if (!numbers) continue;
       char* end = nullptr;
       const double value = std::strtod(numbers->c_str(), &end);
-      const auto rest =
+      const auto ending =
           after_prefix(end, fmt::format(" {} of {:.4g} {}", use.unit, use.most, use.unit));
-      if (!rest) return false;
+      if (!ending) return false;
       // A run that ended at the limit had not seen the largest value.
-      const bool was_ended = rest->rfind(" after ", 0) == 0;
+      const bool was_ended = ending->rfind(" after ", 0) == 0;
       const double same = kDigits * use.value;
-      return (rest->empty() || was_ended) && use.value > (1 - kNearly) * use.most &&
+      return (ending->empty() || was_ended) && use.value > (1 - kNearly) * use.most &&
              value > (1 - kNearly) * use.most && value <= use.value + same &&
              (was_ended || value >= use.value - same);
     }

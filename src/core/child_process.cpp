@@ -201,12 +201,12 @@ class Children {
     constexpr int kMilliseconds = 50;  // also how soon a limit or a stop is seen
     std::vector<pollfd> polled;
     for (const Child& child : running_) polled.push_back({child.fd, POLLIN, 0});
-    const std::vector<bool> was_gone = gone();
+    const std::vector<bool> had_ended = those_ended();
     ::poll(polled.data(), polled.size(), kMilliseconds);
     std::vector<bool> ended(running_.size(), false);
     for (std::size_t i = 0; i < running_.size(); ++i) {
       if (polled[i].revents == 0) {
-        ended[i] = was_gone[i];
+        ended[i] = had_ended[i];
         continue;
       }
       char buffer[65536];
@@ -219,7 +219,7 @@ class Children {
 
  private:
   /// True for the children that have ended.
-  std::vector<bool> gone() const {
+  std::vector<bool> those_ended() const {
     std::vector<bool> list;
     for (const Child& child : running_) {
       siginfo_t info{};

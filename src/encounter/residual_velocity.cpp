@@ -100,9 +100,9 @@ bool shorten(Series& series) {
   const auto last = std::find_if(series.rbegin(), series.rend(), counts);
   const auto size = static_cast<std::size_t>(series.rend() - last);
   // The last third of the coefficients has to be small, not the very last one by chance.
-  const bool is_resolved = 3 * size <= 2 * series.size() + 2;
-  if (is_resolved) series.resize(std::max<std::size_t>(size, 1));
-  return is_resolved;
+  const bool is_converged = 3 * size <= 2 * series.size() + 2;
+  if (is_converged) series.resize(std::max<std::size_t>(size, 1));
+  return is_converged;
 }
 
 /// d/dt: c'_(k-1) = c'_(k+1) + 2 k c_k, over half the window.

@@ -39,7 +39,7 @@ double minimum_along(double force, double mass, const RestingJoint& joint) {
 std::vector<int> starting_directions(const MatrixXd& H, const VectorXd& load,
                                      const std::vector<RestingJoint>& joints) {
   constexpr int kMostSweeps = 100'000;
-  constexpr double kSettled = 1e-15;  // change of a sweep, over the largest acceleration
+  constexpr double kConverged = 1e-15;  // change of a sweep, over the largest acceleration
   const Reduced reduced = without_the_others(H, load, joints);
   const auto m = static_cast<Eigen::Index>(joints.size());
   VectorXd a = VectorXd::Zero(m);
@@ -52,7 +52,7 @@ std::vector<int> starting_directions(const MatrixXd& H, const VectorXd& load,
       change = std::max(change, std::abs(next - a(i)));
       a(i) = next;
     }
-    if (change <= kSettled * a.lpNorm<Eigen::Infinity>()) break;
+    if (change <= kConverged * a.lpNorm<Eigen::Infinity>()) break;
   }
   std::vector<int> out;
   for (const double acceleration : a) out.push_back((acceleration > 0) - (acceleration < 0));

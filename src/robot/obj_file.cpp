@@ -21,9 +21,9 @@ namespace {
 class ObjReader {
  public:
   explicit ObjReader(std::string_view text) {
-    std::string_view rest = text;
-    while (!rest.empty()) {
-      const std::string_view line = take_line(rest);
+    std::string_view unread = text;
+    while (!unread.empty()) {
+      const std::string_view line = take_line(unread);
       try {
         read(line);
       } catch (const std::runtime_error& error) {
@@ -61,17 +61,17 @@ class ObjReader {
  private:
   /// A line and, of a vertex or a face, those that continue it behind a backslash. The backslash of
   /// a path in a comment or a name continues nothing.
-  static std::string_view take_line(std::string_view& rest) {
-    std::size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view words = rest.substr(0, end);
+  static std::string_view take_line(std::string_view& unread) {
+    std::size_t end = std::min(unread.find('\n'), unread.size());
+    std::string_view words = unread.substr(0, end);
     const std::string_view first = word_of(words);
     if (first == "v" || first == "f") {
-      while (end < rest.size() && is_continued(rest.substr(0, end))) {
-        end = std::min(rest.find('\n', end + 1), rest.size());
+      while (end < unread.size() && is_continued(unread.substr(0, end))) {
+        end = std::min(unread.find('\n', end + 1), unread.size());
       }
     }
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view line = unread.substr(0, end);
+    unread.remove_prefix(std::min(end + 1, unread.size()));
     return line;
   }
 

@@ -241,9 +241,9 @@ class FaceReader {
 }  // namespace
 
 Mesh read_ply(std::string_view text) {
-  std::string_view rest = text;
-  const Header header = take_header(rest);
-  Numbers numbers(header, rest);
+  std::string_view unread = text;
+  const Header header = take_header(unread);
+  Numbers numbers(header, unread);
   Mesh mesh;
   FaceReader faces(mesh);
   try {

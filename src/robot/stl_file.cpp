@@ -56,27 +56,27 @@ bool is_word(std::string_view word, std::string_view lower) {
 Mesh read_ascii_stl(std::string_view text) {
   constexpr std::size_t kBytesPerTriangle = 150;  // or more, as programs write them
   JoinedMesh mesh(text.size() / kBytesPerTriangle);
-  std::string_view rest = text;
+  std::string_view unread = text;
   const char* place = text.data();  // of the word that is read
   try {
     std::array<int, 3> triangle{};
     std::size_t corners = 0;
-    for (std::string_view word; !(word = take_word(rest)).empty();) {
+    for (std::string_view word; !(word = take_word(unread)).empty();) {
       place = word.data();
       if (is_word(word, "vertex")) {
         if (corners == 3) throw std::runtime_error("a facet has more than three corners");
         Vector3d vertex;
-        for (double& value : vertex) value = coordinate_in(take_word(rest));
+        for (double& value : vertex) value = coordinate_in(take_word(unread));
         triangle[corners++] = mesh.vertex(vertex);
       } else if (is_word(word, "endloop") || is_word(word, "endfacet")) {
         if (corners == 3) mesh.add(triangle);
         if (corners % 3 != 0) throw std::runtime_error("a facet has fewer than three corners");
         corners = 0;
       } else if (is_word(word, "solid") || is_word(word, "endsolid")) {
-        rest.remove_prefix(std::min(rest.find_first_of("\r\n"), rest.size()));  // its name
+        unread.remove_prefix(std::min(unread.find_first_of("\r\n"), unread.size()));  // its name
       }
     }
-    place = rest.data();
+    place = unread.data();
     if (corners != 0) throw std::runtime_error("the file ends within a facet");
   } catch (const std::runtime_error& error) {
     throw at_line(text, place, error.what());
@@ -94,8 +94,8 @@ Mesh read_stl(std::string_view text) {
     return read_binary_stl(text.substr(kStlHeader + kStlCount));
   }
   const std::string_view words = without_byte_order_mark(text);
-  std::string_view rest = words;
-  if (is_word(take_word(rest), "solid")) return read_ascii_stl(words);
+  std::string_view unread = words;
+  if (is_word(take_word(unread), "solid")) return read_ascii_stl(words);
   if (!has_count) throw std::runtime_error("is no STL file: it is too short");
   throw std::runtime_error(
       fmt::format("is no STL file: it does not begin with 'solid', and its {} bytes are not the {} "

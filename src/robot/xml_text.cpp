@@ -109,12 +109,12 @@ std::size_t end_of(std::string_view text, std::size_t begin, std::string_view en
 std::string without_instructions(std::string_view text) {
   std::string out(text);
   for (std::size_t at = 0; (at = out.find('<', at)) != out.npos;) {
-    const std::string_view rest = std::string_view(out).substr(at);
-    if (rest.starts_with("<!--")) {
+    const std::string_view unread = std::string_view(out).substr(at);
+    if (unread.starts_with("<!--")) {
       at = end_of(out, at, "-->");
-    } else if (rest.starts_with("<![CDATA[")) {
+    } else if (unread.starts_with("<![CDATA[")) {
       at = end_of(out, at, "]]>");
-    } else if (rest.starts_with("<?")) {
+    } else if (unread.starts_with("<?")) {
       const std::size_t end = end_of(out, at, "?>");
       std::replace_if(
           out.begin() + static_cast<long>(at), out.begin() + static_cast<long>(end),

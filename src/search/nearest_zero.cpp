@@ -35,12 +35,12 @@ IndependentZeros independent_zeros(const Formulation& formulation, const Eigen::
   formulation.objective_vector(zero, y, J_y);
   std::vector<Eigen::VectorXd> basis;  // orthonormal
   const auto adds = [&](const Eigen::VectorXd& row) {
-    Eigen::VectorXd rest = row;
+    Eigen::VectorXd across = row;
     for (int twice = 0; twice < 2; ++twice) {
-      for (const Eigen::VectorXd& other : basis) rest -= other.dot(rest) * other;
+      for (const Eigen::VectorXd& other : basis) across -= other.dot(across) * other;
     }
-    if (!(rest.norm() > dependent * std::max(1.0, row.norm()))) return false;
-    basis.push_back(rest.normalized());
+    if (!(across.norm() > dependent * std::max(1.0, row.norm()))) return false;
+    basis.push_back(across.normalized());
     return true;
   };
   for (Eigen::Index i = 0; i < equations.rows(); ++i) adds(equations.row(i).transpose());

@@ -75,9 +75,9 @@ std::vector<Vector6d> maxima_over_ball(const Matrix6d& P, const Vector6d& q) {
 
   if (along == 0) {
     Vector6d z = secular.point(0);
-    const double rest = z.squaredNorm();
-    if (rest <= 1) {  // the hard case
-      z[5] = std::sqrt(1 - rest);
+    const double squared = z.squaredNorm();
+    if (squared <= 1) {  // the hard case
+      z[5] = std::sqrt(1 - squared);
       Vector6d other = z;
       other[5] = -z[5];
       return {back(z), back(other)};
