@@ -377,9 +377,13 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   } else {
     objections.demand(!stated->longest_held, "a limit is held without a controller that holds it");
   }
-  claims.none_wrong(
-      "capture_limits", objections,
-      stated->limits.empty() ? "no limit" : "tightest: " + words(stated->limits.front()));
+  std::string detail =
+      stated->limits.empty() ? "no limit" : "tightest: " + words(stated->limits.front());
+  if (run != nullptr) {
+    detail += fmt::format("; another integration's momenta, loads and times within {} of them",
+                          kSameExtreme);
+  }
+  claims.none_wrong("capture_limits", objections, detail);
 }
 
 /// Demands of the problem that hold or not, whatever the plan says.
