@@ -175,16 +175,11 @@ int run_pareto(const CaptureProblem& problem, const PlanRequest& request) {
   return front.points.empty() ? kInfeasible : kDone;
 }
 
-bool arrives(const Plan& plan) {
-  return plan.approach.status == ApproachStatus::Found ||
-         plan.approach.status == ApproachStatus::NotRequested;
-}
-
 int exit_code_of(const Plan& plan, bool keeps_limits) {
   if (signal_exit_code() != 0) return signal_exit_code();
   if (plan.status == PlanStatus::Limit) return kLimit;
   if (plan.status == PlanStatus::Infeasible) return kInfeasible;
-  if (!arrives(plan)) return kNoApproach;
+  if (!arrives(plan.approach)) return kNoApproach;
   return keeps_limits ? kDone : kInfeasible;
 }
 
@@ -227,14 +222,8 @@ int plan_capture(const PlanRequest& request) {
   Plan plan = make_plan(problem, planner);
   progress.clear();
   // The best that was found may still break what is asked of the time after the impact.
-  std::string broken;
-  if (plan.status != PlanStatus::Infeasible && arrives(plan)) {
-    broken = post_impact_failure(plan.problem, plan.configuration, plan.impact, planner.stop);
-  }
-  // Stopped in the approach or in the simulation after the impact: the configuration is good, the
-  // plan is not complete.
-  const bool is_cut = !arrives(plan) || !broken.empty();
-  if (is_cut && plan.status != PlanStatus::Infeasible && planner.stop.reached()) {
+  std::string broken = post_impact_failure(plan, planner.stop);
+  if (!broken.empty() && planner.stop.reached()) {  // this simulation may have been cut
     plan.status = PlanStatus::Limit;
     broken.clear();
   }
@@ -251,7 +240,7 @@ int plan_capture(const PlanRequest& request) {
     say(fmt::format("the status '{}' is that of the search alone; what may help: {}",
                     to_string(plan.status), after_impact_advice(plan, broken, planner.stop)));
   }
-  const bool is_met = plan.status != PlanStatus::Infeasible && arrives(plan);
+  const bool is_met = plan.status != PlanStatus::Infeasible && arrives(plan.approach);
   if (std::string windows = window_words(plan.problem); !is_met && !windows.empty()) {
     windows.pop_back();
     say(windows);

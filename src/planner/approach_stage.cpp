@@ -11,6 +11,7 @@
 
 #include <stillbase/approach/approach.hpp>
 #include <stillbase/core/parallel.hpp>
+#include <stillbase/planner/post_impact.hpp>
 
 #include "planner/candidates.hpp"
 #include "planner/contact_refinement.hpp"
@@ -20,11 +21,6 @@
 namespace stillbase {
 
 namespace {
-
-bool arrives(const Approach& approach) {
-  return approach.status == ApproachStatus::Found ||
-         approach.status == ApproachStatus::NotRequested;
-}
 
 std::string no_path_words(const Approach& approach) {
   return fmt::format("no approach path: {}{}{}", to_string(approach.status),

@@ -258,6 +258,12 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
     plan.managed_momentum = managed_momentum(at_feature(plan.problem, plan.configuration.feature),
                                              plan.configuration, plan.impact, options.stop);
   }
+  // Stopped in the approach or in the simulation after the impact: the configuration is good, the
+  // plan is not complete.
+  if (plan.status != PlanStatus::Infeasible && options.stop.reached() &&
+      (!arrives(plan.approach) || !post_impact_failure(plan, options.stop).empty())) {
+    plan.status = PlanStatus::Limit;
+  }
   return plan;
 }
 
@@ -338,12 +344,10 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     plan.timing[phase] = seconds.wall - (known == before.end() ? 0 : known->second.wall);
   }
   plan.timing["total"] = seconds_since(begin);
-  const bool arrives = plan.approach.status == ApproachStatus::Found ||
-                       plan.approach.status == ApproachStatus::NotRequested;
-  const PlanQuality quality = !solved        ? PlanQuality::Nothing
-                              : choice.holds ? PlanQuality::Holds
-                              : arrives      ? PlanQuality::Arrives
-                                             : PlanQuality::Solved;
+  const PlanQuality quality = !solved                  ? PlanQuality::Nothing
+                              : choice.holds           ? PlanQuality::Holds
+                              : arrives(plan.approach) ? PlanQuality::Arrives
+                                                       : PlanQuality::Solved;
   return {std::move(plan), quality, equal};
 }
 

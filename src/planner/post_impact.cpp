@@ -240,6 +240,11 @@ std::string post_impact_failure(const CaptureProblem& problem, const Configurati
                              configuration, impact, stop);
 }
 
+std::string post_impact_failure(const Plan& plan, const StopCondition& stop) {
+  if (plan.status == PlanStatus::Infeasible || !arrives(plan.approach)) return "";
+  return post_impact_failure(plan.problem, plan.configuration, plan.impact, stop);
+}
+
 std::string post_impact_failure(const CaptureProblem& problem, const EncounterModel& model,
                                 const Configuration& configuration, const ImpactSummary& impact,
                                 const StopCondition& stop) {

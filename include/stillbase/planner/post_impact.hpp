@@ -49,4 +49,14 @@ inline constexpr const char* kBaseRateFailure = "base rate";
 std::string post_impact_failure(const CaptureProblem& problem, const Configuration& configuration,
                                 const ImpactSummary& impact, const StopCondition& stop);
 
+/// Whether a path was found, or none was asked for.
+inline bool arrives(const Approach& approach) {
+  return approach.status == ApproachStatus::Found ||
+         approach.status == ApproachStatus::NotRequested;
+}
+
+/// post_impact_failure() of the chosen configuration. Empty for a plan without solution or path,
+/// too.
+std::string post_impact_failure(const Plan& plan, const StopCondition& stop = {});
+
 }  // namespace stillbase
