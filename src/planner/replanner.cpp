@@ -8,6 +8,7 @@
 #include <stillbase/core/error.hpp>
 #include <stillbase/plan/feature.hpp>
 
+#include "core/covariance.hpp"
 #include "nlp/dense_qp.hpp"
 #include "planner/replanner_program.hpp"
 #include "search/solution.hpp"
@@ -477,6 +478,9 @@ void Replanner::Impl::update(const StateEstimate& estimate, const StopCondition&
   }
   if (!(program_.rotation_of(estimate.state) <= options_.most_rotation)) {
     return refuse("the target rotates by more than most_rotation until the contact");
+  }
+  if (estimate.covariance && !is_covariance(*estimate.covariance)) {
+    return refuse("its covariance is not symmetric and positive semidefinite");
   }
   const double half_angle = cone_of(estimate);
   if (half_angle == kInfinity) return refuse("its covariance cannot be carried to the contact");

@@ -13,6 +13,22 @@ std::string objection_to(const Eigen::MatrixXd& A) {
 
 }  // namespace
 
+TEST_CASE("the check without memory agrees with the one in words") {
+  std::srand(7);
+  int good = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Matrix4d half = Eigen::Matrix4d::Random();
+    Eigen::Matrix4d A = half * half.transpose();
+    if (i % 2 == 0) A += (i % 3 == 0 ? 1.0 : 1e-9) * Eigen::Matrix4d::Random();
+    if (i % 5 == 0) A.row(1).setZero(), A.col(1).setZero();
+    CHECK(is_covariance(A) == (objection_to(A) == ""));
+    good += is_covariance(A) ? 1 : 0;
+  }
+  CHECK(good > 50);
+  CHECK(good < 150);
+  CHECK_FALSE(is_covariance<2>(Eigen::Matrix2d::Constant(std::nan(""))));
+}
+
 TEST_CASE("a covariance is symmetric and positive semidefinite in any units") {
   using Catch::Contains;
   Eigen::Matrix3d A;
