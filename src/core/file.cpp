@@ -99,15 +99,19 @@ void clear_temporary_files(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   const std::string begin =
       path.substr(slash == std::string::npos ? 0 : slash + 1) + std::string(".tmp.");
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(folder_of(path), error), end; !error && at != end;
-       at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (name.rfind(begin, 0) != 0) continue;
-    if (!is_temporary_ending(std::string_view(name).substr(begin.size()))) continue;
-    const Descriptor file(::open(at->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-    if (file.get() < 0 || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) continue;
-    ::unlink(at->path().c_str());
+  // Not by increment(error), which ends the process where there is no memory.
+  try {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_of(path))) {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind(begin, 0) != 0) continue;
+      if (!is_temporary_ending(std::string_view(name).substr(begin.size()))) continue;
+      const char* const there = entry.path().c_str();
+      const Descriptor file(::open(there, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+      if (file.get() < 0 || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) continue;
+      ::unlink(there);
+    }
+  } catch (const std::filesystem::filesystem_error&) {
+    // A folder that cannot be listed.
   }
 }
 
