@@ -359,7 +359,7 @@ TEST_CASE("an impact at the system's centroid is C1: the parts are measured by t
     problem.measure.kind = measure;
     problem.robot.shapes.clear();  // or the posture that is best touches the base
     const Plan plan = make_plan(problem);
-    REQUIRE(plan.objective.worst_case < 1e-10);  // N m s, over the whole cone
+    REQUIRE(plan.objective.worst_case < kZeroObjective);  // N m s, over the whole cone
     const CaseJudgement& judgement = plan.impact.judgement;
     CHECK(judgement.impact_case == ImpactCase::C1);
     CHECK(judgement.total < 1e-9);
