@@ -33,15 +33,16 @@ typedef struct stillbase_replanner stillbase_replanner;
 typedef enum stillbase_status {
   STILLBASE_OK = 0,
   STILLBASE_INTERNAL_ERROR = 1,
-  STILLBASE_WRONG_ARGUMENT = 2, /* NULL, a number that is not finite, an unknown name */
-  STILLBASE_INPUT_REFUSED = 3,  /* one line `file:line: rule: message` for each finding */
-  STILLBASE_FILE_FAILED = 7     /* reading or writing */
+  STILLBASE_WRONG_ARGUMENT = 2, /* NULL, a number that is not finite or makes the answer so */
+  STILLBASE_INPUT_REFUSED = 3,  /* a file that is missing or wrong: `file:line: rule: message` for
+                                   each finding, without a line where it is about none */
+  STILLBASE_FILE_FAILED = 7     /* the system did not read or write */
 } stillbase_status;
 
 /* Where the robot is at the contact, but for its joints. */
 typedef struct stillbase_contact {
   double base_position[3];    /* of B in N, m */
-  double base_orientation[4]; /* R_NB */
+  double base_orientation[4]; /* R_NB, of norm 1 within 1e-6 */
   double contact_time;        /* s */
 } stillbase_contact;
 
@@ -60,7 +61,8 @@ typedef struct stillbase_impact {
 typedef int (*stillbase_progress)(const char* what, int done, int total, void* user);
 
 typedef struct stillbase_plan_options {
-  double time_limit;           /* s; 0: none. The best so far is the plan, its status "limit" */
+  double time_limit;           /* s; 0: none. The best so far is the plan; its status is "limit"
+                                  unless all was complete by then */
   stillbase_progress progress; /* may be NULL; called by one thread at a time, with jobs = 1 by
                                   the calling one alone */
   void* user;                  /* handed to `progress` */
@@ -69,7 +71,8 @@ typedef struct stillbase_plan_options {
 
 /* "0.1.0" */
 STILLBASE_API const char* stillbase_version(void);
-/* Text of the last failure of this thread, until its next one; "" before the first. */
+/* Text of the last failure of this thread, or of the last plan that stillbase_plan_verify() did not
+ * pass, until the next one; "" before the first. */
 STILLBASE_API const char* stillbase_error(void);
 
 /* Robots. */
@@ -83,8 +86,8 @@ STILLBASE_API void stillbase_robot_free(stillbase_robot* robot);
 STILLBASE_API int stillbase_robot_joints(const stillbase_robot* robot);
 /* Name of joint k, as long as the handle lives; NULL: there is none. */
 STILLBASE_API const char* stillbase_robot_joint_name(const stillbase_robot* robot, int k);
-/* Velocity jump of free joints for an impulse at the hand (6) in B, at joint positions phi (n):
- * Delta_Omega (6), Delta_phidot (n, may be NULL). */
+/* Velocity jump of free joints for an impulse [f; t] at the hand (6) in B, at joint positions phi
+ * (n): Delta_Omega (6), Delta_phidot (n, may be NULL). */
 STILLBASE_API stillbase_status stillbase_robot_jump(const stillbase_robot* robot, const double* phi,
                                                     const double* impulse, double* Delta_Omega,
                                                     double* Delta_phidot);
@@ -96,20 +99,27 @@ STILLBASE_API stillbase_status stillbase_robot_respond(const stillbase_robot* ro
 
 /* Problems. */
 
-/* Reads a problem file with the robot and target files that it names. */
+/* Reads a problem file with the robot and target files that it names. Unlike `stillbase check` it
+ * does not look for links that touch in the start posture. */
 STILLBASE_API stillbase_status stillbase_problem_read(const char* path,
                                                       stillbase_problem** problem);
-/* Reads the text of a problem (YAML or JSON) and of its robot; the target is stated in place.
- * source: name of the text for messages. */
+/* Reads the text of a problem (YAML or JSON) and of its robot, whose robot.file has to be stated
+ * and is not read; the target is stated in place. source: name of the text for messages, one line.
+ */
 STILLBASE_API stillbase_status stillbase_problem_parse(const char* text, const char* source,
                                                        const char* urdf,
                                                        stillbase_problem** problem);
+/* The problem with this contact feature of its target, where it leaves the choice open. */
+STILLBASE_API stillbase_status stillbase_problem_at_feature(const stillbase_problem* problem,
+                                                            const char* feature,
+                                                            stillbase_problem** at);
 STILLBASE_API void stillbase_problem_free(stillbase_problem* problem);
 STILLBASE_API int stillbase_problem_joints(const stillbase_problem* problem);
 /* The start posture phi (n) at the stated base pose and the earliest contact time. */
 STILLBASE_API stillbase_status stillbase_problem_start(const stillbase_problem* problem,
                                                        stillbase_contact* contact, double* phi);
-/* The nominal impact at phi (n), by the problem's contact law. Delta_phidot (n) may be NULL. */
+/* The nominal impact at phi (n), by the problem's contact law. Delta_phidot (n) may be NULL. Of a
+ * problem that leaves the contact feature open, see stillbase_problem_at_feature(). */
 STILLBASE_API stillbase_status stillbase_problem_impact(const stillbase_problem* problem,
                                                         const stillbase_contact* contact,
                                                         const double* phi, stillbase_impact* impact,
@@ -117,7 +127,8 @@ STILLBASE_API stillbase_status stillbase_problem_impact(const stillbase_problem*
 
 /* Plans. */
 
-/* Plans a capture. What was not found is a status of the plan. options may be NULL. */
+/* Plans a capture, without proofs of what was found. Whatever is not found, it gives a plan: see
+ * its status, its samples and stillbase_plan_verify(). options may be NULL. */
 STILLBASE_API stillbase_status stillbase_plan_make(const stillbase_problem* problem,
                                                    const stillbase_plan_options* options,
                                                    stillbase_plan** plan);
@@ -128,8 +139,13 @@ STILLBASE_API stillbase_status stillbase_plan_write(const stillbase_plan* plan, 
                                                     int replace);
 STILLBASE_API void stillbase_plan_free(stillbase_plan* plan);
 STILLBASE_API int stillbase_plan_joints(const stillbase_plan* plan);
-/* "optimal", "feasible", "infeasible" or "limit"; NULL for NULL. */
+/* Of the search: "optimal" (the best candidate, a minimum), "feasible", "infeasible", or "limit": a
+ * stop came before all was complete. Of the path and of the limits after the impact it says
+ * nothing. NULL for NULL. */
 STILLBASE_API const char* stillbase_plan_status(const stillbase_plan* plan);
+/* Name of the chosen contact feature, as long as the handle lives; "" without features, NULL for
+ * NULL. */
+STILLBASE_API const char* stillbase_plan_feature(const stillbase_plan* plan);
 /* Text of the plan file, as long as the handle lives. */
 STILLBASE_API const char* stillbase_plan_json(const stillbase_plan* plan);
 /* The chosen configuration with phi (n), and the nominal impact there; Delta_phidot (n), impact
@@ -145,8 +161,8 @@ STILLBASE_API size_t stillbase_plan_samples(const stillbase_plan* plan);
 STILLBASE_API stillbase_status stillbase_plan_path(const stillbase_plan* plan, double* times,
                                                    double* joint_positions,
                                                    double* joint_velocities);
-/* Recomputes a plan by other code than the planner's. passes: 1 or 0; on 0 stillbase_error() names
- * the checks that fail. */
+/* Recomputes a plan by other code than the planner's, path and limits after the impact included.
+ * passes: 1 or 0; on 0 stillbase_error() names the checks that fail. */
 STILLBASE_API stillbase_status stillbase_plan_verify(const stillbase_plan* plan, int* passes);
 
 /* Replanning: joints, base pose and time of the contact follow an estimate of the target that
@@ -160,7 +176,7 @@ typedef struct stillbase_estimate {
   double linear_velocity[3];  /* of the centroid, m/s */
   double angular_velocity[3]; /* rad/s */
   /* 12 x 12, of position, orientation (rotation vector in the target's axes), linear and angular
-   * velocity; NULL: as well known as before */
+   * velocity, symmetric and positive semidefinite; NULL: as well known as before */
   const double* covariance;
 } stillbase_estimate;
 

@@ -66,6 +66,15 @@ T& needed(T* pointer, const char* name) {
 /// `size` finite numbers. @throws ArgumentError
 Eigen::Map<const Eigen::VectorXd> numbers(const double* data, Eigen::Index size, const char* name);
 
+/// @throws ArgumentError when an answer is not finite: the numbers given are beyond what can be
+/// computed
+template <class Matrix>
+void demand_finite(const Matrix& answer) {
+  if (!answer.allFinite()) {
+    throw ArgumentError("the numbers are so large that the answer is not finite");
+  }
+}
+
 /// Copies to an output of the caller; NULL: it is not wanted.
 template <class Vector>
 void copy_to(double* out, const Vector& from) {

@@ -83,6 +83,12 @@ const char* stillbase_plan_status(const stillbase_plan* plan) {
   return plan == nullptr ? nullptr : plan->status.c_str();
 }
 
+const char* stillbase_plan_feature(const stillbase_plan* plan) {
+  if (plan == nullptr) return nullptr;
+  const std::string& chosen = plan->data.configuration.feature;
+  return chosen.empty() ? plan->data.problem.variables.feature.c_str() : chosen.c_str();
+}
+
 const char* stillbase_plan_json(const stillbase_plan* plan) {
   return plan == nullptr ? nullptr : plan->json.c_str();
 }

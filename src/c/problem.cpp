@@ -1,6 +1,12 @@
 // Problems of the C interface.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/plan/feature.hpp>
 
 #include "c/c_interface.hpp"
 
@@ -27,6 +33,26 @@ stillbase_status stillbase_problem_parse(const char* text, const char* source, c
   });
 }
 
+stillbase_status stillbase_problem_at_feature(const stillbase_problem* problem, const char* feature,
+                                              stillbase_problem** at) {
+  return guarded([&] {
+    const CaptureProblem& data = needed(problem, "problem").data;
+    needed(feature, "feature");
+    needed(at, "at");
+    CaptureProblem out = at_feature(data, feature);
+    out.variables.features.clear();
+    std::vector<std::string> known;
+    if (data.target) {
+      for (const ContactFeature& one : data.target->features) known.push_back(one.name);
+    }
+    if (std::find(known.begin(), known.end(), feature) == known.end()) {
+      throw c::ArgumentError(
+          fmt::format("feature: '{}' is not known; there are {}", feature, fmt::join(known, ", ")));
+    }
+    *at = new stillbase_problem{std::move(out)};
+  });
+}
+
 void stillbase_problem_free(stillbase_problem* problem) { delete problem; }
 
 int stillbase_problem_joints(const stillbase_problem* problem) {
@@ -47,6 +73,10 @@ stillbase_status stillbase_problem_impact(const stillbase_problem* problem,
   return guarded([&] {
     const CaptureProblem& data = needed(problem, "problem").data;
     needed(impact, "impact");
+    if (!data.variables.features.empty()) {
+      throw c::ArgumentError(
+          "problem: leaves the contact feature open; see stillbase_problem_at_feature()");
+    }
     const Configuration at = c::configuration_of(needed(contact, "contact"), phi, data.robot.n());
     c::write_impact(impact_at(data, at), impact, Delta_phidot);
   });

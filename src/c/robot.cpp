@@ -1,4 +1,9 @@
 // Robots of the C interface.
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
 #include <stillbase/impact/batch.hpp>
 #include <stillbase/robot/urdf_reader.hpp>
 
@@ -38,6 +43,8 @@ stillbase_status stillbase_robot_jump(const stillbase_robot* robot, const double
     const JointVectord at = numbers(phi, model.n(), "phi");
     const Vector6d Fbar = numbers(impulse, 6, "impulse");
     const auto jump = compute_jump<double>(model, at, JointVectord::Zero(model.n()), {}, Fbar);
+    c::demand_finite(jump.Delta_Omega);
+    c::demand_finite(jump.Delta_phidot);
     copy_to(Delta_Omega, jump.Delta_Omega);
     copy_to(Delta_phidot, jump.Delta_phidot);
   });
@@ -51,6 +58,11 @@ stillbase_status stillbase_robot_respond(const stillbase_robot* robot, size_t co
     const RobotModel& model = needed(robot, "robot").model;
     if (count == 0) return;
     needed(Delta_Omega, "Delta_Omega");
+    const int widest = std::max(model.n(), 6);
+    constexpr auto kMostBytes = static_cast<std::size_t>(std::numeric_limits<Eigen::Index>::max());
+    if (count > kMostBytes / sizeof(double) / static_cast<std::size_t>(widest)) {
+      throw c::ArgumentError(fmt::format("count: {} postures are more than fit in memory", count));
+    }
     const auto rows = static_cast<Eigen::Index>(count);
     ImpactBatch batch;
     batch.phi =
@@ -58,6 +70,8 @@ stillbase_status stillbase_robot_respond(const stillbase_robot* robot, size_t co
     batch.F = Eigen::Map<const Rows>(numbers(impulses, rows * 6, "impulses").data(), rows, 6);
     ImpactBatchValues values;
     evaluate_postures(model, {JointVectord::Zero(model.n()), {}}, batch, values);
+    c::demand_finite(values.Delta_Omega);
+    c::demand_finite(values.base);
     Eigen::Map<Rows>(Delta_Omega, rows, 6) = values.Delta_Omega;
     if (base != nullptr) Eigen::Map<Rows>(base, rows, 3) = values.base;
   });

@@ -65,11 +65,59 @@ static void evaluate(const char* robot_path) {
   check(stillbase_robot_respond(robot, 2, phis, impulses, many, base) == STILLBASE_OK, "postures");
   for (i = 0; i < 12; ++i) check(fabs(many[i] - jump[i % 6]) < 1e-12, "one by one or together");
   check(fabs(base[5] - 96.0832) < 1e-3, "base part of the momentum");
+  check(stillbase_robot_respond(robot, (size_t)-1, phis, impulses, many, NULL) ==
+            STILLBASE_WRONG_ARGUMENT,
+        "more postures than memory are refused");
+  impulses[0] = 1e308;
+  impulses[1] = 1e308;
+  check(stillbase_robot_respond(robot, 2, phis, impulses, many, NULL) == STILLBASE_WRONG_ARGUMENT,
+        "an answer that is not finite is refused");
+  check(stillbase_robot_jump(robot, phi, impulses, jump, NULL) == STILLBASE_WRONG_ARGUMENT,
+        "of one posture too");
+  check(strcmp(stillbase_error(), "the numbers are so large that the answer is not finite") == 0,
+        "in words");
   phis[3] = NAN;
   check(stillbase_robot_respond(robot, 2, phis, impulses, many, NULL) == STILLBASE_WRONG_ARGUMENT,
         "NaN is refused");
   check(strcmp(stillbase_error(), "phi: number 3 is not finite") == 0, "with its place");
   stillbase_robot_free(robot);
+}
+
+/* 1 once a proof or a path would begin: the search is complete then. */
+static int stop_after_search(const char* what, int done, int total, void* user) {
+  (void)done;
+  (void)total;
+  (void)user;
+  return strcmp(what, "after the impact") == 0;
+}
+
+static void choose_a_feature(const char* several_path, const char* one_path) {
+  stillbase_problem *several = NULL, *one = NULL, *other = NULL;
+  stillbase_plan* plan = NULL;
+  stillbase_contact contact;
+  stillbase_impact impact;
+  double phi[16];
+  check(stillbase_problem_read(several_path, &several) == STILLBASE_OK, "an open feature is read");
+  check(stillbase_problem_start(several, &contact, phi) == STILLBASE_OK, "its start");
+  check(stillbase_problem_impact(several, &contact, phi, &impact, NULL) == STILLBASE_WRONG_ARGUMENT,
+        "an impact needs a feature");
+  check(stillbase_problem_at_feature(several, "nose", &one) == STILLBASE_WRONG_ARGUMENT,
+        "which the target has");
+  check(strstr(stillbase_error(), "feature: 'nose' is not known; there are ") != NULL, "in words");
+  check(stillbase_problem_at_feature(several, "lower_edge", &one) == STILLBASE_OK, "one of them");
+  check(stillbase_problem_impact(one, &contact, phi, &impact, NULL) == STILLBASE_OK, "its impact");
+  stillbase_problem_free(one);
+  stillbase_problem_free(several);
+  check(stillbase_problem_read(one_path, &other) == STILLBASE_OK, "a stated feature");
+  {
+    stillbase_plan_options options = {0, stop_after_search, NULL, 1};
+    check(stillbase_plan_make(other, &options, &plan) == STILLBASE_OK, "a plan without path");
+  }
+  check(strcmp(stillbase_plan_feature(plan), "plus_x") == 0, "names it");
+  check(stillbase_plan_samples(plan) == 0, "has no samples");
+  check(strcmp(stillbase_plan_status(plan), "limit") == 0, "is not complete");
+  stillbase_plan_free(plan);
+  stillbase_problem_free(other);
 }
 
 static void plan_and_verify(const char* problem_path, const char* plan_path) {
@@ -147,8 +195,15 @@ static void replan(const char* problem_path, const char* stated_direction) {
   check(stillbase_replanner_update(replanner, &estimate, 0, NULL, phi, &update) == STILLBASE_OK &&
             update.was_cut,
         "no time is left at all");
+  covariance[1] = 1e-8;
+  check(stillbase_replanner_update(replanner, &estimate, HUGE_VAL, NULL, phi, &update) ==
+                STILLBASE_OK &&
+            strcmp(update.status, "refused") == 0 && strstr(update.reason, "symmetric") != NULL,
+        "what is no covariance is refused");
+  covariance[1] = 0;
   estimate.time = NAN;
-  check(stillbase_replanner_update(replanner, &estimate, HUGE_VAL, NULL, phi, &update) == STILLBASE_OK &&
+  check(stillbase_replanner_update(replanner, &estimate, HUGE_VAL, NULL, phi, &update) ==
+                STILLBASE_OK &&
             strcmp(update.status, "refused") == 0,
         "NaN is refused");
   check(strcmp(update.reason, "a number is not finite") == 0, "with the reason");
@@ -170,15 +225,17 @@ static void replan(const char* problem_path, const char* stated_direction) {
 }
 
 int main(int argc, char** argv) {
-  char problem[4096], robot[4096], client[4096];
+  char problem[4096], robot[4096], client[4096], several[4096];
   if (argc != 3) return 2;
   snprintf(problem, sizeof problem, "%s/problems/planar_two_link_c2_a.yaml", argv[1]);
   snprintf(robot, sizeof robot, "%s/problems/robots/planar_two_link_a.urdf", argv[1]);
   snprintf(client, sizeof client, "%s/problems/planar_three_link_client.yaml", argv[1]);
   refuse_wrong_input(problem);
+  snprintf(several, sizeof several, "%s/problems/deos_features.yaml", argv[1]);
   evaluate(robot);
   plan_and_verify(problem, argv[2]);
   replan(client, problem);
+  choose_a_feature(several, client);
   printf("stillbase %s, %d failures\n", stillbase_version(), failures);
   return failures == 0 ? 0 : 1;
 }
