@@ -362,7 +362,7 @@ TEST_CASE("an impact at the system's centroid is C1: the parts are measured by t
     REQUIRE(plan.objective.worst_case < kZeroObjective);  // N m s, over the whole cone
     const CaseJudgement& judgement = plan.impact.judgement;
     CHECK(judgement.impact_case == ImpactCase::C1);
-    CHECK(judgement.total < 1e-9);
+    CHECK(judgement.total < 10 * kZeroObjective);  // of 0.12 N m s, |f| times the arms
     CHECK(judgement.base == Approx(judgement.coupling).epsilon(1e-9));
     CHECK(judgement.base > 0.01);
     CHECK(judgement.base < 10);
