@@ -222,8 +222,9 @@ int plan_capture(const PlanRequest& request) {
   Plan plan = make_plan(problem, planner);
   progress.clear();
   // The best that was found may still break what is asked of the time after the impact.
-  std::string broken = post_impact_failure(plan, planner.stop);
-  if (!broken.empty() && planner.stop.reached()) {  // this simulation may have been cut
+  std::string broken;
+  if (!planner.stop.reached()) broken = post_impact_failure(plan, planner.stop);
+  if (!broken.empty() && planner.stop.reached()) {  // this simulation was cut
     plan.status = PlanStatus::Limit;
     broken.clear();
   }

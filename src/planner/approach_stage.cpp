@@ -263,8 +263,10 @@ class Stage {
     // The first form of each candidate, then the second one of each.
     std::list<Goal> goals;
     while (!forms.empty()) {
-      forms.remove_if([](const auto& of_one) { return of_one.empty(); });
-      for (auto& of_one : forms) goals.splice(goals.end(), of_one, of_one.begin());
+      forms.remove_if([](const auto& goals_of_one) { return goals_of_one.empty(); });
+      for (auto& goals_of_one : forms) {
+        goals.splice(goals.end(), goals_of_one, goals_of_one.begin());
+      }
     }
     if (goals.empty()) return false;
     if (!base_follows_path(problem_) && to_any_of(goals)) return true;

@@ -237,7 +237,7 @@ Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options)
     if (!plans.empty() && options.stop.reached()) break;
     plans.push_back(plan_one_feature(at_feature(problem, feature), options));
   }
-  const bool all = plans.size() == problem.variables.features.size();
+  const bool all = plans.size() == problem.variables.features.size() && !options.stop.reached();
   Plan best = best_of_features(std::move(plans));
   if (!all) best.status = PlanStatus::Limit;
   return best;
@@ -258,10 +258,10 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
     plan.managed_momentum = managed_momentum(at_feature(plan.problem, plan.configuration.feature),
                                              plan.configuration, plan.impact, options.stop);
   }
-  // Stopped in the approach or in the simulation after the impact: the configuration is good, the
-  // plan is not complete.
-  if (plan.status != PlanStatus::Infeasible && options.stop.reached() &&
-      (!arrives(plan.approach) || !post_impact_failure(plan, options.stop).empty())) {
+  const bool lacks_motion =
+      !controllers.empty() &&
+      (!plan.after_horizon || (plan.managed_momentum && !plan.managed_momentum->remaining));
+  if (plan.status != PlanStatus::Infeasible && options.stop.reached() && lacks_motion) {
     plan.status = PlanStatus::Limit;
   }
   return plan;
@@ -348,6 +348,11 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
                               : choice.holds           ? PlanQuality::Holds
                               : arrives(plan.approach) ? PlanQuality::Arrives
                                                        : PlanQuality::Solved;
+  // Stopped in the approach or in the simulation after the impact: the configuration is good, the
+  // plan is not complete.
+  if (solved && quality != PlanQuality::Holds && options.stop.reached()) {
+    plan.status = PlanStatus::Limit;
+  }
   return {std::move(plan), quality, equal};
 }
 

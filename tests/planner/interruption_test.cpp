@@ -26,6 +26,28 @@ TEST_CASE("an approach that a signal ends is interrupted, not out of time") {
   CHECK(read_plan(text, "plan.json").plan.approach.status == ApproachStatus::Interrupted);
 }
 
+TEST_CASE("a plan that a stop cuts short is no complete one, whatever the search found") {
+  CaptureProblem problem = test::shipped("planar_two_link_c2_a");
+  std::atomic<bool> interrupted{false};
+  PlannerOptions options;
+  options.jobs = 1;
+  options.stop.interrupted = &interrupted;
+  std::string stopped_at;
+  options.on_progress = [&](const std::string& what, int, int) {
+    if (what == stopped_at) interrupted = true;
+  };
+  CHECK(make_plan(problem, options).status == PlanStatus::Optimal);
+  SECTION("before the time after the impact is judged") {
+    problem.approach.enabled = false;
+    stopped_at = "after the impact";
+  }
+  SECTION("before a path is found") { stopped_at = "approach"; }
+  const Plan plan = make_plan(problem, options);
+  CHECK(interrupted);
+  CHECK(plan.status == PlanStatus::Limit);
+  CHECK(!plan.candidates.empty());
+}
+
 TEST_CASE("what comes after a stop is not judged") {
   const CaptureProblem problem = test::shipped("iiwa_client_50");
   const CollisionJudge collisions(problem);

@@ -104,10 +104,9 @@ struct PlannerOptions {
 /// one that does not takes its place. A floating base with a stated start has its candidates tried
 /// one by one. Without an approach asked for, its status is GoalInvalid when no candidate is free
 /// of collision.
-/// @return a plan in every case: `status` and `approach.status` say what holds. Status Limit: a
-/// stop
-///   or a limit came before search, path and judgement of the time after the impact were complete.
-///   What no configuration was found to keep after the impact is for post_impact_failure().
+/// @return a plan in every case: `status` and `approach.status` say what holds. Status Limit:
+///   `options.stop` came before the search had ended, a path was found and the time after the
+///   impact was judged. What no configuration keeps then is for post_impact_failure().
 /// @throws InputError for a problem whose parts do not fit together
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options = {});
 
