@@ -33,7 +33,7 @@ typedef struct stillbase_replanner stillbase_replanner;
 typedef enum stillbase_status {
   STILLBASE_OK = 0,
   STILLBASE_INTERNAL_ERROR = 1,
-  STILLBASE_WRONG_ARGUMENT = 2, /* NULL, a number that is not finite or makes the answer so */
+  STILLBASE_WRONG_ARGUMENT = 2, /* NULL, or a number that is not finite or not allowed */
   STILLBASE_INPUT_REFUSED = 3,  /* a file that is missing or wrong: `file:line: rule: message` for
                                    each finding, without a line where it is about none */
   STILLBASE_FILE_FAILED = 7     /* the system did not read or write */
@@ -61,8 +61,8 @@ typedef struct stillbase_impact {
 typedef int (*stillbase_progress)(const char* what, int done, int total, void* user);
 
 typedef struct stillbase_plan_options {
-  double time_limit;           /* s; 0: none. The best so far is the plan; its status is "limit"
-                                  unless all was complete by then */
+  double time_limit;           /* s; 0: none. The best so far is the plan, its status "limit"
+                                  unless a path was found and judged by then */
   stillbase_progress progress; /* may be NULL; called by one thread at a time, with jobs = 1 by
                                   the calling one alone */
   void* user;                  /* handed to `progress` */
@@ -87,7 +87,8 @@ STILLBASE_API int stillbase_robot_joints(const stillbase_robot* robot);
 /* Name of joint k, as long as the handle lives; NULL: there is none. */
 STILLBASE_API const char* stillbase_robot_joint_name(const stillbase_robot* robot, int k);
 /* Velocity jump of free joints for an impulse [f; t] at the hand (6) in B, at joint positions phi
- * (n): Delta_Omega (6), Delta_phidot (n, may be NULL). */
+ * (n): Delta_Omega (6), Delta_phidot (n, may be NULL). Numbers so large that these are not finite
+ * are refused. */
 STILLBASE_API stillbase_status stillbase_robot_jump(const stillbase_robot* robot, const double* phi,
                                                     const double* impulse, double* Delta_Omega,
                                                     double* Delta_phidot);
@@ -109,7 +110,7 @@ STILLBASE_API stillbase_status stillbase_problem_read(const char* path,
 STILLBASE_API stillbase_status stillbase_problem_parse(const char* text, const char* source,
                                                        const char* urdf,
                                                        stillbase_problem** problem);
-/* The problem with this contact feature of its target, where it leaves the choice open. */
+/* The problem with this contact feature, one of those that it leaves open. */
 STILLBASE_API stillbase_status stillbase_problem_at_feature(const stillbase_problem* problem,
                                                             const char* feature,
                                                             stillbase_problem** at);
@@ -139,9 +140,9 @@ STILLBASE_API stillbase_status stillbase_plan_write(const stillbase_plan* plan, 
                                                     int replace);
 STILLBASE_API void stillbase_plan_free(stillbase_plan* plan);
 STILLBASE_API int stillbase_plan_joints(const stillbase_plan* plan);
-/* Of the search: "optimal" (the best candidate, a minimum), "feasible", "infeasible", or "limit": a
- * stop came before all was complete. Of the path and of the limits after the impact it says
- * nothing. NULL for NULL. */
+/* "optimal" (the best candidate, a minimum), "feasible" and "infeasible" are of the search and say
+ * nothing of the path and of the limits after the impact; "limit": a stop came before the search
+ * had ended, a path was found and the time after the impact was judged. NULL for NULL. */
 STILLBASE_API const char* stillbase_plan_status(const stillbase_plan* plan);
 /* Name of the chosen contact feature, as long as the handle lives; "" without features, NULL for
  * NULL. */

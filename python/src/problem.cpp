@@ -249,10 +249,15 @@ void register_problem(py::module_& m) {
       "impact_at",
       [](const Problem& p, const Configuration& configuration) {
         check_fits(p.data.robot.n(), configuration);
+        if (!p.data.variables.features.empty() && configuration.feature.empty()) {
+          throw std::invalid_argument(
+              "configuration: has no feature, and the problem leaves it open");
+        }
         return Impact{impact_at(p.data, configuration), p.robot};
       },
       py::arg("configuration"),
-      "The nominal impact at a configuration, by the problem's contact law. Raises ValueError,\n"
+      "The nominal impact at a configuration, by the problem's contact law. Where the problem\n"
+      "leaves the contact feature open the configuration has to name one. Raises ValueError,\n"
       "InputError.");
   problem.def("with_term", &with_term, py::arg("name"), py::arg("value"), py::kw_only(),
               py::arg("unit") = "1", py::arg("size") = 1.0, py::arg("gradient") = py::none(),

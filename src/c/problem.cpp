@@ -41,13 +41,12 @@ stillbase_status stillbase_problem_at_feature(const stillbase_problem* problem, 
     needed(at, "at");
     CaptureProblem out = at_feature(data, feature);
     out.variables.features.clear();
-    std::vector<std::string> known;
-    if (data.target) {
-      for (const ContactFeature& one : data.target->features) known.push_back(one.name);
-    }
+    // The others of the target were not checked against the problem.
+    std::vector<std::string> known = data.variables.features;
+    if (known.empty() && !data.variables.feature.empty()) known = {data.variables.feature};
     if (std::find(known.begin(), known.end(), feature) == known.end()) {
-      throw c::ArgumentError(
-          fmt::format("feature: '{}' is not known; there are {}", feature, fmt::join(known, ", ")));
+      throw c::ArgumentError(fmt::format("feature: '{}' is not one of the problem's, [{}]", feature,
+                                         fmt::join(known, ", ")));
     }
     *at = new stillbase_problem{std::move(out)};
   });

@@ -380,8 +380,10 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   std::string detail =
       stated->limits.empty() ? "no limit" : "tightest: " + words(stated->limits.front());
   if (run != nullptr) {
-    detail += fmt::format("; another integration's momenta, loads and times within {} of them",
-                          kSameExtreme);
+    detail += fmt::format(
+        "; another integration's momenta and loads within {} of them, its times "
+        "within two control periods more",
+        2 * kSameExtreme);
   }
   claims.none_wrong("capture_limits", objections, detail);
 }

@@ -83,7 +83,7 @@ static void evaluate(const char* robot_path) {
   stillbase_robot_free(robot);
 }
 
-/* 1 once a proof or a path would begin: the search is complete then. */
+/* 1 once a path would be looked for: the search is complete then. */
 static int stop_after_search(const char* what, int done, int total, void* user) {
   (void)done;
   (void)total;
@@ -103,7 +103,9 @@ static void choose_a_feature(const char* several_path, const char* one_path) {
         "an impact needs a feature");
   check(stillbase_problem_at_feature(several, "nose", &one) == STILLBASE_WRONG_ARGUMENT,
         "which the target has");
-  check(strstr(stillbase_error(), "feature: 'nose' is not known; there are ") != NULL, "in words");
+  check(strstr(stillbase_error(),
+               "feature: 'nose' is not one of the problem's, [upper_edge, lower_edge]") != NULL,
+        "in words");
   check(stillbase_problem_at_feature(several, "lower_edge", &one) == STILLBASE_OK, "one of them");
   check(stillbase_problem_impact(one, &contact, phi, &impact, NULL) == STILLBASE_OK, "its impact");
   stillbase_problem_free(one);

@@ -15,7 +15,7 @@ std::string objection_to(const Eigen::MatrixXd& A) {
 
 TEST_CASE("the check without memory agrees with the one in words") {
   std::srand(7);
-  int good = 0;
+  int good = 0, indefinite = 0;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Matrix4d half = Eigen::Matrix4d::Random();
     Eigen::Matrix4d A = half * half.transpose();
@@ -23,7 +23,14 @@ TEST_CASE("the check without memory agrees with the one in words") {
     if (i % 5 == 0) A.row(1).setZero(), A.col(1).setZero();
     CHECK(is_covariance(A) == (objection_to(A) == ""));
     good += is_covariance(A) ? 1 : 0;
+    // Each correlation is below 1, which does not make them those of variables.
+    Eigen::Matrix4d C = 0.9 * (half + half.transpose()) / 2;
+    C.diagonal().setOnes();
+    CHECK(is_covariance(C) == (objection_to(C) == ""));
+    indefinite += is_covariance(C) ? 0 : 1;
   }
+  CHECK(indefinite > 20);
+  CHECK(indefinite < 180);
   CHECK(good > 50);
   CHECK(good < 150);
   CHECK_FALSE(is_covariance<2>(Eigen::Matrix2d::Constant(std::nan(""))));
