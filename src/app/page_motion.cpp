@@ -124,9 +124,9 @@ std::vector<Instant> instants_of(const Approach& path) {
     if (i + 1 == path.times.size() || path.joint_positions[i] != path.joint_positions[i + 1]) {
       continue;
     }
-    for (double t = path.times[i] + kStep; t < path.times[i + 1] - kStep / 2; t += kStep) {
-      out.push_back({t, i});
-    }
+    const double wait = path.times[i + 1] - path.times[i];
+    for (int k = 1; k * kStep < wait - kStep / 2; ++k)
+      out.push_back({path.times[i] + k * kStep, i});
   }
   return out;
 }
