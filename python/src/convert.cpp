@@ -256,8 +256,8 @@ Eigen::MatrixXd rows_of(const Numbers& array, Eigen::Index count, Eigen::Index c
   }
   const Eigen::Map<const Rows> rows(array.data(), array.shape(0), columns);
   Eigen::MatrixXd out(rows.rows(), columns);
-  constexpr Eigen::Index kBlock =
-      64;  // rows that stay in the nearest cache while columns are filled
+  // Rows that stay in the nearest cache while the columns are filled.
+  constexpr Eigen::Index kBlock = 64;
   for (Eigen::Index k = 0; k < rows.rows(); k += kBlock) {
     const Eigen::Index some = std::min(kBlock, rows.rows() - k);
     out.middleRows(k, some) = rows.middleRows(k, some);

@@ -210,7 +210,7 @@ class Stage {
     const Configuration& goal = found_.candidates[i].configuration;
     const std::optional<TargetMotion> motion = collisions_.target_towards(goal);
     std::unique_ptr<ContactRefinement> contact = contact_at(i);
-    const Approach approach =
+    Approach approach =
         plan_approach(problem_, goal, motion ? &*motion : nullptr, seed, options_.stop,
                       solver_calls_, contact->solver(), path_options_);
     count_calls(*contact);
@@ -369,7 +369,7 @@ class Stage {
       asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
                        1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
-    const ApproachToAny any =
+    ApproachToAny any =
         plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);
     for (const Goal& goal : goals) {
       if (goal.contact) count_calls(*goal.contact);

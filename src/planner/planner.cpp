@@ -258,6 +258,7 @@ Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
     plan.managed_momentum = managed_momentum(at_feature(plan.problem, plan.configuration.feature),
                                              plan.configuration, plan.impact, options.stop);
   }
+  // Of a complete plan: these two were cut by a stop.
   const bool lacks_motion =
       !controllers.empty() &&
       (!plan.after_horizon || (plan.managed_momentum && !plan.managed_momentum->remaining));

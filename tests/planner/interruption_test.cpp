@@ -42,6 +42,10 @@ TEST_CASE("a plan that a stop cuts short is no complete one, whatever the search
     stopped_at = "after the impact";
   }
   SECTION("before a path is found") { stopped_at = "approach"; }
+  SECTION("before a path is found, where nothing follows") {
+    problem.post_impact.controllers.clear();
+    stopped_at = "approach";
+  }
   const Plan plan = make_plan(problem, options);
   CHECK(interrupted);
   CHECK(plan.status == PlanStatus::Limit);
