@@ -49,6 +49,14 @@ Eigen::MatrixXd matrix_of(const Numbers& array, Eigen::Index rows, Eigen::Index 
 Eigen::MatrixXd rows_of(const Numbers& array, Eigen::Index count, Eigen::Index columns,
                         const char* name);
 
+/// @throws std::invalid_argument unless all numbers of a result of this impulse are finite: it was
+/// so large that they are beyond the range of a double
+template <class Derived>
+void check_range(const Eigen::MatrixBase<Derived>& result) {
+  if ((0 * result).sum() == 0) return;
+  throw std::invalid_argument("impulse: so large that the answer is not finite");
+}
+
 /// A new array, of one dimension for vectors.
 template <class Derived>
 py::array array_of(const Eigen::MatrixBase<Derived>& matrix) {

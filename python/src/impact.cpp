@@ -28,6 +28,10 @@ Impact impact_of(SharedRobot robot, const Numbers& phi, const Numbers& impulse,
   auto summary = summarize_impact(robot->model, vector_of(phi, robot->model.n(), "phi"),
                                   read_resistance(*robot, joint_resistance),
                                   vector_of(impulse, 6, "impulse"), closing_speed);
+  check_range(summary.Delta_Omega);
+  check_range(summary.Delta_phidot);
+  check_range(summary.total);
+  check_range(summary.base);
   return {std::move(summary), std::move(robot)};
 }
 

@@ -79,11 +79,15 @@ ImpactJump<double> jump(const Robot& robot, const Numbers& phi, const Numbers& i
                         const std::vector<bool>& locked) {
   const JointVectord at = vector_of(phi, robot.model.n(), "phi");
   const Vector6d Fbar = vector_of(impulse, 6, "impulse");
-  if (!added_inertia && locked.empty()) {
-    return compute_jump<double>(robot.model, at, robot.free.added_inertia, {}, Fbar);
-  }
-  const ImpactResistance resistance = resistance_of(robot, added_inertia, locked);
-  return compute_jump<double>(robot.model, at, resistance.added_inertia, resistance.locked, Fbar);
+  const auto under = [&](const ImpactResistance& resistance) {
+    auto out =
+        compute_jump<double>(robot.model, at, resistance.added_inertia, resistance.locked, Fbar);
+    check_range(out.Delta_Omega);
+    check_range(out.Delta_phidot);
+    return out;
+  };
+  if (!added_inertia && locked.empty()) return under(robot.free);
+  return under(resistance_of(robot, added_inertia, locked));
 }
 
 Posture evaluate(SharedRobot robot, const Numbers& phi, const std::optional<Numbers>& added_inertia,
@@ -125,6 +129,7 @@ Responses evaluate_batch(const Robot& robot, const Numbers& phi, const Numbers& 
   Responses out;
   const Unlocked unlocked;
   evaluate_postures(robot.model, resistance, batch, out.values);
+  check_range(out.values.hand_inverse_mass);  // of the second power: it leaves the range first
   return out;
 }
 
@@ -163,6 +168,11 @@ ObjectiveValues evaluate_batch_objective(const Robot& robot, const Numbers& phi,
   ObjectiveValues out;
   const Unlocked unlocked;
   evaluate_objective(robot.model, resistance, batch, objective, derivatives, out.values);
+  check_range(out.values.psi);
+  if (derivatives) {
+    check_range(out.values.gradient);
+    check_range(out.values.gradient_F);
+  }
   return out;
 }
 
@@ -203,6 +213,8 @@ py::tuple gradient_of(const Posture& posture, const Numbers& impulse,
   }
   const auto gradient =
       response_gradient<double>(posture.robot->model, posture.impact, response, u);
+  check_range(gradient.phi);
+  check_range(gradient.F);
   return py::make_tuple(array_of(gradient.phi), array_of(gradient.F));
 }
 
@@ -334,6 +346,8 @@ void register_posture(py::module_& m) {
       "respond",
       [](const Posture& p, const Numbers& impulse) {
         const auto answer = respond<double>(p.impact, vector_of(impulse, 6, "impulse"));
+        check_range(answer.base);
+        check_range(answer.total);
         return Response{answer, answer.coupling()};
       },
       py::arg("impulse"), "Response to an impulse [f; t] at the hand in B, (6,), N s, N m s.");

@@ -132,6 +132,25 @@ class Posture(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "added_inertia: must not be negative"):
             self.robot.jump(self.phi, IMPULSE, added_inertia=np.full(7, -1.0))
 
+    def test_an_impulse_whose_answer_no_double_holds_is_refused(self):
+        huge = np.full(6, 1e308)
+        calls = {
+            "jump": lambda: self.robot.jump(self.phi, huge),
+            "jump of locked joints": lambda: self.robot.jump(
+                self.phi, huge, locked=[True] * self.robot.n
+            ),
+            "impact": lambda: stillbase.impact(self.robot, self.phi, huge),
+            "response": lambda: self.posture.respond(huge),
+            "gradient": lambda: self.posture.gradient(huge, omega=np.full(3, 1e10)),
+            "batch": lambda: self.robot.respond(self.phi[None], huge),
+            "objective": lambda: self.robot.objective(
+                self.phi[None], huge, {"base_angular_momentum": 1.0}
+            ),
+        }
+        for name, call in calls.items():
+            with self.subTest(name), self.assertRaisesRegex(ValueError, "^impulse: so large"):
+                call()
+
     def test_resistance_is_that_of_the_problem_file(self):
         inertia = np.linspace(1, 2, self.robot.n)
         stated = {"model": "rotor_inertia", "rotor_inertia": inertia}
