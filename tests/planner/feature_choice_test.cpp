@@ -18,6 +18,7 @@ PlanOfFeature plan(const std::string& feature, const std::vector<double>& values
                    PlanQuality quality, std::size_t chosen = 0) {
   PlanOfFeature out;
   out.quality = quality;
+  out.plan.problem.start = JointVectord::Zero(1);
   out.plan.problem.variables.feature = feature;
   out.plan.problem.search.max_candidates = 4;
   out.plan.problem.measure.kind = RiskMeasure::WorstCase;
