@@ -33,9 +33,10 @@ class LoadModel {
     const Vector6d load = F_b - terms_.bias.c_b - inertia.H_bphi * phiddot;
     acceleration.dot_Omega = H_b_.solve(load);
     acceleration.phiddot = phiddot;
+    // On its own: within a sum the product would be a vector on the heap.
+    const JointVectord of_joints = inertia.H_phi * phiddot;
     Loads loads;
-    loads.tau = inertia.H_bphi.transpose() * acceleration.dot_Omega + inertia.H_phi * phiddot +
-                terms_.bias.c_phi;
+    loads.tau = inertia.H_bphi.transpose() * acceleration.dot_Omega + of_joints + terms_.bias.c_phi;
     if (held_ == nullptr) return loads;
     const Vector6d wrench = grip_wrench(*held_, robot_, terms_.kinematics, state_, acceleration);
     loads.force = wrench.head<3>();
