@@ -255,8 +255,8 @@ bool is_isolated(const ResidualCase& residual, const Vector6d& s) {
 
 LargestSquare largest_square(const ResidualCase& residual) {
   const OverBall ball(residual);
-  const auto& [P, q, c] = ball;
-  const SymmetricEigen axes = symmetric_eigen(P);
+  const double c = ball.c;
+  const SymmetricEigen axes = symmetric_eigen(ball.P);
   LargestSquare out{residual.velocity, c, c};
   const auto take = [&](const Vector6d& s) {
     const Vector6d V = residual.at(s);
@@ -265,7 +265,7 @@ LargestSquare largest_square(const ResidualCase& residual) {
   };
   take(local_maxima(residual).front());
   // For every mu >= lambda_max(P): value <= c + mu + q' (mu E - P)^-1 q, convex in mu.
-  const Vector6d along = axes.vectors.transpose() * q;
+  const Vector6d along = axes.vectors.transpose() * ball.q;
   const double largest = std::max(axes.values[5], 0.0), reach = along.norm();
   const auto dual = [&](double mu) {
     double sum = c + mu;
