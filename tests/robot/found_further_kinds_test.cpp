@@ -193,7 +193,8 @@ TEST_CASE("what stands for a floating base leaves the robot as it is without it"
     CHECK(robot.joints[0].name == "j");
     CHECK(robot.joints[0].p == plain.joints[0].p);
   }
-  const Finding* const said = remark_with(read_found(kPlanarBase), "free-root");
+  const RobotModel planar = read_found(kPlanarBase);
+  const Finding* const said = remark_with(planar, "free-root");
   REQUIRE(said != nullptr);
   CHECK(said->message.find("above 'base' and the 3 joints between them") != std::string::npos);
 }
