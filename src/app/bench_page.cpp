@@ -152,15 +152,15 @@ std::string speed_words(const BenchmarkAnalysis& analysis) {
     return fmt::format("{:.0f}", figures.distinct_per_second);
   };
   const OptimizerFigures &first = analysis.optimizers[0], &second = analysis.optimizers[1];
-  const OptimizerFigures& most = *std::max_element(
+  const auto most = std::max_element(
       analysis.optimizers.begin(), analysis.optimizers.end(),
       [](const auto& a, const auto& b) { return a.distinct_per_second < b.distinct_per_second; });
-  if (most.distinct_per_second == 0) return "No solution was found.";
+  if (most->distinct_per_second == 0) return "No solution was found.";
   std::string out = fmt::format(
       "In a second {} finds {} distinct solutions (points of a continuum counted each) and {} {}",
       first.optimizer, words(first), second.optimizer, words(second));
-  const bool is_named = &most == &first || &most == &second;
-  if (!is_named) out += fmt::format("; {} finds most, {}", most.optimizer, words(most));
+  const bool is_named = most - analysis.optimizers.begin() < 2;
+  if (!is_named) out += fmt::format("; {} finds most, {}", most->optimizer, words(*most));
   return out + ".";
 }
 

@@ -521,9 +521,9 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     lines.push_back({"momentum", momentum_words(plan.impact)});
     lines.push_back({"case", case_words(plan)});
-    for (const BindingLimit& limit : plan.binding) {
-      const bool is_first = &limit == &plan.binding.front();
-      lines.push_back({is_first ? "binding" : "", binding_words(limit, plan.objective.unit)});
+    for (std::size_t i = 0; i < plan.binding.size(); ++i) {
+      lines.push_back(
+          {i == 0 ? "binding" : "", binding_words(plan.binding[i], plan.objective.unit)});
     }
     lines.push_back({"certificate", certificate_words(plan.certificate)});
     if (is_feasible && proof.status != ProofStatus::Complete) {

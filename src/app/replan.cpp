@@ -194,7 +194,8 @@ std::string record_csv(const ReplanRecord& record) {
       "contact_normal_half_angle_rad,closing_speed_sd_m_s,cone_half_angle_rad,after_impact,steps";
   if (record.with_seconds) text += ",seconds";
   text += '\n';
-  for (const ReplanUpdate& update : record.updates) {
+  for (std::size_t i = 0; i < record.updates.size(); ++i) {
+    const ReplanUpdate& update = record.updates[i];
     const ReplanResult& result = update.result;
     const Configuration& at = result.configuration;
     const ConstraintValue* const tightest = io::tightest_constraint(result);
@@ -218,7 +219,7 @@ std::string record_csv(const ReplanRecord& record) {
     const ContactDeviations contact = result.contact.value_or(unknown);
     text += cell(contact.point) + cell(contact.half_angle) + cell(contact.closing_speed) +
             cell(result.cone_half_angle);
-    const bool is_last = &update == &record.updates.back();  // that alone is simulated
+    const bool is_last = i + 1 == record.updates.size();  // that alone is simulated
     text += is_last ? ',' + csv_field(record.after_impact) : ",";
     text += fmt::format(",{}", result.steps);
     if (record.with_seconds) text += cell(result.seconds);

@@ -127,7 +127,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
     unnamed.demand(candidate.collision_free == candidate.collision.empty(), name);
     if (!candidate.collision_free) continue;
     // The scene allows contact at the feature of its problem only.
-    const bool is_same_feature = &at.problem == &context.problem;
+    const bool is_same_feature = at.problem.variables.feature == context.problem.variables.feature;
     const auto pair =
         contact_collision(at.problem, is_same_feature ? scene : CollisionScene(at.problem), at.at);
     if (pair) collisions.add(name + ": " + to_string(*pair));

@@ -94,7 +94,7 @@ std::string collision_objection(const Context& context, const CollisionScene& sc
   const double margin = approach.enabled ? approach.clearance : 0;
   const Situation at(context.problem, candidate.configuration,
                      candidate.configuration.contact_time - wait);
-  const bool is_same_feature = &at.problem == &context.problem;
+  const bool is_same_feature = at.problem.variables.feature == context.problem.variables.feature;
   // At the edge of that distance two codes may see the hand on either side.
   const double room = candidate.collision_free ? -kDistanceError : kDistanceError;
   const auto distances = waiting_distances(at, is_same_feature ? scene : CollisionScene(at.problem),

@@ -287,8 +287,8 @@ class Search {
       const double least = std::fmax(value.least_denominator, denominators.lower());
       const double q0 = std::fmax(value.denominator.c(), least);
       const Form<N> excess = value.numerator - value.denominator * Form<N>(options_.cut);
+      if (excesses.empty()) node.bends = bends_of(excess);
       excesses.push_back((excess * Form<N>(1 / q0)).folded());
-      if (&value == &values.front()) node.bends = bends_of(excess);
       weight = std::fmax(weight, q0 / least);
     }
     const std::vector<Quadratic<N>> rows = with_eliminations(equations);

@@ -117,10 +117,10 @@ class ImpactForms {
       for (std::size_t j = i; j < responses.size(); ++j) {
         S sum(0.0);
         for (std::size_t c = 0; c < y[i].size(); ++c) {
-          sum += i == j ? square(y[i][c]) : y[i][c] * y[j][c];
+          sum += product(y[i][c], y[j][c], i == j);
         }
         gram_.y.push_back(sum);
-        if (!is_given) gram_.W.push_back(inverse_mass(responses[i], responses[j]));
+        if (!is_given) gram_.W.push_back(inverse_mass(responses[i], responses[j], i == j));
       }
     }
     for (const ObjectiveTerm& term : problem_.objective) {
@@ -133,11 +133,14 @@ class ImpactForms {
     gram_.target_omega = encounter_.contact.omega;
   }
 
+  /// x y; the square of one number has a narrower enclosure than its product with itself.
+  static S product(const S& x, const S& y, bool are_same) { return are_same ? square(x) : x * y; }
+
   /// a' W_h b
-  S inverse_mass(const Response& a, const Response& b) const {
+  S inverse_mass(const Response& a, const Response& b, bool are_same) const {
     S sum(0.0);
     const auto add = [&](const S& x, const S& y, const S& inverse) {
-      sum += (&a == &b ? square(x) : x * y) * inverse;
+      sum += product(x, y, are_same) * inverse;
     };
     for (const int k : arm_.joints_of_hand()) {
       if (arm_.moves[k]) add(a.u[k], b.u[k], arm_.inverse_D[k]);

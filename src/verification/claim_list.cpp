@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 namespace stillbase {
 
 std::string to_string(ClaimGroup group) {
@@ -76,11 +78,9 @@ void ClaimList::same(const std::string& name, double error, double tolerance,
 
 void ClaimList::none_wrong(const std::string& name, const Objections& objections,
                            const std::string& detail) {
-  std::string text = detail;
-  for (const std::string& objection : objections.list()) {
-    text += (&objection == &objections.list().front() ? ": " : "; ") + objection;
-  }
-  add(name, static_cast<double>(objections.list().size()), 0, "1", objections.none(), text);
+  const std::string list = fmt::format("{}", fmt::join(objections.list(), "; "));
+  add(name, static_cast<double>(objections.list().size()), 0, "1", objections.none(),
+      objections.none() ? detail : detail + ": " + list);
 }
 
 void ClaimList::not_evaluated(const std::string& name, double limit, const std::string& unit,

@@ -300,10 +300,12 @@ Vector3<S> support(const PlacedShape<S>& box, const Vector3d& direction, int alo
 /// The least distance of a corner of either box from the other one.
 template <class S>
 Separation<S> nearest_corner(const PlacedShape<S>& first, const PlacedShape<S>& second) {
-  const PlacedShape<S>* of = &first;
+  bool is_of_first = true;
   Vector3d nearest = Vector3d::Zero();
   double least = kInfinity;
-  const auto offer = [&](const PlacedShape<S>& box, const PlacedShape<S>& other) {
+  const auto offer = [&](bool is_first) {
+    const PlacedShape<S>& box = is_first ? first : second;
+    const PlacedShape<S>& other = is_first ? second : first;
     const Matrix3d to_other = plain_axes<S>(other.R).transpose();
     const Vector3d from = to_other * (plain<S>(box.p) - plain<S>(other.p));
     const Matrix3d halves = to_other * plain_axes<S>(box.R) * box.shape->half.asDiagonal();
@@ -315,15 +317,16 @@ Separation<S> nearest_corner(const PlacedShape<S>& first, const PlacedShape<S>& 
       if (distance >= least) continue;
       least = distance;
       nearest = sign.cwiseProduct(box.shape->half);
-      of = &box;
+      is_of_first = is_first;
     }
   };
-  offer(first, second);
-  offer(second, first);
+  offer(true);
+  offer(false);
   const ClearanceShape point;
-  const PlacedShape<S> corner{&point, of->R, of->p + of->R * nearest.template cast<S>()};
-  Separation<S> out = segment_and_box(corner, of == &first ? second : first);
-  if (of != &first) out.normal = -out.normal;
+  const PlacedShape<S>& of = is_of_first ? first : second;
+  const PlacedShape<S> corner{&point, of.R, of.p + of.R * nearest.template cast<S>()};
+  Separation<S> out = segment_and_box(corner, is_of_first ? second : first);
+  if (!is_of_first) out.normal = -out.normal;
   return out;
 }
 
