@@ -94,9 +94,10 @@ std::string uncertainty_words(const CaptureProblem& problem) {
   const bool is_predicted = problem.target && problem.target_deviations &&
                             !problem.impulse.direction && !problem.variables.feature.empty();
   if (!is_predicted) return text;
+  const double confidence = uncertainty.cone_confidence.value_or(kDefaultConeConfidence);
   DirectionCone cone;
   try {
-    cone = direction_cone(problem, uncertainty.cone_confidence.value_or(0.95));
+    cone = direction_cone(problem, confidence);
   } catch (const std::invalid_argument& error) {
     return text + fmt::format("no prediction of the contact: {}\n", error.what());
   }
@@ -106,10 +107,9 @@ std::string uncertainty_words(const CaptureProblem& problem) {
       "standard deviations: point {} m, closing speed {:.4g} of {:.4g} m/s to a hand that does not "
       "move, "
       "effective mass {:.3g} % of {:.4g} kg\n",
-      contact.time, cone.half_angle * kDegrees, uncertainty.cone_confidence.value_or(0.95),
-      vector_words(contact.point_deviation()), contact.closing_speed_deviation(),
-      contact.value[kClosingSpeed], 100 * std::sqrt(contact.spread(kEffectiveMass, kEffectiveMass)),
-      contact.effective_mass);
+      contact.time, cone.half_angle * kDegrees, confidence, vector_words(contact.point_deviation()),
+      contact.closing_speed_deviation(), contact.value[kClosingSpeed],
+      100 * std::sqrt(contact.spread(kEffectiveMass, kEffectiveMass)), contact.effective_mass);
   return text;
 }
 

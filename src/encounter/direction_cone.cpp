@@ -28,12 +28,11 @@ namespace {
 /// The contact feature of a problem at instants spread evenly over the window of contact times,
 /// ends included (one when the time is fixed), with the uncertainty of the estimate carried there.
 std::vector<ContactPrediction> predict_contacts(const CaptureProblem& problem) {
-  constexpr int kIntervals = 8;
   const double lower = problem.variables.contact_time_lower;
   const double upper = problem.variables.contact_time_upper;
   std::vector<double> times{lower};
-  for (int i = 1; i <= kIntervals && upper > lower; ++i) {
-    times.push_back(i == kIntervals ? upper : lower + (upper - lower) * i / kIntervals);
+  for (int i = 1; i <= kConeIntervals && upper > lower; ++i) {
+    times.push_back(i == kConeIntervals ? upper : lower + (upper - lower) * i / kConeIntervals);
   }
   const double start = problem.target_state.time;
   const double duration = std::max(std::abs(lower - start), std::abs(upper - start));
@@ -84,7 +83,7 @@ std::string to_string(const NarrowCone& cone) {
 }
 
 std::optional<NarrowCone> narrow_cone(const CaptureProblem& problem) {
-  constexpr double kProbability = 0.95, kEqual = 1e-6;
+  constexpr double kEqual = 1e-6;
   const UncertaintySpec& uncertainty = problem.uncertainty;
   if (!problem.target || !problem.target_deviations || problem.impulse.direction ||
       problem.variables.feature.empty() || problem.impulse.source == ImpulseSource::Given ||
@@ -92,10 +91,10 @@ std::optional<NarrowCone> narrow_cone(const CaptureProblem& problem) {
       uncertainty.cone_confidence) {
     return std::nullopt;
   }
-  NarrowCone out{uncertainty.cone_half_angle, kPi, kProbability,
+  NarrowCone out{uncertainty.cone_half_angle, kPi, kDefaultConeConfidence,
                  uncertainty.cone_plane_normal.has_value()};
   try {
-    out.implied = std::min(direction_cone(problem, kProbability).half_angle, kPi);
+    out.implied = std::min(direction_cone(problem, kDefaultConeConfidence).half_angle, kPi);
   } catch (const std::invalid_argument&) {  // it cannot be predicted
   }
   if (out.stated >= out.implied * (1 - kEqual)) return std::nullopt;

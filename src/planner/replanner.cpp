@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <stillbase/core/error.hpp>
+#include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/plan/feature.hpp>
 
 #include "core/covariance.hpp"
@@ -19,9 +20,6 @@ namespace stillbase {
 namespace {
 
 using ReplanClock = StopCondition::Clock;
-
-constexpr double kReportedConfidence = 0.95;
-constexpr int kWindowInstants = 9;  ///< as direction_cone()
 
 CaptureProblem problem_of(const Plan& plan) {
   if (plan.configuration.phi.size() != plan.problem.robot.n()) {
@@ -129,7 +127,7 @@ Replanner::Impl::Impl(const Plan& plan, const ReplanOptions& asked)
       step_(n_),
       change_(n_),
       curved_(n_),
-      window_(kWindowInstants),
+      window_(kConeIntervals + 1),
       contact_(1) {
   const Formulation& formulation = program_.formulation();
   const CaptureProblem& problem = program_.problem();
@@ -399,8 +397,8 @@ double Replanner::Impl::cone_of(const StateEstimate& estimate) {
   if (!uncertainty.cone_confidence || !estimate.covariance) return program_.cone_half_angle();
   const VariableSpec& variables = problem().variables;
   const double lower = variables.contact_time_lower, upper = variables.contact_time_upper;
-  for (int i = 0; i < kWindowInstants; ++i) {
-    window_[static_cast<std::size_t>(i)].time = lower + (upper - lower) * i / (kWindowInstants - 1);
+  for (int i = 0; i <= kConeIntervals; ++i) {
+    window_[static_cast<std::size_t>(i)].time = lower + (upper - lower) * i / kConeIntervals;
   }
   if (!predictor_->predict(estimate.state, *estimate.covariance, window_)) return kInfinity;
   double half_angle = 0;
@@ -426,7 +424,7 @@ void Replanner::Impl::predict(const StateEstimate& estimate, const StopCondition
     const ContactPrediction& there = contact_[0];
     result_.contact.emplace(
         ContactDeviations{there.point_deviation().norm(),
-                          std::min(stillbase::cone_half_angle(there, kReportedConfidence), kPi),
+                          std::min(stillbase::cone_half_angle(there, kDefaultConeConfidence), kPi),
                           there.closing_speed_deviation()});
   }
   longest_prediction_ = std::max(longest_prediction_, ReplanClock::now() - begun);

@@ -18,6 +18,12 @@ inline constexpr double kMaxPredictedRotation = 300;
 double rotation_bound(const TargetEstimate& estimate, const EstimateDeviations& deviations,
                       double duration);
 
+/// Parts of the window of contact times, whose ends direction_cone() looks at.
+inline constexpr int kConeIntervals = 8;
+
+/// Probability of a cone where none is stated.
+inline constexpr double kDefaultConeConfidence = 0.95;
+
 struct DirectionCone {
   double half_angle = 0;     ///< rad
   ContactPrediction widest;  ///< the contact at which it is reached
@@ -37,7 +43,7 @@ DirectionCone direction_cone(const CaptureProblem& problem, double probability);
 struct NarrowCone {
   double stated = 0;       ///< half-angle, rad; 0: the direction counts as exactly known
   double implied = 0;      ///< that of direction_cone() at the probability, rad
-  double probability = 0;  ///< 0.95
+  double probability = 0;  ///< kDefaultConeConfidence
   bool is_wedge = false;   ///< both are angles in a plane
 };
 inline constexpr const char* kNarrowConeRule = "narrow-cone";

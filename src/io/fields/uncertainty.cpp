@@ -1,6 +1,8 @@
 // The section `uncertainty`.
 #include <fmt/format.h>
 
+#include <stillbase/encounter/direction_cone.hpp>
+
 #include "io/fields/sections.hpp"
 
 namespace stillbase::io {
@@ -16,12 +18,12 @@ void cone_fields(Table& t, UncertaintySpec& uncertainty) {
     "about the nominal normal that holds the true one with the probability `confidence` whenever "
     "the contact is in its window, by `target.state.covariance` (Gaussian errors of the normal; "
     "Rayleigh's distribution when they are isotropic)");
-  double confidence = uncertainty.cone_confidence.value_or(0.95);
+  double confidence = uncertainty.cone_confidence.value_or(kDefaultConeConfidence);
   // A schema cannot know which of the two angles is stated.
   t("confidence",
     WrittenIf(Number(confidence, {.lower = 0, .upper = 0.9999, .is_lower_open = true}),
               from_covariance),
-    "beside `from_covariance`", {.without = "0.95"});
+    "beside `from_covariance`", {.without = fmt::format("{}", kDefaultConeConfidence)});
   MapReader* map = t.reader();
   if (map == nullptr) return;
   if (from_covariance) {
@@ -53,7 +55,7 @@ void residual_fields(Table& t, std::optional<ResidualVelocity>& stated) {
     WrittenIf(Number(residual.deviations, {.lower = 0, .upper = 10, .is_lower_open = true}),
               was_stated),
     "of `worst_case`: the largest value over the ellipsoid of this many standard deviations",
-    {.without = "3"});
+    {.without = fmt::format("{}", ResidualVelocity{}.deviations)});
   t("hand_tracking",
     Map(
         [&](Table& m) {
