@@ -1,4 +1,6 @@
 // The section `approach`.
+#include <fmt/format.h>
+
 #include <stillbase/approach/approach.hpp>
 
 #include "io/fields/sections.hpp"
@@ -51,11 +53,12 @@ void approach_fields(Table& t, CaptureProblem& problem) {
     "the start pose follows from the path's net motion; false: the base starts as stated, and its "
     "pose at the contact follows from the path (held: it stays), so base attitude and position "
     "must be fixed");
-  // 0.1 rad/s^2 (m/s^2): a second to reach the few degrees per second at which space arms move.
+  // rad/s^2, m/s^2: a second to reach the few degrees per second at which space arms move.
+  constexpr double kDefaultAcceleration = 0.1;
   t("acceleration_limit",
     JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kLargePositive,
-                {.without = 0.1}),
-    "largest joint acceleration", {.without = "0.1"});
+                {.without = kDefaultAcceleration}),
+    "largest joint acceleration", {.without = fmt::format("{}", kDefaultAcceleration)});
   t("velocity_scale",
     Number(approach.velocity_scale, {.lower = 0, .upper = 1, .is_lower_open = true}),
     "used part of the URDF's joint rates");
@@ -88,9 +91,8 @@ void approach_fields(Table& t, CaptureProblem& problem) {
     "best first, while time is left");
   t("abort", WrittenIf(Flag(approach.abort), !approach.abort),
     "with a `contact.hand_velocity`: plan a path on which the robot stops, away from the target, "
-    "if "
-    "the grasp does not close",
-    {.without = "true"});
+    "if the grasp does not close",
+    {.without = fmt::format("{}", ApproachSpec{}.abort)});
   if (t.reader() != nullptr) check_approach(*t.reader(), problem);
 }
 

@@ -10,9 +10,6 @@
 
 namespace stillbase::io {
 
-namespace {
-
-/// A default as the reference shows it.
 std::string default_text(const Value& value) {
   if (!value.is_written) return "none";
   const Json json = value.write();
@@ -34,8 +31,6 @@ std::string default_text(const Value& value) {
       return json.dump();
   }
 }
-
-}  // namespace
 
 namespace {
 

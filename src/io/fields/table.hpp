@@ -64,6 +64,10 @@ struct Value {
   std::function<void(std::size_t)> choose = nullptr;
 };
 
+/// A default as the reference shows it, by what the data hold; "none" of a value that is not
+/// written.
+std::string default_text(const Value& value);
+
 /// What a table says of a field beside its value and its sentence.
 struct About {
   Need need = Need::Optional;

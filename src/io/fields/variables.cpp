@@ -18,10 +18,13 @@ void attitude_fields(Table& t, VariableSpec& variables) {
     {.need = Need::Required, .decides = true});
   const bool is_cone = variables.base_attitude == AttitudeFreedom::Cone;
   const bool needs_axis = is_cone || variables.base_attitude == AttitudeFreedom::Axis;
+  VariableSpec defaults;
   t("axis", Vector(variables.base_attitude_axis, VectorKind::Direction),
     "`axis`: direction of the rotation; `cone`: direction that the axis of the base has in the "
     "stated attitude",
-    {.need = needs_axis ? Need::Required : Need::Optional, .frame = "N", .without = "[0, 0, 1]"});
+    {.need = needs_axis ? Need::Required : Need::Optional,
+     .frame = "N",
+     .without = default_text(Vector(defaults.base_attitude_axis, VectorKind::Direction))});
   t("max",
     Number(variables.base_attitude_max, Dimension::Angle,
            {.lower = 0, .upper = kPi, .is_lower_open = true}),
@@ -33,8 +36,10 @@ void position_fields(Table& t, VariableSpec& variables) {
   t("freedom", Word(variables.base_position, kPositionFreedomNames), "`fixed`, `box`, `free`",
     {.need = Need::Required, .decides = true});
   const bool is_box = variables.base_position == PositionFreedom::Box;
-  const About corner{
-      .need = is_box ? Need::Required : Need::Optional, .frame = "N", .without = "[0, 0, 0]"};
+  VariableSpec defaults;
+  const About corner{.need = is_box ? Need::Required : Need::Optional,
+                     .frame = "N",
+                     .without = default_text(Vector(defaults.base_position_lower))};
   t("lower", Vector(variables.base_position_lower, Dimension::Length, kPlace),
     "`box`: lower corner", corner);
   t("upper", Vector(variables.base_position_upper, Dimension::Length, kPlace),
@@ -81,13 +86,16 @@ void feature_field(Table& t, CaptureProblem& problem) {
 
 void variables_fields(Table& t, CaptureProblem& problem) {
   VariableSpec& variables = problem.variables;
+  VariableSpec defaults;
   t("joints", JointFlags(variables.joints, problem.robot), "`all`, `none` or a list of joints",
     {.without = "`all`"});
   t("base_attitude", Map([&](Table& m) { attitude_fields(m, variables); }, {.alone = "freedom"}),
-    "`fixed`, `free` or a map", {.without = "`fixed`"});
+    "`fixed`, `free` or a map",
+    {.without = default_text(Word(defaults.base_attitude, kAttitudeFreedomNames))});
   t("base_position", Map([&](Table& m) { position_fields(m, variables); }, {.alone = "freedom"}),
-    "`fixed`, `free` (the station follows the hand) or a map", {.without = "`fixed`"});
-  double instant = 0;
+    "`fixed`, `free` (the station follows the hand) or a map",
+    {.without = default_text(Word(defaults.base_position, kPositionFreedomNames))});
+  double instant = defaults.contact_time_lower;
   t("contact_time",
     Either(
         {Shorthand(Number(instant, Dimension::Time, kInstant),
@@ -95,7 +103,7 @@ void variables_fields(Table& t, CaptureProblem& problem) {
          Map([&](Table& m) { time_fields(m, variables); })}),
     "an instant, or a window `{lower, upper}` (beside a stated `impact.direction` nothing depends "
     "on it: an instant alone)",
-    {.without = "0"});
+    {.without = default_text(Number(instant, Dimension::Time, kInstant))});
   feature_field(t, problem);
 }
 
