@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/io/problem_file.hpp>
 #include <stillbase/proof/proof.hpp>
 
@@ -27,7 +28,7 @@ namespace {
 
 using namespace stillbase;
 
-constexpr double kDegrees = 57.29577951308232;
+constexpr double kDegrees = 180 / kPi;
 constexpr double kSure = 0.95;  ///< part of the seeds that must find a path
 
 /// Seconds that the median seed may take.

@@ -3,12 +3,13 @@
 
 #include <string>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase::app {
 
-inline constexpr double kDegrees = 57.29577951308232;  ///< per radian
+inline constexpr double kDegrees = 180 / kPi;  ///< per radian
 
 /// "(1, 2, 3)" with 4 significant digits.
 std::string vector_words(const Vector3d& v);

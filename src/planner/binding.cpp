@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
 #include "formulation/formulation_parts.hpp"
 #include "formulation/measures/measure.hpp"
 
@@ -10,7 +12,6 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kZeroMeasure = 1e-9;      ///< of the objective's typical size |y|
 constexpr double kLeastMultiplier = 1e-6;  ///< of the value, per unit of the limit
 
 /// Name and unit of a variable that has ends of its own; empty: a rotation vector, whose ends are
@@ -34,7 +35,7 @@ std::vector<BindingLimit> binding_limits(const CaptureProblem& problem,
   Measure measure(problem, formulation);
   const double f = measure.value(x);
   const double unit = formulation.objective_unit();
-  if (!(f > kZeroMeasure * kZeroMeasure / 2)) return {};
+  if (!(f > kZeroObjective * kZeroObjective / 2)) return {};
   const nlp::Certificate certificate = measure.certify(x);
   if (!std::isfinite(certificate.kkt_residual)) return {};
   // The certificate of a measure over directions or samples is that of f / f(x).

@@ -208,7 +208,6 @@ std::optional<Eigen::VectorXd> nearest_zero(const CaptureProblem& problem,
   rough.max_evaluations = options.rough_evaluations;
   rough.feasibility_tolerance = options.rough_violation;
   fine.max_evaluations = options.evaluations;
-  fine.feasibility_tolerance = kFeasibilityTolerance;
   fine.certain = 1;  // refined afterwards
   const auto residual = [&](const Eigen::VectorXd& at) {
     return nlp::certify(distance, at).kkt_residual;

@@ -103,7 +103,6 @@ class Search {
     solve_.max_evaluations =
         simulates_ ? options.max_simulated_evaluations : options.max_evaluations;
     solve_.stop = options.stop;
-    solve_.feasibility_tolerance = kFeasibilityTolerance;
     solve_.optimality_tolerance = kOptimal;
   }
 

@@ -106,7 +106,6 @@ class FrontSearch {
     second_.give_up_simulations_at(options.stop);
     solve_.max_evaluations = 1000;
     solve_.stop = options.stop;
-    solve_.feasibility_tolerance = kFeasibilityTolerance;
     solve_.optimality_tolerance = kOptimal;
   }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/nlp/certificate.hpp>
 #include <stillbase/nlp/problem.hpp>
@@ -23,9 +24,9 @@ struct OptimizeOptions {
   int max_evaluations = 20000;
   /// Asked before every evaluation; one evaluation is done even when it is already reached.
   StopCondition stop = {};
-  /// Largest violation of a feasible point. 1e-9 of a metre or radian is far below anything
-  /// physical and far above the rounding of a few hundred operations on numbers of order one.
-  double feasibility_tolerance = 1e-9;
+  /// Largest violation of a feasible point: far above the rounding of a few hundred operations on
+  /// numbers of order one.
+  double feasibility_tolerance = kFeasibilityTolerance;
   /// Largest KKT residual of an optimal point. Half the digits of a double: what superlinear
   /// solvers reach safely, and an error of the objective of about its square.
   double optimality_tolerance = 1e-6;

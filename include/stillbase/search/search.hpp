@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/interrupt.hpp>
 #include <stillbase/core/phase_clock.hpp>
 #include <stillbase/formulation/formulation.hpp>
@@ -31,7 +32,7 @@ struct CurveOptions {
 
 /// Which points of curves of solutions are listed.
 struct ContinuumOptions {
-  double zero = 1e-9;     ///< an objective that vanishes, over its typical size
+  double zero = kZeroObjective;  ///< an objective that vanishes, over its typical size
   double flat = 1e-9;     ///< worst cases that are the same, over the objective's typical size
   double arc = 1e-8;      ///< to which a minimum is placed: the value is flat there
   double spacing = 0.09;  ///< of the stated points, at most 0.1 apart; chords exceed the arc a bit
@@ -58,12 +59,12 @@ struct MeasureSearchOptions {
   double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
 
   // Rounds of further starts.
-  int first = 24;             ///< starts before the rounds, of either kind
-  int least_rounds = 4;       ///< what the first starts end at may be a wide valley
-  int most_rounds = 20;       ///< a search takes at most three times the time of one without rounds
-  double zero = 1e-9;         ///< |y|, in typical sizes: nothing is better than that
-  int enough = 8;             ///< starts that end at the best minimum end the rounds: five are
-                              ///< sometimes those of a wide valley beside a deeper one
+  int first = 24;        ///< starts before the rounds, of either kind
+  int least_rounds = 4;  ///< what the first starts end at may be a wide valley
+  int most_rounds = 20;  ///< a search takes at most three times the time of one without rounds
+  double zero = kZeroObjective;  ///< |y|, in typical sizes: nothing is better than that
+  int enough = 8;                ///< starts that end at the best minimum end the rounds: five are
+                                 ///< sometimes those of a wide valley beside a deeper one
   int fresh = 6;              ///< starts of a round on the constraints, and as many among the zeros
   int self_motion_steps = 4;  ///< random ones of a zero, before it is a start
   int hops = 24;              ///< starts of a round about the best minimum that had none: from

@@ -6,11 +6,10 @@
 namespace stillbase {
 
 void add_attitude_angle(const CaptureModel& model, ConstraintSet& out) {
-  constexpr double kAnyAttitude = 3.14159;  // rad: a limit of half a turn is none
   const VariableSpec& variables = model.problem.variables;
   const double limit = variables.base_attitude_max;
   if (variables.base_attitude == AttitudeFreedom::Cone || model.layout.attitude_size != 3 ||
-      limit >= kAnyAttitude) {
+      limit >= kHalfTurn) {
     return;
   }
   // Square of the rotation angle from the stated attitude. The rotation vector a is its own image

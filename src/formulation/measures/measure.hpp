@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
@@ -46,8 +47,7 @@ struct MeasureOptions {
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
-  double zero = 1e-9;  ///< of the objective's typical size: of a smaller measure only rounding is
-                       ///< left
+  double zero = kZeroObjective;    ///< of the typical size: of less only rounding is left
 };
 
 /// Several threads may use one object: what is known of a point does not depend on who asked first.

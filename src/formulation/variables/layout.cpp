@@ -11,9 +11,6 @@ namespace stillbase {
 
 namespace {
 
-/// rad: a limit of the rotation angle beyond it is none.
-constexpr double kHalfTurn = 3.14159;
-
 /// Largest attitude variable. Without a limit of the attitude the bounds are beyond the numbers of
 /// the shortest rotations, so that no such rotation is at them. Rotation vectors whose entries are
 /// less than 3.6 rad stay shorter than 2 pi, where they would be singular.
