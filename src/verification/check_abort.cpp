@@ -4,18 +4,14 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
-#include "verification/clearance.hpp"
 #include "verification/path_checks.hpp"
 
 namespace stillbase::verification {
 namespace {
 
-constexpr double kCopied = 1e-9;         ///< rad, m, s: copied numbers differ by rounding only
-constexpr double kInside = 1e-6;         ///< m that the hand may be within the target's surface
-constexpr double kAbortDistance = 1e-5;  ///< m: as of the approach
-constexpr double kAbortTorque = 1e-8;    ///< relative: as of the approach
-constexpr double kAbortRetreat = 1e-6;   ///< rad (m): joint travel by two codes
-constexpr int kLooksPerSegment = 8;      ///< at torques and gaps
+constexpr double kInside = 1e-6;        ///< m that the hand may be within the target's surface
+constexpr double kAbortRetreat = 1e-6;  ///< rad (m): joint travel by two codes
+constexpr int kLooksPerSegment = 8;     ///< at gaps
 
 /// The samples in the form of an approach.
 Approach as_path(const AbortPath& abort) {
@@ -44,28 +40,6 @@ void check_ends(const Context& context, const Approach& path, ClaimList& claims)
                  "joint rates at the end");
 }
 
-void check_torques(const Context& context, const Approach& path, ClaimList& claims) {
-  Largest used;
-  for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
-    const HermiteSegment segment(path, i);
-    for (int look = 0; look <= kLooksPerSegment; ++look) {
-      const double s = segment.duration() * look / kLooksPerSegment;
-      const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
-                                               segment.velocity(s), segment.acceleration(s));
-      for (int k = 0; k < context.problem.robot.n(); ++k) {
-        const Joint& joint = context.problem.robot.joints[static_cast<std::size_t>(k)];
-        used.take(std::abs(tau[k]) / joint.max_effort,
-                  fmt::format("{} at {:.3f} s", joint.name, path.times[i] + s));
-      }
-    }
-  }
-  claims.at_most("abort_joint_torques", used.value, 1 + context.options.limit_slack, "1",
-                 "largest fraction of a torque limit: " + used.place);
-  claims.same("abort_effort_used",
-              relative_error(context.plan.approach.abort->effort_used, used.value), kAbortTorque,
-              fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
-}
-
 /// The stated retreat: the joints come to rest evenly, and meanwhile travel what takes the hand by
 /// this much along the normal, to first order and without turning it.
 void check_retreat(const Context& context, const Approach& path, ClaimList& claims) {
@@ -84,20 +58,6 @@ void check_retreat(const Context& context, const Approach& path, ClaimList& clai
   claims.at_most("abort_retreat", (travel - stated * per_metre).cwiseAbs().maxCoeff(),
                  kAbortRetreat, "rad or m",
                  fmt::format("joint travel from that of the stated retreat, {:.6g} m", stated));
-}
-
-/// The stated clearance lies between the proven one and that at the planner's instants.
-void check_stated_clearance(const Context& context, const PathClearance& found, ClaimList& claims) {
-  const double stated = context.plan.approach.abort->min_clearance;
-  const bool is_none = found.of_path.found == kInfinity;
-  const double fine = is_none ? 0 : found.of_path.proven;
-  const double coarse = found.distance_as_stated.value_or(0);
-  const double difference =
-      is_none && std::isinf(stated) ? 0 : std::max(fine - stated, stated - coarse);
-  claims.at_most("abort_stated_clearance", difference, kAbortDistance, "m",
-                 fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
-                             "from [{:.9g}, {:.9g}], proven and at the planner's steps",
-                             stated, fine, std::max(fine, coarse)));
 }
 
 void check_base(const Context& context, const Approach& path, const std::vector<BaseTrack>& tracks,
@@ -153,7 +113,7 @@ void check_abort(const Context& context, ClaimList& claims) {
   const Approach path = as_path(*abort);
   check_ends(context, path, claims);
   check_path_limits(context, path, "abort", claims);
-  check_torques(context, path, claims);
+  check_torque_use(context, path, abort->effort_used, "abort", claims);
   check_retreat(context, path, claims);
   const std::vector<BaseTrack> tracks = base_tracks(problem, path);
   check_base(context, path, tracks, claims);
@@ -161,22 +121,8 @@ void check_abort(const Context& context, ClaimList& claims) {
       target_motion(problem, context.situation.at, context.situation.hand_N, path.times.back());
   if (!target) return;
   check_gap(context, path, tracks, *target, claims);
-  const PathClearance found = path_clearance(context, path, &*target, tracks);
-  if (!found.complete) {
-    claims.not_evaluated("abort_clearance", problem.approach.clearance, "m", found.detail);
-    return;
-  }
-  if (found.least.found == kInfinity) {
-    claims.at_most("abort_clearance", 0, 0, "m", "no pair of bodies could collide");
-    return;
-  }
-  claims.at_least(
-      "abort_clearance", found.least.proven, problem.approach.clearance,
-      std::min(problem.approach.clearance, kDistanceError), "m",
-      fmt::format("no distance is smaller between the samples, proven with {} "
-                  "instants; smallest found {:.6g} m, {} at {:.3f} s",
-                  found.instants, found.least.found, found.least.pair, found.least.time));
-  check_stated_clearance(context, found, claims);
+  check_path_clearance(context, path_clearance(context, path, &*target, tracks),
+                       abort->min_clearance, "abort", "", claims);
 }
 
 }  // namespace stillbase::verification

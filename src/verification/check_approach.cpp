@@ -4,14 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "verification/checks.hpp"
-#include "verification/clearance.hpp"
 #include "verification/path_checks.hpp"
 
 namespace stillbase::verification {
 namespace {
 
-constexpr double kSame = 1e-9;        ///< rad, m, s: copied numbers differ by rounding only
 constexpr double kLimitSlack = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
 /// Joint travel of one integration step, rad: the error of a step is its fifth power.
 constexpr double kTravelPerStep = 0.005;
@@ -72,13 +69,13 @@ void check_ends(const Context& context, ClaimList& claims) {
   claims.at_most(
       "approach_start",
       largest_difference(problem.robot, approach.joint_positions.front(), problem.start, true),
-      kSame, "rad", "first posture from the problem's start posture");
+      kCopied, "rad", "first posture from the problem's start posture");
   claims.at_most(
       "approach_arrival",
-      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false), kSame,
+      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false), kCopied,
       "rad", "last posture from the configuration");
   claims.at_most("approach_contact_time", std::abs(approach.times.back() - goal.contact_time),
-                 kSame, "s", "last time from the contact time");
+                 kCopied, "s", "last time from the contact time");
   const std::optional<MotionOfRobot>& moving = context.situation.response.before;
   const Eigen::VectorXd wanted =
       moving ? moving->phidot : Eigen::VectorXd(Eigen::VectorXd::Zero(problem.robot.n()));
@@ -86,7 +83,7 @@ void check_ends(const Context& context, ClaimList& claims) {
   claims.at_most("approach_rest",
                  std::max(approach.joint_velocities.front().cwiseAbs().maxCoeff(),
                           at_contact.cwiseAbs().maxCoeff()),
-                 kSame, "rad/s",
+                 kCopied, "rad/s",
                  moving ? "joint rates at the start, and from those of the contact at the end"
                         : "joint rates at both ends");
   if (moving) check_arrival_velocity(context, claims);
@@ -101,16 +98,17 @@ void check_ends(const Context& context, ClaimList& claims) {
   }
   const double wait = approach.times[leaves] - approach.times[arrival];
   claims.at_least(
-      "approach_wait", wait, problem.approach.wait, kSame, "s",
+      "approach_wait", wait, problem.approach.wait, kCopied, "s",
       moving ? "time at rest before the run to the contact" : "time at rest before the contact");
   claims.at_most("approach_duration", approach.times[last] - approach.times.front(),
-                 problem.approach.max_duration * (1 + kSame), "s", "from the start to the contact");
+                 problem.approach.max_duration * (1 + kCopied), "s",
+                 "from the start to the contact");
   claims.at_most("approach_stated_duration",
                  std::abs(approach.times[arrival] - approach.times.front() +
                           (approach.times[last] - approach.times[leaves]) - approach.duration),
-                 kSame, "s", "stated time of motion");
+                 kCopied, "s", "stated time of motion");
   if (!problem.impulse.direction && problem.target) {
-    claims.at_least("approach_begins", approach.times.front(), problem.target_state.time, kSame,
+    claims.at_least("approach_begins", approach.times.front(), problem.target_state.time, kCopied,
                     "s", "not before the time of the target's estimate");
   }
 
@@ -141,28 +139,16 @@ void check_accelerations(const Context& context, ClaimList& claims) {
                  "rates over the time between samples");
 }
 
-/// Torques along the approach against the torque limits, and as stated.
-void check_torques(const Context& context, ClaimList& claims) {
+/// The stated torques against those at the samples.
+void check_stated_torques(const Context& context, ClaimList& claims) {
   const Approach& approach = context.plan.approach;
-  constexpr int kLooks = 8;  // per segment, as often as a plan states it
   double size = 0;
-  Largest used;
   std::vector<Eigen::VectorXd> found;
   for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
     const HermiteSegment segment(approach, i);
-    for (int look = 0; look <= kLooks; ++look) {
-      const double s = segment.duration() * look / kLooks;
-      const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
-                                               segment.velocity(s), segment.acceleration(s));
-      for (int k = 0; k < context.problem.robot.n(); ++k) {
-        const Joint& joint = context.problem.robot.joints[k];
-        used.take(std::abs(tau(k)) / joint.max_effort,
-                  fmt::format("{} at {:.3f} s", joint.name, approach.times[i] + s));
-      }
-      if (look > 0) continue;
-      found.push_back(tau);
-      size = std::max(size, tau.norm());
-    }
+    found.push_back(path_torques(context.problem, segment.position(0), segment.velocity(0),
+                                 segment.acceleration(0)));
+    size = std::max(size, found.back().norm());
   }
   double difference = approach.joint_torques.back().cwiseAbs().maxCoeff();
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -170,11 +156,6 @@ void check_torques(const Context& context, ClaimList& claims) {
   }
   claims.same("approach_stated_torques", difference, kTorqueTolerance,
               fmt::format("up to {:.6g} N m at the samples", size));
-  claims.at_most("approach_joint_torques", used.value, 1 + context.options.limit_slack, "1",
-                 "largest fraction of a torque limit: " + used.place);
-  claims.same("approach_effort_used", relative_error(approach.effort_used, used.value),
-              kTorqueTolerance,
-              fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
 }
 
 /// Integrated poses at all samples, from the first stored one on.
@@ -234,7 +215,7 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   claims.at_most("approach_base_poses", worst_pose, options.base_path_tolerance, "m or rad",
                  fmt::format("{}: stored poses from those integrated from the first one", how));
   if (held) {
-    claims.at_most("approach_base_rates", rate, kSame, "m/s or rad/s", "stored base velocities");
+    claims.at_most("approach_base_rates", rate, kCopied, "m/s or rad/s", "stored base velocities");
   } else {
     claims.at_most("approach_base_steps", worst_step, options.base_step_tolerance, "m or rad",
                    "stored poses from those integrated from the sample before");
@@ -243,10 +224,10 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   }
   claims.at_most("approach_base_arrival",
                  pose_error(approach.base_poses.back(), context.plan.configuration.base).largest(),
-                 kSame, "m or rad", "last base pose from the configuration");
+                 kCopied, "m or rad", "last base pose from the configuration");
   if (!problem.approach.station_free) {
     claims.at_most("approach_base_start",
-                   pose_error(approach.base_poses.front(), problem.base).largest(), kSame,
+                   pose_error(approach.base_poses.front(), problem.base).largest(), kCopied,
                    "m or rad", "first base pose from the stated one");
   }
   if (problem.approach.base == BaseMode::ReactionNull) {
@@ -254,7 +235,7 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
                    "largest change from the final attitude in the reaction null space");
   }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
-                 kSame, "rad",
+                 kCopied, "rad",
                  fmt::format("largest change from the final attitude, {:.6g} rad", excursion));
 
   claims.at_most("approach_hand_error",
@@ -276,38 +257,14 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
 
 void check_clearance(const Context& context, const std::vector<BaseTrack>& tracks,
                      ClaimList& claims) {
-  const ApproachSpec& spec = context.problem.approach;
   const PathClearance found = path_clearance(context, tracks);
-  if (!found.complete) {
-    claims.not_evaluated("approach_clearance", spec.clearance, "m", found.detail);
-    return;
+  if (found.complete) {
+    claims.at_most("approach_distance_codes", found.difference_of_codes, kDistanceError, "m",
+                   "smallest distances at the samples by two codes, largest difference" +
+                       (found.differs_most.empty() ? "" : ": " + found.differs_most));
   }
-  claims.at_most("approach_distance_codes", found.difference_of_codes, kDistanceError, "m",
-                 "smallest distances at the samples by two codes, largest difference" +
-                     (found.differs_most.empty() ? "" : ": " + found.differs_most));
-  if (found.least.found == kInfinity) {
-    claims.at_most("approach_clearance", 0, 0, "m", "no pair of bodies could collide");
-    return;
-  }
-  // Without a clearance the bodies must still be apart.
-  const double slack = std::min(spec.clearance, kDistanceError);
-  claims.at_least(
-      "approach_clearance", found.least.proven, spec.clearance, slack, "m",
-      fmt::format("no distance is smaller between the samples, proven with {} "
-                  "instants; smallest found {:.6g} m, {} at {:.3f} s; hand and target "
-                  "included until the feature is within reach",
-                  found.instants, found.least.found, found.least.pair, found.least.time));
-  // A plan states the smallest of the distances half a resolution apart. Between them it may be
-  // smaller, so a stated one is between the two.
-  const double stated = context.plan.approach.min_clearance;
-  const bool agree_on_none = found.of_path.found == kInfinity && std::isinf(stated);
-  const double fine = found.of_path.found == kInfinity ? 0 : found.of_path.proven,
-               coarse = found.distance_as_stated.value_or(0);
-  const double difference = agree_on_none ? 0 : std::max(fine - stated, stated - coarse);
-  claims.at_most("approach_stated_clearance", difference, kStatedDistance, "m",
-                 fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
-                             "from [{:.9g}, {:.9g}], proven and at the planner's steps",
-                             stated, fine, std::max(fine, coarse)));
+  check_path_clearance(context, found, context.plan.approach.min_clearance, "approach",
+                       "; hand and target included until the feature is within reach", claims);
 }
 
 }  // namespace
@@ -350,6 +307,59 @@ void check_path_limits(const Context& context, const Approach& path, const std::
                  "largest fraction of a rate limit: " + rate.place);
   claims.at_most(name + "_joint_accelerations", acceleration.value, 1 + slack, "1",
                  "largest fraction of an acceleration limit: " + acceleration.place);
+}
+
+void check_torque_use(const Context& context, const Approach& path, double stated,
+                      const std::string& name, ClaimList& claims) {
+  constexpr int kLooks = 8;  // per segment, as often as a plan states it
+  Largest used;
+  for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
+    const HermiteSegment segment(path, i);
+    for (int look = 0; look <= kLooks; ++look) {
+      const double s = segment.duration() * look / kLooks;
+      const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
+                                               segment.velocity(s), segment.acceleration(s));
+      for (int k = 0; k < context.problem.robot.n(); ++k) {
+        const Joint& joint = context.problem.robot.joints[k];
+        used.take(std::abs(tau(k)) / joint.max_effort,
+                  fmt::format("{} at {:.3f} s", joint.name, path.times[i] + s));
+      }
+    }
+  }
+  claims.at_most(name + "_joint_torques", used.value, 1 + context.options.limit_slack, "1",
+                 "largest fraction of a torque limit: " + used.place);
+  claims.same(name + "_effort_used", relative_error(stated, used.value), kTorqueTolerance,
+              fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
+}
+
+void check_path_clearance(const Context& context, const PathClearance& found, double stated,
+                          const std::string& name, const std::string& included, ClaimList& claims) {
+  const double clearance = context.problem.approach.clearance;
+  if (!found.complete) {
+    claims.not_evaluated(name + "_clearance", clearance, "m", found.detail);
+    return;
+  }
+  if (found.least.found == kInfinity) {
+    claims.at_most(name + "_clearance", 0, 0, "m", "no pair of bodies could collide");
+    return;
+  }
+  // Without a clearance the bodies must still be apart.
+  claims.at_least(
+      name + "_clearance", found.least.proven, clearance, std::min(clearance, kDistanceError), "m",
+      fmt::format("no distance is smaller between the samples, proven with {} instants; smallest "
+                  "found {:.6g} m, {} at {:.3f} s{}",
+                  found.instants, found.least.found, found.least.pair, found.least.time, included));
+  // A plan states the smallest of the distances half a resolution apart. Between them it may be
+  // smaller, so a stated one is between the two.
+  const bool is_none = found.of_path.found == kInfinity;
+  const double fine = is_none ? 0 : found.of_path.proven;
+  const double coarse = found.distance_as_stated.value_or(0);
+  const double difference =
+      is_none && std::isinf(stated) ? 0 : std::max(fine - stated, stated - coarse);
+  claims.at_most(name + "_stated_clearance", difference, kStatedDistance, "m",
+                 fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
+                             "from [{:.9g}, {:.9g}], proven and at the planner's steps",
+                             stated, fine, std::max(fine, coarse)));
 }
 
 Eigen::VectorXd path_torques(const CaptureProblem& problem, const Eigen::VectorXd& phi,
@@ -406,7 +416,8 @@ void check_approach(const Context& context, ClaimList& claims) {
   check_ends(context, claims);
   check_path_limits(context, approach, "approach", claims);
   check_accelerations(context, claims);
-  check_torques(context, claims);
+  check_stated_torques(context, claims);
+  check_torque_use(context, approach, approach.effort_used, "approach", claims);
   double worst_step = 0;
   const std::vector<BaseTrack> tracks = base_tracks(context.problem, approach);
   const std::vector<Pose> poses = integrated_poses(context, tracks, &worst_step);

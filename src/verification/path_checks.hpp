@@ -5,9 +5,12 @@
 #include <vector>
 
 #include "verification/checks.hpp"
+#include "verification/clearance.hpp"
 #include "verification/path_motion.hpp"
 
 namespace stillbase::verification {
+
+inline constexpr double kCopied = 1e-9;  ///< rad, m, s: copied numbers differ by rounding only
 
 /// Largest difference of two postures. @param modulo_full_rotations of continuous joints
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
@@ -17,6 +20,16 @@ double largest_difference(const RobotModel& robot, const JointVectord& a, const 
 /// @param name of the path, before those of the checks
 void check_path_limits(const Context& context, const Approach& path, const std::string& name,
                        ClaimList& claims);
+
+/// Torques along a path against the torque limits, and their largest fraction as stated.
+void check_torque_use(const Context& context, const Approach& path, double stated,
+                      const std::string& name, ClaimList& claims);
+
+/// The clearance of a path, and the smallest one as stated: that lies between what is proven and
+/// the distances at the planner's instants.
+/// @param included in words, what else is among the distances
+void check_path_clearance(const Context& context, const PathClearance& found, double stated,
+                          const std::string& name, const std::string& included, ClaimList& claims);
 
 /// Torques by the second implementation of the dynamics: M [Omega'; phi''] + c = [0; tau], the base
 /// floating without momentum or held; rotor inertias rotate with their joints.
