@@ -412,8 +412,9 @@ class Stage {
       if (!is_goal(k)) continue;
       const std::size_t i = order_.order[k];
       const Candidate& candidate = found_.candidates[i];
-      goals.push_back(
-          {i, {}, false, collisions_.target_towards(candidate.configuration), contact_at(i)});
+      Goal goal{i, {}, false, collisions_.target_towards(candidate.configuration), nullptr};
+      goal.contact = contact_at(i);
+      goals.push_back(std::move(goal));
     }
     return goals;
   }
