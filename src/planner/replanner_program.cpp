@@ -5,6 +5,7 @@
 
 #include <stillbase/core/error.hpp>
 
+#include "formulation/measures/measure.hpp"
 #include "formulation/measures/residual.hpp"
 
 namespace stillbase {
@@ -96,7 +97,7 @@ double ReplanProgram::half_square(double length) const {
 }
 
 void ReplanProgram::evaluate_cone(const NominalPoint& here, ReplanPoint& point) {
-  constexpr double kCounting = 0.25;  // of the worst |y|^2: smaller maxima do not decide a step
+  constexpr double kCounting = MeasureOptions{}.counting_maximum;  // smaller maxima decide no step
   const CaptureModel& model = parts().model;
   directions_.move_to(here.impact.encounter, here.posture);
   const std::vector<ConePlace>& maxima = cone_.maxima(directions_);
