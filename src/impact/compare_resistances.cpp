@@ -1,9 +1,8 @@
 #include <stillbase/impact/compare_resistances.hpp>
 
-#include <cmath>
-
 #include <stillbase/core/constants.hpp>
-#include <stillbase/impact/gradient.hpp>
+#include <stillbase/dynamics/inertia.hpp>
+#include <stillbase/dynamics/jacobian.hpp>
 
 namespace stillbase {
 
@@ -48,20 +47,6 @@ std::vector<ComparedResistance> resistances_to_compare(const RobotModel& robot,
   locked.locked.assign(static_cast<std::size_t>(n), true);
   if (stated.model == ResistanceModel::Locked) locked.locked = stated.locked;
   return list;
-}
-
-std::vector<ImpactSummary> compare_resistances(const RobotModel& robot, const JointVectord& phi,
-                                               const std::vector<JointResistance>& resistances,
-                                               const ImpulseLaw& law, double case_tolerance) {
-  std::vector<ImpactSummary> out;
-  for (const JointResistance& resistance : resistances) {
-    const auto posture =
-        evaluate_posture<double>(robot, prepare_resistance(resistance, robot.n()), phi);
-    const ContactImpulse impulse = law(extended_inverse_inertia(posture.factor, posture.jacobian));
-    out.push_back(summarize_impact(robot, phi, resistance, impulse.Fbar, impulse.closing_speed,
-                                   case_tolerance));
-  }
-  return out;
 }
 
 }  // namespace stillbase

@@ -1,11 +1,10 @@
-// The same impact with the joints resisting in different ways, side by side.
+// Ways in which the joints may resist, for the same impact side by side.
 #pragma once
 
-#include <functional>
 #include <vector>
 
-#include <stillbase/impact/contact_impulse.hpp>
-#include <stillbase/impact/summary.hpp>
+#include <stillbase/impact/joint_resistance.hpp>
+#include <stillbase/robot/robot_model.hpp>
 
 namespace stillbase {
 
@@ -25,15 +24,5 @@ struct ComparedResistance {
 std::vector<ComparedResistance> resistances_to_compare(const RobotModel& robot,
                                                        const JointVectord& phi,
                                                        const JointResistance& stated);
-
-/// The impulse at a hand with inverse inertia W_h (6x6): resisting joints make the hand heavier, so
-/// the impulse of a contact depends on them.
-using ImpulseLaw = std::function<ContactImpulse(const Matrix6d& W_h)>;
-
-/// The impact of one law under each resistance (same order).
-std::vector<ImpactSummary> compare_resistances(const RobotModel& robot, const JointVectord& phi,
-                                               const std::vector<JointResistance>& resistances,
-                                               const ImpulseLaw& law,
-                                               double case_tolerance = kCaseTolerance);
 
 }  // namespace stillbase
