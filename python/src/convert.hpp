@@ -49,12 +49,12 @@ Eigen::MatrixXd matrix_of(const Numbers& array, Eigen::Index rows, Eigen::Index 
 Eigen::MatrixXd rows_of(const Numbers& array, Eigen::Index count, Eigen::Index columns,
                         const char* name);
 
-/// @throws std::invalid_argument unless all numbers of a result of this impulse are finite: it was
-/// so large that they are beyond the range of a double
+/// @throws std::invalid_argument unless all numbers of a result are finite: those that were given
+/// are, but so large that the result is beyond the range of a double
 template <class Derived>
 void check_range(const Eigen::MatrixBase<Derived>& result) {
   if ((0 * result).sum() == 0) return;
-  throw std::invalid_argument("impulse: so large that the answer is not finite");
+  throw std::invalid_argument("the numbers are so large that the answer is not finite");
 }
 
 /// A new array, of one dimension for vectors.

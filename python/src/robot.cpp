@@ -130,6 +130,7 @@ Responses evaluate_batch(const Robot& robot, const Numbers& phi, const Numbers& 
   const Unlocked unlocked;
   evaluate_postures(robot.model, resistance, batch, out.values);
   check_range(out.values.hand_inverse_mass);  // of the second power: it leaves the range first
+  check_range(out.values.p);
   return out;
 }
 
@@ -346,8 +347,7 @@ void register_posture(py::module_& m) {
       "respond",
       [](const Posture& p, const Numbers& impulse) {
         const auto answer = respond<double>(p.impact, vector_of(impulse, 6, "impulse"));
-        check_range(answer.base);
-        check_range(answer.total);
+        check_range(Eigen::Matrix<double, 1, 1>(answer.hand_inverse_mass));  // as of many postures
         return Response{answer, answer.coupling()};
       },
       py::arg("impulse"), "Response to an impulse [f; t] at the hand in B, (6,), N s, N m s.");

@@ -132,23 +132,30 @@ class Posture(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "added_inertia: must not be negative"):
             self.robot.jump(self.phi, IMPULSE, added_inertia=np.full(7, -1.0))
 
-    def test_an_impulse_whose_answer_no_double_holds_is_refused(self):
-        huge = np.full(6, 1e308)
+    def test_numbers_whose_answer_no_double_holds_are_refused(self):
+        huge, large = np.full(6, 1e308), np.full(6, 1e200)
+        phi = np.linspace(-1, 1, self.robot.n)  # whether 1e308 is too much depends on the posture
+        posture = self.robot.evaluate(phi)
         calls = {
-            "jump": lambda: self.robot.jump(self.phi, huge),
-            "jump of locked joints": lambda: self.robot.jump(
-                self.phi, huge, locked=[True] * self.robot.n
+            "jump": lambda: self.robot.jump(phi, huge),
+            "jump with added inertia": lambda: self.robot.jump(
+                phi, huge, added_inertia=np.full(self.robot.n, 1e-3)
             ),
-            "impact": lambda: stillbase.impact(self.robot, self.phi, huge),
-            "response": lambda: self.posture.respond(huge),
-            "gradient": lambda: self.posture.gradient(huge, omega=np.full(3, 1e10)),
-            "batch": lambda: self.robot.respond(self.phi[None], huge),
+            "impact": lambda: stillbase.impact(self.robot, phi, huge),
+            "response": lambda: posture.respond(huge),
+            "response of the second power": lambda: posture.respond(large),
+            "gradient": lambda: posture.gradient(huge, omega=np.full(3, 1e10)),
+            "batch": lambda: self.robot.respond(phi[None], huge),
+            "batch of the second power": lambda: self.robot.respond(phi[None], large),
+            "batch with a target": lambda: self.robot.respond(
+                phi[None], 1e-3 * IMPULSE, approach=[1e308], target_inverse_mass=[1e-6]
+            ),
             "objective": lambda: self.robot.objective(
-                self.phi[None], huge, {"base_angular_momentum": 1.0}
+                phi[None], huge, {"base_angular_momentum": 1.0}
             ),
         }
         for name, call in calls.items():
-            with self.subTest(name), self.assertRaisesRegex(ValueError, "^impulse: so large"):
+            with self.subTest(name), self.assertRaisesRegex(ValueError, "so large that"):
                 call()
 
     def test_resistance_is_that_of_the_problem_file(self):
