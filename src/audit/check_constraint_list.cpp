@@ -91,10 +91,8 @@ void check_constraint_list(const Context& context, ClaimList& claims) {
     if (!known.find(c.name)) unknown += " " + c.name;
   }
   for (const std::string& name : known.demanded()) {
-    // These are listed even where they never change.
-    const bool is_always = name == "closing_speed" || name.rfind("joint_limit_", 0) == 0;
-    objections.demand(count(name) > 0 || (!is_always && samples.is_idle(name)),
-                      name + " is missing");
+    const bool may_miss = !known.find(name)->is_always_listed && samples.is_idle(name);
+    objections.demand(count(name) > 0 || may_miss, name + " is missing");
   }
   for (const std::string& group : known.demanded_groups()) {
     const bool is_coupling = group == "case_coupling_";

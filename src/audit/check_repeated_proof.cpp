@@ -31,18 +31,7 @@ WithinLimits judge_limits(const CaptureProblem& problem, const JointBox& box) {
           there.hand_N;
     }
   }
-  const ConstraintSpec& wanted = problem.constraints;
-  const MarginNumbers found = margin_numbers(Situation(problem, at));
-  double room = -found.rate_excess;
-  const auto above = [&room](const std::optional<double>& value, double least) {
-    if (value) room = std::min(room, *value - least);
-  };
-  above(found.coupling, wanted.coupling_singular_value_min);
-  above(found.jacobian, wanted.jacobian_singular_value_min);
-  if (wanted.clearance) {
-    above(found.distance, *wanted.clearance);
-    above(neighbours_distance(problem, at), *wanted.clearance);
-  }
+  const double room = least_margin(Situation(problem, at));
   if (room < -kLimitMargin) return WithinLimits::No;
   return room > kLimitMargin ? WithinLimits::Yes : WithinLimits::Undecided;
 }

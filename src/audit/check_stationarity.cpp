@@ -122,10 +122,9 @@ class Stationarity {
   /// Whether several features of two bodies are at their limit. A search has one distance of the
   /// bodies, with the gradient of one feature.
   bool has_equal_features() const {
-    std::set<std::string> pairs;
+    std::set<std::pair<std::string, bool>> ends;
     return std::any_of(active_.begin(), active_.end(), [&](std::size_t i) {
-      const std::string& name = limits_[i].name;
-      return name.rfind("clearance_", 0) == 0 && !pairs.insert(name).second;
+      return !ends.insert({limits_[i].name, limits_[i].is_upper}).second;
     });
   }
   Eigen::Index directions() const { return open_.cols(); }

@@ -37,10 +37,6 @@ bool has_hand_point(const CaptureProblem& problem) {
   return problem.hand.position || !problem.impulse.direction;
 }
 
-bool is_short(const std::optional<double>& value, double least) {
-  return value && *value < least + kInside;
-}
-
 }  // namespace
 
 bool reaches_every_angle(const CaptureProblem& problem, int k) {
@@ -363,7 +359,7 @@ bool Equations::keeps_inequalities(const Configuration& at) const {
   }
   const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
   if (event.feature && (time_is_free || problem_.impulse.source != ImpulseSource::Given) &&
-      is_short(closing_speed(problem_, event, event.n), problem_.constraints.closing_speed_min)) {
+      closing_speed(problem_, event, event.n) < problem_.constraints.closing_speed_min + kInside) {
     return false;
   }
   if (variables.base_position != PositionFreedom::Box || !has_hand_point(problem_)) return true;
@@ -374,24 +370,14 @@ bool Equations::keeps_inequalities(const Configuration& at) const {
 }
 
 bool Equations::keeps_margins(Configuration at) const {
-  const ConstraintSpec& wanted = problem_.constraints;
-  const bool has_rates = wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0;
-  if (!has_rates && !(wanted.coupling_singular_value_min > 0) &&
-      !(wanted.jacobian_singular_value_min > 0) && !wanted.clearance) {
-    return true;
-  }
+  if (!demands_margins(problem_)) return true;
   const ContactEvent event = event_at(at);
   if (problem_.variables.base_position != PositionFreedom::Fixed && event.feature) {
     const auto dynamics = reference::compute(problem_.robot, {at.phi, {}, {}});
     at.base.position =
         event.feature->point - at.base.orientation * Vector3d(dynamics.hand_position);
   }
-  const MarginNumbers found = margin_numbers(Situation(problem_, at));
-  return !(found.rate_excess > -kInside) &&
-         !is_short(found.coupling, wanted.coupling_singular_value_min) &&
-         !is_short(found.jacobian, wanted.jacobian_singular_value_min) &&
-         !(wanted.clearance && (is_short(found.distance, *wanted.clearance) ||
-                                is_short(neighbours_distance(problem_, at), *wanted.clearance)));
+  return !(least_margin(Situation(problem_, at)) < kInside);
 }
 
 }  // namespace stillbase::audit

@@ -10,6 +10,7 @@
 #include <stillbase/core/random.hpp>
 
 #include "audit/equations.hpp"
+#include "verification/limits.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
@@ -98,12 +99,9 @@ std::vector<double> distances_from_limits(const Situation& situation,
     if (limits != nullptr) limits->push_back(limit);
   };
   const auto between = [&](double x, double lower, double upper, const std::string& name,
-                           const char* unit) {
-    add(x - lower, {name, unit, lower});
-    add(upper - x, {name, unit, upper, true});
-  };
-  const auto above = [&](double x, double least, const std::string& name, const char* unit) {
-    add(x - least, {name, unit, least});
+                           const std::string& unit) {
+    if (std::isfinite(lower)) add(x - lower, {name, unit, lower});
+    if (std::isfinite(upper)) add(upper - x, {name, unit, upper, true});
   };
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
@@ -135,34 +133,10 @@ std::vector<double> distances_from_limits(const Situation& situation,
               std::string("base_position_") + "xyz"[i], "m");
     }
   }
-  const ContactEvent& event = situation.event;
-  above(closing_speed(problem, event, event.n), wanted.closing_speed_min, "closing_speed", "m/s");
-  if (problem.impulse.contact == ContactLaw::Sticking) {
-    above(event.n.dot(situation.impulse().head<3>()), 0, "contact_push", "N s");
-  }
-  const auto rate_unit = [&problem](int k) {
-    return problem.robot.joints[k].is_prismatic() ? "m/s" : "rad/s";
-  };
-  if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
-    const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
-    for (int k = 0; k < problem.robot.n(); ++k) {
-      const double limit = joint_rate_limit(problem, k);
-      between(rates[k], -limit, limit, "joint_rate_" + problem.robot.joints[k].name, rate_unit(k));
+  for (const LimitRecord& record : limit_records()) {
+    for (const ContactLimit& limit : limits_of(record, situation)) {
+      between(limit.value, limit.range.lower, limit.range.upper, limit.name, limit.unit);
     }
-  }
-  for (int k = 0; situation.response.before && k < problem.robot.n(); ++k) {
-    const double limit = arrival_rate_limit(problem, k);
-    if (!std::isfinite(limit)) continue;
-    between(situation.response.before->phidot[k], -limit, limit,
-            "arrival_rate_" + problem.robot.joints[k].name, rate_unit(k));
-  }
-  if (wanted.coupling_singular_value_min > 0) {
-    above(coupling_singular_value(situation.response), wanted.coupling_singular_value_min,
-          "coupling_singular_value", "kg m^2");
-  }
-  if (wanted.jacobian_singular_value_min > 0) {
-    above(jacobian_singular_value(situation.response, wanted.jacobian_length),
-          wanted.jacobian_singular_value_min, "jacobian_singular_value", "m");
   }
   if (!wanted.clearance) return out;
   const auto target = situation.target_pose();

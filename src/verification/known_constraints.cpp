@@ -7,6 +7,8 @@
 
 #include <stillbase/core/constants.hpp>
 
+#include "verification/limits.hpp"
+
 namespace stillbase::verification {
 
 KnownConstraints::KnownConstraints(const Situation& situation)
@@ -17,30 +19,26 @@ KnownConstraints::KnownConstraints(const Situation& situation)
   add_hand();
   add_joints();
   add_case();
-  const CaptureProblem& problem = situation.problem;
-  const ConstraintSpec& wanted = problem.constraints;
-  add("closing_speed", wanted.closing_speed_min, kInfinity,
-      closing_speed(problem, situation.event, situation.event.n));
-  add("contact_push", 0, kInfinity, situation.event.n.dot(situation.impulse().head<3>()));
-  add("coupling_singular_value", wanted.coupling_singular_value_min, kInfinity,
-      coupling_singular_value(situation.response));
-  add("jacobian_singular_value", wanted.jacobian_singular_value_min, kInfinity,
-      jacobian_singular_value(situation.response, wanted.jacobian_length));
+  for (const LimitRecord& record : limit_records()) {
+    for (const ContactLimit& limit : numbers_of(record, situation)) {
+      add(limit.name, limit.range.lower, limit.range.upper, limit.value, limit.is_always_listed);
+    }
+  }
 }
 
 std::optional<KnownConstraint> KnownConstraints::find(const std::string& name) const {
   // The name of a clearance starts with the numbers of its two shapes.
   if (const auto pair = clearance_numbers(name)) {
     return KnownConstraint{situation_.problem.constraints.clearance.value_or(-kInfinity), kInfinity,
-                           shapes_.distance(pair->first, pair->second), ""};
+                           shapes_.distance(pair->first, pair->second), "", false};
   }
   const auto found = known_.find(name);
   return found == known_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void KnownConstraints::add(const std::string& name, double lower, double upper,
-                           std::optional<double> value) {
-  known_[name] = {lower, upper, value, ""};
+                           std::optional<double> value, bool is_always_listed) {
+  known_[name] = {lower, upper, value, "", is_always_listed};
 }
 
 /// Equations <name><suffix> = 0 that are components of a vector in B.
@@ -49,7 +47,7 @@ void KnownConstraints::add_group(const std::string& name,
                                  const Vector3d& vector, double scale) {
   groups_[name] = {vector.norm(), scale,
                    rotation_between(situation_.event.n, Vector3d::UnitX()) * vector};
-  for (const char* suffix : suffixes) known_[name + suffix] = {0, 0, std::nullopt, name};
+  for (const char* suffix : suffixes) known_[name + suffix] = {0, 0, std::nullopt, name, false};
 }
 
 std::optional<Vector3d> KnownConstraints::contact_point() const {
@@ -107,19 +105,12 @@ void KnownConstraints::add_hand() {
 
 void KnownConstraints::add_joints() {
   const CaptureProblem& problem = situation_.problem;
-  const auto rates = situation_.response.impact(situation_.impulse()).Delta_phidot;
   for (int k = 0; k < problem.robot.n(); ++k) {
     const Joint& joint = problem.robot.joints[k];
-    const double rate = joint_rate_limit(problem, k);
-    add("joint_rate_" + joint.name, -rate, rate, rates[k]);
-    if (const auto& before = situation_.response.before) {
-      const double most = arrival_rate_limit(problem, k);
-      add("arrival_rate_" + joint.name, -most, most, before->phidot[k]);
-    }
     const double margin =
         joint.type == JointType::Continuous ? 0 : problem.constraints.joint_limit_margin;
     add("joint_limit_" + joint.name, joint.lower + margin, joint.upper - margin,
-        situation_.at.phi(k));
+        situation_.at.phi(k), true);
   }
 }
 
@@ -142,7 +133,6 @@ void KnownConstraints::add_case() {
 std::vector<std::string> KnownConstraints::demanded() const {
   const CaptureProblem& problem = situation_.problem;
   const VariableSpec& free = problem.variables;
-  const ConstraintSpec& wanted = problem.constraints;
   const HandConstraint hand = problem.hand.constraint;
   const bool follows_target = !problem.impulse.direction;
   const bool has_point = problem.hand.position || follows_target;
@@ -157,24 +147,19 @@ std::vector<std::string> KnownConstraints::demanded() const {
   }
   if (hand == HandConstraint::Axis || hand == HandConstraint::Pose) out.push_back("hand_facing");
   for (int k = 0; k < problem.robot.n(); ++k) {
-    const std::string& name = problem.robot.joints[k].name;
-    if (std::isfinite(joint_rate_limit(problem, k))) out.push_back("joint_rate_" + name);
-    if (problem.hand_motion.moves() && std::isfinite(arrival_rate_limit(problem, k))) {
-      out.push_back("arrival_rate_" + name);
-    }
     const Joint& joint = problem.robot.joints[k];
-    if (free.joints[k] && joint.type != JointType::Continuous) out.push_back("joint_limit_" + name);
+    if (!free.joints[k] || joint.type == JointType::Continuous) continue;
+    out.push_back("joint_limit_" + joint.name);
   }
-  if (wanted.coupling_singular_value_min > 0) out.push_back("coupling_singular_value");
-  if (wanted.jacobian_singular_value_min > 0) out.push_back("jacobian_singular_value");
-  if (problem.impulse.source != ImpulseSource::Given) out.push_back("closing_speed");
-  if (problem.impulse.contact == ContactLaw::Sticking) out.push_back("contact_push");
+  for (const LimitRecord& record : limit_records()) {
+    for (const ContactLimit& limit : limits_of(record, situation_)) out.push_back(limit.name);
+  }
   constexpr double kHalfRotation = 3.14159;  // rad: a larger limit of the angle is none
   if (free.base_attitude == AttitudeFreedom::Cone) out.push_back("base_attitude_cone");
   if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kHalfRotation) {
     out.push_back("base_attitude_squared");
   }
-  for (int i = 1; wanted.clearance && i <= shapes_.count(); ++i) {
+  for (int i = 1; problem.constraints.clearance && i <= shapes_.count(); ++i) {
     for (int j = i + 1; j <= shapes_.count(); ++j) {
       if (!shapes_.must_be_apart(i, j) || !shapes_.distance(i, j)) continue;
       out.push_back(fmt::format("clearance_{}_{}_{}_{}", i, j, shapes_.name(i), shapes_.name(j)));

@@ -16,6 +16,7 @@ struct KnownConstraint {
   double lower = 0, upper = 0;
   std::optional<double> value;  ///< empty: not recomputed, or part of a group
   std::string group;  ///< of components whose axes are arbitrary: only their norm is compared
+  bool is_always_listed = false;  ///< even where it never changes
 };
 
 /// Equations that are components of one vector along axes that nobody states.
@@ -41,7 +42,8 @@ class KnownConstraints {
   std::vector<std::string> demanded_groups() const;
 
  private:
-  void add(const std::string& name, double lower, double upper, std::optional<double> value);
+  void add(const std::string& name, double lower, double upper, std::optional<double> value,
+           bool is_always_listed = false);
   void add_group(const std::string& name, std::initializer_list<const char*> suffixes,
                  const Vector3d& vector, double scale);
   std::optional<Vector3d> contact_point() const;

@@ -6,6 +6,8 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 
+#include "verification/limits.hpp"
+
 namespace stillbase::verification {
 namespace {
 
@@ -146,13 +148,6 @@ double box_to_box(const Pose& a, const Vector3d& a_size, const Pose& b, const Ve
 
 }  // namespace
 
-double joint_rate_limit(const CaptureProblem& problem, int joint) {
-  const ConstraintSpec& wanted = problem.constraints;
-  if (wanted.joint_rate_max.size() == problem.robot.n()) return wanted.joint_rate_max[joint];
-  if (!wanted.joint_rate_scale) return kInfinity;
-  return problem.robot.joints[joint].max_velocity * *wanted.joint_rate_scale;
-}
-
 double coupling_singular_value(const PostureResponse& response) {
   return smallest_of_rank(response.dynamics.Htilde_omegaphi);
 }
@@ -279,40 +274,26 @@ std::optional<std::pair<int, int>> clearance_numbers(const std::string& name) {
   return std::pair{i, j};
 }
 
-MarginNumbers margin_numbers(const Situation& situation) {
-  const CaptureProblem& problem = situation.problem;
-  const ConstraintSpec& wanted = problem.constraints;
-  MarginNumbers out;
-  if (wanted.joint_rate_scale || wanted.joint_rate_max.size() > 0) {
-    const auto rates = situation.response.impact(situation.impulse()).Delta_phidot;
-    for (int k = 0; k < problem.robot.n(); ++k) {
-      const double excess = std::abs(rates[k]) - joint_rate_limit(problem, k);
-      if (excess <= out.rate_excess) continue;
-      out.rate_excess = excess;
-      out.fastest = problem.robot.joints[k].name;
-    }
-  }
-  if (wanted.coupling_singular_value_min > 0) {
-    out.coupling = coupling_singular_value(situation.response);
-  }
-  if (wanted.jacobian_singular_value_min > 0) {
-    out.jacobian = jacobian_singular_value(situation.response, wanted.jacobian_length);
-  }
-  if (!wanted.clearance) return out;
+ClosestShapes closest_shapes(const Situation& situation) {
+  ClosestShapes out;
   const auto target = situation.target_pose();
-  const ContactShapes shapes(problem, situation.at, target ? &*target : nullptr);
+  const ContactShapes shapes(situation.problem, situation.at, target ? &*target : nullptr);
   for (int i = 1; i <= shapes.count(); ++i) {
     for (int j = i + 1; j <= shapes.count(); ++j) {
       if (!shapes.must_be_apart(i, j)) continue;
       const auto distance = shapes.distance(i, j, out.distance.value_or(kInfinity));
       if (!distance || (out.distance && *distance >= *out.distance)) continue;
       out.distance = distance;
-      out.nearest = shapes.name(i) + " with " + shapes.name(j);
+      out.pair = shapes.name(i) + " with " + shapes.name(j);
     }
   }
   return out;
 }
 
+namespace {
+
+/// The smallest distance of neighbours in the tree that are apart in the start posture, m; infinite
+/// without any.
 double neighbours_distance(const CaptureProblem& problem, const Configuration& at) {
   const ContactShapes here(problem, at, nullptr);
   const ContactShapes start(problem, {problem.start, at.base, at.contact_time}, nullptr);
@@ -327,26 +308,57 @@ double neighbours_distance(const CaptureProblem& problem, const Configuration& a
   return least;
 }
 
+/// The limit of a margin that is nearest, or exceeded most; empty: the problem has none.
+std::optional<ContactLimit> tightest(const LimitRecord& record, const Situation& situation) {
+  if (record.check == nullptr) return std::nullopt;
+  const std::vector<ContactLimit> limits = limits_of(record, situation);
+  const auto least = std::min_element(
+      limits.begin(), limits.end(),
+      [](const ContactLimit& a, const ContactLimit& b) { return a.room() < b.room(); });
+  return least == limits.end() ? std::nullopt : std::optional(*least);
+}
+
+}  // namespace
+
+bool demands_margins(const CaptureProblem& problem) {
+  const std::vector<LimitRecord>& records = limit_records();
+  return problem.constraints.clearance ||
+         std::any_of(records.begin(), records.end(), [&](const LimitRecord& record) {
+           return record.check != nullptr && record.is_set(problem);
+         });
+}
+
+double least_margin(const Situation& situation) {
+  double least = kInfinity;
+  for (const LimitRecord& record : limit_records()) {
+    if (const auto limit = tightest(record, situation)) least = std::min(least, limit->room());
+  }
+  const std::optional<double>& clearance = situation.problem.constraints.clearance;
+  if (!clearance) return least;
+  const double apart = closest_shapes(situation).distance.value_or(kInfinity);
+  const double neighbours = neighbours_distance(situation.problem, situation.at);
+  return std::min(least, std::min(apart, neighbours) - *clearance);
+}
+
 void check_margins(const Situation& situation, const VerifyOptions& options, ClaimList& claims) {
-  const ConstraintSpec& wanted = situation.problem.constraints;
   const double tolerance = options.constraint_tolerance;
-  const MarginNumbers found = margin_numbers(situation);
-  if (!found.fastest.empty() && std::isfinite(found.rate_excess)) {
-    claims.at_most("joint_rate_limits", found.rate_excess, tolerance, "rad/s",
-                   "furthest beyond its rate limit right after the impact: " + found.fastest);
+  for (const LimitRecord& record : limit_records()) {
+    const auto limit = tightest(record, situation);
+    if (!limit) continue;
+    if (std::isfinite(limit->range.upper)) {
+      claims.at_most(record.check, -limit->room(), tolerance, record.unit,
+                     record.words + limit->joint);
+    } else {
+      claims.at_least(record.check, limit->value, limit->range.lower, tolerance, record.unit,
+                      record.words);
+    }
   }
-  if (found.coupling) {
-    claims.at_least("coupling_singular_value", *found.coupling, wanted.coupling_singular_value_min,
-                    tolerance, "kg m^2", "smallest one of the coupling matrix");
-  }
-  if (found.jacobian) {
-    claims.at_least("jacobian_singular_value", *found.jacobian, wanted.jacobian_singular_value_min,
-                    tolerance, "m", "smallest one of the generalized Jacobian");
-  }
-  if (wanted.clearance && found.distance) {
-    claims.at_least("shape_clearance", *found.distance, *wanted.clearance, tolerance, "m",
-                    "closest shapes at the contact: " + found.nearest);
-  }
+  const std::optional<double>& clearance = situation.problem.constraints.clearance;
+  if (!clearance) return;
+  const ClosestShapes closest = closest_shapes(situation);
+  if (!closest.distance) return;
+  claims.at_least("shape_clearance", *closest.distance, *clearance, tolerance, "m",
+                  "closest shapes at the contact: " + closest.pair);
 }
 
 }  // namespace stillbase::verification

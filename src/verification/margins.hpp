@@ -10,9 +10,6 @@
 
 namespace stillbase::verification {
 
-/// Limit of a joint's rate right after the impact; infinite without one.
-double joint_rate_limit(const CaptureProblem& problem, int joint);
-
 /// Smallest singular value of the coupling matrix that is not zero by rank, kg m^2.
 double coupling_singular_value(const PostureResponse& response);
 
@@ -61,19 +58,20 @@ class ContactShapes {
 /// The two numbers in clearance_<i>_<j>_<names>; empty for another name.
 std::optional<std::pair<int, int>> clearance_numbers(const std::string& name);
 
-/// The margins of the problem at one configuration.
-struct MarginNumbers {
-  double rate_excess = -kInfinity;  ///< largest |rate| less its limit, rad/s (m/s)
-  std::string fastest;              ///< that joint
-  std::optional<double> coupling, jacobian;
-  std::optional<double> distance;  ///< smallest of pairs that must be apart, m
-  std::string nearest;             ///< that pair
+/// The closest of the shapes that must be apart.
+struct ClosestShapes {
+  std::optional<double> distance;  ///< m; empty: no two have to be apart
+  std::string pair;
 };
-MarginNumbers margin_numbers(const Situation& situation);
+ClosestShapes closest_shapes(const Situation& situation);
 
-/// The smallest distance of neighbours in the tree that are apart in the start posture, m: a
-/// planner may demand clearance of those as well. Infinite without any.
-double neighbours_distance(const CaptureProblem& problem, const Configuration& at);
+/// Whether the problem demands a margin: a limit with a check of its own, or a clearance.
+bool demands_margins(const CaptureProblem& problem);
+
+/// The least distance from the limits of all margins, each in its own unit; infinite without any.
+/// Neighbours in the tree that are apart in the start posture count as well: a planner may demand
+/// clearance of those.
+double least_margin(const Situation& situation);
 
 /// One check for each margin that the problem demands.
 void check_margins(const Situation& situation, const VerifyOptions& options, ClaimList& claims);
