@@ -86,19 +86,15 @@ bool is_list_of_points(const Proof& enclosed) {
 std::vector<std::string> left_out(const CaptureProblem& problem, const MinimumProblem& bounded,
                                   bool only_points) {
   std::vector<std::string> out;
-  const ConstraintSpec& constraints = problem.constraints;
-  if (constraints.impact_case != CaseConstraint::None && !only_points) out.push_back("the case");
+  if (problem.constraints.impact_case != CaseConstraint::None && !only_points) {
+    out.push_back("the case");
+  }
   if (problem.variables.base_position == PositionFreedom::Box &&
       !has_row(bounded.where.inequalities, RowKind::BasePosition)) {
     out.push_back("the base's position");
   }
-  if (constraints.joint_rate_scale || constraints.joint_rate_max.size() > 0) {
-    out.push_back("joint rates");
-  }
-  if (constraints.coupling_singular_value_min > 0 || constraints.jacobian_singular_value_min > 0) {
-    out.push_back("singular values");
-  }
-  if (constraints.clearance) out.push_back("clearances");
+  const std::vector<std::string>& limits = bounded.where.uncounted_limits;
+  out.insert(out.end(), limits.begin(), limits.end());
   return out;
 }
 

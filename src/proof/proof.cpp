@@ -114,7 +114,7 @@ std::string statement_of(const ZeroProblem& problem, const Proof& proof, bool li
   }
   const bool is_none = proof.undecided.empty() && proof.solutions.empty();
   if (problem.zero && !is_none) out += " at which the objective is zero";
-  if (problem.has_limits) {
+  if (!problem.uncounted_limits.empty()) {
     out += " (" + counted(beyond_limits, "other") +
            " beyond the limits on rates, singular values or clearances; judged at their middles)";
   }
@@ -159,7 +159,7 @@ Proof enclose(const ZeroProblem& problem, const ProofOptions& options) {
     WithinLimits within = WithinLimits::Yes;
     if (kept == Kept::Open) {
       within = WithinLimits::Undecided;
-    } else if (problem.has_limits) {
+    } else if (!problem.uncounted_limits.empty()) {
       within = judged(box, options);
     }
     beyond_limits += within == WithinLimits::No;
@@ -232,7 +232,7 @@ Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   const std::string reason = proof::objection(problem);
   if (!reason.empty()) return proof::not_applicable(reason);
   proof::ZeroProblem zeros = proof::zero_problem(problem);
-  if (zeros.has_limits && !options.judge) {
+  if (!zeros.uncounted_limits.empty() && !options.judge) {
     return proof::not_applicable(
         "nobody judges the limits on rates, singular values or clearances");
   }

@@ -107,9 +107,13 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
   }
 
   const ConstraintSpec& limits = problem.constraints;
-  out.has_limits = limits.joint_rate_scale || limits.joint_rate_max.size() > 0 ||
-                   limits.coupling_singular_value_min > 0 ||
-                   limits.jacobian_singular_value_min > 0 || limits.clearance;
+  const auto leave_out = [&out](bool is_set, const char* words) {
+    if (is_set) out.uncounted_limits.emplace_back(words);
+  };
+  leave_out(limits.joint_rate_scale || limits.joint_rate_max.size() > 0, "joint rates");
+  leave_out(limits.coupling_singular_value_min > 0 || limits.jacobian_singular_value_min > 0,
+            "singular values");
+  leave_out(limits.clearance.has_value(), "clearances");
 
   const VariableSpec& variables = problem.variables;
   const VariableEncounter& encounter = out.encounter;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <stillbase/proof/proof.hpp>
@@ -57,11 +58,13 @@ struct ZeroProblem {
   std::optional<ResponsePart> zero;  ///< also this momentum vanishes
   std::vector<Row> hand_equations;
   std::vector<Row> inequalities;
-  bool has_limits = false;  ///< on rates, singular values or clearances: solutions are judged
+  /// Limits of the problem that are not among the inequalities, as statements name them: solutions
+  /// are judged by them.
+  std::vector<std::string> uncounted_limits;
 };
 
 /// The variables, equations and inequalities of a capture problem. Constraints on rates, singular
-/// values and clearances are left out.
+/// values and clearances are named in place of being counted.
 ZeroProblem zero_problem(const CaptureProblem& problem);
 
 /// All equations, those that may vanish identically included.
