@@ -1,6 +1,7 @@
 // A point that a search ended at: judged by our own evaluation, made exact, told apart from others.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <stillbase/formulation/formulation.hpp>
@@ -15,6 +16,8 @@ struct Solution {
   double violation = kInfinity;
   int reached = 1;
   int family = -1;  ///< the curve that it is on
+
+  double length() const { return std::sqrt(2 * objective); }  ///< |y|, in objective units
 };
 
 /// Largest violation of the constraints and, where its rows hold and the case does not, of the
