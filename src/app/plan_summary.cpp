@@ -12,6 +12,7 @@
 #include <stillbase/plan/free_roll.hpp>
 #include <stillbase/search/search.hpp>
 
+#include "app/abort_words.hpp"
 #include "app/search_advice.hpp"
 #include "app/words.hpp"
 #include "planner/candidates.hpp"
@@ -241,13 +242,14 @@ std::string impulse_words(const CaptureProblem& problem, const ImpactSummary& im
 /// The hand that moves at the contact, and what the base has of it.
 std::string hand_words(const MotionBefore& before, const Vector3d& base) {
   return fmt::format(
-      "moves at {:.4g} m/s and {:.4g} deg/s, relative velocity {} m/s and {} deg/s; joints at most "
-      "{:.4g} rad/s; momentum of the base before {}, after {}, with a hand at rest {} N m s",
-      before.hand_velocity.head<3>().norm(), before.hand_velocity.tail<3>().norm() * kDegrees,
+      "moves at {} m/s and {} deg/s, relative velocity {} m/s and {} deg/s; joints at most "
+      "{} rad/s; momentum of the base before {}, after {}, with a hand at rest {} N m s",
+      size_words(before.hand_velocity.head<3>().norm(), 4),
+      size_words(before.hand_velocity.tail<3>().norm() * kDegrees, 4),
       size_words(before.relative_velocity.head<3>().norm()),
       size_words(before.relative_velocity.tail<3>().norm() * kDegrees),
-      before.phidot.cwiseAbs().maxCoeff(), size_words(before.base.norm()), size_words(base.norm()),
-      size_words(before.base_at_rest.norm()));
+      size_words(before.phidot.cwiseAbs().maxCoeff(), 4), size_words(before.base.norm()),
+      size_words(base.norm()), size_words(before.base_at_rest.norm()));
 }
 
 std::string momentum_words(const ImpactSummary& impact) {
@@ -293,14 +295,16 @@ std::string coverage_words(const Certificate& certificate, PlanStatus status) {
     return "no better minimum is possible: the measure is zero";
   }
   if (certificate.had_rounds) {
+    const bool is_likely = certificate.unseen > kUnseenLevel;
     return fmt::format(
         "a better minimum, as easy to reach as this one, was missed with a "
         "probability of about {:.2g}{}",
         certificate.unseen,
-        certificate.unseen > kUnseenLevel
-            ? fmt::format(": above {}, so the plan is '{}' and not 'optimal'", kUnseenLevel,
-                          to_string(status))
-            : "");
+        !is_likely                    ? ""
+        : status == PlanStatus::Limit ? ": the search was stopped before its end"
+                                      : fmt::format(": above {}, so the plan is "
+                                                    "'{}' and not 'optimal'",
+                                                    kUnseenLevel, to_string(status)));
   }
   constexpr int kFew = 10;  // starts that say nothing of a continuum
   if (certificate.unseen > 0.9 && certificate.starts >= kFew) {
@@ -399,10 +403,7 @@ std::string approach_words(const Plan& plan) {
   if (approach.effort_used > 0) {
     text += fmt::format(", peak torque {:.2g} % of that joint's limit", 100 * approach.effort_used);
   }
-  if (const auto& abort = approach.abort) {
-    text += fmt::format("; stops within {:.2f} s, {:.3g} m back, if the grasp does not close",
-                        abort->times.back() - abort->times.front(), abort->retreat);
-  }
+  if (approach.abort) text += "; " + abort_words(plan);
   if (approach.polish == PathPolish::Time) {
     text += fmt::format("; polished from {:.2f} s to {:.2f} s", approach.before_polish,
                         approach.after_polish);
@@ -417,7 +418,7 @@ std::string managed_words(const ManagedMomentum& managed, const SensorSpec& sens
   std::string text =
       fmt::format("momentum to be managed: {} N m s, {} N s", size_words(managed.angular.norm()),
                   size_words(managed.linear.norm()));
-  if (!managed.least_time) return text;
+  if (!managed.least_time || *managed.least_time == 0) return text;
   text += fmt::format("; the wheels alone need at least {:.4g} s while the base keeps its attitude",
                       *managed.least_time);
   if (managed.rest_time) text += ", " + rest_words(sensor, *managed.rest_time);
