@@ -21,8 +21,7 @@ namespace {
 constexpr double kRestricts = 1e-4, kRestrictsNot = 1e-7;
 constexpr double kOnManifold = 1e-12;  ///< norm of the residual
 constexpr int kCorrections = 40;
-constexpr double kSameDistance = 1e-9;     ///< m
-constexpr double kHalfRotation = 3.14159;  ///< rad: a larger limit of a rotation angle is none
+constexpr double kSameDistance = 1e-9;  ///< m
 
 Equations::Demand demand_of(const CaptureProblem& problem) {
   return problem.constraints.impact_case == CaseConstraint::None ? Equations::Demand::Hand

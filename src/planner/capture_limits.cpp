@@ -12,8 +12,9 @@ namespace stillbase {
 
 namespace {
 
-constexpr double kNoMomentum = 1e-9;  ///< of the whole: an axis that has none but for rounding
-constexpr double kAtStop = 1e-12;     ///< of half the range of a joint
+/// An axis that has none but for rounding: of the whole, and of what the whole is a difference of.
+constexpr double kNoMomentum = 1e-9;
+constexpr double kAtStop = 1e-12;  ///< of half the range of a joint
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 
 std::string position_unit(const Joint& joint) { return joint.is_prismatic() ? "m" : "rad"; }
@@ -85,7 +86,8 @@ void add_stops(const RobotModel& robot, const JointVectord& lowest, const JointV
   most.give(out);
 }
 
-void add_wheels(const PostImpactSpec& spec, const ManagedMomentum& managed,
+/// @param nothing N m s, of an axis: rounding
+void add_wheels(const PostImpactSpec& spec, const ManagedMomentum& managed, double nothing,
                 const SimulationSummary* summary, std::vector<LimitUse>& out) {
   const WheelSpec& wheels = spec.wheels;
   if (!wheels.exist()) return;
@@ -105,7 +107,7 @@ void add_wheels(const PostImpactSpec& spec, const ManagedMomentum& managed,
       held = std::max(held, summary->peak_wheel_momenta[i]);
     }
     if (wheels_take_it) held = std::max(held, std::abs(wheels.preset[i] + managed.angular[i]));
-    if (!is_there && held <= kNoMomentum * managed.angular.norm()) continue;
+    if (!is_there && held <= nothing) continue;
     const double capacity = is_there ? wheels.momentum[i] : 0;
     if (capacity < kAnyWheelMomentum) {
       momentum.take({CaptureLimit::WheelMomentum, axis, held, capacity, "N m s"});
@@ -176,13 +178,14 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
     const Vector3d v = configuration.base.orientation.conjugate() * subject.target->state.velocity;
     managed.linear = subject.target->body.mass * v;
   }
+  const double arm = compute_kinematics(robot, configuration.phi).r_bh.norm();
+  const double nothing = kNoMomentum * (managed.angular.norm() + managed.linear.norm() * arm +
+                                        impact.Fbar.tail<3>().norm());
   if (spec.wheels.exist()) {
     double least = 0;
     for (int i = 0; i < 3; ++i) {
       const double h = std::abs(managed.angular[i]);
-      if (h > kNoMomentum * managed.angular.norm()) {
-        least = std::max(least, h / spec.wheels.torque[i]);
-      }
+      if (h > nothing) least = std::max(least, h / spec.wheels.torque[i]);
     }
     if (std::isfinite(least)) managed.least_time = least;
   }
@@ -218,7 +221,7 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
                         *spec.grip.moment, "N m"});
     }
   }
-  add_wheels(spec, managed, summary, limits);
+  add_wheels(spec, managed, nothing, summary, limits);
   add_time(problem, configuration, managed, limits);
   std::stable_sort(limits.begin(), limits.end(),
                    [](const LimitUse& a, const LimitUse& b) { return a.part() > b.part(); });

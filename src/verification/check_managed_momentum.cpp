@@ -40,6 +40,11 @@ Vector3d angular_momentum(const Situation& at, const Vector6d& Fbar) {
   return body.inertia * body.omega + (M * m / (M + m)) * apart.cross(body.velocity);
 }
 
+/// N m s: of an axis this much is rounding.
+double no_momentum(const Situation& at, const Vector3d& angular) {
+  return kNegligible * (angular.norm() + at.response.rounding_scale(at.impulse()));
+}
+
 using Uses = LimitUses;
 
 void add_joints(const RobotModel& robot, const Eigen::VectorXd& sizes, CaptureLimit limit,
@@ -70,8 +75,9 @@ void add_reach(const Situation& situation, Uses& uses) {
   uses[CaptureLimit::Reach].push_back({CaptureLimit::Reach, robot.hand, apart, longest, "m"});
 }
 
-void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, const AfterContact* run,
-                Uses& uses) {
+/// @param nothing N m s: no_momentum()
+void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, double nothing,
+                const AfterContact* run, Uses& uses) {
   const std::string first = spec.controllers.empty() ? "" : spec.controllers.front();
   const bool take_all =
       (first == "rns_handback" || first == "detumble") && !(spec.thrusters.torque > 0);
@@ -85,7 +91,7 @@ void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, const After
       uses[CaptureLimit::WheelTorque].push_back(
           {CaptureLimit::WheelTorque, kAxes[i], summary.peak_wheel_torques(i), torque, "N m"});
     }
-    if (torque <= 0 && held <= kNegligible * angular.norm()) continue;
+    if (torque <= 0 && held <= nothing) continue;
     const double capacity = torque > 0 ? spec.wheels.momentum(i) : 0;
     if (capacity >= kAnyWheelMomentum) continue;
     uses[CaptureLimit::WheelMomentum].push_back(
@@ -94,12 +100,12 @@ void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, const After
 }
 
 /// max_i |h_i| / tau_i.
-std::optional<double> least_time(const WheelSpec& wheels, const Vector3d& angular) {
+std::optional<double> least_time(const WheelSpec& wheels, const Vector3d& angular, double nothing) {
   if (!wheels.exist()) return std::nullopt;
   double time = 0;
   for (int i = 0; i < 3; ++i) {
     const double h = std::abs(angular(i));
-    if (h <= kNegligible * angular.norm()) continue;
+    if (h <= nothing) continue;
     if (wheels.torque(i) <= 0) return std::nullopt;
     time = std::max(time, h / wheels.torque(i));
   }
@@ -142,7 +148,8 @@ Uses all_uses(const Situation& situation, const Vector3d& angular, const AfterCo
     uses[CaptureLimit::GripMoment].push_back(
         {CaptureLimit::GripMoment, robot.hand, summary.peak_grip_moment, *grip.moment, "N m"});
   }
-  add_wheels(problem.post_impact, angular, run, uses);
+  const double nothing = no_momentum(situation, angular);
+  add_wheels(problem.post_impact, angular, nothing, run, uses);
 
   const VariableSpec& variables = problem.variables;
   const double window = variables.contact_time_upper - variables.contact_time_lower;
@@ -154,7 +161,7 @@ Uses all_uses(const Situation& situation, const Vector3d& angular, const AfterCo
   }
   const PostImpactSpec& spec = problem.post_impact;
   if (run != nullptr && spec.controllers.front() == "detumble") {
-    const auto least = least_time(spec.wheels, angular);
+    const auto least = least_time(spec.wheels, angular, nothing);
     double left = kAtRest;  // of momentum or joint rates, at least
     if (angular.norm() > 0) {
       left = std::max(left, run->simulation.trace.back().total.norm() / angular.norm());
@@ -180,16 +187,17 @@ std::string words(const LimitUse& use) {
 }
 
 /// Difference of a value that is rounding or integration, by its natural size and not by its limit,
-/// which may be out of reach: of momentum the one that is managed, of positions a range or 1 rad
-/// (m), else 1e-6 of a unit.
-double floor_of(const LimitUse& use, const Vector3d& angular) {
-  if (use.limit == CaptureLimit::WheelMomentum) return kSameExtreme * angular.norm();
+/// which may be out of reach: of momentum the one that is managed and those that it is a difference
+/// of, of positions a range or 1 rad (m), else 1e-6 of a unit.
+/// @param momentum N m s: of the momentum
+double floor_of(const LimitUse& use, double momentum) {
+  if (use.limit == CaptureLimit::WheelMomentum) return momentum;
   if (use.limit == CaptureLimit::JointStop) return kSameExtreme * std::min(use.most, 1.0);
   return kNoRotation * std::min(use.most, 1.0);
 }
 
 /// Stated limits against the recomputed ones, and whether the first one is the tightest.
-void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vector3d& angular,
+void compare_limits(const ManagedMomentum& stated, const Uses& uses, double momentum,
                     double time_step, Objections& objections) {
   std::map<CaptureLimit, int> times;
   for (const LimitUse& use : stated.limits) {
@@ -204,10 +212,10 @@ void compare_limits(const ManagedMomentum& stated, const Uses& uses, const Vecto
     const auto place = std::find_if(known->second.begin(), known->second.end(), is_there);
     const LimitUse& own = place == known->second.end() ? largest : *place;
     const double apart = own.unit == "s" ? time_step : kSameExtreme * std::abs(own.value);
-    const double same = kSameExtreme * std::abs(own.value) + apart + floor_of(own, angular);
+    const double same = kSameExtreme * std::abs(own.value) + apart + floor_of(own, momentum);
     // Of what is all but zero, and of places that are used alike, rounding decides which is
     // largest.
-    const bool is_nothing = std::abs(largest.value) <= floor_of(largest, angular);
+    const bool is_nothing = std::abs(largest.value) <= floor_of(largest, momentum);
     const bool is_largest =
         own.part() >= largest.part() || own.value + same >= largest.part() * own.most;
     objections.demand(((own.place == use.place && is_largest) || is_nothing) &&
@@ -360,18 +368,19 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
         fmt::format("{} {} stated, {} found", name, said ? fmt::format("{:.6g}", *said) : "null",
                     found ? fmt::format("{:.6g}", *found) : "null"));
   };
-  const auto least = least_time(spec.wheels, angular);
+  const double nothing = no_momentum(at, angular);
+  const auto least = least_time(spec.wheels, angular, nothing);
   times_agree("least_time", stated->least_time, least, kNegligible * least.value_or(0) + 1e-12);
   std::optional<double> remaining, rest;
   if (run != nullptr) {
     remaining = run->simulation.trace.back().total.norm();
     rest = run->simulation.summary.rest_time;
   }
-  times_agree("remaining", stated->remaining, remaining,
-              kSameExtreme * angular.norm() + kNoRotation * scale);
+  const double same_momentum = kSameExtreme * angular.norm() + kNoRotation * scale;
+  times_agree("remaining", stated->remaining, remaining, same_momentum);
   times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
   const Uses uses = all_uses(context.situation, angular, run);
-  compare_limits(*stated, uses, angular, step, objections);
+  compare_limits(*stated, uses, same_momentum, step, objections);
   if (run != nullptr && spec.controllers.front() == "detumble") {
     compare_held(context, *run, objections);
   } else {

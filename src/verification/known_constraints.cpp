@@ -42,11 +42,11 @@ void KnownConstraints::add(const std::string& name, double lower, double upper,
 }
 
 /// Equations <name><suffix> = 0 that are components of a vector in B.
+/// @param along direction with which the components' axes turn
 void KnownConstraints::add_group(const std::string& name,
                                  std::initializer_list<const char*> suffixes,
-                                 const Vector3d& vector, double scale) {
-  groups_[name] = {vector.norm(), scale,
-                   rotation_between(situation_.event.n, Vector3d::UnitX()) * vector};
+                                 const Vector3d& vector, double scale, const Vector3d& along) {
+  groups_[name] = {vector.norm(), scale, rotation_between(along, Vector3d::UnitX()) * vector};
   for (const char* suffix : suffixes) known_[name + suffix] = {0, 0, std::nullopt, name, false};
 }
 
@@ -90,7 +90,7 @@ void KnownConstraints::add_hand() {
   }
   const Vector3d& n = situation_.event.n;
   const Vector3d axis = dynamics.hand_rotation * hand.approach_axis;
-  add_group("hand_axis_", {"1", "2"}, axis - n * n.dot(axis), 1);
+  add_group("hand_axis_", {"1", "2"}, axis - n * n.dot(axis), 1, n);
   add("hand_facing", -kInfinity, 0, n.dot(axis));
   if (hand.constraint != HandConstraint::Pose) return;
   std::optional<double> angle;
@@ -98,7 +98,7 @@ void KnownConstraints::add_hand() {
     angle = pose_error({{}, situation_.R_NH}, {{}, *wanted}).angle;
     const Eigen::Quaterniond rotation = situation_.R_NH.conjugate() * *wanted;
     const Vector3d about = rotation_log(rotation).stableNormalized();
-    add_group("hand_rotation_", {"x", "y", "z"}, std::sin(*angle) * about, 1);
+    add_group("hand_rotation_", {"x", "y", "z"}, std::sin(*angle) * about, 1, n);
   }
   add("hand_facing", 0, kInfinity, angle ? std::optional(1 + 2 * std::cos(*angle)) : std::nullopt);
 }
@@ -119,14 +119,18 @@ void KnownConstraints::add_case() {
   const Vector6d unit = case_wrench(situation_.problem, situation_.event, response);
   const reference::Impact impact = response.impact(unit);
   const double scale = response.rounding_scale(unit);
-  add_group("case_total_", {"1", "2", "3"}, impact.total, scale);
-  add_group("case_base_", {"1", "2", "3"}, impact.base, scale);
-  add_group("case_coupling_", {"1", "2", "3"}, impact.coupling, scale);
+  // The moment of a force alone is normal to it: two components, whichever way the force turns.
+  const Vector3d f = unit.head<3>();
+  const bool is_force = unit.tail<3>().isZero(0) && !f.isZero(0);
+  const Vector3d along = is_force ? Vector3d(f.normalized()) : situation_.event.n;
+  add_group("case_total_", {"1", "2", "3"}, impact.total, scale, along);
+  add_group("case_base_", {"1", "2", "3"}, impact.base, scale, along);
+  add_group("case_coupling_", {"1", "2", "3"}, impact.coupling, scale, along);
   const Eigen::MatrixXd& A = response.dynamics.Htilde_omegaphi;
   for (Eigen::Index k = 0; k < A.cols(); ++k) {
     const Vector3d column = A.col(k);
     add_group(fmt::format("case_coupling_column_{}", k + 1), {""},
-              column.dot(impact.coupling) * Vector3d::UnitX(), scale * column.norm());
+              column.dot(impact.coupling) * Vector3d::UnitX(), scale * column.norm(), along);
   }
 }
 
@@ -154,7 +158,6 @@ std::vector<std::string> KnownConstraints::demanded() const {
   for (const LimitRecord& record : limit_records()) {
     for (const ContactLimit& limit : limits_of(record, situation_)) out.push_back(limit.name);
   }
-  constexpr double kHalfRotation = 3.14159;  // rad: a larger limit of the angle is none
   if (free.base_attitude == AttitudeFreedom::Cone) out.push_back("base_attitude_cone");
   if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kHalfRotation) {
     out.push_back("base_attitude_squared");

@@ -45,7 +45,7 @@ class KnownConstraints {
   void add(const std::string& name, double lower, double upper, std::optional<double> value,
            bool is_always_listed = false);
   void add_group(const std::string& name, std::initializer_list<const char*> suffixes,
-                 const Vector3d& vector, double scale);
+                 const Vector3d& vector, double scale, const Vector3d& along);
   std::optional<Vector3d> contact_point() const;
   void add_base();
   void add_hand();

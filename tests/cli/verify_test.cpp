@@ -1,7 +1,10 @@
 #include <catch2/catch.hpp>
 
+#include <cstdio>
 #include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -17,6 +20,18 @@ const ordered_json& claim_of(const ordered_json& verification, const std::string
     if (claim.at("name") == name) return claim;
   }
   throw std::logic_error("no claim " + name);
+}
+
+/// The text of a shipped problem with parts replaced, each where it first occurs.
+std::string altered(const std::string& problem,
+                    const std::vector<std::pair<std::string, std::string>>& parts) {
+  std::string text = file_text(source_path("problems/" + problem + ".yaml"));
+  for (const auto& [from, to] : parts) {
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos) throw std::logic_error("nothing to replace: " + from);
+    text.replace(at, from.size(), to);
+  }
+  return text;
 }
 
 }  // namespace
@@ -176,6 +191,58 @@ TEST_CASE("without the problem file the verdict says what the plan was compared 
   CHECK(alone.code == 0);
   CHECK(alone.says("against the plan's own copy of the problem"));
   CHECK(claim_of(ordered_json::parse(alone.out), "inputs_unchanged").at("pass").is_null());
+}
+
+TEST_CASE("a plan whose whole momentum vanishes verifies, and needs no time of the wheels") {
+  const Workshop shop;
+  shop.write(
+      "problem.yaml",
+      altered("matched_light",
+              {{"  contact: latch\n", "  contact: normal\n"},
+               {"contact:\n  hand_velocity: match_all\n  arrival_rates: least_joint_rate\n", ""},
+               {"objective: base_angular_momentum", "objective: total_angular_momentum"},
+               {"controllers: [rns_damped,",
+                "wheels: {torque: 0.2, capacity: 4}\n  controllers: [detumble, rns_damped,"}}));
+  const Outcome plan = shop.run("plan problem.yaml --starts 8 -o plan.json");
+  INFO(plan.err);
+  REQUIRE(plan.code == 0);
+  CHECK_FALSE(plan.says("the wheels alone need"));
+  const auto managed = nlohmann::json::parse(shop.text("plan.json")).at("managed_momentum");
+  CHECK(managed.at("least_time") == 0);
+  const Outcome verdict = shop.run("verify plan.json -o verdict.json");
+  INFO(verdict.err);
+  CHECK(verdict.code == 0);
+}
+
+TEST_CASE("the summary says how far a hand that stopped is from the feature, and for how long") {
+  const Workshop shop;
+  shop.write("problem.yaml", altered("matched_light", {}));
+  const Outcome plan = shop.run("plan problem.yaml --starts 8 -o plan.json");
+  INFO(plan.err);
+  REQUIRE(plan.code == 0);
+  const Outcome verdict = shop.run("verify plan.json -o verdict.json");
+  REQUIRE(verdict.code == 0);
+  // By the dynamics of the verification.
+  const auto verification = ordered_json::parse(shop.text("verdict.json"));
+  char distance[32];
+  std::snprintf(distance, sizeof distance, "%.3g",
+                claim_of(verification, "abort_distance").at("value").get<double>());
+  CHECK(plan.says(std::string("if the grasp does not close, ") + distance +
+                  " m from the plane of the feature, which reaches the hand "));
+}
+
+TEST_CASE("a case of a sticking contact has the two equations that its force leaves open") {
+  const Workshop shop;
+  shop.write("problem.yaml",
+             altered("iiwa_case_c", {{"  restitution: 0.2\n", "  contact: sticking\n"},
+                                     {"measure: worst_case", "measure: nominal"},
+                                     {"cone_half_angle: 10 deg", "cone_half_angle: 0 deg"}}));
+  const Outcome plan = shop.run("plan problem.yaml --starts 8 -o plan.json");
+  INFO(plan.err);
+  REQUIRE(plan.code == 0);
+  const Outcome verdict = shop.run("verify plan.json -o verdict.json");
+  INFO(verdict.err);
+  CHECK(verdict.code == 0);
 }
 
 TEST_CASE("verify refuses what is no plan") {
