@@ -19,18 +19,6 @@ namespace {
 
 constexpr std::size_t kMostSeries = 18;  ///< of a plot
 
-/// Closing speeds within a window.
-std::string speed_words(const FeatureWindows& feature, const ContactWindow& window) {
-  double least = kInfinity, largest = -kInfinity;
-  for (const FeatureView& view : feature.views) {
-    if (view.time < window.from || view.time > window.to) continue;
-    least = std::min(least, view.closing_speed);
-    largest = std::max(largest, view.closing_speed);
-  }
-  if (!(least <= largest)) return "less than between two samples";
-  return fmt::format("closing at {:.4g} to {:.4g} m/s", least, largest);
-}
-
 /// Which of the two conditions fails where the window never opens.
 std::string never_words(const CaptureProblem& problem, const FeatureWindows& feature) {
   double largest = -kInfinity, nearest = kInfinity;
@@ -132,8 +120,9 @@ std::string window_words(const CaptureProblem& problem) {
       text += fmt::format("  {}: {}\n", feature.feature, never_words(problem, feature));
     }
     for (const ContactWindow& window : feature.windows) {
-      text += fmt::format("  {}: {:.3f} to {:.3f} s, {}\n", feature.feature, window.from, window.to,
-                          speed_words(feature, window));
+      text += fmt::format("  {}: {:.3f} to {:.3f} s, closing at {:.4g} to {:.4g} m/s\n",
+                          feature.feature, window.from, window.to, window.least_closing_speed,
+                          window.largest_closing_speed);
     }
   }
   return text;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <boost/math/tools/minima.hpp>
 #include <stillbase/target/target.hpp>
 
 namespace stillbase {
@@ -44,6 +45,31 @@ double change_between(const CaptureProblem& problem, const TargetMotion& motion,
   return after;
 }
 
+/// The least of sign * closing speed in a window, whose views are a few degrees apart: next to the
+/// least one of them, or at an end.
+double least_speed(const CaptureProblem& problem, const TargetMotion& motion,
+                   const ContactFeature& feature, const std::vector<FeatureView>& views,
+                   const ContactWindow& window, double sign) {
+  const auto speed = [&](double time) {
+    return sign * view_at(problem, motion, feature, time).closing_speed;
+  };
+  double least = std::min(speed(window.from), speed(window.to));
+  double at = window.from, step = window.to - window.from;
+  for (const FeatureView& view : views) {
+    if (view.time < window.from || view.time > window.to) continue;
+    if (sign * view.closing_speed < least) {
+      least = sign * view.closing_speed;
+      at = view.time;
+    }
+  }
+  if (views.size() > 1) step = std::min(step, views[1].time - views[0].time);
+  constexpr int kBits = 26;  // half of a double's: the speed is flat there
+  return std::min(least,
+                  boost::math::tools::brent_find_minima(speed, std::max(window.from, at - step),
+                                                        std::min(window.to, at + step), kBits)
+                      .second);
+}
+
 FeatureWindows windows_of(const CaptureProblem& problem, const TargetMotion& motion,
                           const ContactFeature& feature, double from, double to, int intervals) {
   FeatureWindows out;
@@ -64,6 +90,10 @@ FeatureWindows windows_of(const CaptureProblem& problem, const TargetMotion& mot
       }
     }
     out.views.push_back(view);
+  }
+  for (ContactWindow& window : out.windows) {
+    window.least_closing_speed = least_speed(problem, motion, feature, out.views, window, 1);
+    window.largest_closing_speed = -least_speed(problem, motion, feature, out.views, window, -1);
   }
   return out;
 }

@@ -47,6 +47,21 @@ TEST_CASE("a contact window opens and closes where the closing speed passes its 
   }
 }
 
+TEST_CASE("a contact window states the least and the largest closing speed within it") {
+  CaptureProblem problem = spinning_problem();
+  problem.target_state.pose.position.x() = 5;  // in front of the base for a whole revolution
+  const WindowSurvey survey = survey_contact_windows(problem);
+  const std::vector<ContactWindow>& windows = survey.features.front().windows;
+  REQUIRE(windows.size() == 2);
+  // v cos(omega t) is largest at the survey's begin, and again inside the second window.
+  CHECK(windows[1].from < 2 * kPi / 0.1);
+  CHECK(windows[1].to > 2 * kPi / 0.1);
+  for (const ContactWindow& window : windows) {
+    CHECK(std::abs(window.least_closing_speed - 0.03) < 1e-10);
+    CHECK(std::abs(window.largest_closing_speed - 0.05) < 1e-12);
+  }
+}
+
 TEST_CASE("a feature that points away from the base has no contact window though it closes in") {
   CaptureProblem problem = spinning_problem();
   problem.base.position = Vector3d(40, 0, 0);  // behind the target

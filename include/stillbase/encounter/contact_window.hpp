@@ -19,6 +19,7 @@ struct FeatureView {
 /// While a feature faces the stated base and closes in at `constraints.closing_speed_min` or more.
 struct ContactWindow {
   double from = 0, to = 0;  ///< s; the ends of the survey where it is open there
+  double least_closing_speed = 0, largest_closing_speed = 0;  ///< m/s, both ends included
 };
 
 struct FeatureWindows {
