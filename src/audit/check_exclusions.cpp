@@ -135,16 +135,6 @@ IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failu
   const RobotModel& robot = problem.robot;
   const PostImpactSpec& spec = problem.post_impact;
   constexpr double kMost = 1 - kNearly;
-  if (failure == "joint rates") {
-    return [&robot](const SimulationSummary& x) {
-      return largest_fraction(robot, x.peak_joint_rates, &Joint::max_velocity) > kMost;
-    };
-  }
-  if (failure == "joint torques") {
-    return [&robot](const SimulationSummary& x) {
-      return largest_fraction(robot, x.peak_demanded_torques, &Joint::max_effort) > kMost;
-    };
-  }
   if (failure == "attitude change of the base") {
     return [&spec](const SimulationSummary& x) {
       return x.attitude_turned > kMost * spec.attitude_change_max;
@@ -157,7 +147,20 @@ IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failu
     };
   }
   for (int k = 0; k < robot.n(); ++k) {
-    if (failure != robot.joints[k].name + " reaches its stop") continue;
+    const std::string& name = robot.joints[k].name;
+    if (failure == name + " exceeds its rate limit") {
+      return [&robot, k](const SimulationSummary& x) {
+        return x.peak_joint_rates.size() > 0 &&
+               x.peak_joint_rates[k] > kMost * robot.joints[k].max_velocity;
+      };
+    }
+    if (failure == name + " exceeds its torque limit") {
+      return [&robot, k](const SimulationSummary& x) {
+        return x.peak_demanded_torques.size() > 0 &&
+               x.peak_demanded_torques[k] > kMost * robot.joints[k].max_effort;
+      };
+    }
+    if (failure != name + " reaches its stop") continue;
     return [&robot, k](const SimulationSummary& x) {
       if (x.lowest_positions.size() == 0) return false;  // before the first step
       const Joint& joint = robot.joints[k];

@@ -22,12 +22,18 @@ namespace {
 
 constexpr double kRounding = 1e-6;  ///< of a limit that is just kept
 
-bool exceeds(const RobotModel& robot, const JointVectord& peaks, double Joint::*limit,
-             double part) {
+/// "<joint> exceeds its <name> limit", of the joint that is furthest beyond it; empty: none is.
+std::string exceeded_joint_limit(const RobotModel& robot, const JointVectord& peaks,
+                                 double Joint::*limit, double part, const char* name) {
+  const Joint* exceeding = nullptr;
+  double largest = part;
   for (int k = 0; k < robot.n(); ++k) {
-    if (peaks[k] > part * robot.joints[static_cast<std::size_t>(k)].*limit) return true;
+    const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
+    if (!(peaks[k] > largest * (joint.*limit))) continue;
+    exceeding = &joint;
+    largest = peaks[k] / (joint.*limit);
   }
-  return false;
+  return exceeding == nullptr ? "" : fmt::format("{} exceeds its {} limit", exceeding->name, name);
 }
 
 bool is_grip_open(const GripSpec& grip, const SimulationSummary& summary) {
@@ -48,13 +54,12 @@ std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummar
   if (summary.attitude_turned > part * problem.post_impact.attitude_change_max) {
     return kAttitudeFailure;
   }
-  if (exceeds(problem.robot, summary.peak_joint_rates, &Joint::max_velocity, part))
-    return "joint rates";
+  const std::string rate = exceeded_joint_limit(problem.robot, summary.peak_joint_rates,
+                                                &Joint::max_velocity, part, "rate");
+  if (!rate.empty()) return rate;
   // The plant gives no more than the limit, so what the controller asks for is judged.
-  if (exceeds(problem.robot, summary.peak_demanded_torques, &Joint::max_effort, part)) {
-    return "joint torques";
-  }
-  return "";
+  return exceeded_joint_limit(problem.robot, summary.peak_demanded_torques, &Joint::max_effort,
+                              part, "torque");
 }
 
 /// As precise as limits are judged by.

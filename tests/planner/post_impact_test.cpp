@@ -21,7 +21,8 @@ TEST_CASE("a controller that demands more than a joint's torque limit breaks a l
   problem.robot.joints[0].max_effort = 0.999 * summary.peak_demanded_torques[0];
   problem.post_impact.residual_base_rate_max = 1;
   problem.post_impact.attitude_change_max = 3;
-  CHECK(post_impact_failure(problem, at, impact, {}) == "joint torques");
+  CHECK(post_impact_failure(problem, at, impact, {}) ==
+        problem.robot.joints[0].name + " exceeds its torque limit");
 }
 
 TEST_CASE("limits far from what a run uses and just beside it are judged alike") {
