@@ -193,6 +193,13 @@ Node parse_document(std::string_view text, ReadContext& context, const DocumentL
     }
     context.throw_if_any();
   }
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && text[first] == '<') {
+    context.add(0, "syntax",
+                "this is XML and neither YAML nor JSON; a robot file is named by robot.file of a "
+                "problem");
+    throw InputError(context.findings);
+  }
   TreeBuilder builder(context, limits);
   try {
     std::istringstream stream{std::string(text)};

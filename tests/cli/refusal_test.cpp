@@ -68,6 +68,28 @@ TEST_CASE("a front with the turn of the base needs to be told when") {
       "'after'");
 }
 
+TEST_CASE("a robot file in place of a problem is called what it is") {
+  const Workshop shop;
+  for (const char* command : {"plan", "predict --from 0 --to 1 --step 1"}) {
+    INFO(command);
+    const Outcome run = shop.run(std::string(command) + " robots/deos.urdf");
+    INFO(run.err);
+    CHECK(run.code != 0);
+    CHECK(run.says("this is XML and neither YAML nor JSON"));
+  }
+}
+
+TEST_CASE("detumble without wheels is refused on the command line as in a problem") {
+  const Workshop shop;
+  const Outcome run =
+      shop.run("simulate '" + source_path("problems/planar_two_link_post_impact_a.yaml") +
+               "' --controller detumble");
+  INFO(run.err);
+  CHECK(run.code == 2);
+  CHECK(
+      run.says("--controller detumble: takes the momentum with wheels, and the problem has none"));
+}
+
 TEST_CASE("an unknown subcommand is named beside the known ones") {
   const Workshop shop;
   require_wrong_command_line(shop, "frobnicate plan.json", "no subcommand 'frobnicate'");
