@@ -1,8 +1,11 @@
 // stillbase campaign: many plans, many trials, on many machines.
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -87,6 +90,64 @@ int make_cases(const CampaignMakeRequest& request) {
   return kDone;
 }
 
+/// The same for all cases whose trials belong together: those of a plan or problem with a seed.
+std::string subject_key(CampaignCase piece) {
+  piece.first = piece.count = 0;
+  return case_to_text(piece);
+}
+
+std::string subject_of(const CampaignCase& piece) {
+  return fmt::format("{}, seed {}", piece.plan.empty() ? piece.problem : piece.plan, piece.seed);
+}
+
+/// Trials of one case.
+struct TrialRange {
+  std::int64_t first = 0, end = 0;  ///< end: behind the last one
+  int line = 0;                     ///< of the case
+};
+
+/// "trial 3" or "trials 3 to 5".
+std::string range_words(const TrialRange& range) {
+  return range.end - range.first == 1 ? fmt::format("trial {}", range.first)
+                                      : fmt::format("trials {} to {}", range.first, range.end - 1);
+}
+
+/// Which trials the cases of a list have, each at most once.
+class TrialRanges {
+ public:
+  /// @return an earlier case that shares a trial with this one, which is left out then
+  std::optional<TrialRange> add(const std::string& subject, const TrialRange& range) {
+    std::map<std::int64_t, TrialRange>& ranges = subjects_[subject];
+    if (range.end == range.first) return std::nullopt;
+    const auto next = ranges.lower_bound(range.first);
+    if (next != ranges.end() && next->second.first < range.end) return next->second;
+    if (next != ranges.begin() && std::prev(next)->second.end > range.first) {
+      return std::prev(next)->second;
+    }
+    ranges[range.first] = range;
+    return std::nullopt;
+  }
+
+  /// Trials before a subject's last one that no case has.
+  std::vector<TrialRange> gaps(const std::string& subject) const {
+    std::vector<TrialRange> out;
+    std::int64_t covered = 0;
+    for (const auto& entry : subjects_.at(subject)) {
+      const TrialRange& range = entry.second;
+      if (range.first > covered) out.push_back({covered, range.first});
+      covered = range.end;
+    }
+    return out;
+  }
+
+ private:
+  std::map<std::string, std::map<std::int64_t, TrialRange>> subjects_;  ///< by first trial
+};
+
+TrialRange range_of(const CampaignCase& piece, int line) {
+  return {piece.first, std::int64_t{piece.first} + piece.count, line};
+}
+
 /// The cases of a list, one per line.
 /// @throws InputError with the bad lines, at most `kMostBadLines` of them
 std::vector<CampaignCase> read_cases(const std::vector<std::string>& lines,
@@ -94,9 +155,20 @@ std::vector<CampaignCase> read_cases(const std::vector<std::string>& lines,
   constexpr std::size_t kMostBadLines = 20;
   std::vector<CampaignCase> cases;
   std::vector<Finding> findings;
+  TrialRanges ranges;
   for (std::size_t i = 0; i < lines.size() && findings.size() < kMostBadLines; ++i) {
+    const int line = static_cast<int>(i) + 1;
     try {
-      cases.push_back(case_from_text(lines[i], path, static_cast<int>(i) + 1));
+      cases.push_back(case_from_text(lines[i], path, line));
+      const CampaignCase& piece = cases.back();
+      const TrialRange range = range_of(piece, line);
+      const std::optional<TrialRange> other = ranges.add(subject_key(piece), range);
+      if (!other) continue;
+      findings.push_back(
+          {path, line, "overlapping-case",
+           fmt::format("{} of {}: line {} has {} of it; a trial may be in one case "
+                       "alone",
+                       range_words(range), subject_of(piece), other->line, range_words(*other))});
     } catch (const InputError& error) {
       findings.push_back(error.findings().front());
     }
@@ -218,16 +290,16 @@ std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged,
   for (const CaseRecord& record : merged.records) {
     if (record.status != CaseStatus::Finished) continue;
     const CampaignCase& piece = cases[static_cast<std::size_t>(record.number)];
-    CampaignCase key = piece;
-    key.first = key.count = 0;
-    const std::size_t number = numbers.insert({case_to_text(key), groups.size()}).first->second;
+    const std::size_t number = numbers.insert({subject_key(piece), groups.size()}).first->second;
     if (number == groups.size()) groups.emplace_back();
     Group& group = groups[number];
     const CampaignCaseResult result = case_result_from_text(record.text);
     group.result.piece = piece;
     group.result.plan_status = result.plan_status;
     group.result.verified = group.result.verified && result.verified;
-    group.parts[piece.first] = trial_outcomes_from_text(result.outcomes);
+    const std::vector<TrialOutcome> outcomes = trial_outcomes_from_text(result.outcomes);
+    std::vector<TrialOutcome>& part = group.parts[piece.first];  // that of a case without trials
+    part.insert(part.end(), outcomes.begin(), outcomes.end());
   }
   std::vector<io::CampaignGroup> out;
   for (Group& group : groups) {
@@ -237,9 +309,25 @@ std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged,
   return out;
 }
 
-std::string subject_of(const io::CampaignGroup& group) {
-  const CampaignCase& piece = group.piece;
-  return fmt::format("{}, seed {}", piece.plan.empty() ? piece.problem : piece.plan, piece.seed);
+/// Trials that are in no case, a line per plan or problem and seed.
+std::vector<std::string> gap_lines(const std::vector<CampaignCase>& cases,
+                                   const std::vector<io::CampaignGroup>& groups) {
+  constexpr std::size_t kShown = 3;
+  TrialRanges ranges;
+  for (const CampaignCase& piece : cases) (void)ranges.add(subject_key(piece), range_of(piece, 0));
+  std::vector<std::string> lines;
+  for (const io::CampaignGroup& group : groups) {
+    const std::vector<TrialRange> gaps = ranges.gaps(subject_key(group.piece));
+    if (gaps.empty()) continue;
+    std::vector<std::string> words;
+    for (std::size_t i = 0; i < std::min(gaps.size(), kShown); ++i) {
+      words.push_back(range_words(gaps[i]));
+    }
+    if (gaps.size() > kShown) words.push_back(fmt::format("{} more gaps", gaps.size() - kShown));
+    lines.push_back(
+        fmt::format("{} of {} are in no case", fmt::join(words, ", "), subject_of(group.piece)));
+  }
+  return lines;
 }
 
 /// The groups with the least probability of success, the least one in full: what fits a screen.
@@ -256,7 +344,7 @@ void print_groups(std::vector<const io::CampaignGroup*> groups) {
       break;
     }
     const io::CampaignGroup& group = *groups[i];
-    say(fmt::format("{}: {}{}", subject_of(group),
+    say(fmt::format("{}: {}{}", subject_of(group.piece),
                     i == 0 ? trial_words(group.trials.second) : success_words(group.trials.second),
                     group.verified ? "" : "\n  the plan fails its verification"));
   }
@@ -265,8 +353,9 @@ void print_groups(std::vector<const io::CampaignGroup*> groups) {
 int merge_cases(const CampaignMergeRequest& request) {
   request.output.check({".json"});
   MergedCampaign merged = merge_campaign(request.folder);
-  std::vector<io::CampaignGroup> groups = groups_of(
-      merged, read_cases(merged.cases, (fs::path(request.folder) / "cases.jsonl").string()));
+  const std::vector<CampaignCase> cases =
+      read_cases(merged.cases, (fs::path(request.folder) / "cases.jsonl").string());
+  std::vector<io::CampaignGroup> groups = groups_of(merged, cases);
   request.output.write(io::pretty(
       io::written([&](io::Table& t) { io::campaign_result_fields(t, merged, groups); })));
   const auto failed =
@@ -280,12 +369,13 @@ int merge_cases(const CampaignMergeRequest& request) {
       merged.missing.size(), merged.contradictory.size(), merged.duplicates, merged.damaged));
   const std::string dead = dead_words(merged);
   if (!dead.empty()) say(fmt::format("cases whose workers died: {}", dead));
+  for (const std::string& line : gap_lines(cases, groups)) say(line);
   std::vector<const io::CampaignGroup*> shown;
   for (const io::CampaignGroup& group : groups) shown.push_back(&group);
   print_groups(shown);
   if (!merged.is_complete()) {
-    const std::string cases = (fs::path(request.folder) / "cases.jsonl").string();
-    say_next({"campaign", "run", cases, "-o", request.folder});
+    const std::string list = (fs::path(request.folder) / "cases.jsonl").string();
+    say_next({"campaign", "run", list, "-o", request.folder});
   } else if (request.output.is_given()) {
     say_next({"report", request.output.path, "-o", with_extension(request.output.path, ".html")});
   }

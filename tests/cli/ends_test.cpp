@@ -100,6 +100,54 @@ TEST_CASE("a list of cases that is none is refused with its lines by run as by m
   CHECK(shop.run("campaign run twice.jsonl -o C").says("twice.jsonl:7: duplicate-case"));
 }
 
+TEST_CASE("a trial that two cases of a list have is refused by run as by merge") {
+  const Workshop shop;
+  make_cases(shop);
+  const ordered_json first =
+      ordered_json::parse(shop.text("cases.jsonl").substr(0, shop.text("cases.jsonl").find('\n')));
+  const auto list_of = [&](const std::vector<std::pair<int, int>>& ranges) {
+    std::string text;
+    for (const auto& [begin, count] : ranges) {
+      ordered_json piece = first;
+      piece["first"] = begin;
+      piece["count"] = count;
+      text += piece.dump() + "\n";
+    }
+    return text;
+  };
+  // The second list names the later trials first, and the third has one case inside another.
+  const std::vector<std::vector<std::pair<int, int>>> lists = {
+      {{1, 3}, {3, 3}}, {{3, 3}, {1, 3}}, {{0, 9}, {4, 1}}, {{4, 1}, {0, 9}}, {{0, 2}, {0, 1}}};
+  for (const auto& ranges : lists) {
+    shop.write("overlap.jsonl", list_of(ranges));
+    const Outcome run = shop.run("campaign run overlap.jsonl -o A");
+    INFO(run.err);
+    CHECK(run.code == 3);
+    CHECK(run.says("overlap.jsonl:2: overlapping-case: "));
+    CHECK(run.says("plan.json, seed 1: line 1 has "));
+    CHECK_FALSE(shop.has("A"));
+    REQUIRE(shop.run_script("rm -rf B && mkdir B && cp overlap.jsonl B/cases.jsonl").code == 0);
+    const Outcome merge = shop.run("campaign merge B");
+    CHECK(merge.code == 3);
+    CHECK(merge.says("cases.jsonl:2: overlapping-case: "));
+  }
+  shop.write("overlap.jsonl", list_of({{1, 3}, {3, 3}}));
+  CHECK(shop.run("campaign run overlap.jsonl -o A").says("trials 3 to 5 of "));
+  CHECK(shop.run("campaign run overlap.jsonl -o A").says("line 1 has trials 1 to 3 of it"));
+
+  // Another seed has trials of its own, and a case without trials shares none.
+  ordered_json other = first;
+  other["seed"] = 2;
+  shop.write("gaps.jsonl", list_of({{9, 2}, {3, 3}, {4, 0}}) + other.dump() + "\n");
+  CHECK(shop.run("campaign run gaps.jsonl -o C").code == 0);
+  const Outcome merged = shop.run("campaign merge C -o c.json");
+  CHECK(merged.code == 0);
+  CHECK(merged.says("trials 0 to 2, trials 6 to 8 of "));
+  CHECK(merged.says("plan.json, seed 1 are in no case"));
+  CHECK_FALSE(merged.says("seed 2 are in no case"));
+  CHECK(ordered_json::parse(shop.text("c.json")).at("groups").at(0).at("trials").at("count") == 5);
+}
+
 TEST_CASE("messages that nobody takes do not end a run") {
   const Workshop shop;
   REQUIRE(shop.run("plan " + kPlanar + " -o plan.json").code == 0);
