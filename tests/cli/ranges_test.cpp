@@ -36,7 +36,12 @@ TEST_CASE("extreme numbers of a problem are refused with their range") {
   };
   const Extreme cases[] = {
       {"wait: 5 s", "wait: 2e9 s", "approach.wait", "in [0, 86400] s"},
-      {"wait: 5 s", "max_duration: 1e300", "approach.max_duration", "in (0, 86400] s"},
+      {"wait: 5 s", "max_duration: 1e300", "approach.max_duration", "in [0.001, 86400] s"},
+      {"wait: 5 s", "max_duration: 1e-300", "approach.max_duration", "in [0.001, 86400] s"},
+      {"acceleration_limit: 0.05", "acceleration_limit: 1e-300", "approach.acceleration_limit",
+       "in [1e-09, 1e+12] rad/s^2"},
+      {"acceleration_limit: 0.05", "velocity_scale: 1e-300", "approach.velocity_scale",
+       "in [1e-06, 1]"},
       {"rate: 5 deg/s", "rate: 1e3", "angular_velocity.rate", "in [-100, 100] rad/s"},
       {"rate: 5 deg/s", "rate: 1e9", "angular_velocity.rate", "in [-100, 100] rad/s"},
       {"rate: 5 deg/s", "rate: 50", "angular_velocity", "must be <= 10000 rad"},

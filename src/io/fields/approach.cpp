@@ -56,14 +56,13 @@ void approach_fields(Table& t, CaptureProblem& problem) {
   // rad/s^2, m/s^2: a second to reach the few degrees per second at which space arms move.
   constexpr double kDefaultAcceleration = 0.1;
   t("acceleration_limit",
-    JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kLargePositive,
+    JointValues(approach.acceleration_limit, problem.robot, kJointAcceleration, kAcceleration,
                 {.without = kDefaultAcceleration}),
     "largest joint acceleration", {.without = fmt::format("{}", kDefaultAcceleration)});
-  t("velocity_scale",
-    Number(approach.velocity_scale, {.lower = 0, .upper = 1, .is_lower_open = true}),
+  t("velocity_scale", Number(approach.velocity_scale, kUsedPart),
     "used part of the URDF's joint rates");
   t("wait", Number(approach.wait, Dimension::Time, kWait), "at rest before the contact");
-  t("max_duration", Number(approach.max_duration, Dimension::Time, kDuration),
+  t("max_duration", Number(approach.max_duration, Dimension::Time, kApproachDuration),
     "from start to contact");
   t("clearance", Number(approach.clearance, Dimension::Length, kDistance), "kept between bodies");
   t("contact_allowance", Number(approach.contact_allowance, Dimension::Length, kDistance),

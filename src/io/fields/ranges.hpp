@@ -32,6 +32,12 @@ inline constexpr Range kInstant{.lower = -1e6, .upper = 1e6};
 /// Waits and motions, s: a day.
 inline constexpr Range kWait{.lower = 0, .upper = 86400};
 inline constexpr Range kDuration{.lower = 0, .upper = 86400, .is_lower_open = true};
+/// Time for an approach, s: the planner of paths takes no less.
+inline constexpr Range kApproachDuration{.lower = 1e-3, .upper = 86400};
+/// Joint accelerations, rad/s^2 or m/s^2: with less, 1 rad takes longer than 17 hours.
+inline constexpr Range kAcceleration{.lower = 1e-9, .upper = 1e12};
+/// Used parts of a joint's rate: with less, one of 1 rad/s takes longer than a day for 5 deg.
+inline constexpr Range kUsedPart{.lower = 1e-6, .upper = 1};
 /// Gains of controllers, 1/s: the shortest control period is 1e-4 s.
 inline constexpr Range kGain{.lower = 0, .upper = 1e4};
 /// Moments of inertia, kg m^2: of each sign, as products are.
