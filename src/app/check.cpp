@@ -77,9 +77,7 @@ Report report_on(const std::string& path, const std::string& hand,
                            "stillbase.campaign; a state and a robot say none"}});
   }
   std::vector<Finding> remarks;
-  UnlockedRobot unlocked;
-  const CaptureProblem problem = read_problem(path, &remarks, &unlocked);
-  check_placement(problem, unlocked, path);
+  const CaptureProblem problem = read_placed_problem(path, remarks);
   const std::string report = problem_report(problem, remarks);
   remarks.insert(remarks.end(), problem.robot.remarks.begin(), problem.robot.remarks.end());
   return {"problem",     report,  std::move(remarks),

@@ -13,8 +13,10 @@
 #include <stillbase/encounter/residual_velocity.hpp>
 #include <stillbase/formulation/formulation.hpp>
 #include <stillbase/io/problem_file.hpp>
+#include <stillbase/robot/unlocked_robot.hpp>
 
 #include "app/check_report.hpp"
+#include "app/command_line.hpp"
 #include "app/window_words.hpp"
 #include "app/words.hpp"
 #include "collision/locked_links.hpp"
@@ -161,6 +163,55 @@ std::vector<std::string> free_variables(const CaptureProblem& problem) {
   return free;
 }
 
+/// @param path of the problem file
+/// @throws InputError for bodies that stand in each other at the start
+void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocked,
+                     const std::string& path) {
+  const auto refuse = [&](const char* key, const char* rule, const std::string& what) {
+    throw InputError({{path, line_of_key(path, key), rule, fmt::format("{}: {}", key, what)}});
+  };
+  if (const auto hit = overlap_of_arms(problem)) {
+    refuse("robot.arms", "mounts-overlap",
+           to_string(*hit) +
+               " overlap at the start; move a `mount`, lock joints or start in "
+               "another position, or state the pair in robot.allowed_contacts");
+  }
+  if (const auto hit = overlap_of_locked_links(problem, unlocked)) {
+    refuse("robot.locked", "locked-overlap",
+           to_string(*hit) +
+               " overlap where the joints are locked; lock them in another position, "
+               "or state the pair in robot.allowed_contacts");
+  }
+  if (const auto hit = sunk_link(problem)) {
+    refuse(
+        "robot.arms", "mount-inside",
+        to_string(*hit) +
+            ": the middle of the link is inside the satellite; move the `mount` or the shapes of "
+            "robot.base, or state the pair in robot.allowed_contacts");
+  }
+  const ApproachSpec& approach = problem.approach;
+  if (!approach.enabled) return;
+  // Obstacles in N are left out where the base does not start as stated.
+  CaptureProblem alone = problem;
+  if (approach.station_free) {
+    std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
+  }
+  const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
+  if (const auto hit = CollisionScene(alone).first_hit(kinematics, problem.base, nullptr,
+                                                       least_distance(approach))) {
+    refuse("robot.start", "start-too-close",
+           fmt::format("{} are {:.4g} m apart, approach.clearance asks for {:.4g} m; state another "
+                       "posture, a smaller clearance, or the pair in robot.allowed_contacts",
+                       to_string(*hit), std::max(hit->distance, 0.0), approach.clearance));
+  }
+}
+
+std::vector<std::string> lines_of(const std::vector<Finding>& remarks) {
+  std::vector<std::string> lines;
+  for (const Finding& remark : remarks) lines.push_back(to_string(remark));
+  return lines;
+}
+
 }  // namespace
 
 std::string target_report(const TargetBody& target) {
@@ -225,51 +276,20 @@ std::string problem_report(const CaptureProblem& problem, const std::vector<Find
         count_words(formulation.num_equations(), "independent equation", "independent equations"),
         formulation.freedom());
   }
-  text += robot_report(problem.robot);
-  if (remarks.empty()) return text;
-  std::vector<std::string> lines;
-  for (const Finding& remark : remarks) lines.push_back(to_string(remark));
-  return text + remark_lines(lines);
+  return text + robot_report(problem.robot) + remark_lines(lines_of(remarks));
 }
 
-void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocked,
-                     const std::string& path) {
-  const auto refuse = [&](const char* key, const char* rule, const std::string& what) {
-    throw InputError({{path, line_of_key(path, key), rule, fmt::format("{}: {}", key, what)}});
-  };
-  if (const auto hit = overlap_of_arms(problem)) {
-    refuse("robot.arms", "mounts-overlap",
-           to_string(*hit) +
-               " overlap at the start; move a `mount`, lock joints or start in "
-               "another position, or state the pair in robot.allowed_contacts");
-  }
-  if (const auto hit = overlap_of_locked_links(problem, unlocked)) {
-    refuse("robot.locked", "locked-overlap",
-           to_string(*hit) +
-               " overlap where the joints are locked; lock them in another position, "
-               "or state the pair in robot.allowed_contacts");
-  }
-  if (const auto hit = sunk_link(problem)) {
-    refuse(
-        "robot.arms", "mount-inside",
-        to_string(*hit) +
-            ": the middle of the link is inside the satellite; move the `mount` or the shapes of "
-            "robot.base, or state the pair in robot.allowed_contacts");
-  }
-  const ApproachSpec& approach = problem.approach;
-  if (!approach.enabled) return;
-  // Obstacles in N are left out where the base does not start as stated.
-  CaptureProblem alone = problem;
-  if (approach.station_free) {
-    std::erase_if(alone.obstacles, [](const Obstacle& o) { return o.frame == Frame::Inertial; });
-  }
-  const auto kinematics = compute_kinematics<double>(problem.robot, problem.start);
-  if (const auto hit = CollisionScene(alone).first_hit(kinematics, problem.base, nullptr,
-                                                       least_distance(approach))) {
-    refuse("robot.start", "start-too-close",
-           fmt::format("{} are {:.4g} m apart, approach.clearance asks for {:.4g} m; state another "
-                       "posture, a smaller clearance, or the pair in robot.allowed_contacts",
-                       to_string(*hit), std::max(hit->distance, 0.0), approach.clearance));
+CaptureProblem read_placed_problem(const std::string& path, std::vector<Finding>& remarks) {
+  try {
+    UnlockedRobot unlocked;
+    CaptureProblem problem = read_problem(path, &remarks, &unlocked);
+    check_placement(problem, unlocked, path);
+    return problem;
+  } catch (const InputError&) {
+    std::string text = remark_lines(lines_of(remarks));
+    if (!text.empty()) text.pop_back();  // say() ends the line
+    if (!text.empty()) say(text);
+    throw;
   }
 }
 

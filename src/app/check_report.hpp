@@ -8,7 +8,6 @@
 #include <stillbase/io/plan_file.hpp>
 #include <stillbase/io/state_file.hpp>
 #include <stillbase/plan/problem.hpp>
-#include <stillbase/robot/unlocked_robot.hpp>
 
 namespace stillbase::app {
 
@@ -27,12 +26,11 @@ std::string contact_suggestions(const RobotModel& robot);
 /// "suspicious:" and one line each, or nothing when there are none.
 std::string remark_lines(const std::vector<std::string>& remarks);
 
-/// Arms that are mounted on one base do not stand in each other, nor locked links in what they are
-/// merged with, and the start posture keeps the clearance that the approach asks for.
-/// @param unlocked from the same file
-/// @param path of the problem file
-/// @throws InputError
-void check_placement(const CaptureProblem& problem, const UnlockedRobot& unlocked,
-                     const std::string& path);
+/// Reads a problem. Arms that are mounted on one base do not stand in each other, nor locked links
+/// in what they are merged with, and the start posture keeps the clearance that the approach asks
+/// for. Where the file is refused, its remarks are said first: they often name the mistake.
+/// @param remarks set to those of the reader
+/// @throws InputError, FileError as read_problem()
+CaptureProblem read_placed_problem(const std::string& path, std::vector<Finding>& remarks);
 
 }  // namespace stillbase::app

@@ -195,9 +195,8 @@ int plan_capture(const PlanRequest& request) {
   }
   std::optional<int> starts;
   if (!request.starts.empty()) starts = starts_of(request.starts);
-  UnlockedRobot unlocked;
-  CaptureProblem problem = read_problem(request.problem, nullptr, &unlocked);
-  check_placement(problem, unlocked, request.problem);
+  std::vector<Finding> remarks;
+  CaptureProblem problem = read_placed_problem(request.problem, remarks);
   const std::vector<InputFile> inputs = input_files(request.problem);
   if (!request.optimizer.empty()) problem.search.optimizer = request.optimizer;
   if (request.seed) problem.search.seed = *request.seed;

@@ -38,8 +38,8 @@ CaptureProblem read(std::string_view text, const std::string& source,
   const io::Node root = io::parse_document(text, context);
   io::refuse_other_format(root, source, "stillbase.problem");
   CaptureProblem problem = io::read_problem_map(root, context, "", sources);
-  context.throw_if_any();
   if (remarks != nullptr) *remarks = std::move(context.remarks);
+  context.throw_if_any();
   return problem;
 }
 

@@ -85,6 +85,31 @@ TEST_CASE("angles that look like degrees without their unit are named") {
   CHECK(shop.run("check most.yaml").says("did you mean '30 deg'?"));
 }
 
+TEST_CASE("angles that look like degrees are named where something else is refused") {
+  const Workshop shop;
+  const std::string name = "planar.yaml", planar = "problems/planar_three_link_client.yaml";
+  // Folded into the base: refused for its place. With a wait that is none while it is read.
+  shop.write_changed(name, planar, "start: [-0.72, 1.2, 0.72]", "start: [-41, 68.75, 41]");
+  const std::string text = shop.text(name);
+  for (const std::string rule : {"start-too-close", "out-of-range"}) {
+    if (rule == "out-of-range") {
+      shop.write(name, std::string(text).replace(text.find("wait: 5 s"), 9, "wait: -5 s"));
+    }
+    for (const std::string& command : {"check " + name, "plan " + name + " -o plan.json"}) {
+      const Outcome outcome = shop.run(command);
+      INFO(command << outcome.err);
+      CHECK(outcome.code == 3);
+      const std::size_t remark = outcome.err.find("did you mean '68.75 deg'?");
+      const std::size_t reason = outcome.err.find(": " + rule + ": ");
+      CHECK(outcome.err.rfind("suspicious:\n", 0) == 0);
+      CHECK(remark < reason);
+      CHECK(reason != std::string::npos);
+      CHECK(count_of(outcome.err, "'68.75 deg'") == 1);
+    }
+  }
+  CHECK_FALSE(shop.has("plan.json"));
+}
+
 TEST_CASE("check and plan refuse a start that is nearer than the approach's clearance") {
   const Workshop shop;
   const int line = shop.write_changed("near.yaml", kEts7, "start: [0,", "start: [0.001,");

@@ -17,7 +17,8 @@ namespace stillbase {
 /// Strict: unknown, duplicate and missing keys, wrong types, lengths and units, numbers that are
 /// not finite, names that do not exist and values that contradict each other are refused. A plain
 /// number is SI; a text such as `-80 deg` is converted.
-/// @param remarks set to what is allowed and looks like a mistake; may be null
+/// @param remarks set to what is allowed and looks like a mistake, where the problem is refused for
+///   something else, too; may be null
 /// @param unlocked set to the robot before its joints are locked where some are; may be null
 /// @throws InputError with every finding: file, line, key, value, rule and what is allowed
 /// @throws FileError when the system refuses to read a file that exists
