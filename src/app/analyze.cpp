@@ -115,7 +115,7 @@ std::string analysis_csv(const Analysis& analysis) {
     text += fmt::format("{},{},{},{}", row.direction_deg, impact.Fbar.head<3>().norm(),
                         impact.closing_speed, to_string(impact.judgement.impact_case));
     for (const Vector3d& v : {impact.total, impact.base, impact.coupling}) add_columns(text, v);
-    add_columns(text, impact.Delta_Omega.tail<3>());
+    add_columns(text, impact.Omega_after().tail<3>());
     add_columns(text, impact.Delta_phidot);
     add_columns(text, impact.Delta_phidot_rns);
     add_columns(text, impact.Delta_phidot_orthogonal);
@@ -124,7 +124,8 @@ std::string analysis_csv(const Analysis& analysis) {
   return text;
 }
 
-constexpr const char* kImpactHead = "{:>10} {:>5} {:>11} {:>11} {:>11} {:>12} {:>12}\n";
+/// Momenta and rates are those after the impact. Of a robot at rest before it they are the jump.
+constexpr const char* kImpactHead = "{:>14} {:>5} {:>14} {:>14} {:>14} {:>14} {:>14}\n";
 
 std::string impact_head() {
   return fmt::format(kImpactHead, "impulse", "case", "|total|", "|base|", "|coupling|",
@@ -136,10 +137,12 @@ std::string impact_units() {
 }
 
 std::string impact_numbers(const ImpactSummary& impact) {
-  return fmt::format("{:>10.4g} {:>5} {:>11.4e} {:>11.4e} {:>11.4e} {:>12.4e} {:>12.4e}\n",
-                     impact.Fbar.head<3>().norm(), to_string(impact.judgement.impact_case),
-                     impact.total.norm(), impact.base.norm(), impact.coupling.norm(),
-                     impact.Delta_Omega.tail<3>().norm(), impact.Delta_phidot.norm());
+  const auto size = [](double x) { return size_words(x, 5); };
+  return fmt::format(kImpactHead, size_words(impact.Fbar.head<3>().norm(), 4),
+                     to_string(impact.judgement.impact_case), size(impact.total.norm()),
+                     size(impact.base.norm()), size(impact.coupling.norm()),
+                     size(impact.Omega_after().tail<3>().norm()),
+                     size(impact.phidot_after().norm()));
 }
 
 /// Of a line in the xy plane, in [0, 180) deg.
@@ -216,6 +219,9 @@ std::string impulse_words(const AnalysisRow& row) {
 std::string analysis_words(const Analysis& analysis) {
   // A sweep stays in the plane.
   std::string text = analysis.rows.size() == 1 ? impulse_words(analysis.rows.front()) : "";
+  if (analysis.rows.front().impact.before) {
+    text += "the robot moves before the impact; momenta and rates are those right after it\n\n";
+  }
   text += fmt::format("{:>9} {}", "direction", impact_head());
   text += fmt::format("{:>9} {}", "deg", impact_units());
   for (const AnalysisRow& row : analysis.rows) {

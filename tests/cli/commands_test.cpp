@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -310,6 +312,33 @@ TEST_CASE("analyze gives no direction to an impulse that a matched hand makes va
   const Outcome hit = shop.run("analyze " + quoted(source_path("problems/deos_latch.yaml")));
   REQUIRE(hit.code == 0);
   CHECK(hit.out.find("no impulse") == std::string::npos);
+}
+
+TEST_CASE("analyze shows the rates after the impact beside the momenta after it") {
+  const Workshop shop;
+  const std::string command = "analyze " + quoted(source_path("problems/matched_medium.yaml"));
+  const Outcome outcome = shop.run(command);
+  INFO(outcome.out);
+  REQUIRE(outcome.code == 0);
+  // The base moves before the impact, and the jump is rounding.
+  const json impact = json::parse(shop.run(command + " --json").out).at("rows").at(0);
+  double square = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double before = impact.at("before").at("base_velocity").at("angular").at(i);
+    const double jump = impact.at("base_velocity_jump").at("angular").at(i);
+    square += (before + jump) * (before + jump);
+  }
+  CHECK(square > 1e-8);
+  std::ostringstream rate;
+  rate << std::setprecision(5) << std::sqrt(square);
+  CHECK(outcome.out.find(" " + rate.str() + " ") != std::string::npos);
+  CHECK(outcome.out.find("the robot moves before the impact") != std::string::npos);
+  CHECK(outcome.out.find(" 0 (below 1e-9)") != std::string::npos);
+  CHECK(outcome.out.find("e-1") == std::string::npos);
+  CHECK(shop.run(command + " -o one.csv").code == 0);
+  std::ostringstream full;
+  full << impact.at("before").at("base_velocity").at("angular").at(1);
+  CHECK(shop.text("one.csv").find("," + full.str()) != std::string::npos);
 }
 
 TEST_CASE("analyze states an impulse that leaves the xy plane as a vector") {
