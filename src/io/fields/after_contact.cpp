@@ -21,7 +21,11 @@ static void fields(Table& t, LimitUse& use) {
   t("limit", Word(use.limit, capture_limit_names()), "", kNeeded);
   t("place", Text(use.place),
     "joint, axis of B, hand link, `contact_time` or `horizon` where most of it is used", kNeeded);
-  t("value", Number(use.value, kNonNegative), "largest one", needed("`unit`"));
+  t("value", Number(use.value, kNonNegative),
+    "largest one at `place` from the contact to the horizon; of `wheel_momentum` with the preset, "
+    "and also with all of `angular` in the wheels where the controller hands it to them; of joint "
+    "stops and the contact window the distance from the middle of the range",
+    needed("`unit`"));
   t("most", Number(use.most, kNonNegative), "that is allowed", needed("`unit`"));
   t("margin", Number(margin), "most - value", needed("`unit`"));
   t("unit", Text(use.unit), "of value, most and margin", kNeeded);
@@ -41,7 +45,10 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
   t("angular", Vector(managed.angular), "about the common centroid", needed("N m s", "B"));
   t("linear", Vector(managed.linear), "", needed("N s", "B"));
   t("least_time", OrNull(Number(managed.least_time, kNonNegative), !managed.least_time),
-    "max_i |angular_i| / torque_i of the wheels; null: no wheels that could take it", needed("s"));
+    "max_i |angular_i| / torque_i of the wheels; a lower bound of the time while the base keeps "
+    "its "
+    "attitude; null: no wheels that could take it",
+    needed("s"));
   t("remaining", OrNull(Number(managed.remaining, kNonNegative), !managed.remaining),
     "angular momentum outside the wheels at the horizon; null: not simulated", needed("N m s"));
   t("rest_time", OrNull(Number(managed.rest_time, kNonNegative), !managed.rest_time),
