@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
 #include <stillbase/encounter/residual_velocity.hpp>
@@ -15,12 +16,17 @@ namespace stillbase {
 
 namespace {
 
+/// Whether the contact follows from an estimate of the target that states its errors.
+bool has_estimate(const CaptureProblem& problem) {
+  return problem.target && problem.target_deviations && !problem.impulse.direction &&
+         !problem.variables.feature.empty() && problem.impulse.source != ImpulseSource::Given;
+}
+
 void add_unused_covariance(const CaptureProblem& problem, std::vector<LeftOut>& out) {
-  const ContactLaw law = problem.impulse.contact;
-  const bool is_known = problem.target && problem.target_deviations && !problem.impulse.direction &&
-                        !problem.variables.feature.empty() &&
-                        problem.impulse.source != ImpulseSource::Given;
-  if (!is_known || law == ContactLaw::Frictionless || problem.uncertainty.residual_velocity) return;
+  if (!has_estimate(problem) || problem.impulse.contact == ContactLaw::Frictionless ||
+      problem.uncertainty.residual_velocity) {
+    return;
+  }
   out.push_back(
       {kUnusedCovarianceRule, "target", "state.covariance",
        "the impulse of this contact follows from the whole relative velocity, which counts as "
@@ -84,6 +90,64 @@ void add_narrow_residual(const CaptureProblem& problem, std::vector<LeftOut>& ou
                    least, when)});
 }
 
+/// Angle within which the normal is known; pi where it cannot be predicted.
+double known_angle(const CaptureProblem& problem) {
+  try {
+    return std::min(direction_cone(problem, kDefaultConeConfidence).half_angle, kPi);
+  } catch (const std::invalid_argument&) {
+    return kPi;
+  }
+}
+
+/// The same of the contact point, m.
+double known_radius(const CaptureProblem& problem) {
+  try {
+    return contact_radius(problem, kDefaultConeConfidence);
+  } catch (const std::invalid_argument&) {
+    return kInfinity;
+  }
+}
+
+/// The impulse of a contact along the normal has one direction in every measure over the velocity.
+void add_fixed_normal(const CaptureProblem& problem, std::vector<LeftOut>& out) {
+  if (!has_estimate(problem) || problem.impulse.contact != ContactLaw::Frictionless ||
+      !problem.uncertainty.residual_velocity) {
+    return;
+  }
+  const double angle = known_angle(problem);
+  if (angle <= kKnownNormal) return;
+  const char* const advice = angle <= kPi / 2
+                                 ? "state uncertainty.cone_half_angle: from_covariance, and leave "
+                                   "residual_velocity out, for measures over the direction"
+                                 : "no cone holds it; a later or better estimate is needed";
+  out.push_back(
+      {kFixedNormalRule, "uncertainty", "residual_velocity",
+       fmt::format("the impulse counts as exactly along the nominal normal, but by "
+                   "target.state.covariance the normal is known within {:.4g} deg with probability "
+                   "{:g}; this error is in no measure; {}",
+                   angle * 180 / kPi, kDefaultConeConfidence, advice)});
+}
+
+/// A hand that takes hold of the target may miss what it is to take hold of.
+void add_wide_estimate(const CaptureProblem& problem, std::vector<LeftOut>& out) {
+  const bool takes_hold =
+      problem.hand_motion.moves() || problem.impulse.contact == ContactLaw::Latch;
+  if (!has_estimate(problem) || !takes_hold) return;
+  const double angle = known_angle(problem), radius = known_radius(problem);
+  if (angle <= kMostTilt && radius <= kMostRadius) return;
+  const std::string known =
+      radius < kInfinity
+          ? fmt::format(
+                "the contact point is known within {:.3g} m and the normal within {:.4g} "
+                "deg, each with probability {:g}",
+                radius, angle * 180 / kPi, kDefaultConeConfidence)
+          : "the contact cannot be predicted";
+  out.push_back({kWideEstimateRule, "target", "state.covariance",
+                 known +
+                     ": a hand may miss, which trials do not count: each has its contact wherever "
+                     "the feature is; a later or better estimate is needed"});
+}
+
 /// The mean over the residual velocity is a closed form.
 void add_not_in_measure(const CaptureProblem& problem, std::vector<LeftOut>& out) {
   const UncertaintySpec& spread = problem.uncertainty;
@@ -124,6 +188,8 @@ std::vector<LeftOut> left_out(const CaptureProblem& problem) {
   }
   add_narrow_residual(problem, out);
   add_unused_covariance(problem, out);
+  add_fixed_normal(problem, out);
+  add_wide_estimate(problem, out);
   add_not_in_measure(problem, out);
   return out;
 }

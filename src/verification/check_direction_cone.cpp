@@ -2,10 +2,12 @@
 // integrated on its own, where the planner propagates a few weighted points.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
 
@@ -19,10 +21,21 @@ namespace {
 constexpr int kInstants = 7;
 constexpr double kAnglePerStep = 0.02;  ///< rad; an error below 1e-6 rad after 1000 steps
 
-/// Normals of the feature at the instants, for an estimate with the given errors.
-class Normals {
+/// Where the feature is.
+struct Feature {
+  Vector3d point, normal;  ///< in N
+};
+
+/// Errors of an estimate: normal ones with its standard deviations.
+struct DrawnError {
+  Vector3d orientation = Vector3d::Zero(), rate = Vector3d::Zero(), moments = Vector3d::Zero(),
+           position = Vector3d::Zero(), velocity = Vector3d::Zero();
+};
+
+/// The feature at the instants, for an estimate with the given errors.
+class Features {
  public:
-  Normals(const CaptureProblem& problem, const ContactFeature& feature)
+  Features(const CaptureProblem& problem, const ContactFeature& feature)
       : state_(problem.target_state), is_point_mass_(problem.target->is_point_mass) {
     Matrix3d axes = Matrix3d::Identity();
     if (!is_point_mass_) {
@@ -33,35 +46,35 @@ class Normals {
     }
     R_TP_ = Eigen::Quaterniond(axes);
     normal_P_ = R_TP_.conjugate() * feature.normal;
+    point_P_ = R_TP_.conjugate() * feature.point;
   }
 
-  std::vector<Vector3d> at(const std::vector<double>& times, const Vector3d& orientation_error,
-                           const Vector3d& rate_error, const Vector3d& moments_error) const {
-    FreeBody body = erroneous(orientation_error, rate_error, moments_error);
-    std::vector<Vector3d> normals;
+  std::vector<Feature> at(const std::vector<double>& times, const DrawnError& error) const {
+    FreeBody body = erroneous(error);
+    std::vector<Feature> features;
     double now = state_.time;
     for (const double time : times) {
       body.advance(time - now, kAnglePerStep);
       now = time;
-      normals.push_back(body.q * normal_P_);
+      const Vector3d centroid = state_.pose.position + error.position +
+                                (time - state_.time) * (state_.linear_velocity + error.velocity);
+      features.push_back({centroid + body.q * point_P_, body.q * normal_P_});
     }
-    return normals;
+    return features;
   }
 
   /// Integration steps of the estimate itself until the last instant.
   double steps(const std::vector<double>& times) const {
-    const Vector3d none = Vector3d::Zero();
-    return erroneous(none, none, none)
-        .steps(std::abs(times.front() - state_.time) + times.back() - times.front(), kAnglePerStep);
+    return erroneous({}).steps(std::abs(times.front() - state_.time) + times.back() - times.front(),
+                               kAnglePerStep);
   }
 
  private:
-  FreeBody erroneous(const Vector3d& orientation_error, const Vector3d& rate_error,
-                     const Vector3d& moments_error) const {
-    FreeBody body{moments_.cwiseProduct(moments_error.array().exp().matrix()),
-                  state_.pose.orientation * rotation_exp(orientation_error) * R_TP_,
+  FreeBody erroneous(const DrawnError& error) const {
+    FreeBody body{moments_.cwiseProduct(error.moments.array().exp().matrix()),
+                  state_.pose.orientation * rotation_exp(error.orientation) * R_TP_,
                   Vector3d::Zero()};
-    if (!is_point_mass_) body.w = body.q.conjugate() * (state_.angular_velocity + rate_error);
+    if (!is_point_mass_) body.w = body.q.conjugate() * (state_.angular_velocity + error.rate);
     return body;
   }
 
@@ -69,19 +82,23 @@ class Normals {
   bool is_point_mass_;
   Vector3d moments_ = Vector3d::Ones();
   Eigen::Quaterniond R_TP_;
-  Vector3d normal_P_;
+  Vector3d normal_P_, point_P_;
 };
 
-/// How many of the sampled normals lie within the problem's half-angle, at the instant of the
-/// window with the fewest.
+/// How many of the sampled features are near the nominal one, at the instant of the window with the
+/// fewest.
 struct Sampled {
   double fraction = 0, time = 0;
   int count = 0;
 };
 
-Sampled sample_normals(const Context& context, const ContactFeature& feature) {
+/// Whether a feature is near the nominal one.
+using IsNear = std::function<bool(const Feature& nominal, const Feature& sampled)>;
+
+/// By each of several rules, over the same samples.
+std::vector<Sampled> sample_features(const Context& context, const ContactFeature& feature,
+                                     const std::vector<IsNear>& rules) {
   const CaptureProblem& problem = context.problem;
-  const double half_angle = problem.uncertainty.cone_half_angle;
   const EstimateDeviations& sigma = *problem.target_deviations;
   const double lower = problem.variables.contact_time_lower;
   const double upper = problem.variables.contact_time_upper;
@@ -89,38 +106,59 @@ Sampled sample_normals(const Context& context, const ContactFeature& feature) {
   for (int i = 1; i < kInstants && upper > lower; ++i) {
     times.push_back(lower + (upper - lower) * i / (kInstants - 1));
   }
-
-  const Normals normals(problem, feature);
-  const Vector3d none = Vector3d::Zero();
-  const std::vector<Vector3d> nominal = normals.at(times, none, none, none);
-  const auto& plane = problem.uncertainty.cone_plane_normal;
-  const Vector3d plane_N = plane ? problem.base.orientation * *plane : Vector3d::Zero();
+  const Features features(problem, feature);
+  const std::vector<Feature> nominal = features.at(times, {});
 
   // As many samples as some seconds allow.
-  const int count = static_cast<int>(std::clamp(2e6 / normals.steps(times), 500.0, 6000.0));
-  std::vector<int> inside(times.size(), 0);
-  Random random(1);
-  const auto error = [&](const Vector3d& deviation) -> Vector3d {
+  const int count = static_cast<int>(std::clamp(2e6 / features.steps(times), 500.0, 6000.0));
+  std::vector<std::vector<int>> inside(rules.size(), std::vector<int>(times.size(), 0));
+  Random rotations(1), places(2);
+  const auto error = [](Random& random, const Vector3d& deviation) -> Vector3d {
     const double x = random.normal(), y = random.normal(), z = random.normal();
     return deviation.cwiseProduct(Vector3d(x, y, z));
   };
   for (int i = 0; i < count; ++i) {
     if (context.options.stop.reached()) throw std::runtime_error("stopped");
-    const Vector3d orientation = error(sigma.orientation), rate = error(sigma.angular_velocity),
-                   moments = error(sigma.moments);
-    const std::vector<Vector3d> sampled = normals.at(times, orientation, rate, moments);
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      const Vector3d& n = nominal[k];
-      // In a wedge the angle about the plane's normal counts.
-      const double angle =
-          plane ? std::abs(std::atan2(plane_N.dot(n.cross(sampled[k])), n.dot(sampled[k])))
-                : angle_between(n, sampled[k]);
-      if (angle <= half_angle * (1 + 1e-12)) ++inside[k];
+    DrawnError e;
+    e.orientation = error(rotations, sigma.orientation);
+    e.rate = error(rotations, sigma.angular_velocity);
+    e.moments = error(rotations, sigma.moments);
+    e.position = error(places, sigma.position);
+    e.velocity = error(places, sigma.linear_velocity);
+    const std::vector<Feature> sampled = features.at(times, e);
+    for (std::size_t r = 0; r < rules.size(); ++r) {
+      for (std::size_t k = 0; k < times.size(); ++k) {
+        if (rules[r](nominal[k], sampled[k])) ++inside[r][k];
+      }
     }
   }
-  const auto least = std::min_element(inside.begin(), inside.end());
-  return {static_cast<double>(*least) / count,
-          times[static_cast<std::size_t>(least - inside.begin())], count};
+  std::vector<Sampled> out;
+  for (const std::vector<int>& counts : inside) {
+    const auto least = std::min_element(counts.begin(), counts.end());
+    out.push_back({static_cast<double>(*least) / count,
+                   times[static_cast<std::size_t>(least - counts.begin())], count});
+  }
+  return out;
+}
+
+/// Whether the normal is within an angle of the nominal one; in a wedge the angle about the plane's
+/// normal counts.
+IsNear within_angle(const CaptureProblem& problem, double half_angle) {
+  const auto& plane = problem.uncertainty.cone_plane_normal;
+  const Vector3d plane_N = plane ? problem.base.orientation * *plane : Vector3d::Zero();
+  const bool is_wedge = plane.has_value();
+  return [half_angle, plane_N, is_wedge](const Feature& nominal, const Feature& sampled) {
+    const Vector3d &n = nominal.normal, &m = sampled.normal;
+    const double angle =
+        is_wedge ? std::abs(std::atan2(plane_N.dot(n.cross(m)), n.dot(m))) : angle_between(n, m);
+    return angle <= half_angle * (1 + 1e-12);
+  };
+}
+
+/// How many of the sampled normals lie within the problem's half-angle.
+Sampled sample_normals(const Context& context, const ContactFeature& feature) {
+  const double half_angle = context.problem.uncertainty.cone_half_angle;
+  return sample_features(context, feature, {within_angle(context.problem, half_angle)}).front();
 }
 
 /// Four standard errors of a fraction of `count`, and a hundredth for errors that are not Gaussian.
@@ -190,23 +228,63 @@ void check_residual_warning(const Context& context, ClaimList& claims) {
                     "the stated covariance of the relative velocity and that of the estimate");
 }
 
+constexpr double kProbability = 0.95;  ///< of the warnings
+
+/// Objections to a plan that warns although everything is known, or does not although something is
+/// not: whether 95 % of the samples are near the nominal one, as far as their number tells.
+void compare_warning(const Context& context, const std::string& code,
+                     const std::vector<Sampled>& known, ClaimList& claims, const std::string& claim,
+                     const std::string& words) {
+  const bool warns = warns_of(context.plan, code) > 0;
+  bool is_surely_open = false, may_be_open = false;
+  for (const Sampled& sampled : known) {
+    const double margin = fraction_tolerance(kProbability, sampled.count);
+    is_surely_open = is_surely_open || sampled.fraction < kProbability - margin;
+    may_be_open = may_be_open || sampled.fraction <= kProbability + margin;
+  }
+  Objections objections;
+  objections.demand(warns || !is_surely_open, "the plan does not say " + code);
+  objections.demand(!warns || may_be_open, "the plan says " + code);
+  claims.none_wrong(claim, objections, words);
+}
+
 /// A cone stated beside a covariance: the plan warns exactly where the cone does not hold 95 % of
 /// the directions.
 void check_warning(const Context& context, const ContactFeature& feature, ClaimList& claims) {
-  constexpr double kProbability = 0.95;
-  const bool warns = warns_of(context.plan, "narrow-cone") > 0;
   const Sampled sampled = sample_normals(context, feature);
-  const double margin = fraction_tolerance(kProbability, sampled.count);
-  Objections objections;
-  objections.demand(warns || sampled.fraction >= kProbability - margin,
-                    "the plan does not say that its cone is narrower");
-  objections.demand(!warns || sampled.fraction <= kProbability + margin,
-                    "the plan says that its cone is narrower");
-  claims.none_wrong("cone_warning", objections,
-                    fmt::format("the stated cone of {:.6g} rad holds {:.4f} of {} directions "
-                                "sampled from the covariance of the estimate at {:.6g} s",
-                                context.problem.uncertainty.cone_half_angle, sampled.fraction,
-                                sampled.count, sampled.time));
+  compare_warning(context, "narrow-cone", {sampled}, claims, "cone_warning",
+                  fmt::format("the stated cone of {:.6g} rad holds {:.4f} of {} directions sampled "
+                              "from the covariance of the estimate at {:.6g} s",
+                              context.problem.uncertainty.cone_half_angle, sampled.fraction,
+                              sampled.count, sampled.time));
+}
+
+/// A residual velocity beside a contact along the normal: the plan warns where the normal is known
+/// less well than a degree.
+void check_normal_warning(const Context& context, const ContactFeature& feature,
+                          ClaimList& claims) {
+  const IsNear within_degree = within_angle(context.problem, kPi / 180);
+  const Sampled sampled = sample_features(context, feature, {within_degree}).front();
+  compare_warning(
+      context, "fixed-normal", {sampled}, claims, "normal_warning",
+      fmt::format("{:.4f} of {} normals sampled from the covariance of the estimate are "
+                  "within 1 deg of the nominal one at {:.6g} s",
+                  sampled.fraction, sampled.count, sampled.time));
+}
+
+/// A hand that takes hold of the target: the plan warns where the feature may be 0.1 m or 30 deg
+/// off.
+void check_estimate_warning(const Context& context, const ContactFeature& feature,
+                            ClaimList& claims) {
+  const IsNear near = [](const Feature& nominal, const Feature& sampled) {
+    return (sampled.point - nominal.point).norm() <= 0.1;
+  };
+  const std::vector<Sampled> known =
+      sample_features(context, feature, {near, within_angle(context.problem, kPi / 6)});
+  compare_warning(context, "wide-estimate", known, claims, "estimate_warning",
+                  fmt::format("of {} features sampled from the covariance of the estimate {:.4f} "
+                              "are within 0.1 m, {:.4f} within 30 deg of the nominal one",
+                              known[0].count, known[0].fraction, known[1].fraction));
 }
 
 }  // namespace
@@ -218,6 +296,14 @@ void check_direction_cone(const Context& context, ClaimList& claims) {
   check_unused(context, follows, claims);
   const auto& residual = problem.uncertainty.residual_velocity;
   if (follows && residual && residual->covariance) check_residual_warning(context, claims);
+  const bool is_hit = follows && problem.impulse.source != ImpulseSource::Given;
+  const ContactLaw law = problem.impulse.contact;
+  if (is_hit && residual && law == ContactLaw::Frictionless) {
+    check_normal_warning(context, *feature, claims);
+  }
+  if (is_hit && (problem.hand_motion.moves() || law == ContactLaw::Latch)) {
+    check_estimate_warning(context, *feature, claims);
+  }
   if (!problem.uncertainty.cone_confidence) {
     const bool has_cone = problem.impulse.contact == ContactLaw::Frictionless &&
                           problem.impulse.source != ImpulseSource::Given &&

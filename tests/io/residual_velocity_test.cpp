@@ -211,3 +211,41 @@ TEST_CASE("what a measure leaves out of the stated uncertainty is remarked at it
   const std::string samples = replaced(mean("  target_mass: 0.1\n"), kCarried, "");
   CHECK(remarks_of(samples, kNotInMeasureRule).empty());
 }
+
+TEST_CASE("a normal that a residual velocity fixes is remarked with the key that counts it") {
+  const auto fixed = [](const std::string& text) { return remarks_of(text, kFixedNormalRule); };
+  // 60 s at 0.1 deg/s: 6 deg along every axis.
+  const std::string text = with(kCarried, kCovariance), said = fixed(text);
+  CHECK_THAT(said, Catch::Contains(fmt::format("{}: uncertainty.residual_velocity: the impulse",
+                                               line_of(text, "residual_velocity:"))));
+  CHECK_THAT(said, Catch::Contains("with probability 0.95"));
+  CHECK_THAT(said, Catch::Contains("this error is in no measure"));
+  CHECK_THAT(said, Catch::Contains("state uncertainty.cone_half_angle: from_covariance"));
+  CHECK_THAT(fixed(with(kDiagonal, kCovariance)), Catch::Contains("in no measure"));
+  CHECK(fixed(with(kDiagonal)).empty());
+  CHECK(fixed(with(kCone, kCovariance)).empty());
+  CHECK(fixed(replaced(text, "  restitution: 0.5\n", "  contact: sticking\n")).empty());
+  const std::string known = "    covariance: {linear_velocity: 1 mm/s, orientation: 0.1 deg}\n";
+  CHECK(fixed(with(kCarried, known)).empty());
+}
+
+TEST_CASE("an estimate that leaves the contact open is remarked where the hand takes hold") {
+  const auto wide = [](const std::string& target, const char* contact) {
+    return remarks_of(replaced(with(kCarried, target), "  restitution: 0.5\n", contact),
+                      kWideEstimateRule);
+  };
+  const auto known = [](const std::string& position, const std::string& orientation) {
+    return "    covariance: {position: " + position + ", orientation: " + orientation +
+           ", linear_velocity: 0.1 mm/s}\n";
+  };
+  const char* const latch = "  contact: latch\n";
+  CHECK(wide(known("2 cm", "1 deg"), latch).empty());
+  const std::string far = wide(known("5 cm", "1 deg"), latch);
+  // 2.795 standard deviations, and a little from the rotation.
+  CHECK_THAT(far,
+             Catch::Contains("target.state.covariance: the contact point is known within 0.14"));
+  CHECK_THAT(far, Catch::Contains("trials do not count"));
+  CHECK_THAT(wide(known("1 mm", "15 deg"), latch), Catch::Contains("the normal within 36"));
+  CHECK(wide(known("5 cm", "1 deg"), "  contact: sticking\n").empty());
+  CHECK(wide(known("5 cm", "1 deg"), "  restitution: 0.5\n").empty());
+}

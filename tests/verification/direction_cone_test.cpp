@@ -1,9 +1,12 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include <stillbase/audit/audit.hpp>
 #include <stillbase/encounter/direction_cone.hpp>
+#include <stillbase/encounter/left_out.hpp>
 
 #include "verification/checks.hpp"
 #include "verification/example_plans.hpp"
@@ -41,6 +44,21 @@ Plan uncertain_plan(double confidence) {
   problem.uncertainty.cone_confidence = confidence;
   problem.uncertainty.cone_half_angle = direction_cone(problem, confidence).half_angle;
   return plan;
+}
+
+/// Whether the plan passes a check of its warnings; empty: there is no such check.
+std::optional<bool> passes(const Plan& plan, const std::string& name) {
+  for (const Claim& claim : cone_claims(plan)) {
+    if (claim.name == name) return claim.pass;
+  }
+  return std::nullopt;
+}
+
+/// Codes of what the plan's problem leaves out, each with a space behind it.
+std::string codes(const Plan& plan) {
+  std::string out;
+  for (const LeftOut& one : left_out(plan.problem)) out += one.code + " ";
+  return out;
 }
 
 }  // namespace
@@ -88,4 +106,67 @@ TEST_CASE("a cone that does not follow from the covariance is refused") {
                                   [](const Claim& c) { return c.name == "direction_cone"; });
   REQUIRE(claim != verification.claims.end());
   CHECK_FALSE(claim->pass);
+}
+
+TEST_CASE("the ball of the contact point has closed forms and holds its part of the samples") {
+  Plan plan = uncertain_plan(0.95);
+  CaptureProblem& problem = plan.problem;
+  problem.target_state.angular_velocity.setZero();
+  problem.variables.contact_time_lower = problem.variables.contact_time_upper = 10;
+  EstimateDeviations& sigma = problem.target_deviations.emplace();
+  CHECK(contact_radius(problem, 0.95) == 0);
+  sigma.position = Vector3d(0.02, 0, 0);
+  CHECK(contact_radius(problem, 0.95) == Approx(0.02 * 1.959963985).epsilon(2e-3));
+  sigma.position = Vector3d(0, 0.02, 0.02);
+  CHECK(contact_radius(problem, 0.95) ==
+        Approx(0.02 * std::sqrt(-2 * std::log(0.05))).epsilon(2e-3));
+  // Maxwell's distribution.
+  sigma.position.setConstant(0.02);
+  CHECK(contact_radius(problem, 0.95) == Approx(0.02 * 2.795483482).epsilon(1e-6));
+  CHECK(contact_radius(problem, 0.5) == Approx(0.02 * 1.538172254).epsilon(1e-6));
+}
+
+TEST_CASE("a plan says that a residual velocity does not count the error of the normal") {
+  Plan plan = uncertain_plan(0.95);
+  plan.problem.uncertainty = {};
+  CHECK_FALSE(passes(plan, "normal_warning"));
+  plan.problem.uncertainty.residual_velocity.emplace();
+  CHECK(codes(plan) == "fixed-normal ");
+  CHECK(passes(plan, "normal_warning") == false);
+  plan.warnings = {{"fixed-normal", "the normal is open"}};
+  CHECK(passes(plan, "normal_warning") == true);
+  // Known well enough.
+  *plan.problem.target_deviations = {};
+  plan.problem.target_deviations->orientation.setConstant(1e-3);
+  CHECK(codes(plan) == "");
+  CHECK(passes(plan, "normal_warning") == false);
+  plan.warnings.clear();
+  CHECK(passes(plan, "normal_warning") == true);
+}
+
+TEST_CASE("a plan says that trials do not count a latch that misses") {
+  Plan plan = uncertain_plan(0.95);
+  plan.problem.uncertainty = {};
+  plan.problem.uncertainty.residual_velocity.emplace();
+  plan.problem.impulse.contact = ContactLaw::Latch;
+  plan.problem.impulse.restitution = 0;
+  CHECK(codes(plan) == "");
+  CHECK(passes(plan, "estimate_warning") == true);
+  const EstimateDeviations known = *plan.problem.target_deviations;
+  EstimateDeviations& sigma = *plan.problem.target_deviations;
+  for (const bool is_far : {true, false}) {
+    INFO("far " << is_far);
+    sigma = known;
+    if (is_far) sigma.position.setConstant(0.06);
+    if (!is_far) sigma.orientation.setConstant(0.3);
+    CHECK(codes(plan) == "wide-estimate ");
+    CHECK(passes(plan, "estimate_warning") == false);
+    plan.warnings = {{"wide-estimate", "the contact is open"}};
+    CHECK(passes(plan, "estimate_warning") == true);
+    plan.warnings.clear();
+  }
+  // Of a hand that waits the contact is where the feature is.
+  plan.problem.impulse.contact = ContactLaw::Sticking;
+  CHECK(codes(plan) == "");
+  CHECK_FALSE(passes(plan, "estimate_warning"));
 }

@@ -147,17 +147,17 @@ TEST_CASE("a plan says that its relative velocity is stated better than its targ
   CaptureProblem problem = test::without_path("servicer_latch");
   problem.uncertainty = {};
   problem.search.starts = 4;
-  problem.target_deviations.emplace().linear_velocity.setConstant(1e-3);
+  problem.target_deviations.emplace().linear_velocity.setConstant(3e-4);
   ResidualVelocity& residual = problem.uncertainty.residual_velocity.emplace();
   residual.covariance = 1e-4 * Matrix6d::Identity();
   CHECK(make_plan(problem).warnings.empty());
-  residual.covariance = 1e-7 * Matrix6d::Identity();
+  residual.covariance = 9e-9 * Matrix6d::Identity();
   Plan plan = make_plan(problem);
   REQUIRE(plan.warnings.size() == 1);
   CHECK(plan.warnings.front().code == "narrow-residual");
   CHECK_THAT(plan.warnings.front().message,
              Catch::StartsWith("uncertainty.residual_velocity: in some direction"));
-  // sqrt(1e-7) / 1e-3: the velocity alone is not known, and it does not change until the contact.
+  // sqrt(9e-9) / 3e-4: the velocity alone is not known, and it does not change until the contact.
   CHECK_THAT(plan.warnings.front().message, Catch::Contains("standard deviation is 0.316 of"));
   CHECK(failures(plan) == "");
   plan.warnings.clear();
@@ -168,7 +168,7 @@ TEST_CASE("a plan says what of its stated uncertainty the measure does not count
   CaptureProblem problem = test::without_path("servicer_latch");
   problem.uncertainty = {};
   problem.search.starts = 4;
-  problem.target_deviations.emplace().linear_velocity.setConstant(1e-3);
+  problem.target_deviations.emplace().linear_velocity.setConstant(3e-4);
   const auto codes = [](const Plan& plan) {
     std::string out;
     for (const PlanWarning& warning : plan.warnings) {

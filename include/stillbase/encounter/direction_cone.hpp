@@ -39,6 +39,14 @@ struct DirectionCone {
 ///   deviations allow for it
 DirectionCone direction_cone(const CaptureProblem& problem, double probability);
 
+/// Radius (m) of the smallest ball about the nominal contact point that holds the true one with a
+/// probability whenever the contact is within the window: of the instants of direction_cone() the
+/// largest. Errors of the point are taken as Gaussian of mean zero.
+/// @param probability in (0, 1)
+/// @pre as direction_cone()
+/// @throws std::invalid_argument as direction_cone()
+double contact_radius(const CaptureProblem& problem, double probability);
+
 /// A stated cone, or none, in a problem whose target is known less well.
 struct NarrowCone {
   double stated = 0;       ///< half-angle, rad; 0: the direction counts as exactly known
