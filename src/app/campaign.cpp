@@ -269,8 +269,12 @@ struct Group {
 
 void summarize(Group& group) {
   std::vector<TrialOutcome> outcomes;
-  for (const auto& part : group.parts) {
-    outcomes.insert(outcomes.end(), part.second.begin(), part.second.end());
+  std::vector<int> numbers;  // of their trials: some may be in no case, or in one that failed
+  for (const auto& [first, part] : group.parts) {
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      outcomes.push_back(part[i]);
+      numbers.push_back(first + static_cast<int>(i));
+    }
   }
   const CampaignCase& piece = group.result.piece;
   const CaptureProblem problem =
@@ -279,6 +283,9 @@ void summarize(Group& group) {
   group.result.trials.first.sizes = perturbations_for(problem);
   group.result.trials.first.seed = piece.seed;
   group.result.trials.second = summarize_trials(outcomes, 0, objective_unit_name(problem));
+  for (Spread& spread : group.result.trials.second.spreads) {
+    spread.worst_trial = numbers[static_cast<std::size_t>(spread.worst_trial)];
+  }
   group.result.trials.second.failures = count_failures(outcomes, problem.post_impact);
 }
 
@@ -298,7 +305,8 @@ std::vector<io::CampaignGroup> groups_of(const MergedCampaign& merged,
     group.result.plan_status = result.plan_status;
     group.result.verified = group.result.verified && result.verified;
     const std::vector<TrialOutcome> outcomes = trial_outcomes_from_text(result.outcomes);
-    std::vector<TrialOutcome>& part = group.parts[piece.first];  // that of a case without trials
+    // A case without trials may begin where another one does.
+    std::vector<TrialOutcome>& part = group.parts[piece.first];
     part.insert(part.end(), outcomes.begin(), outcomes.end());
   }
   std::vector<io::CampaignGroup> out;
