@@ -5,7 +5,6 @@
 // candidates may be, and none that a search by `reference` finds.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/format.h>
 
@@ -35,8 +34,15 @@ double residual_at(const Context& context, const Configuration& at) {
   return residual;
 }
 
+/// All words of the statement follow from the other fields.
+void demand_statement(const Context& context, Objections& objections) {
+  const std::string objection = statement_objection(context);
+  objections.demand(objection.empty(), objection);
+}
+
 /// The statement of the proof against its own lists and the candidates.
-void check_statement(const Plan& plan, ClaimList& claims) {
+void check_statement(const Context& context, ClaimList& claims) {
+  const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
   Objections objections;
   const bool complete = proof.status == ProofStatus::Complete;
@@ -67,6 +73,7 @@ void check_statement(const Plan& plan, ClaimList& claims) {
             (!least || std::abs(*least - *proof.gap) <= kGapRounding * std::abs(*least)),
         "the gap is not that of the best candidate");
   }
+  demand_statement(context, objections);
   claims.none_wrong("proof_statement", objections, "words, counts, lower bound and gap fit");
 }
 
@@ -230,12 +237,9 @@ double check_bound_statement(const Context& context, double bound, ClaimList& cl
   return least;
 }
 
-}  // namespace
-
-namespace {
-
 /// A proof that does not apply encloses nothing, and without a bound it says so.
-void check_nothing_proven(const Proof& proof, ClaimList& claims) {
+void check_nothing_proven(const Context& context, ClaimList& claims) {
+  const Proof& proof = context.plan.certificate.proof;
   Objections objections;
   objections.demand(proof.solutions.empty() && proof.undecided.empty() && proof.candidates.empty(),
                     "boxes of a proof that does not apply");
@@ -247,39 +251,16 @@ void check_nothing_proven(const Proof& proof, ClaimList& claims) {
                       "the statement does not begin with 'no proof'");
     objections.demand(!proof.gap, "a gap without a bound");
   }
-  claims.none_wrong("proof_statement", objections, "nothing is proven");
+  demand_statement(context, objections);
+  claims.none_wrong("proof_statement", objections, "no solutions are enclosed, and the words fit");
 }
 
 }  // namespace
 
-ProofStatement read_statement(const Proof& proof) {
-  const std::string& text = proof.statement;
-  const auto says = [&](const std::string& words) { return text.find(words) != std::string::npos; };
-  ProofStatement out;
-  out.is_proven = text.rfind("proven", 0) == 0;
-  out.is_undecided = text.rfind("not decided", 0) == 0;
-  int count = 0, end = -1;
-  const std::size_t colon = std::min(text.find(": "), text.size());
-  if (std::sscanf(text.c_str() + colon, ": %d solution%n", &count, &end) == 1 && end > 0) {
-    out.solutions = count;
-  }
-  out.are_zeros = says("at which the objective is zero");
-  for (const auto& [kind, words] : {std::pair{RiskMeasure::Nominal, "a predicted "},
-                                    {RiskMeasure::WorstCase, "a worst case"},
-                                    {RiskMeasure::Expectation, "an expected "},
-                                    {RiskMeasure::Cvar, "a CVaR of "}}) {
-    for (const char* place : {"no posture has ", "no configuration has "}) {
-      if (says(std::string(place) + words)) out.bounded = kind;
-    }
-  }
-  out.leaves_out_case = says("the case");
-  return out;
-}
-
 void check_proof(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   const Proof& proof = plan.certificate.proof;
-  if (proof.status == ProofStatus::NotApplicable) return check_nothing_proven(proof, claims);
+  if (proof.status == ProofStatus::NotApplicable) return check_nothing_proven(context, claims);
   const FreeVariables variables(context.problem);
   const bool are_zeros = read_statement(proof).are_zeros;
   const Equations equations(context.problem, variables,
@@ -318,7 +299,7 @@ void check_proof(const Context& context, ClaimList& claims) {
   claims.none_wrong(
       "proof_candidates_enclosed", unproven,
       "candidates that are neither in exactly one enclosed solution nor in an undecided box");
-  check_statement(plan, claims);
+  check_statement(context, claims);
   check_completeness(context, variables, recount, claims);
 }
 

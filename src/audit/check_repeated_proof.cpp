@@ -1,6 +1,7 @@
 // What a plan says to be proven, proven again by the program's own prover.
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -104,6 +105,29 @@ std::vector<Scenario> scenarios_of(const Context& context, double best) {
   return out;
 }
 
+/// Whether a statement is this one, or goes on after it.
+bool begins_with(const std::string& statement, const std::string& first) {
+  if (statement.rfind(first, 0) != 0) return false;
+  const std::string_view rest = std::string_view(statement).substr(first.size());
+  return rest.empty() || rest.front() == ',' || rest.front() == ';';
+}
+
+/// Why nothing was proven, where the problem itself is the reason.
+void check_reason(const Proof& stated, const Proof& found, ClaimList& claims) {
+  Objections objections;
+  objections.demand(begins_with(stated.statement, found.statement),
+                    "the statement does not begin with '" + found.statement + "'");
+  claims.none_wrong("proof_repeated", objections, "why nothing is proven");
+}
+
+/// Whether the statement gives a reason that the prover itself would give.
+bool is_reason_of_prover(const Context& context) {
+  const std::string& text = context.plan.certificate.proof.statement;
+  return text.rfind("no proof: nothing was proven", 0) != 0 &&
+         text.rfind("no proof: functions of the user", 0) != 0 &&
+         context.problem.variables.features.empty();
+}
+
 void check_enclosure(const Context& context, const Proof& found, ClaimList& claims) {
   const Proof& stated = context.plan.certificate.proof;
   Objections objections;
@@ -111,7 +135,7 @@ void check_enclosure(const Context& context, const Proof& found, ClaimList& clai
                                                        ", found was " + to_string(found.status));
   compare_boxes("enclosed solutions", stated.solutions, found.solutions, objections);
   compare_boxes("undecided boxes", stated.undecided, found.undecided, objections);
-  objections.demand(stated.statement.rfind(found.statement, 0) == 0,
+  objections.demand(begins_with(stated.statement, found.statement),
                     "the statement does not begin with '" + found.statement + "'");
   const bool has_bound = stated.statement.find("; ") != std::string::npos;
   objections.demand(has_bound ? stated.boxes >= found.boxes : stated.boxes == found.boxes,
@@ -176,9 +200,12 @@ void check_repeated_proof(const Context& context, ClaimList& claims) {
   const Proof& stated = plan.certificate.proof;
   const bool is_enclosed = stated.status != ProofStatus::NotApplicable;
   const bool is_bounded = stated.lower_bound && *stated.lower_bound > 0;
-  if (!is_enclosed && !is_bounded) return;
   const Prover* prover = context.options.prover;
-  if (prover == nullptr || plan.status == PlanStatus::Limit) {
+  if (!is_enclosed && !is_bounded) {
+    if (prover == nullptr || plan.status == PlanStatus::Limit || !is_reason_of_prover(context)) {
+      return;
+    }
+  } else if (prover == nullptr || plan.status == PlanStatus::Limit) {
     const char* reason =
         prover == nullptr ? "nothing repeats the proof here" : "a limit may have ended the proof";
     return claims.not_verified("proof_repeated", reason);
@@ -191,6 +218,7 @@ void check_repeated_proof(const Context& context, ClaimList& claims) {
     return claims.not_evaluated("proof_repeated", 0, "1", "stopped before its end");
   }
   if (is_enclosed) check_enclosure(context, found, claims);
+  if (!is_enclosed && !is_bounded) check_reason(stated, found, claims);
   if (is_bounded) check_repeated_bound(context, *prover, found, claims);
 }
 

@@ -20,7 +20,7 @@ constexpr double kStationary = 1e-6;         ///< largest KKT residual of an opt
 constexpr int kFirstStarts = 64;             ///< at least, where the problem states no number
 constexpr int kIsolatedStarts = 1024;        ///< the same where the equations leave no freedom
 constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan whose starts went on in rounds
-constexpr double kNoWorstCase = 1e-8;        ///< of the typical objective
+constexpr double kZeroMeasure = 1e-8;        ///< of the typical objective
 constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
@@ -126,12 +126,7 @@ void check_rounds(const Context& context, Objections& objections) {
                     "no rounds of starts, which the problem asks for");
   if (!certificate.had_rounds) return;
   if (certificate.unseen == 0) {
-    double least = kInfinity;
-    for (const Candidate& candidate : context.plan.candidates) {
-      least = std::min(least, candidate.value);
-    }
-    const double size = std::pow(least, 1 / objective_power(problem).exponent);
-    objections.demand(size <= kNoWorstCase * typical_objective(problem),
+    objections.demand(is_zero(context, least_value(context)),
                       "unseen is zero, but the measure is not");
     return;
   }
@@ -260,11 +255,14 @@ void list_search_record(const Context& context, ClaimList& claims) {
     claims.not_verified(
         "search_families",
         own + "families.starts, families.length within what the spacing of the points leaves open");
-  if (plan.certificate.proof.status != ProofStatus::NotApplicable || plan.certificate.proof.boxes) {
+  const Proof& proof = plan.certificate.proof;
+  if (proof.status != ProofStatus::NotApplicable || proof.boxes > 0 ||
+      read_statement(proof).had_missed_best) {
     claims.not_verified("search_proof",
                         own +
                             "certificate.proof.found_by_search, certificate.proof.boxes of a "
-                            "bound, what certificate.proof.statement says of the search");
+                            "bound, what certificate.proof.statement says of the search and of "
+                            "limits that stopped the proof");
   }
   if (plan.approach.status != ApproachStatus::NotRequested) {
     claims.not_verified("search_approach", own + "approach.detail, approach.polish.before");
@@ -285,6 +283,21 @@ void list_search_record(const Context& context, ClaimList& claims) {
 }
 
 }  // namespace
+
+double least_value(const Context& context) {
+  double least = kInfinity;
+  for (const Candidate& candidate : context.plan.candidates) {
+    if (!(candidate.max_violation <= context.options.constraint_tolerance)) continue;
+    least = std::min(least, candidate.value);
+  }
+  return least;
+}
+
+bool is_zero(const Context& context, double value) {
+  if (!context.plan.objective.user_terms.empty()) return false;
+  const double size = objective_power(context.problem).length(value);
+  return size <= kZeroMeasure * typical_objective(context.problem);
+}
 
 void check_search_record(const Context& context, ClaimList& claims) {
   check_list(context, claims);

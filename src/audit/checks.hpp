@@ -44,8 +44,19 @@ struct ProofStatement {
   bool are_zeros = false;
   std::optional<RiskMeasure> bounded;  ///< measure of the lower bound
   bool leaves_out_case = false;        ///< the bound does not count the wanted case
+  bool had_missed_best = false;        ///< the search had missed the best candidate
 };
 ProofStatement read_statement(const Proof& proof);
+
+/// What the statement of the proof says that the other fields of the plan do not; empty: nothing.
+std::string statement_objection(const Context& context);
+
+/// The least measure of the candidates that satisfy the constraints; infinite without one.
+double least_value(const Context& context);
+
+/// Whether a value of the measure is zero but for rounding. Never with terms of the user, which
+/// nothing recomputes.
+bool is_zero(const Context& context, double value);
 
 /// Largest error of a stated gap, relative to the values that it is a difference of.
 inline constexpr double kGapRounding = 1e-12;

@@ -82,6 +82,7 @@ void bound_and_search_suspects(
     match_candidates(problem, found, proof, options.enclosure);
     bound = bounded();
   }
+  state_what_was_missed(proof);
   if (bound) state_bound(*bound, proof);
   // Zeros of the nominal objective are no bound of another measure.
   if (problem.measure.kind != RiskMeasure::Nominal && proof.lower_bound == 0.0) {
@@ -144,7 +145,6 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
     found = search_from(missing);
     match_candidates(problem, found, proof, options.enclosure);
   }
-  state_what_was_missed(proof);
   bound_and_search_suspects(problem, formulation, options, search_from, found, proof);
   plan.solver_calls = found.solver_calls;
   plan.timing["proof"] = seconds_since(proof_begin);

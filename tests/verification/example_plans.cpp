@@ -344,7 +344,8 @@ void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.certificate.distinct_solutions = 1;
   plan.optimizer = plan.problem.search.optimizer;
   plan.solver_calls = {{plan.optimizer, 1}};
-  plan.certificate.proof.statement = "no proof: this planner proves nothing";
+  plan.certificate.proof.statement =
+      "no proof: nothing was proven, the program has no prover (stillbase::proof)";
   state_constraints(plan, contact.n);
   plan.status = PlanStatus::Optimal;
 }
