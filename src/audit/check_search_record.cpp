@@ -21,6 +21,7 @@ constexpr int kFirstStarts = 64;             ///< at least, where the problem st
 constexpr int kIsolatedStarts = 1024;        ///< the same where the equations leave no freedom
 constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan whose starts went on in rounds
 constexpr double kZeroMeasure = 1e-8;        ///< of the typical objective
+constexpr double kProvenGap = 1e-3;          ///< relative: the prover goes no further
 constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
@@ -236,6 +237,22 @@ void check_polish(const Context& context, ClaimList& claims) {
                  "s or rad", "stated result of the polish");
 }
 
+/// Whether nothing can be better than the chosen configuration: every solution is enclosed and
+/// listed, or its measure is zero or no further above a proven bound than a proof leaves open.
+bool is_best_there_is(const Context& context) {
+  const Plan& plan = context.plan;
+  const Proof& proof = plan.certificate.proof;
+  const bool is_whole =
+      plan.certificate.distinct_solutions <= static_cast<int>(plan.candidates.size());
+  const bool is_enclosed = proof.status == ProofStatus::Complete && !proof.solutions.empty() &&
+                           !read_statement(proof).are_zeros;
+  if (is_enclosed && is_whole) return true;
+  if (plan.choice.better != 0) return false;
+  const double value = plan.objective.value;
+  const bool is_bounded = proof.lower_bound && *proof.lower_bound > 0;
+  return is_bounded ? value - *proof.lower_bound <= kProvenGap * value : is_zero(context, value);
+}
+
 /// What only a repeated search can confirm.
 void list_search_record(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
@@ -251,6 +268,12 @@ void list_search_record(const Context& context, ClaimList& claims) {
                       own +
                           "certificate.kkt_residual below 1e-5, candidates.max_violation below the "
                           "tolerance of the constraints");
+  if (!is_best_there_is(context)) {
+    claims.not_verified("search_optimum",
+                        own +
+                            "status optimal, choice.better, choice.loss_percent: that no better "
+                            "candidate is missing in the list");
+  }
   if (!plan.families.empty())
     claims.not_verified(
         "search_families",

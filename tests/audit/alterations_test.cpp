@@ -150,6 +150,27 @@ TEST_CASE("every altered plan is refused, or the field is one that nothing confi
   }
 }
 
+TEST_CASE(
+    "that no better candidate is missing is not verified but where nothing better is possible") {
+  const auto names_optimum = [](const Plan& plan) {
+    return unverified(plan).find("choice.better") != std::string::npos;
+  };
+  CaptureProblem problem = test::without_path("planar_three_link_client");
+  problem.search.starts = 16;
+  CHECK(names_optimum(make_plan(problem)));
+  problem.measure.kind = RiskMeasure::Nominal;
+  Plan zero = make_plan(problem);
+  REQUIRE(zero.objective.value < 1e-12);
+  CHECK_FALSE(names_optimum(zero));
+  zero.choice.better = 1;
+  CHECK(names_optimum(zero));
+  CHECK_FALSE(names_optimum(make_plan(test::without_path("planar_two_link_c2_a"))));  // enclosed
+  Plan bounded = make_plan(test::without_path("planar_three_link_null"));
+  CHECK_FALSE(names_optimum(bounded));
+  *bounded.certificate.proof.lower_bound *= 0.9;
+  CHECK(names_optimum(bounded));
+}
+
 TEST_CASE("the stated probability of a better minimum fits the rounds of starts and the status") {
   CaptureProblem problem = test::without_path("servicer_6dof_held");
   problem.post_impact.controllers.clear();
