@@ -23,20 +23,28 @@ void check_terms(const Context& context, ClaimList& claims) {
   claims.same("objective_terms", worst, context.objective_tolerance(), "each term in its own unit");
 }
 
+/// The stated worst direction has norm 1 and is a direction of the cone; without a cone, or with a
+/// residual velocity in its place, it is the normal.
+void check_worst_direction(const Context& context, ClaimList& claims) {
+  const Vector3d &d = context.plan.objective.worst_direction, &n = context.situation.event.n;
+  const UncertaintySpec& uncertainty = context.problem.uncertainty;
+  const bool is_cone = uncertainty.cone_half_angle > 0 && !uncertainty.residual_velocity;
+  const double half_angle = is_cone ? uncertainty.cone_half_angle : 0;
+  double outside = std::max(std::abs(d.norm() - 1), angle_between(d, n) - half_angle);
+  if (const auto& plane = uncertainty.cone_plane_normal; is_cone && plane) {
+    outside = std::max(outside, std::abs(plane->dot(d - n)));
+  }
+  claims.at_most("worst_direction", outside, 1e-9, "rad",
+                 is_cone ? "the stated worst direction is a direction of the cone"
+                         : "without a cone the stated worst direction is the normal");
+}
+
 /// Stated worst case along the stated direction, and no larger one over the cone.
 void check_worst_case(const Context& context, ClaimList& claims) {
   const Situation& situation = context.situation;
   const ObjectiveValue& stated = context.plan.objective;
   const Vector3d &d = stated.worst_direction, &n = situation.event.n;
-  const UncertaintySpec& uncertainty = context.problem.uncertainty;
   const double tolerance = context.objective_tolerance();
-  double outside =
-      std::max(std::abs(d.norm() - 1), angle_between(d, n) - uncertainty.cone_half_angle);
-  if (const auto& plane = uncertainty.cone_plane_normal) {
-    outside = std::max(outside, std::abs(plane->dot(d - n)));
-  }
-  claims.at_most("worst_direction", outside, 1e-9, "rad",
-                 "the stated worst direction is a direction of the cone");
   if (d.norm() > 0) {
     const double along = objective_along(situation, d);
     claims.same("objective_worst_case",
@@ -161,6 +169,7 @@ void check_objective(const Context& context, ClaimList& claims) {
                           : !is_sampled(kind) ? ""
                           : residual          ? ", over the residual velocity"
                                               : ", over the samples that the seed gives"));
+  check_worst_direction(context, claims);
   if (residual) {
     check_residual(context, *residual, claims);
   } else if (problem.uncertainty.cone_half_angle > 0) {

@@ -206,6 +206,21 @@ TEST_CASE("a plan that changes what the problem fixes is refused") {
   }
 }
 
+TEST_CASE("without a cone the worst direction is the normal") {
+  Plan plan = floating_plan();
+  plan.problem.uncertainty = {};
+  const Vector3d n = plan.impact.Fbar.head<3>().normalized();
+  const auto is_refused = [&](const Vector3d& d) {
+    plan.objective.worst_direction = d;
+    return fails(verify_plan(plan, thorough()), "worst_direction");
+  };
+  CHECK_FALSE(is_refused(n));
+  CHECK(is_refused({3, -7, 1e6}));
+  CHECK(is_refused((1 + 1e-6) * n));
+  CHECK(is_refused((n + 1e-6 * n.unitOrthogonal()).normalized()));
+  CHECK(is_refused(Vector3d::Zero()));
+}
+
 TEST_CASE("an approach that cannot be flown is refused") {
   struct Wrong {
     const char* claim;
