@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <stillbase/core/random.hpp>
 #include <stillbase/plan/free_roll.hpp>
 #include <stillbase/plan/turns.hpp>
 
@@ -396,6 +397,33 @@ bool has_free_roll(const Context& context, const Configuration& at) {
   return true;
 }
 
+/// Whether the measure is certainly smaller beside a configuration: then it is no minimum of the
+/// measure, and only a search for zeros can have found it.
+bool has_better_beside(const Context& context, const Configuration& at) {
+  constexpr int kDirections = 32;
+  constexpr double kStep = 1e-3;     // rad, m, s: minima are known to much less
+  constexpr double kSmaller = 1e-5;  // relative
+  constexpr int kMostSamples = 60;   // of the cone, before the refinement
+  const Situation here(context.problem, at);
+  const FeasibleManifold manifold(here.problem, at);
+  if (!manifold.objection().empty() || manifold.dimension() == 0) return false;
+  const int samples = std::min(kMostSamples, context.cone_samples());
+  const double value = measure_value(here, samples);
+  Random random(11);
+  for (int i = 0; i < kDirections && !context.options.stop.reached(); ++i) {
+    Eigen::VectorXd u(manifold.dimension());
+    for (double& entry : u) entry = random.normal();
+    const std::optional<Configuration> beside = manifold.at(kStep * u.normalized());
+    if (!beside) continue;
+    const Situation there(context.problem, *beside);
+    if (measure_value(there, samples) < (1 - kSmaller) * value &&
+        configuration_objections(there, context.options).empty()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::string> unlisted_curves(const Context& context) {
@@ -411,24 +439,28 @@ std::vector<std::string> unlisted_curves(const Context& context) {
       out.push_back(fmt::format("candidate {} has a free roll that is not listed", i));
     }
   }
-  const auto look_at = [&](const std::string& name, const Configuration& at) {
-    if (!is_on_curve_of_zeros(Situation(context.problem, at).problem, at)) return;
+  const auto is_unlisted = [&](const Configuration& at) {
+    if (!is_on_curve_of_zeros(Situation(context.problem, at).problem, at)) return false;
     const Place place(context.problem, at);
-    for (const SolutionFamily& family : plan.families) {
-      const Curve curve(context.problem, family);
-      if (curve.feature == at.feature && curve.passes(place, 0)) return;
-    }
-    out.push_back(name + " is on a curve of zeros that is not listed");
+    return std::none_of(plan.families.begin(), plan.families.end(),
+                        [&](const SolutionFamily& family) {
+                          const Curve curve(context.problem, family);
+                          return curve.feature == at.feature && curve.passes(place, 0);
+                        });
   };
-  if (context.problem.measure.kind != RiskMeasure::Nominal) {
-    if (plan.nominal_optimum) look_at("the nominal optimum", plan.nominal_optimum->configuration);
-    return out;
+  const char* const words = " is on a curve of zeros that is not listed";
+  const bool is_nominal = context.problem.measure.kind == RiskMeasure::Nominal;
+  if (!is_nominal && plan.nominal_optimum && is_unlisted(plan.nominal_optimum->configuration)) {
+    out.push_back(std::string("the nominal optimum") + words);
   }
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     const Candidate& candidate = plan.candidates[i];
-    if (context.options.stop.reached()) break;
+    if (context.options.stop.reached() || !plan.objective.user_terms.empty()) break;
     if (candidate.family >= 0 || candidate.starts_reached < 1) continue;
-    look_at(fmt::format("candidate {}", i), candidate.configuration);
+    if (!is_unlisted(candidate.configuration)) continue;
+    if (is_nominal || has_better_beside(context, candidate.configuration)) {
+      out.push_back(fmt::format("candidate {}{}", i, words));
+    }
   }
   return out;
 }

@@ -31,7 +31,8 @@ void check_stationarity(const Context& context, ClaimList& claims);
 void check_continua(const Context& context, ClaimList& claims);
 
 /// Configurations of the plan on a curve of solutions, or a free roll, that it does not list. Of a
-/// robust measure's zeros the nominal optimum: its minima may be on curves that no start reached.
+/// robust measure the nominal optimum and candidates that are no minima of the measure: such minima
+/// may be on curves that no start reached.
 std::vector<std::string> unlisted_curves(const Context& context);
 
 /// What the statement of a proof says, read from its words.
