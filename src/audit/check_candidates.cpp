@@ -152,6 +152,11 @@ void check_candidates(const Context& context, ClaimList& claims) {
 }
 
 void check_nominal_optimum(const Context& context, ClaimList& claims) {
+  const bool is_cut = context.plan.status == PlanStatus::Limit;
+  Objections missing;
+  missing.demand(is_cut || context.plan.nominal_optimum.has_value(),
+                 "none, and no limit came first");
+  claims.none_wrong("nominal_optimum_stated", missing, "the plan states its nominal optimum");
   if (!context.plan.nominal_optimum) return;
   const NominalOptimum& stated = *context.plan.nominal_optimum;
   const Situation at(context.problem, stated.configuration);

@@ -13,7 +13,8 @@ void check_candidates(const Context& context, ClaimList& claims);
 /// Whole turns of joints that candidates state; no check where no joint has room for one.
 void check_turns(const Context& context, ClaimList& claims);
 
-/// The configuration that the nominal objective alone would choose; no check where none is stated.
+/// The configuration that the nominal objective alone would choose. Without a limit that was
+/// reached, every plan states one.
 void check_nominal_optimum(const Context& context, ClaimList& claims);
 
 /// The list of constraints: all that the problem demands, each once.

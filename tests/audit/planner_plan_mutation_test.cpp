@@ -83,6 +83,14 @@ TEST_CASE("a relative error of 1e-6 in the nominal optimum is found") {
   }
 }
 
+TEST_CASE("only a plan that a limit ended leaves its nominal optimum out") {
+  Plan plan = two_link_plan();
+  plan.nominal_optimum.reset();
+  CHECK(failures(plan) == "nominal_optimum_stated ");
+  plan.status = PlanStatus::Limit;
+  CHECK(failures(plan).find("nominal_optimum_stated") == std::string::npos);
+}
+
 TEST_CASE("tolerances and words of a plan that differ from the format's are found") {
   const std::vector<std::pair<const char*, std::function<void(Plan&)>>> changes = {
       {"rank_tolerance", [](Plan& p) { p.impact.rank_tolerance *= kFactor; }},

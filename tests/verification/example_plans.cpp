@@ -339,6 +339,8 @@ void state_impact(Plan& plan, const PlannedContact& contact, Flip flip) {
   plan.objective = planned.objective;
   plan.candidates = {{plan.configuration, planned.objective.nominal, planned.objective.worst_case,
                       0, 1, true, "", planned.objective.value}};
+  plan.nominal_optimum = {plan.configuration, planned.objective.nominal,
+                          planned.objective.worst_case, planned.objective.value};
   plan.problem.search.starts = 1;
   plan.certificate.starts = 1;
   plan.certificate.distinct_solutions = 1;

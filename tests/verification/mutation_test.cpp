@@ -25,6 +25,7 @@ struct Mutation {
 void configure(Plan& plan, const std::function<void(Configuration&)>& change) {
   change(plan.configuration);
   for (Candidate& candidate : plan.candidates) change(candidate.configuration);
+  change(plan.nominal_optimum->configuration);
   Approach& a = plan.approach;
   for (const std::size_t i : {a.times.size() - 2, a.times.size() - 1}) {
     a.joint_positions[i] = plan.configuration.phi;
