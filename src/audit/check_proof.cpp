@@ -54,9 +54,11 @@ void check_statement(const Context& context, ClaimList& claims) {
       proof.solutions.empty() || statement.solutions == static_cast<int>(proof.solutions.size()),
       "the statement does not count the enclosed solutions");
   objections.demand(complete == proof.undecided.empty(), "undecided boxes do not fit the status");
-  objections.demand(
-      proof.boxes >= static_cast<long>(proof.solutions.size() + proof.undecided.size()),
-      "fewer boxes were examined than are listed");
+  // Of the two halves of a box that is examined, a limit may leave both.
+  const long unexamined = complete ? 0 : 1;
+  objections.demand(proof.boxes + unexamined >=
+                        static_cast<long>(proof.solutions.size() + proof.undecided.size()),
+                    "fewer boxes were examined than are listed");
   const bool is_bound = proof.lower_bound && *proof.lower_bound > 0;  // see check_bound()
   if (!is_bound) {
     objections.demand(!proof.lower_bound || (*proof.lower_bound == 0 && statement.are_zeros &&

@@ -107,9 +107,7 @@ void match_candidates(const CaptureProblem& problem, const SearchResult& found, 
     }
   };
   match([&](std::size_t c) { return found.candidates[c].configuration; });
-  const bool is_whole = std::none_of(proof.candidates.begin(), proof.candidates.end(),
-                                     [](int candidate) { return candidate < 0; });
-  if (is_whole) return;
+  if (!has_missing_solutions(proof)) return;
   // Nearly double solutions are known less exactly than their residual: what Newton's method makes
   // of the candidates.
   const Formulation formulation(problem);
@@ -123,12 +121,14 @@ void match_candidates(const CaptureProblem& problem, const SearchResult& found, 
   match([&](std::size_t c) { return exact[c]; });
 }
 
-std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof) {
+bool has_missing_solutions(const Proof& proof) {
+  return std::any_of(proof.candidates.begin(), proof.candidates.end(),
+                     [](int candidate) { return candidate < 0; });
+}
+
+std::vector<Eigen::VectorXd> enclosed_points(const CaptureProblem& problem, const Proof& proof) {
   std::vector<Eigen::VectorXd> points;
-  for (std::size_t s = 0; s < proof.solutions.size(); ++s) {
-    if (proof.candidates[s] >= 0) continue;
-    points.push_back(middle_of(problem, proof.solutions[s]));
-  }
+  for (const JointBox& box : proof.solutions) points.push_back(middle_of(problem, box));
   return points;
 }
 

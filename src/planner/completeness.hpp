@@ -19,8 +19,11 @@ Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
 void match_candidates(const CaptureProblem& problem, const SearchResult& found, Proof& proof,
                       const EnclosureOptions& options = {});
 
-/// Middles of the enclosed solutions without a candidate, as points of the formulation.
-std::vector<Eigen::VectorXd> missing_solutions(const CaptureProblem& problem, const Proof& proof);
+/// Whether an enclosed solution has no candidate.
+bool has_missing_solutions(const Proof& proof);
+
+/// Middles of the enclosed solutions, as points of the formulation.
+std::vector<Eigen::VectorXd> enclosed_points(const CaptureProblem& problem, const Proof& proof);
 
 /// Adds to the statement what the search had missed, if anything.
 void state_what_was_missed(Proof& proof);

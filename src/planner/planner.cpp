@@ -122,8 +122,10 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   const auto begin = Clock::now();
   SearchResult found = search(problem, formulation, search_options);
 
+  // From all enclosed solutions as well: what led to one of them may not, with other starts beside.
   const auto search_from = [&](const std::vector<Eigen::VectorXd>& starts) {
     std::vector<Eigen::VectorXd>& more = search_options.more_starts;
+    if (more.empty()) more = enclosed_points(problem, proof);
     more.insert(more.end(), starts.begin(), starts.end());
     return search(problem, formulation, search_options);
   };
@@ -139,10 +141,11 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   proof = prove_solutions(options.prover, problem, formulation,
                           half_of_remaining_time(options.stop), options.enclosure);
   match_candidates(problem, found, proof, options.enclosure);
-  const std::vector<Eigen::VectorXd> missing = missing_solutions(problem, proof);
-  proof.found_by_search = static_cast<int>(proof.solutions.size() - missing.size());
-  if (!missing.empty() && !options.stop.reached()) {
-    found = search_from(missing);
+  proof.found_by_search =
+      static_cast<int>(std::count_if(proof.candidates.begin(), proof.candidates.end(),
+                                     [](int candidate) { return candidate >= 0; }));
+  if (has_missing_solutions(proof) && !options.stop.reached()) {
+    found = search_from({});
     match_candidates(problem, found, proof, options.enclosure);
   }
   bound_and_search_suspects(problem, formulation, options, search_from, found, proof);

@@ -77,6 +77,18 @@ TEST_CASE("what the search missed is found by the proof and becomes a candidate"
   }
 }
 
+TEST_CASE("a search with what the proof adds does not lose what it had found", "[proofs]") {
+  CaptureProblem problem = shipped("planar_three_link_null");
+  problem.search.starts = 1;
+  problem.search.seed = 1;
+  problem.approach.enabled = false;
+  problem.post_impact.controllers.clear();
+  const Proof proof = make_plan(problem).certificate.proof;
+  INFO(proof.statement);
+  REQUIRE(proof.found_by_search < static_cast<int>(proof.solutions.size()));
+  for (const int candidate : proof.candidates) CHECK(candidate >= 0);
+}
+
 TEST_CASE("with enough starts the proof says that none was missed, and the gap of a null",
           "[proofs]") {
   const Plan isolated = make_plan(shipped("planar_two_link_c2_b"));
