@@ -10,6 +10,7 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "plan/proof_words.hpp"
 #include "verification/known_constraints.hpp"
 
 namespace stillbase::audit {
@@ -62,18 +63,6 @@ bool has_free_time(const CaptureProblem& problem) {
 /// Whether only joints are free.
 bool is_encounter_fixed(const CaptureProblem& problem) {
   return problem.variables.base_attitude == AttitudeFreedom::Fixed && !has_free_time(problem);
-}
-
-/// Limits that no proof counts.
-std::vector<std::string> uncounted_limits(const CaptureProblem& problem) {
-  const ConstraintSpec& limits = problem.constraints;
-  std::vector<std::string> out;
-  if (limits.joint_rate_scale || limits.joint_rate_max.size() > 0) out.push_back("joint rates");
-  if (limits.coupling_singular_value_min > 0 || limits.jacobian_singular_value_min > 0) {
-    out.push_back("singular values");
-  }
-  if (limits.clearance) out.push_back("clearances");
-  return out;
 }
 
 /// Whether the plan has terms or constraints that no file holds.
@@ -172,22 +161,6 @@ bool take_missed(const Proof& proof, StatedWords& words) {
   return words.take(is_complete ? ", none missed" : ", none of these missed");
 }
 
-/// What the measure is called.
-std::string measure_words(const CaptureProblem& problem) {
-  const std::string quantity = objective_name(problem);
-  switch (problem.measure.kind) {
-    case RiskMeasure::Nominal:
-      return "a predicted " + quantity;
-    case RiskMeasure::WorstCase:
-      return "a worst case";
-    case RiskMeasure::Expectation:
-      return fmt::format("an expected {} ({} samples)", quantity, problem.measure.samples);
-    case RiskMeasure::Cvar:
-      return fmt::format("a CVaR of {} ({} samples)", quantity, problem.measure.samples);
-  }
-  return "";
-}
-
 /// Four digits, rounded down.
 std::string four_digits_down(double x) {
   const double unit = std::pow(10, std::floor(std::log10(x)) - 3);
@@ -223,7 +196,7 @@ bool take_bound(const Context& context, StatedWords& words) {
   const CaptureProblem& problem = context.problem;
   const double bound = *context.plan.certificate.proof.lower_bound;
   const double best = least_value(context);
-  const std::string what = measure_words(problem), unit = objective_unit_name(problem);
+  const std::string what = measure_name(problem), unit = objective_unit_name(problem);
   const bool is_posture = words.take(fmt::format("no posture has {} below ", what));
   const bool is_configuration = !is_posture && !is_encounter_fixed(problem) &&
                                 words.take(fmt::format("no configuration has {} below ", what));
@@ -286,7 +259,7 @@ std::string statement_objection(const Context& context) {
   if (fits && is_bounded) {
     fits = words.take(is_enclosed ? "; " : "proven: ") && take_bound(context, words);
   } else if (fits && words.take("; no bound for ")) {
-    fits = words.take(measure_words(context.problem));
+    fits = words.take(measure_name(context.problem));
     words.take(kStopped);
   }
   if (fits && !is_enclosed && words.begin_with(kNoLess) && is_zero(context, least_value(context))) {

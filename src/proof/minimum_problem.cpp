@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "plan/proof_words.hpp"
 #include "proof/solution_reach.hpp"
 
 namespace stillbase::proof {
@@ -103,22 +104,6 @@ std::string rounded_down(double x) {
   if (!(x > 0)) return "0";
   const double unit = std::pow(10, std::floor(std::log10(x)) - 3);
   return fmt::format("{:.4g}", std::floor(x / unit) * unit);
-}
-
-/// What the measure is called.
-std::string measure_name(const CaptureProblem& problem) {
-  const std::string quantity = objective_name(problem);
-  switch (problem.measure.kind) {
-    case RiskMeasure::Nominal:
-      return "a predicted " + quantity;
-    case RiskMeasure::WorstCase:
-      return "a worst case";
-    case RiskMeasure::Expectation:
-      return fmt::format("an expected {} ({} samples)", quantity, problem.measure.samples);
-    case RiskMeasure::Cvar:
-      return fmt::format("a CVaR of {} ({} samples)", quantity, problem.measure.samples);
-  }
-  return "";
 }
 
 std::string words(const CaptureProblem& problem, const MinimumProblem& bounded, const Bound& found,

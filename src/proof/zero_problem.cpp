@@ -8,6 +8,8 @@
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/plan/turns.hpp>
 
+#include "plan/proof_words.hpp"
+
 namespace stillbase::proof {
 namespace {
 
@@ -106,14 +108,7 @@ ZeroProblem zero_problem(const CaptureProblem& problem) {
     joint.rotor_inertia = 0;
   }
 
-  const ConstraintSpec& limits = problem.constraints;
-  const auto leave_out = [&out](bool is_set, const char* words) {
-    if (is_set) out.uncounted_limits.emplace_back(words);
-  };
-  leave_out(limits.joint_rate_scale || limits.joint_rate_max.size() > 0, "joint rates");
-  leave_out(limits.coupling_singular_value_min > 0 || limits.jacobian_singular_value_min > 0,
-            "singular values");
-  leave_out(limits.clearance.has_value(), "clearances");
+  out.uncounted_limits = uncounted_limits(problem);
 
   const VariableSpec& variables = problem.variables;
   const VariableEncounter& encounter = out.encounter;
