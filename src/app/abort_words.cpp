@@ -13,7 +13,8 @@ namespace stillbase::app {
 
 namespace {
 
-constexpr int kLooks = 2000;  ///< over the time that is looked at
+constexpr int kLooks = 1000;        ///< over the time that is looked at
+constexpr double kSameTime = 1e-3;  ///< s to which the first contact is found
 
 /// Distance of the hand at rest from the plane of the feature, m.
 class Gap {
@@ -41,8 +42,13 @@ class Gap {
 /// s after which the feature's plane has reached the hand; empty: not within `most`.
 std::optional<double> time_to_contact(const Gap& gap, double from, double most) {
   for (int i = 1; i <= kLooks; ++i) {
-    const double after = most * i / kLooks;
-    if (gap.at(from + after) <= 0) return after;
+    double apart = most * (i - 1) / kLooks, met = most * i / kLooks;
+    if (gap.at(from + met) > 0) continue;
+    while (met - apart > kSameTime) {
+      const double middle = (apart + met) / 2;
+      (gap.at(from + middle) > 0 ? apart : met) = middle;
+    }
+    return met;
   }
   return std::nullopt;
 }

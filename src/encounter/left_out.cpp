@@ -142,10 +142,12 @@ void add_wide_estimate(const CaptureProblem& problem, std::vector<LeftOut>& out)
                 "deg, each with probability {:g}",
                 radius, angle * 180 / kPi, kDefaultConeConfidence)
           : "the contact cannot be predicted";
-  out.push_back({kWideEstimateRule, "target", "state.covariance",
-                 known +
-                     ": a hand may miss, which trials do not count: each has its contact wherever "
-                     "the feature is; a later or better estimate is needed"});
+  out.push_back(
+      {kWideEstimateRule, "target", "state.covariance",
+       known + fmt::format(": beyond {:g} m or {:g} deg a hand may miss, which trials do not "
+                           "count: each has its contact wherever the feature is; a later or "
+                           "better estimate is needed",
+                           kMostRadius, kMostTilt * 180 / kPi)});
 }
 
 /// The mean over the residual velocity is a closed form.

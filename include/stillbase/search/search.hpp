@@ -60,8 +60,9 @@ struct MeasureSearchOptions {
 
   // Rounds of further starts.
   int first = 24;        ///< starts before the rounds, of either kind
-  int least_rounds = 8;  ///< what the first starts end at may be a wide valley: with half of them
-                         ///< five seeds of twenty miss the deeper one of iiwa_cone, so one
+  int least_rounds = 8;  ///< what the first starts end at may be a wide valley: with half of these
+                         ///< rounds five seeds of twenty miss the deeper one of iiwa_cone, with all
+                         ///< of them one
   int most_rounds = 20;  ///< a search takes at most three times the time of one without rounds
   double zero = kZeroObjective;  ///< |y|, in typical sizes: nothing is better than that
   int enough = 8;                ///< starts that end at the best minimum end the rounds: five are
