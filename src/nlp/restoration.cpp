@@ -1,14 +1,34 @@
 #include "nlp/restoration.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::nlp {
+
+namespace {
+
+/// The shortest d with J d = r, in the least squares where no d has that.
+Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
+  constexpr double kIndependent = 1e-3;  // of pivots: the normal equations lose the square of it
+  if (J.rows() <= J.cols()) {
+    const Eigen::LLT<Eigen::MatrixXd> normal(J * J.transpose());
+    const auto pivots = normal.matrixLLT().diagonal();
+    if (normal.info() == Eigen::Success && pivots.minCoeff() > kIndependent * pivots.maxCoeff()) {
+      return J.transpose() * normal.solve(r);
+    }
+  }
+  return least_norm_solution(J, r, 1e-9);
+}
+
+}  // namespace
+
 Eigen::VectorXd step_within_box(Eigen::MatrixXd J, const Eigen::VectorXd& r,
                                 const Eigen::VectorXd& x, const Eigen::VectorXd& lower,
                                 const Eigen::VectorXd& upper) {
   Eigen::VectorXd step;
   for (Eigen::Index pass = 0; pass <= x.size(); ++pass) {
-    step = -least_norm_solution(J, r, 1e-9);
+    step = -shortest_step(J, r);
     bool held_one = false;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
       const bool leaves =

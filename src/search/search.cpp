@@ -386,7 +386,7 @@ class Search {
   const bool isolated_;
   const bool simulates_;
   const int jobs_;
-  const StartPostures postures_;
+  StartPostures postures_;
   const Refinement refinement_;
   int last_start_ = 0;                           ///< whose seed later solves take
   std::vector<Eigen::VectorXd> on_constraints_;  ///< the starts' postures

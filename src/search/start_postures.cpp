@@ -99,12 +99,15 @@ std::vector<Eigen::VectorXd> StartPostures::drawn_postures(int batch) const {
                                 [&](int i) { return drawn(first + i); });
 }
 
-std::vector<Eigen::VectorXd> StartPostures::fresh(int round) const {
+std::vector<Eigen::VectorXd> StartPostures::fresh(int round) {
   const PhaseClock::Phase phase(options_.clock, "search.screening");
   const std::vector<Eigen::VectorXd> postures = drawn_postures(1 + round);
-  const std::vector<Eigen::VectorXd> zeros =
-      moved_onto_constraints(static_cast<int>(postures.size()), 10, true,
-                             [&](int i) { return postures[static_cast<std::size_t>(i)]; });
+  std::vector<Eigen::VectorXd> zeros;
+  if (may_be_zero_) {
+    zeros = moved_onto_constraints(static_cast<int>(postures.size()), 10, true,
+                                   [&](int i) { return postures[static_cast<std::size_t>(i)]; });
+    may_be_zero_ = !zeros.empty();
+  }
   return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);
 }
 

@@ -34,8 +34,9 @@ class StartPostures {
 
   /// Starts of a further round: postures that look best for the measure, and zeros of the nominal
   /// value that do. Minima of the measure are often near the best zeros of a self-motion, and
-  /// Newton steps to a zero cost a tenth of a solve.
-  std::vector<Eigen::VectorXd> fresh(int round) const;
+  /// Newton steps to a zero cost a tenth of a solve. Where a round finds no zero later ones do not
+  /// look for them.
+  std::vector<Eigen::VectorXd> fresh(int round);
 
  private:
   /// Point i of a list.
@@ -63,7 +64,8 @@ class StartPostures {
   const bool isolated_;
   const int jobs_;
   const int drawn_starts_;
-  const int steps_;  ///< Newton steps onto the constraints
+  const int steps_;         ///< Newton steps onto the constraints
+  bool may_be_zero_ = true;  ///< the nominal value, as far as rounds know
 };
 
 }  // namespace stillbase

@@ -75,7 +75,8 @@ TEST_CASE("the largest of two values has no minimum at its kink") {
 
 TEST_CASE("a search does not go on from minima at kinks of the clearance") {
   const CaptureProblem problem = test::without_path("deos_latch");
-  for (const std::uint64_t seed : {2, 7}) {
+  // Two solves of either seed end at kinks: by their KKT residual alone both would go on.
+  for (const std::uint64_t seed : {8, 9}) {
     CAPTURE(seed);
     const Formulation formulation(problem);
     SearchOptions options;
