@@ -64,7 +64,7 @@ class StartPostures {
   const bool isolated_;
   const int jobs_;
   const int drawn_starts_;
-  const int steps_;         ///< Newton steps onto the constraints
+  const int steps_;          ///< Newton steps onto the constraints
   bool may_be_zero_ = true;  ///< the nominal value, as far as rounds know
 };
 
