@@ -183,9 +183,7 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
     load.tau += jacobian.J_phi.transpose() * F_h;
   }
   const ContactServo& servo = encounter_->servo;
-  const bool servo_acts = contact_.contacts <= 1 && contact_.phase != ContactPhase::Leaving &&
-                          !(contact_.contacts == 1 && contact_.phase == ContactPhase::Apart);
-  if (servo.stiffness.size() == n() && servo_acts) {
+  if (servo.stiffness.size() == n() && !contact_.has_separated) {
     load.tau -= servo.stiffness.cwiseProduct(state.phi - encounter_->servo_posture);
     load.tau -= servo.damping.cwiseProduct(state.phidot);
   }

@@ -100,6 +100,8 @@ ContactPhase ClosedLoop::next_phase(const HandLoad& hand) const {
       return hand.normal_force < 0 && hand.gap_rate > 0 ? ContactPhase::Leaving
                                                         : ContactPhase::Touching;
     case ContactPhase::Leaving:
+      // A controller may stop the hand before the gap opens: then the target pushes again.
+      if (hand.normal_force > 0) return ContactPhase::Touching;
       break;
   }
   return hand.gap > 0 ? ContactPhase::Apart : ContactPhase::Leaving;
@@ -121,9 +123,11 @@ bool ClosedLoop::handle_contact(double t, const StateVector& x) {
   const HandLoad hand = hand_load(x, state, terms_at(x, state));
   const ContactPhase next = next_phase(hand);
   if (next == contact_.phase) return false;
+  const bool begins = contact_.phase == ContactPhase::Apart;
   contact_.phase = next;
-  if (next == ContactPhase::Touching && contact_.contacts++ == 0) contact_.first_begin = t;
+  if (begins && contact_.contacts++ == 0) contact_.first_begin = t;
   if (next == ContactPhase::Leaving && contact_.contacts == 1) {
+    contact_.has_separated = true;
     contact_.first_end = t;
     contact_.first_separation_speed = hand.gap_rate;
   }

@@ -65,6 +65,62 @@ int samples_at_rest(const SimulationResult& run) {
   return count;
 }
 
+/// A resting robot whose hand a target is about to push.
+struct PushedHand {
+  Case at;
+  EncounterPlant plant;
+  TargetPlantState target;
+
+  explicit PushedHand(std::uint64_t seed) : at(damped_case(seed, 0.01)) {
+    Random random(seed);
+    at.state.phidot.setZero();
+    at.state.Omega.setZero();
+    at.options.output_period = 0.05;
+    plant.mass = 20;
+    plant.inertia = reference_test::random_body(random, "target").inertia;
+    plant.contact = {2e4, 30, 0.3, 1e-4, Vector3d(0.3, 0.1, -0.1), Vector3d::UnitX()};
+    plant.servo_posture = at.state.phi;
+    target.pose.orientation = Eigen::Quaterniond(reference_test::random_rotation(random));
+    target.angular_velocity = reference_test::random_vector(random, 0.1);
+    const Vector3d n = target.pose.orientation * plant.contact.normal;
+    target.velocity = 0.1 * n + reference_test::random_vector(random, 0.02);
+    const auto hand = reference::compute(at.robot, at.state);
+    target.pose.position =
+        hand.hand_position - target.pose.orientation * plant.contact.point - 0.003 * n;
+  }
+
+  EncounterResult simulated() const {
+    return simulate_encounter(at.robot, {}, {Pose{}, at.state.phi, at.state.Omega, at.state.phidot},
+                              target, plant, at.controller, at.options);
+  }
+
+  /// Largest difference of a run to the second code's with another contact.
+  double distance(const EncounterResult& run,
+                  const std::function<void(reference::SpringContact&)>& change) const {
+    reference::ControlledRobot subject{at.robot, at.robot, {}};
+    subject.has_friction = true;
+    subject.contact = {plant.mass,
+                       plant.inertia,
+                       plant.contact.stiffness,
+                       plant.contact.damping,
+                       plant.contact.friction,
+                       plant.contact.slip_rate,
+                       plant.contact.point,
+                       plant.contact.normal,
+                       plant.servo.stiffness,
+                       plant.servo.damping,
+                       {}};
+    if (plant.servo.stiffness.size() > 0) subject.contact->servo_posture = plant.servo_posture;
+    change(*subject.contact);
+    reference::Motion first{Pose{}, at.state};
+    first.target = {target.pose, target.velocity, target.angular_velocity};
+    const auto own = reference::controlled_motion(subject, at.law, first,
+                                                  times_of(run.simulation.trace), kStep, {});
+    REQUIRE(own.complete);
+    return apart(run.simulation.trace, own);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("joints under dry friction stick and slip alike by two codes") {
@@ -122,58 +178,18 @@ TEST_CASE("a joint reaches its stop, rests there and leaves it alike by two code
 
 TEST_CASE("hand and target push each other alike by two codes") {
   for (const std::uint64_t seed : {21, 22, 23}) {
-    Random random(seed);
-    Case at = damped_case(seed, 0.01);
-    at.state.phidot.setZero();
-    at.state.Omega.setZero();
-    for (Joint& joint : at.robot.joints) joint.coulomb_friction = 0.3;
-    at.options.horizon = 0.5;
-    at.options.output_period = 0.05;
-    const auto hand = reference::compute(at.robot, at.state);
-    EncounterPlant plant;
-    plant.mass = 20;
-    plant.inertia = reference_test::random_body(random, "target").inertia;
-    plant.contact = {2e4, 30, 0.3, 1e-4, Vector3d(0.3, 0.1, -0.1), Vector3d::UnitX()};
-    plant.servo = {JointVectord::Constant(4, 50), JointVectord::Constant(4, 2)};
-    plant.servo_posture = at.state.phi;
-    TargetPlantState target;
-    target.pose.orientation = Eigen::Quaterniond(reference_test::random_rotation(random));
-    target.angular_velocity = reference_test::random_vector(random, 0.1);
-    const Vector3d n = target.pose.orientation * plant.contact.normal;
-    target.velocity = 0.1 * n + reference_test::random_vector(random, 0.02);
-    target.pose.position =
-        hand.hand_position - target.pose.orientation * plant.contact.point - 0.003 * n;
-    const EncounterResult run =
-        simulate_encounter(at.robot, {}, {Pose{}, at.state.phi, at.state.Omega, at.state.phidot},
-                           target, plant, at.controller, at.options);
+    PushedHand pushed(seed);
+    for (Joint& joint : pushed.at.robot.joints) joint.coulomb_friction = 0.3;
+    pushed.plant.servo = {JointVectord::Constant(4, 50), JointVectord::Constant(4, 2)};
+    pushed.at.options.horizon = 0.5;
+    const EncounterResult run = pushed.simulated();
     REQUIRE(run.simulation.status == SimulationStatus::Finished);
     REQUIRE(run.contact.contacts > 0);
-
-    const reference::SpringContact same = {plant.mass,
-                                           plant.inertia,
-                                           2e4,
-                                           30,
-                                           0.3,
-                                           1e-4,
-                                           plant.contact.point,
-                                           plant.contact.normal,
-                                           plant.servo.stiffness,
-                                           plant.servo.damping,
-                                           plant.servo_posture};
-    const auto distance = [&](const std::function<void(reference::SpringContact&)>& change) {
-      reference::ControlledRobot subject{at.robot, at.robot, {}};
-      subject.has_friction = true;
-      subject.contact = same;
-      change(*subject.contact);
-      reference::Motion first{Pose{}, at.state};
-      first.target = {target.pose, target.velocity, target.angular_velocity};
-      const auto own = reference::controlled_motion(subject, at.law, first,
-                                                    times_of(run.simulation.trace), kStep, {});
-      REQUIRE(own.complete);
-      return apart(run.simulation.trace, own);
-    };
     INFO("seed " << seed);
     using Contact = reference::SpringContact;
+    const auto distance = [&](const std::function<void(Contact&)>& change) {
+      return pushed.distance(run, change);
+    };
     CHECK(distance([](Contact&) {}) < 1e-7);
     CHECK(distance([](Contact& c) { c.stiffness *= 1.001; }) > 1e-6);
     CHECK(distance([](Contact& c) { c.damping *= 1.01; }) > 1e-6);
@@ -182,6 +198,22 @@ TEST_CASE("hand and target push each other alike by two codes") {
     CHECK(distance([](Contact& c) { c.servo_stiffness *= 1.01; }) > 1e-6);
     CHECK(distance([](Contact& c) { c.servo_damping *= 1.1; }) > 1e-6);
     CHECK(distance([](Contact& c) { c.inertia *= 1.001; }) > 1e-6);
+  }
+}
+
+TEST_CASE("a hand that is braked before the gap opens is pushed again by two codes") {
+  for (const std::uint64_t seed : {21, 22, 23}) {
+    PushedHand pushed(seed);
+    // The damping takes the force away while the spring is still pressed, and the joints are braked
+    // faster than the spring opens.
+    pushed.plant.contact.damping = 2000;
+    pushed.at.controller.K_phi = pushed.at.law.K_phi = 40;
+    pushed.at.options.horizon = 2;
+    const EncounterResult run = pushed.simulated();
+    REQUIRE(run.simulation.status == SimulationStatus::Finished);
+    INFO("seed " << seed);
+    CHECK(run.contact.contacts == 1);
+    CHECK(pushed.distance(run, [](reference::SpringContact&) {}) < 1e-7);
   }
 }
 

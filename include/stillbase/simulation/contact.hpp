@@ -45,14 +45,15 @@ struct EncounterPlant {
 enum class ContactPhase {
   Apart,  ///< a contact may begin
   Touching,
-  Leaving  ///< no force any more, the spring is still pressed: until the gap is open
+  Leaving  ///< no force, the spring is still pressed: until the gap opens or a force is back
 };
 
 struct ContactHistory {
   ContactPhase phase = ContactPhase::Apart;
   int contacts = 0;                   ///< begun
   double first_begin = 0;             ///< s
-  double first_end = 0;               ///< s; of the force
+  bool has_separated = false;         ///< the force of the first one has ended, if only for a while
+  double first_end = 0;               ///< s; of the force, the last one before the gap opens
   double first_separation_speed = 0;  ///< n . (v_hand - v_target) at that instant, m/s
 };
 
