@@ -461,6 +461,17 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
                              *stated, curvature->first, size));
 }
 
+/// Whether the measure is the norm of something that is nearly zero: smooth only within less than
+/// the cone's half angle.
+bool bends_at_once(const Plan& plan) {
+  constexpr double kNarrow = 1e-4;  // rad, of the cone: the longest steps are twenty times that
+  const ObjectiveValue& objective = plan.objective;
+  const double half_angle = plan.problem.uncertainty.cone_half_angle;
+  return plan.problem.measure.kind == RiskMeasure::WorstCase &&
+         !plan.problem.uncertainty.residual_velocity && half_angle > 0 && half_angle < kNarrow &&
+         objective.nominal < objective.worst_case / 2;
+}
+
 }  // namespace
 
 void check_stationarity(const Context& context, ClaimList& claims) {
@@ -484,6 +495,11 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (!plan.objective.user_terms.empty()) return give_up("the objective has terms of the user");
   if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
     return give_up("each direction or sample is a simulation");
+  }
+  if (bends_at_once(plan)) {
+    return give_up(fmt::format(
+        "a worst case over a cone of {:.3g} deg about a zero bends within the steps of differences",
+        problem.uncertainty.cone_half_angle * 180 / kPi));
   }
   const double condition = verification::match_condition({problem, plan.configuration});
   if (condition < kSmoothMatch) {

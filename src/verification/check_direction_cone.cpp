@@ -208,7 +208,8 @@ void check_unused(const Context& context, bool has_covariance, ClaimList& claims
 /// A covariance of the relative velocity stated beside that of the estimate: the plan warns where
 /// it is smaller at the plan's contact.
 void check_residual_warning(const Context& context, ClaimList& claims) {
-  constexpr double kEqual = 1e-3;  // of the integrations of the covariance
+  constexpr double kEqual = 1e-3;        // of the integrations of the covariance
+  constexpr double kNoVariance = 1e-12;  // of the sum
   const CaptureProblem& problem = context.problem;
   if (!context.situation.event.velocity) return;
   const Matrix6d stated = residual_case(context.situation).covariance;
@@ -216,6 +217,8 @@ void check_residual_warning(const Context& context, ClaimList& claims) {
   carried.uncertainty.residual_velocity = ResidualVelocity{};
   const Matrix6d implied = residual_case(Situation(carried, context.plan.configuration)).covariance;
   Matrix6d excess = stated * (1 + kEqual) - implied;
+  // In a direction without variance a stated matrix has the rounding of its largest ones.
+  excess.diagonal() += kNoVariance * (stated + implied).diagonal();
   Vector6d unit;
   for (int i = 0; i < 6; ++i) unit[i] = 1 / std::sqrt(std::max(implied(i, i), 1e-300));
   excess = unit.asDiagonal() * excess * unit.asDiagonal();
