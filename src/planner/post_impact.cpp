@@ -139,12 +139,20 @@ std::optional<std::string> failure_at_first_sight(
 }
 
 /// Half a period of the spring between both bodies is how long a contact lasts without damping.
-std::string endless_contact(const ContactCase& subject, const PostImpactSpec& spec) {
+/// A contact that is over long before the horizon is not what keeps them together there.
+std::string endless_contact(const ContactCase& subject, const PostImpactSpec& spec,
+                            ControllerKind kind) {
+  constexpr double kSoft = 0.5;  // of the horizon: damping makes a contact longer
   const double mass = subject.impulse / ((1 + subject.restitution) * subject.closing_speed);
+  const double duration = kPi * std::sqrt(mass / spec.contact.stiffness);
+  const char* const cause =
+      duration >= kSoft * spec.horizon ? "post_impact.contact.stiffness is too low"
+      : kind == ControllerKind::None   ? "without a controller the hand stays against the target"
+                                       : "the controller holds the hand against the target";
   return fmt::format(
       "hand and target still touch after the horizon of {:.4g} s: a contact of {:.4g} N/m between "
-      "an effective {:.4g} kg lasts about {:.4g} s; post_impact.contact.stiffness is too low",
-      spec.horizon, spec.contact.stiffness, mass, kPi * std::sqrt(mass / spec.contact.stiffness));
+      "an effective {:.4g} kg lasts about {:.4g} s; {}",
+      spec.horizon, spec.contact.stiffness, mass, duration, cause);
 }
 
 }  // namespace
@@ -292,7 +300,7 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   const SimulationSummary& summary = result.summary;
   if (result.status != SimulationStatus::Finished) return to_string(result.status);
   const bool touches = run.encounter && run.encounter->contact.phase == ContactPhase::Touching;
-  if (touches && broken.empty()) return endless_contact(subject, spec);
+  if (touches && broken.empty()) return endless_contact(subject, spec, controller->kind);
   if (std::string grasp = demand_on_grasp(&run); !grasp.empty()) {
     return broken.empty() ? grasp
                           : fmt::format("{} after {:.3g} s", grasp, result.trace.back().time);

@@ -140,6 +140,20 @@ TEST_CASE("a contact that outlasts the simulation is said to be too soft, with i
   CHECK(outcome.says("post_impact.contact.stiffness is too low"));
 }
 
+TEST_CASE("a short contact is not called too soft where the controller holds the hand there") {
+  const Workshop shop;
+  // Half a period of some 6 kg on 1e5 N/m is 0.02 s.
+  const std::string horizon = "  horizon: 4 s\n  contact: {model: compliant, stiffness: 1e5 N/m}\n";
+  shop.write_changed("problem.yaml", "problems/planar_three_link_client.yaml", "  horizon: 10 s\n",
+                     horizon);
+  const Outcome outcome = shop.run("plan problem.yaml -o plan.json --starts 8");
+  INFO(outcome.err);
+  CHECK(outcome.code == 4);
+  CHECK(outcome.says("still touch after the horizon of"));
+  CHECK(outcome.says("the controller holds the hand against the target"));
+  CHECK_FALSE(outcome.says("stiffness is too low"));
+}
+
 TEST_CASE("a time limit ends the search with exit code 6 and the best so far is written") {
   const Workshop shop;
   const Outcome outcome = shop.run("plan " + quoted(source_path(kProblem)) +
