@@ -24,6 +24,7 @@
 #include "app/words.hpp"
 #include "core/escape.hpp"
 #include "io/fields/results.hpp"
+#include "io/problem_reader.hpp"
 
 namespace stillbase::app {
 
@@ -64,8 +65,12 @@ std::pair<ObjectiveQuantity, ObjectiveQuantity> quantities_of(const std::string&
   return both;
 }
 
-/// A quantity at a time after the impact needs the one that a term of the objective states.
-void check_stated(const CaptureProblem& problem, ObjectiveQuantity quantity) {
+/// A quantity at a time after the impact needs the one that a term of the objective states, and the
+/// nominal value of some cannot be minimised.
+void check_quantity(const CaptureProblem& problem, ObjectiveQuantity quantity) {
+  if (const std::string why = io::objection_to_nominal(problem, quantity); !why.empty()) {
+    throw CommandLineError(fmt::format("--pareto: {}: {}", to_string(quantity), why));
+  }
   if (!row_of(quantity).needs_time) return;
   for (const ObjectiveTerm& term : problem.objective) {
     if (term.quantity == quantity) return;
@@ -148,8 +153,8 @@ std::string front_words(const TradeOff& front) {
 int run_pareto(const CaptureProblem& problem, const PlanRequest& request) {
   const OutputFile& output = request.output;
   const auto [first, second] = quantities_of(request.pareto);
-  check_stated(problem, first);
-  check_stated(problem, second);
+  check_quantity(problem, first);
+  check_quantity(problem, second);
   const std::string extension = extension_of(output.path);
   TradeOffOptions options;
   options.optimizer = problem.search.optimizer;
@@ -170,6 +175,10 @@ int run_pareto(const CaptureProblem& problem, const PlanRequest& request) {
     write_stdout(front_table(front));
   }
   say(front_words(front));
+  if (!front.points.empty() && problem.measure.kind != RiskMeasure::Nominal) {
+    say(fmt::format("the values are nominal: the problem's measure '{}' is not used",
+                    io::word_of(io::kMeasureNames, problem.measure.kind)));
+  }
   if (signal_exit_code() != 0) return signal_exit_code();
   if (front.stopped) return kLimit;
   return front.points.empty() ? kInfeasible : kDone;

@@ -154,6 +154,18 @@ void check_wheel_preset(MapReader& map, const CaptureProblem& problem) {
   }
 }
 
+std::string objection_to_nominal(const CaptureProblem& problem, ObjectiveQuantity quantity) {
+  const HandMotionSpec& hand = problem.hand_motion;
+  const auto is_zero = [](const std::optional<Vector3d>& part) { return part && part->isZero(0); };
+  const bool matches_all =
+      hand.velocity == HandVelocity::MatchAll ||
+      (hand.velocity == HandVelocity::Stated && is_zero(hand.linear) && is_zero(hand.angular));
+  if (!matches_all || quantity != ObjectiveQuantity::ImpulseMagnitude) return "";
+  return "the impulse is zero in every posture with a contact.hand_velocity that matches all, "
+         "stated zeros included; use a quantity of the motion after the contact, such as "
+         "base_angular_momentum";
+}
+
 void check_hand_motion(MapReader& map, const CaptureProblem& problem) {
   const HandMotionSpec& hand = problem.hand_motion;
   if (!hand.moves()) {
@@ -220,17 +232,10 @@ void check_hand_motion(MapReader& map, const CaptureProblem& problem) {
            "and what differs from it is a relative velocity; state uncertainty.residual_velocity, "
            "or use 'nominal'");
   }
-  const auto is_zero = [](const std::optional<Vector3d>& part) { return part && part->isZero(0); };
-  const bool matches_all = hand.velocity == HandVelocity::MatchAll ||
-                           (is_stated && is_zero(hand.linear) && is_zero(hand.angular));
-  if (problem.measure.kind == RiskMeasure::Nominal && matches_all) {
-    for (const ObjectiveTerm& term : problem.objective) {
-      if (term.quantity != ObjectiveQuantity::ImpulseMagnitude) continue;
-      refuse("objective", "contradiction",
-             "quantity: the impulse is zero in every posture with a contact.hand_velocity that "
-             "matches all, stated zeros included; "
-             "use a quantity of the motion after the contact, such as base_angular_momentum");
-    }
+  if (problem.measure.kind != RiskMeasure::Nominal) return;
+  for (const ObjectiveTerm& term : problem.objective) {
+    const std::string objection = objection_to_nominal(problem, term.quantity);
+    if (!objection.empty()) refuse("objective", "contradiction", "quantity: " + objection);
   }
 }
 

@@ -29,4 +29,7 @@ void check_wheel_preset(MapReader& map, const CaptureProblem& problem);
 /// Those of a hand that moves before the contact.
 void check_hand_motion(MapReader& map, const CaptureProblem& problem);
 
+/// Why the nominal value of a quantity cannot be minimised; empty: it can.
+std::string objection_to_nominal(const CaptureProblem& problem, ObjectiveQuantity quantity);
+
 }  // namespace stillbase::io

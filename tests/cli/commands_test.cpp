@@ -432,6 +432,7 @@ TEST_CASE("plan --pareto writes the front of two quantities as JSON, CSV and a p
   const Outcome outcome = shop.run(command + " -o front.json");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
+  CHECK(outcome.says("the values are nominal: the problem's measure 'worst_case' is not used"));
   const json front = json::parse(shop.text("front.json"));
   CHECK(front.at("format") == "stillbase.pareto");
   CHECK(front.at("complete") == true);

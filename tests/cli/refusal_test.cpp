@@ -68,6 +68,18 @@ TEST_CASE("a front with the turn of the base needs to be told when") {
       "'after'");
 }
 
+TEST_CASE("a front with an impulse that is zero in every posture is refused as in a problem") {
+  const Workshop shop;
+  for (const char* problem : {"problems/matched_medium.yaml", "problems/matched_residual.yaml"}) {
+    for (const char* pair :
+         {"impulse_magnitude,base_angular_momentum", "base_angular_momentum,impulse_magnitude"}) {
+      require_wrong_command_line(
+          shop, "plan " + source_path(problem) + " -o plan.json --pareto " + pair,
+          "--pareto: impulse_magnitude: the impulse is zero in every posture");
+    }
+  }
+}
+
 TEST_CASE("a robot file in place of a problem is called what it is") {
   const Workshop shop;
   for (const char* command : {"plan", "predict --from 0 --to 1 --step 1"}) {
