@@ -462,7 +462,7 @@ std::string binding_limit_words(const ManagedMomentum& managed, double horizon) 
                   held->place, 100 * kNearLimit, held->time, managed.rest_time.value_or(horizon),
                   managed.rest_time ? "the rest" : "the horizon");
   if (is_bound(managed, horizon)) return "binding limit: " + words;
-  return "no limit binds for most of the time, the controller's gains decide it; longest: " + words;
+  return "no limit binds, the controller's gains decide the time until the rest; longest: " + words;
 }
 
 std::string proof_words(const Proof& proof) {

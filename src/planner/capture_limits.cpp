@@ -229,8 +229,12 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
 }
 
 bool is_bound(const ManagedMomentum& managed, double horizon) {
+  constexpr double kNearLeast = 1.2;
   const auto& held = managed.longest_held;
-  return held && held->time >= 0.5 * managed.rest_time.value_or(horizon);
+  const double time = managed.rest_time.value_or(horizon);
+  if (!held || held->time < 0.5 * time) return false;
+  const bool is_wheel = held->limit == CaptureLimit::WheelTorque && managed.least_time;
+  return !is_wheel || time <= kNearLeast * *managed.least_time;
 }
 
 bool is_demand_on_grasp(const LimitUse& use) {

@@ -150,6 +150,9 @@ TEST_CASE("under detumble the limit that binds is the one whose change changes t
          strong(problem);
          for (Joint& joint : problem.robot.joints) joint.max_effort = 1;
        }},
+      // The wheels' torque is held for most of the time, and then the joints come to rest.
+      {"gains beside wheels", std::nullopt,
+       [](CaptureProblem& problem) { problem.post_impact.wheels.torque *= 30; }},
       {"gains alone", std::nullopt,
        [](CaptureProblem& problem) { problem.post_impact.wheels.torque *= 500; }},
   };
