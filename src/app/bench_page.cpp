@@ -136,6 +136,7 @@ PageSection recommendation(const BenchmarkAnalysis& analysis) {
                     first.optimizer, percent(first.solved.back()), precision, second.optimizer,
                     percent(second.solved.back()), extent));
   }
+  if (analysis.solved_by_nobody.empty()) return out;
   std::string unsolved = fmt::format("No optimizer solved {} of {} problems",
                                      analysis.solved_by_nobody.size(), analysis.problems);
   if (analysis.problems_by_random_search) {

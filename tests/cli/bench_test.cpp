@@ -110,6 +110,16 @@ TEST_CASE("results do not depend on the number of workers, but for what is measu
   CHECK(shop.text("A/report.md").find("library's defaults") != std::string::npos);
 }
 
+TEST_CASE("a benchmark with every problem solved does not count the unsolved ones") {
+  const Workshop shop;
+  REQUIRE(shop.run(bench("--select planar_two_link/case/0 --seeds 1 --budget 500 "
+                         "--optimizers nlopt-slsqp,nlopt-isres -o A"))
+              .code == 0);
+  const std::string report = shop.text("A/report.md");
+  CHECK(report.find("None: every problem was solved") != std::string::npos);
+  CHECK(report.find("No optimizer solved") == std::string::npos);
+}
+
 TEST_CASE("a benchmark that was killed goes on where it was") {
   const Workshop shop;
   REQUIRE(shop.run(bench(kSmall) + "-o A").code == 0);
