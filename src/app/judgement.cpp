@@ -84,6 +84,29 @@ std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
   return changes;
 }
 
+/// Adds the differences between the files that a plan names and those of its problem, in any order.
+/// A problem file may have been renamed; the other paths are those in its text.
+void changes_of_inputs(const std::vector<InputFile>& stated, std::vector<InputFile> found,
+                       std::vector<std::string>& changes) {
+  for (const InputFile& input : stated) {
+    const auto same = [&input](const InputFile& other) {
+      return other.role == input.role && other.sha256 == input.sha256 &&
+             (other.path == input.path || input.role == "problem");
+    };
+    const auto at = std::find_if(found.begin(), found.end(), same);
+    if (at == found.end()) {
+      changes.push_back(fmt::format("no {} file of the problem has the path {} and the SHA-256 {}",
+                                    input.role, input.path, input.sha256));
+    } else {
+      found.erase(at);
+    }
+  }
+  for (const InputFile& input : found) {
+    changes.push_back(
+        fmt::format("the {} file {} is not among the plan's inputs", input.role, input.path));
+  }
+}
+
 /// The files that the plan was made from are the ones that it names, and its problem is theirs.
 Claim inputs_check(const PlanFile& file, const std::string& plan_path,
                    const std::string& problem_path) {
@@ -106,19 +129,7 @@ Claim inputs_check(const PlanFile& file, const std::string& plan_path,
     }
   }
   try {
-    const std::vector<InputFile> found = input_files(*path);
-    if (!file.inputs.empty() && file.inputs.size() != found.size()) {
-      changes.push_back(fmt::format("{} files are named, the problem is made of {}",
-                                    file.inputs.size(), found.size()));
-    }
-    for (const InputFile& stated : file.inputs) {
-      const auto same = [&stated](const InputFile& input) {
-        return input.role == stated.role && input.sha256 == stated.sha256;
-      };
-      if (std::none_of(found.begin(), found.end(), same)) {
-        changes.push_back("the " + stated.role + " file has another SHA-256");
-      }
-    }
+    if (!file.inputs.empty()) changes_of_inputs(file.inputs, input_files(*path), changes);
     const auto more = changes_of_problem(file.plan.problem, *path);
     changes.insert(changes.end(), more.begin(), more.end());
   } catch (const std::exception& error) {

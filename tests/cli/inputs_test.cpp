@@ -95,6 +95,36 @@ TEST_CASE("files that changed after the plan are found, absent ones are said not
   CHECK(absent.at("verdict") == "pass");
 }
 
+TEST_CASE("every file of the problem is named once, with its path") {
+  const Planned shop;
+  const auto detail_of = [&](const json& altered) {
+    shop.write("altered.json", with_fingerprint(altered));
+    const json verdict = shop.verify("altered.json");
+    CHECK(claim_of(verdict, "content_fingerprint").at("pass") == true);
+    const json& claim = claim_of(verdict, "inputs_unchanged");
+    CHECK(claim.at("pass") == false);
+    return claim.at("detail").get<std::string>();
+  };
+  json other_path = shop.plan;
+  other_path["inputs"][1]["path"] = "robots/another.urdf";
+  CHECK(detail_of(other_path).find("robots/another.urdf") != std::string::npos);
+
+  json twice = shop.plan;
+  twice["inputs"][2] = twice["inputs"][1];
+  const std::string target = shop.plan["inputs"][2]["path"];
+  CHECK(detail_of(twice).find("the target file " + target + " is not among") != std::string::npos);
+
+  json one_more = shop.plan;
+  one_more["inputs"].push_back(one_more["inputs"][1]);
+  CHECK(detail_of(one_more).find("no robot file") != std::string::npos);
+
+  // The paths are those in the problem's text, wherever the plan is verified.
+  std::filesystem::create_directory(shop.path("elsewhere"));
+  const Outcome elsewhere =
+      shop.run_script("cd elsewhere && '" STILLBASE_TOOL "' verify ../plan.json");
+  CHECK(claim_of(json::parse(elsewhere.out), "inputs_unchanged").at("pass") == true);
+}
+
 TEST_CASE("a changed plan is neither simulated nor checked nor tried") {
   const Planned shop;
   json changed = shop.plan;
