@@ -17,6 +17,7 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include <stillbase/core/error.hpp>
@@ -32,6 +33,8 @@ using Clock = std::chrono::steady_clock;
 // Exit codes of a child; with any other it died.
 constexpr int kReturned = 0, kThrew = 81, kNoMemory = 82;
 constexpr double kMostSeconds = 1e9;  // of processor time that the system's limit can state
+constexpr std::chrono::milliseconds kPoll{50};     // also how soon a limit or a stop is seen
+constexpr std::chrono::seconds kShortestPause{1};  // a busy machine delays a process by less
 
 /// Writes all bytes, or gives up when nobody reads.
 void write_all(int fd, const std::string& bytes) {
@@ -117,8 +120,8 @@ struct Child {
   std::string bytes;
 };
 
-double age(const Child& child) {
-  return std::chrono::duration<double>(Clock::now() - child.begin).count();
+double seconds_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
 }
 
 /// Waits for a child that has closed its pipe or was killed.
@@ -135,9 +138,9 @@ void kill_child(Child& child) {
   reap(child);
 }
 
-ChildOutcome outcome_of(Child& child) {
+ChildOutcome outcome_of(Child& child, double seconds) {
   ChildOutcome out;
-  out.seconds = age(child);
+  out.seconds = seconds;
   const int status = reap(child);
   if (WIFEXITED(status) && WEXITSTATUS(status) == kReturned) {
     out.end = ChildEnd::Finished;
@@ -198,11 +201,10 @@ class Children {
   /// who have ended and left nothing in it: a child that another thread forked may hold its pipe
   /// open.
   std::vector<bool> listen() {
-    constexpr int kMilliseconds = 50;  // also how soon a limit or a stop is seen
     std::vector<pollfd> polled;
     for (const Child& child : running_) polled.push_back({child.fd, POLLIN, 0});
     const std::vector<bool> had_ended = those_ended();
-    ::poll(polled.data(), polled.size(), kMilliseconds);
+    ::poll(polled.data(), polled.size(), static_cast<int>(kPoll.count()));
     std::vector<bool> ended(running_.size(), false);
     for (std::size_t i = 0; i < running_.size(); ++i) {
       if (polled[i].revents == 0) {
@@ -233,6 +235,16 @@ class Children {
   std::vector<Child> running_;
 };
 
+/// Leaves a pause of this process out of the time of its children, which most likely had it as
+/// well.
+/// @param before, now instants between which the children were listened to once
+void leave_out_pause(std::vector<Child>& running, Clock::time_point before, Clock::time_point now) {
+  const Clock::duration pause = now - before - kPoll;
+  if (pause < kShortestPause) return;
+  // A child that began within the pause has no age yet.
+  for (Child& child : running) child.begin = std::min(child.begin + pause, now);
+}
+
 }  // namespace
 
 std::string to_string(ChildEnd end) {
@@ -257,22 +269,26 @@ int run_in_children(int count, const ChildOptions& options,
   Children children;
   std::vector<Child>& running = children.running();
   int next = 0, reported = 0;
+  Clock::time_point now = Clock::now();
   while (!options.stop.reached() && (next < count || !running.empty())) {
     while (next < count && static_cast<int>(running.size()) < std::max(1, options.jobs)) {
       children.begin(next++, options, work);
     }
     const std::vector<bool> ended = children.listen();
+    const Clock::time_point before = std::exchange(now, Clock::now());
+    leave_out_pause(running, before, now);
     for (std::size_t i = running.size(); i-- > 0;) {
-      const bool late = age(running[i]) > options.seconds;
+      const double seconds = seconds_between(running[i].begin, now);
+      const bool late = seconds > options.seconds;
       if (!ended[i] && !late) continue;
       Child child = std::move(running[i]);
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
       ChildOutcome outcome;
       if (ended[i]) {
-        outcome = outcome_of(child);
+        outcome = outcome_of(child, seconds);
       } else {
         kill_child(child);
-        outcome = {ChildEnd::TimedOut, "", "time limit", age(child)};
+        outcome = {ChildEnd::TimedOut, "", "time limit", seconds};
       }
       ++reported;
       done(child.index, outcome);

@@ -155,6 +155,37 @@ TEST_CASE("a child that hangs, busy or asleep, is killed at its time limit") {
   CHECK(asleep.end == ChildEnd::TimedOut);
 }
 
+TEST_CASE("a pause of all processes counts for no time limit") {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const pid_t parent = ::fork();
+  if (parent == 0) {
+    ::setpgid(0, 0);
+    ChildOptions options;
+    options.seconds = 2;
+    int code = 1;
+    const auto work = [&](int) -> std::string {
+      (void)!::write(ends[1], "x", 1);
+      for (int i = 0; i < 50; ++i) ::usleep(10'000);
+      return "done";
+    };
+    run_in_children(1, options, work, [&](int, const ChildOutcome& outcome) {
+      const bool is_right = outcome.end == ChildEnd::Finished && outcome.seconds < 2;
+      code = is_right ? 0 : 1;
+    });
+    ::_exit(code);
+  }
+  char byte = 0;
+  REQUIRE(::read(ends[0], &byte, 1) == 1);
+  ::kill(-parent, SIGSTOP);
+  ::sleep(4);
+  ::kill(-parent, SIGCONT);
+  int status = 0;
+  ::waitpid(parent, &status, 0);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  for (const int end : ends) ::close(end);
+}
+
 TEST_CASE("a stop kills the running children and reports none of them") {
   std::atomic<bool> interrupted{false};
   ChildOptions options;

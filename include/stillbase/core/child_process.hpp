@@ -27,12 +27,12 @@ struct ChildOutcome {
   ChildEnd end = ChildEnd::Crashed;
   std::string bytes;    ///< what the work returned; empty unless Finished
   std::string message;  ///< text of an exception, name of a signal, ...
-  double seconds = 0;   ///< wall clock
+  double seconds = 0;   ///< wall clock without pauses
 };
 
 struct ChildOptions {
   int jobs = 1;         ///< processes at a time
-  double seconds = 60;  ///< wall clock of each
+  double seconds = 60;  ///< wall clock of each, without pauses
   /// Processor time of each: a limit that comes no nearer on a busy machine.
   double processor_seconds = kInfinity;
   /// Bytes of address space that each may take beyond those of this process, which it shares (of
@@ -44,8 +44,10 @@ struct ChildOptions {
 /// Runs work(0) .. work(count - 1), each in a child of this process, and calls done(i, outcome) in
 /// this process as they end, in any order. Children that were killed by `stop` are not reported.
 /// SIGINT and SIGTERM are left to this process: a signal to the whole group does not end children.
-/// Children end with this process, at once under Linux, elsewhere at their time limit.
-/// What the work writes to memory is lost with its process; what it returns is not.
+/// Time in which this process stood still for more than a second, as between SIGSTOP and SIGCONT,
+/// is a pause: it counts for no child. Children end with this process, at once under Linux,
+/// elsewhere at their time limit. What the work writes to memory is lost with its process; what it
+/// returns is not.
 /// @return number of pieces reported; count unless stopped
 /// @throws FileError when the system gives no process or pipe; what `done` throws, after the
 /// running children have been killed
