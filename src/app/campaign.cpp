@@ -96,8 +96,13 @@ std::string subject_key(CampaignCase piece) {
   return case_to_text(piece);
 }
 
+/// Path of its plan or problem file.
+std::string file_of(const CampaignCase& piece) {
+  return piece.plan.empty() ? piece.problem : piece.plan;
+}
+
 std::string subject_of(const CampaignCase& piece) {
-  return fmt::format("{}, seed {}", piece.plan.empty() ? piece.problem : piece.plan, piece.seed);
+  return fmt::format("{}, seed {}", file_of(piece), piece.seed);
 }
 
 /// Trials of one case.
@@ -195,12 +200,32 @@ struct CampaignRunRequest {
   double seconds = 3600;
 };
 
+/// Content of the plan or problem file of a case.
+/// @throws InputError as read_text_file(), and for a file that has changed; FileError
+std::string read_file_of(const CampaignCase& piece) {
+  std::string content = read_text_file(file_of(piece));
+  if (sha256_hex(content) != piece.sha256) {
+    throw InputError({{file_of(piece), 0, "fingerprint",
+                       "the file has changed since `campaign make`; put it back, or make the list "
+                       "of cases again and run it in another folder"}});
+  }
+  return content;
+}
+
+/// Reads the files of a case before its worker begins: that one is not there says nothing of the
+/// case.
+/// @throws InputError, FileError
+void check_files(const std::string& text) {
+  const CampaignCase piece = case_from_text(text);
+  (void)read_file_of(piece);
+  if (!piece.problem.empty()) (void)input_files(piece.problem);
+}
+
 /// The worker: a case's text in, its result out. What it throws becomes the record of a crash.
 std::string work(const std::string& text) {
   const CampaignCase piece = case_from_text(text);
-  const std::string path = piece.plan.empty() ? piece.problem : piece.plan;
-  const std::string content = read_text_file(path);
-  if (sha256_hex(content) != piece.sha256) throw FileError(path + ": has changed since `make`");
+  const std::string path = file_of(piece);
+  const std::string content = read_file_of(piece);
   CampaignCaseResult result;
   Plan plan;
   if (piece.problem.empty()) {
@@ -235,6 +260,7 @@ int run_cases(const CampaignRunRequest& request) {
   campaign.jobs = request.jobs;
   campaign.seconds = request.seconds;
   campaign.stop = stop_condition();
+  campaign.check_case = check_files;
   ProgressLine progress;
   campaign.on_progress = [&](int done, int total) { progress.show("cases", done, total); };
   const std::string cases = read_text_file(request.cases);

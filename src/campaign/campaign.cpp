@@ -126,9 +126,12 @@ CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& o
   for (int time = 1; time <= options.tries && !open.empty(); ++time) {
     const std::vector<int> numbers = std::exchange(open, {});
     const auto number = [&](int i) { return numbers[static_cast<std::size_t>(i)]; };
+    const auto text = [&](int i) -> const std::string& {
+      return cases[static_cast<std::size_t>(number(i))];
+    };
+    if (options.check_case) children.before = [&](int i) { options.check_case(text(i)); };
     run_in_children(
-        static_cast<int>(numbers.size()), children,
-        [&](int i) { return work(cases[static_cast<std::size_t>(number(i))]); },
+        static_cast<int>(numbers.size()), children, [&](int i) { return work(text(i)); },
         [&](int i, const ChildOutcome& outcome) {
           const CaseStatus status = outcome.end;
           if (status == CaseStatus::Died) {

@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <new>
 #include <utility>
@@ -270,8 +271,16 @@ int run_in_children(int count, const ChildOptions& options,
   std::vector<Child>& running = children.running();
   int next = 0, reported = 0;
   Clock::time_point now = Clock::now();
+  std::exception_ptr refusal;  // of `before`
   while (!options.stop.reached() && (next < count || !running.empty())) {
     while (next < count && static_cast<int>(running.size()) < std::max(1, options.jobs)) {
+      try {
+        if (options.before) options.before(next);
+      } catch (...) {
+        refusal = std::current_exception();
+        count = next;
+        break;
+      }
       children.begin(next++, options, work);
     }
     const std::vector<bool> ended = children.listen();
@@ -294,6 +303,7 @@ int run_in_children(int count, const ChildOptions& options,
       done(child.index, outcome);
     }
   }
+  if (refusal) std::rethrow_exception(refusal);
   return reported;
 }
 

@@ -119,6 +119,19 @@ TEST_CASE("a case that throws is a record, not the end") {
   CHECK(merged.records[4].text == hashed("case 4"));
 }
 
+TEST_CASE("a case that is refused before its worker begins leaves no record") {
+  const std::string cases = case_list(6);
+  const TemporaryFolder folder;
+  CampaignOptions options = in(folder);
+  options.check_case = [](const std::string& text) {
+    if (text == "case 3") throw FileError("not there");
+  };
+  CHECK_THROWS_AS(run_campaign(cases, options, hashed), FileError);
+  CHECK(merge_campaign(folder.folder()).missing == std::vector<int>{3, 4, 5});
+  CHECK(run_campaign(cases, in(folder), hashed).is_complete());
+  CHECK(text_of(merge_campaign(folder.folder())) == undisturbed(cases));
+}
+
 TEST_CASE("a case whose worker was killed is tried again and is then as any other") {
   const std::string cases = case_list(6);
   const TemporaryFolder folder;

@@ -211,6 +211,26 @@ TEST_CASE("an exception of the caller's own function comes out, and no child sta
                   std::logic_error);
 }
 
+TEST_CASE("a piece of work that is refused before its child begins ends the run after the others") {
+  ChildOptions options;
+  options.jobs = 2;
+  options.before = [](int i) {
+    if (i == 3) throw std::logic_error("not this one");
+  };
+  std::set<int> seen;
+  const auto work = [](int i) {
+    ::usleep(i == 1 ? 300'000 : 0);
+    return std::to_string(i);
+  };
+  CHECK_THROWS_AS(run_in_children(5, options, work,
+                                  [&](int i, const ChildOutcome& outcome) {
+                                    seen.insert(i);
+                                    CHECK(outcome.bytes == std::to_string(i));
+                                  }),
+                  std::logic_error);
+  CHECK(seen == std::set<int>{0, 1, 2});
+}
+
 TEST_CASE("a SIGTERM to a child is the parent's to answer") {
   const ChildOutcome out = outcome_of([](int) -> std::string {
     std::raise(SIGTERM);

@@ -52,6 +52,9 @@ struct CampaignOptions {
   /// three times, after all other cases are done.
   int tries = 3;
   StopCondition stop;
+  /// Called with the text of a case in this process before its worker begins; may be empty. A case
+  /// for which it throws leaves no record, and no further case begins.
+  std::function<void(const std::string&)> check_case;
   /// Called after each record (finished cases, cases of the shard); may be empty.
   std::function<void(int, int)> on_progress;
 };
@@ -70,6 +73,7 @@ struct CampaignRun {
 /// @param work from the text of a case to its result (one line); runs in a process of its own
 /// @throws FileError when the folder cannot be written, or another run works on the shard
 /// @throws InputError when the folder belongs to another list of cases
+/// @throws what `options.check_case` throws, after the running cases have been recorded
 CampaignRun run_campaign(const std::string& cases_text, const CampaignOptions& options,
                          const std::function<std::string(const std::string&)>& work);
 

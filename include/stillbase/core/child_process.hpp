@@ -39,6 +39,9 @@ struct ChildOptions {
   /// this process only under Linux); no limit under sanitizers.
   std::uint64_t memory = 2ull << 30;
   StopCondition stop;  ///< when reached, running children are killed and none begins
+  /// Called in this process before the child of a piece of work begins; may be empty. After it
+  /// throws no further child begins.
+  std::function<void(int)> before;
 };
 
 /// Runs work(0) .. work(count - 1), each in a child of this process, and calls done(i, outcome) in
@@ -50,7 +53,7 @@ struct ChildOptions {
 /// returns is not.
 /// @return number of pieces reported; count unless stopped
 /// @throws FileError when the system gives no process or pipe; what `done` throws, after the
-/// running children have been killed
+/// running children have been killed; what `options.before` throws, after they have been reported
 int run_in_children(int count, const ChildOptions& options,
                     const std::function<std::string(int)>& work,
                     const std::function<void(int, const ChildOutcome&)>& done);
