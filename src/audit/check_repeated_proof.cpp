@@ -17,6 +17,8 @@ constexpr double kLimitMargin = 1e-7;    ///< nearer to a limit than this is und
 constexpr double kBoundRounding = 1e-9;  ///< relative
 constexpr double kInsideCone = 1e-10;    ///< rad towards the axis: no direction is outside
 constexpr int kRimDirections = 24;
+/// Boxes of a repeated bound, beside those stated: from other directions it may progress slowly.
+constexpr long kMoreBoxes = 3, kBoxesAtLeast = 1000;
 constexpr double kNearlyBest = 1.02;  ///< of the least measure: their worst directions count
 
 /// Whether a box's middle keeps the limits on rates, singular values and distances.
@@ -117,6 +119,8 @@ void check_reason(const Proof& stated, const Proof& found, ClaimList& claims) {
   Objections objections;
   objections.demand(begins_with(stated.statement, found.statement),
                     "the statement does not begin with '" + found.statement + "'");
+  objections.demand(stated.boxes == found.boxes,
+                    fmt::format("{} boxes stated, {} examined", stated.boxes, found.boxes));
   claims.none_wrong("proof_repeated", objections, "why nothing is proven");
 }
 
@@ -165,6 +169,8 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
   for (const Candidate& candidate : context.plan.candidates) best = std::min(best, candidate.value);
   MinimumOptions options;
   options.stop = context.options.stop;
+  options.max_boxes = std::min(options.max_boxes,
+                               kMoreBoxes * context.plan.certificate.proof.boxes + kBoxesAtLeast);
   options.relative_gap = std::max(0.0, (best - bound) / best);
   options.value_at = [&](const Configuration& at) {
     const Situation there(problem, at);

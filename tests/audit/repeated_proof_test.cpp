@@ -1,9 +1,11 @@
 // Proofs that a plan states, proven again.
 #include <catch2/catch.hpp>
 
+#include <chrono>
 #include <functional>
 
 #include <stillbase/audit/audit.hpp>
+#include <stillbase/core/constants.hpp>
 #include <stillbase/planner/planner.hpp>
 
 #include "support/shipped_problem.hpp"
@@ -53,6 +55,27 @@ TEST_CASE("a bound is repeated, and one that is too high is refuted or stays unv
   for (Candidate& candidate : worse.candidates) candidate.value *= 1.5;
   *worse.certificate.proof.lower_bound *= 1.4;
   CHECK(check_of(worse, "proof_bound_repeated").fails());
+}
+
+TEST_CASE("where nothing is proven no boxes were examined") {
+  Plan plan = make_plan(test::without_path("iiwa_fixed_start"));
+  REQUIRE(check_of(plan, "proof_repeated").pass);
+  plan.certificate.proof.boxes = 1;
+  CHECK(check_of(plan, "proof_repeated").fails());
+}
+
+TEST_CASE("a bound that progresses slowly when it is repeated stays unverified after a while") {
+  CaptureProblem problem = test::without_path("planar_three_link_cvar");
+  problem.measure = {};
+  problem.measure.kind = RiskMeasure::WorstCase;
+  problem.uncertainty.cone_half_angle = 40 * kPi / 180;
+  const Plan plan = make_plan(problem);
+  REQUIRE(plan.certificate.proof.lower_bound.value_or(0) > 0);
+  VerifyOptions options;
+  options.stop.deadline = StopCondition::Clock::now() + std::chrono::seconds(60);
+  const Claim claim = check_of(plan, "proof_bound_repeated", options);
+  CHECK_FALSE(claim.fails());
+  CHECK_FALSE(options.stop.reached());
 }
 
 TEST_CASE("without a prover a stated proof is not verified") {

@@ -59,6 +59,16 @@ TEST_CASE("the KKT residual of an optimum is confirmed by differences, for every
   CHECK(failures(plan).find("reduced_curvature") == std::string::npos);
 }
 
+TEST_CASE("the conditions of a zero under a narrow cone are left open") {
+  CaptureProblem problem = test::without_path("planar_three_link_null");
+  problem.uncertainty.cone_half_angle = 1e-3 * kPi / 180;
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan plan = make_plan(problem, options);
+  REQUIRE(plan.objective.nominal < 0.01 * plan.objective.worst_case);
+  CHECK(failures(plan) == "");
+}
+
 TEST_CASE("a misstated curvature is found") {
   PlannerOptions options;
   options.prover = nullptr;

@@ -117,9 +117,8 @@ TEST_CASE("plans, verdicts and campaigns are what their schemas say") {
   REQUIRE(shop.run("campaign make spec.yaml -o cases.jsonl").code == 0);
   REQUIRE(shop.run("campaign run cases.jsonl --jobs 2 -o A").code == 0);
   REQUIRE(shop.run("campaign merge A -o whole.json").code == 0);
-  // A plan that changes after `make` makes its case crash.
-  shop.write("plan.json", shop.text("plan.json") + "\n");
-  REQUIRE(shop.run("campaign run cases.jsonl -o B").code == 0);
+  // Cases that do not end in time.
+  REQUIRE(shop.run("campaign run cases.jsonl -o B --case-limit 0.001").code == 0);
   REQUIRE(shop.run("campaign merge B -o part.json").code == 0);
   require_fit(shop, "campaign_result",
               {json::parse(shop.text("whole.json")), json::parse(shop.text("part.json"))},

@@ -164,6 +164,38 @@ TEST_CASE("a plan says that its relative velocity is stated better than its targ
   CHECK(failures(plan) == "residual_warning ");
 }
 
+TEST_CASE("the rounding of a covariance without rank is no smaller deviation") {
+  CaptureProblem problem = test::without_path("servicer_latch");
+  problem.uncertainty = {};
+  problem.search.starts = 4;
+  auto& target = problem.target_deviations.emplace();
+  target.linear_velocity.setConstant(5e-7);
+  target.angular_velocity.setConstant(3e-7);
+  Random random(93);
+  Matrix6d root;
+  for (double& x : root.reshaped()) x = random.normal();
+  root.col(5).setZero();
+  problem.uncertainty.residual_velocity.emplace().covariance = root * root.transpose();
+  const Plan plan = make_plan(problem);
+  CHECK(plan.warnings.empty());
+  CHECK(failures(plan) == "");
+}
+
+TEST_CASE("a zero of wide residual velocities has the rounding of the widest") {
+  CaptureProblem problem = test::without_path("iiwa_client_50");
+  problem.uncertainty = {};
+  problem.measure = {};
+  problem.search.starts = 8;
+  Random random(94);
+  for (int draw = 0; draw < 3; ++draw) {
+    problem.uncertainty.residual_velocity.emplace().covariance =
+        random_covariance(random, 1e2, 1e2);
+    const Plan plan = make_plan(problem);
+    REQUIRE(plan.objective.nominal < 1e-9);
+    CHECK(failures(plan) == "");
+  }
+}
+
 TEST_CASE("a plan says what of its stated uncertainty the measure does not count") {
   CaptureProblem problem = test::without_path("servicer_latch");
   problem.uncertainty = {};
