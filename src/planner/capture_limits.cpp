@@ -229,7 +229,7 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
 }
 
 bool is_bound(const ManagedMomentum& managed, double horizon) {
-  constexpr double kNearLeast = 1.2;
+  constexpr double kNearLeast = 1.05;
   const auto& held = managed.longest_held;
   const double time = managed.rest_time.value_or(horizon);
   if (!held || held->time < 0.5 * time) return false;

@@ -18,7 +18,7 @@ ManagedMomentum account_for_momentum(const CaptureProblem& problem,
 /// Whether the limit that is held longest under `detumble` binds: for at least half of the time
 /// until robot and target rest, or to the horizon. A load that is near its limit for an instant
 /// does not decide that time: the controller's gains do. Neither does a wheel's torque where that
-/// time is more than 1.2 times `least_time`: the gains bring the joints to rest then, and stronger
+/// time is more than 1.05 times `least_time`: the gains bring the joints to rest then, and stronger
 /// wheels save little or nothing.
 /// @param horizon of the simulation, s
 bool is_bound(const ManagedMomentum& managed, double horizon);

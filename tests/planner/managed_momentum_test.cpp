@@ -169,6 +169,8 @@ TEST_CASE("under detumble the limit that binds is the one whose change changes t
     REQUIRE(managed.rest_time);
     REQUIRE(is_bound(managed, spec.horizon) == one.binds.has_value());
     if (one.binds) CHECK(managed.longest_held->limit == *one.binds);
+    if (one.binds == CaptureLimit::WheelTorque)
+      CHECK(*managed.rest_time < 1.05 * *managed.least_time);
     // A tenth more of each limit saves time where it binds and next to none elsewhere.
     const auto saved = [&](const std::function<void(CaptureProblem&)>& more) {
       CaptureProblem other = problem;

@@ -50,7 +50,7 @@ struct Controller {
   /// rns_handback, 1/s: the wheels take L_g K_handback, as far as they can. The end of the transfer
   /// is an exponential with this rate, so it has to be slow beside K_omega.
   double K_handback = 1;
-  double K_detumble = 10;  ///< detumble, 1/s: of the momentum that is left for the last instants
+  double K_detumble = 50;  ///< detumble, 1/s: of the momentum that is left for the last instants
   /// detumble: part of grip and joint torque limits that is kept back. Commands are held for a
   /// control period, in which the loads change, and the controller knows masses to some percent.
   double reserve = 0.05;
