@@ -46,7 +46,7 @@ int make_cases(const CampaignMakeRequest& request) {
   request.output.check({".jsonl"});
   const CampaignSpec spec = read_campaign_spec(read_text_file(request.spec), request.spec);
   std::string text;
-  const auto add = [&](CampaignCase piece) { text += case_to_text(piece) + "\n"; };
+  const auto add = [&](const CampaignCase& piece) { text += case_to_text(piece) + "\n"; };
   for (const std::string& name : spec.plans) {
     CampaignCase piece;
     piece.plan = absolute(name, request.spec);
@@ -405,6 +405,7 @@ int merge_cases(const CampaignMergeRequest& request) {
   if (!dead.empty()) say(fmt::format("cases whose workers died: {}", dead));
   for (const std::string& line : gap_lines(cases, groups)) say(line);
   std::vector<const io::CampaignGroup*> shown;
+  shown.reserve(groups.size());
   for (const io::CampaignGroup& group : groups) shown.push_back(&group);
   print_groups(shown);
   if (!merged.is_complete()) {

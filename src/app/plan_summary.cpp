@@ -217,7 +217,7 @@ std::string nearest_words(const Plan& plan) {
 
 /// The feature is named where there was a choice.
 std::string contact_words(const Plan& plan) {
-  const std::string time = fmt::format("at {:.3f} s", plan.configuration.contact_time);
+  std::string time = fmt::format("at {:.3f} s", plan.configuration.contact_time);
   const std::size_t choice = plan.problem.variables.features.size();
   if (choice == 0) return time;
   return fmt::format("{}, {} of {} features", time, plan.configuration.feature, choice);

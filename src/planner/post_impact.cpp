@@ -54,8 +54,8 @@ std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummar
   if (summary.attitude_turned > part * problem.post_impact.attitude_change_max) {
     return kAttitudeFailure;
   }
-  const std::string rate = exceeded_joint_limit(problem.robot, summary.peak_joint_rates,
-                                                &Joint::max_velocity, part, "rate");
+  std::string rate = exceeded_joint_limit(problem.robot, summary.peak_joint_rates,
+                                          &Joint::max_velocity, part, "rate");
   if (!rate.empty()) return rate;
   // The plant gives no more than the limit, so what the controller asks for is judged.
   return exceeded_joint_limit(problem.robot, summary.peak_demanded_torques, &Joint::max_effort,
