@@ -17,8 +17,9 @@ constexpr double kLimitMargin = 1e-7;    ///< nearer to a limit than this is und
 constexpr double kBoundRounding = 1e-9;  ///< relative
 constexpr double kInsideCone = 1e-10;    ///< rad towards the axis: no direction is outside
 constexpr int kRimDirections = 24;
-/// Boxes of a repeated bound, beside those stated: from other directions it may progress slowly.
-constexpr long kMoreBoxes = 3, kBoxesAtLeast = 1000;
+/// Boxes of a repeated bound, which from other directions may progress slowly: so many times those
+/// stated, and so many more, which are not what an altered plan says.
+constexpr long kMoreBoxes = 3, kBoxesAtLeast = 10'000;
 constexpr double kNearlyBest = 1.02;  ///< of the least measure: their worst directions count
 
 /// Whether a box's middle keeps the limits on rates, singular values and distances.
@@ -169,8 +170,8 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
   for (const Candidate& candidate : context.plan.candidates) best = std::min(best, candidate.value);
   MinimumOptions options;
   options.stop = context.options.stop;
-  options.max_boxes = std::min(options.max_boxes,
-                               kMoreBoxes * context.plan.certificate.proof.boxes + kBoxesAtLeast);
+  const long stated = std::min(context.plan.certificate.proof.boxes, options.max_boxes);
+  options.max_boxes = std::min(options.max_boxes, kMoreBoxes * stated + kBoxesAtLeast);
   options.relative_gap = std::max(0.0, (best - bound) / best);
   options.value_at = [&](const Configuration& at) {
     const Situation there(problem, at);

@@ -463,12 +463,12 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
 
 /// Whether the measure is the norm of something that is nearly zero: smooth only within less than
 /// the cone's half angle.
-bool bends_at_once(const Plan& plan) {
+bool bends_at_once(const Context& context) {
   constexpr double kNarrow = 1e-4;  // rad, of the cone: the longest steps are twenty times that
-  const ObjectiveValue& objective = plan.objective;
-  const double half_angle = plan.problem.uncertainty.cone_half_angle;
-  return plan.problem.measure.kind == RiskMeasure::WorstCase &&
-         !plan.problem.uncertainty.residual_velocity && half_angle > 0 && half_angle < kNarrow &&
+  const ObjectiveValue& objective = context.plan.objective;
+  const UncertaintySpec& uncertainty = context.problem.uncertainty;
+  return context.problem.measure.kind == RiskMeasure::WorstCase && !uncertainty.residual_velocity &&
+         uncertainty.cone_half_angle > 0 && uncertainty.cone_half_angle < kNarrow &&
          objective.nominal < objective.worst_case / 2;
 }
 
@@ -496,7 +496,7 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (simulates && context.problem.measure.kind != RiskMeasure::Nominal) {
     return give_up("each direction or sample is a simulation");
   }
-  if (bends_at_once(plan)) {
+  if (bends_at_once(context)) {
     return give_up(fmt::format(
         "a worst case over a cone of {:.3g} deg about a zero bends within the steps of differences",
         problem.uncertainty.cone_half_angle * 180 / kPi));
