@@ -24,21 +24,27 @@ Vector3d origin(const ClearanceShape& shape, const TargetPlacement& target,
   return kin.r_bh + at.placement.contact.R_EB.transpose() * from_hand;
 }
 
+/// Axes of a shape, from those of its body.
+template <class S>
+Matrix3<S> axes(const Matrix3<S>& R, const ClearanceShape& shape) {
+  if (!shape.is_turned) return R;
+  return R * shape.R.cast<S>();
+}
+
 /// A shape in B; the target lies with its contact at the hand.
 template <class S>
 PlacedShape<S> placed(const ClearanceShape& shape, const TargetPlacement& target,
                       const ConstraintPoint<S>& at) {
   const Kinematics<S>& kin = at.posture.kinematics;
-  const Matrix3<S> R_shape = shape.R.cast<S>();
   const Vector3<S> p_shape = shape.p.cast<S>();
   if (shape.body >= 0) {
     const Matrix3<S>& R = kin.R[static_cast<std::size_t>(shape.body)];
-    return {&shape, R * R_shape, kin.o[static_cast<std::size_t>(shape.body)] + R * p_shape};
+    return {&shape, axes<S>(R, shape), kin.o[static_cast<std::size_t>(shape.body)] + R * p_shape};
   }
-  if (shape.body != kTargetBody) return {&shape, R_shape, p_shape};
+  if (shape.body != kTargetBody) return {&shape, shape.R.cast<S>(), p_shape};
   const Matrix3<S> R = at.placement.contact.R_EB.transpose() * target.R_ET.cast<S>();
   const Vector3<S> o = kin.r_bh - R * target.r.cast<S>();
-  return {&shape, R * R_shape, o + R * p_shape};
+  return {&shape, axes<S>(R, shape), o + R * p_shape};
 }
 
 /// Of normal . (velocity of the body at a point).

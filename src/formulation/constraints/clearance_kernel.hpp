@@ -151,6 +151,18 @@ struct BoxChoice {
 /// slab of the box its square is one parabola; inside it is a broken line, which is looked at where
 /// the segment comes in.
 inline BoxChoice nearest_to_box(const Vector3d& p, const Vector3d& d, const Vector3d& half) {
+  // Mostly an end is nearest: outside, where the square does not fall from it on.
+  for (const double end : {-1.0, 1.0}) {
+    const Vector3d at = p + end * d;
+    double slope = 0, square = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double outside = std::abs(at[i]) - half[i];
+      if (!(outside > 0)) continue;
+      slope += outside * sign_of(at[i]) * d[i];
+      square += outside * outside;
+    }
+    if (square > kSameGap * kSameGap && -end * slope >= 0) return {end, false, -1, -1};
+  }
   std::array<BoxChoice, 26> breaks;
   std::size_t count = 0;
   const auto add = [&](double numerator, double denominator, int i, int j) {

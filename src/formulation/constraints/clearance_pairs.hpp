@@ -22,6 +22,7 @@ struct ClearanceShape {
   int body = kBase;                   ///< index of a body, kBase or kTargetBody
   std::string name;                   ///< link, obstacle or "target"
   Matrix3d R = Matrix3d::Identity();  ///< axes of the shape in its body's frame
+  bool is_turned = false;             ///< they are not those of the body
   Vector3d p = Vector3d::Zero();      ///< origin there, m
   bool is_box = false;
   bool is_cylinder = false;          ///< with its segment, its radius and the box about both
