@@ -17,8 +17,6 @@ namespace {
 
 /// How often signals are looked for: Ctrl-C is answered within a tenth of a second.
 constexpr std::chrono::milliseconds kBetweenLooks{50};
-/// A year: beyond it the clock's arithmetic could overflow.
-constexpr double kLongest = 3e7;
 /// What an interpreter that ends leaves the calls of daemon threads.
 constexpr std::chrono::seconds kToEnd{2};
 
@@ -84,11 +82,7 @@ LongCall::LongCall(const std::optional<double>& time_limit) {
   stop_.interrupted = &interrupted_;
   if (!time_limit) return;
   if (!(*time_limit > 0)) throw std::invalid_argument("time_limit: must be > 0 s, or None");
-  if (*time_limit < kLongest) {
-    stop_.deadline =
-        StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                          std::chrono::duration<double>(*time_limit));
-  }
+  stop_.set_deadline_after(*time_limit);
 }
 
 Progress LongCall::progress(const py::object& function) {

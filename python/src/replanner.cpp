@@ -28,9 +28,7 @@ StopCondition stop_at(const std::optional<double>& deadline) {
   if (!(*deadline >= 0) || !std::isfinite(*deadline)) {
     throw std::invalid_argument("deadline: must be a finite number of seconds, at least 0");
   }
-  stop.deadline =
-      StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                        std::chrono::duration<double>(std::min(*deadline, 3e7)));
+  stop.set_deadline_after(*deadline);
   return stop;
 }
 

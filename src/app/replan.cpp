@@ -32,15 +32,12 @@ struct ReplanRequest {
   bool json = false, timing = false;
 };
 
-constexpr io::Range kSensible{.lower = 0, .upper = 3e7, .is_lower_open = true};  // s: about a year
+constexpr io::Range kTimeLimit{.lower = 0, .upper = kLongestTimeLimit, .is_lower_open = true};  // s
+constexpr io::Range kStayWithin{.lower = 0, .upper = 1e6, .is_lower_open = true};  // rad, m
 
 StopCondition stop_after(double seconds) {
   StopCondition stop = stop_condition();
-  if (seconds > 0) {
-    stop.deadline =
-        StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                          std::chrono::duration<double>(seconds));
-  }
+  if (seconds > 0) stop.set_deadline_after(seconds);
   return stop;
 }
 
@@ -241,11 +238,11 @@ int replan(const ReplanRequest& request) {
   request.output.check({".json", ".csv"});
   const double deadline = request.deadline.empty() ? 0
                                                    : read_quantity("--deadline", request.deadline,
-                                                                   io::Dimension::Time, kSensible);
+                                                                   io::Dimension::Time, kTimeLimit);
   ReplanOptions options;
   if (!request.stay_within.empty()) {
     options.stay_within = read_quantity("--stay-within", request.stay_within,
-                                        io::Dimension::JointPosition, kSensible);
+                                        io::Dimension::JointPosition, kStayWithin);
   }
   for (const std::string& input : {request.plan, request.estimates}) {
     if (is_same_file(input, request.output.path)) {

@@ -104,12 +104,7 @@ void catch_signals() {
 StopCondition stop_condition(double time_limit) {
   StopCondition stop;
   stop.interrupted = &interrupted;
-  // Beyond a year the clock's arithmetic could overflow: no limit.
-  if (time_limit > 0 && time_limit < 3e7) {
-    stop.deadline =
-        StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                          std::chrono::duration<double>(time_limit));
-  }
+  if (time_limit > 0) stop.set_deadline_after(time_limit);
   return stop;
 }
 

@@ -24,9 +24,6 @@ stillbase_plan* handle_of(Plan plan, const ToolVersions& tool,
   return handle.release();
 }
 
-/// A year: beyond it the clock's arithmetic could overflow.
-constexpr double kLongestLimit = 3e7;
-
 }  // namespace
 
 stillbase_status stillbase_plan_make(const stillbase_problem* problem,
@@ -40,11 +37,7 @@ stillbase_status stillbase_plan_make(const stillbase_problem* problem,
     if (stated != nullptr) {
       const double limit = stated->time_limit;
       if (!(limit >= 0)) throw c::ArgumentError("time_limit: must be >= 0 s");
-      if (limit > 0 && limit < kLongestLimit) {
-        options.stop.deadline = StopCondition::Clock::now() +
-                                std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                    std::chrono::duration<double>(limit));
-      }
+      if (limit > 0) options.stop.set_deadline_after(limit);
       if (stated->jobs < 0) throw c::ArgumentError("jobs: must be >= 0");
       options.jobs = stated->jobs;
       if (stated->progress != nullptr) {

@@ -85,17 +85,12 @@ stillbase_status stillbase_replanner_update(stillbase_replanner* replanner,
                                             stillbase_contact* contact, double* phi,
                                             stillbase_update* update) {
   return guarded([&] {
-    constexpr double kLongest = 3e7;  // s: beyond it the clock's arithmetic could overflow
     Replanner& data = needed(replanner, "replanner").data;
     const StateEstimate stated = estimate_of(needed(estimate, "estimate"));
     needed(phi, "phi");
     if (!(deadline >= 0)) throw c::ArgumentError("deadline: must be >= 0 s");
     StopCondition stop;
-    if (deadline < kLongest) {
-      stop.deadline =
-          StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                            std::chrono::duration<double>(deadline));
-    }
+    stop.set_deadline_after(deadline);
     const ReplanResult& result = data.replan(stated, stop);
     c::write_configuration(result.configuration, contact, phi);
     if (update != nullptr) write_update(result, *update);
