@@ -165,19 +165,11 @@ ContactState MotionTable::contact(const ContactFeature& feature, double time) co
   const TargetState s = state(time);
   const Eigen::Quaterniond& q = s.pose.orientation;
   const Vector3d& omega = s.angular_velocity;
-  // Euler's equations: I omega_dot = -omega x I omega, in N.
-  Vector3d alpha = Vector3d::Zero();
-  if (!nodes.empty()) {
-    alpha = -(q * (inverse_inertia * (q.conjugate() * omega.cross(angular_momentum))));
-  }
   ContactState contact;
   contact.r = q * feature.point;
   contact.normal = q * feature.normal;
   contact.point = s.pose.position + contact.r;
   contact.velocity = s.linear_velocity + omega.cross(contact.r);
-  contact.point_rate = contact.velocity;
-  contact.normal_rate = omega.cross(contact.normal);
-  contact.velocity_rate = alpha.cross(contact.r) + omega.cross(omega.cross(contact.r));
   return contact;
 }
 

@@ -46,8 +46,7 @@ TEST_CASE("a table of motion that takes a new estimate is the motion of that est
       CHECK(a.pose.orientation.coeffs() == b.pose.orientation.coeffs());
       CHECK(a.pose.position == b.pose.position);
       CHECK(a.angular_velocity == b.angular_velocity);
-      CHECK(table.contact(kPlace, time).velocity_rate ==
-            motion.contact(kPlace, time).velocity_rate);
+      CHECK(table.contact(kPlace, time).velocity == motion.contact(kPlace, time).velocity);
       CHECK(a.angular_velocity.norm() <= table.largest_rate(estimate) * (1 + 1e-9));
     }
   }

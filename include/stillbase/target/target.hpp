@@ -54,8 +54,6 @@ struct TargetState {
 struct ContactState {
   Vector3d point, normal, velocity;  ///< m, unit, m/s (of the material point)
   Vector3d r;                        ///< point from the target's centroid, m
-  // d/dt of the above: velocity, omega x normal, acceleration.
-  Vector3d point_rate, normal_rate, velocity_rate;
 };
 
 /// Free motion from an estimate at time t0. Immutable; copies share their table.
