@@ -14,33 +14,18 @@
 #include "app/window_words.hpp"
 #include "app/words.hpp"
 #include "approach/pace.hpp"
+#include "plan/contact_limits.hpp"
 
 namespace stillbase::app {
 
 namespace {
 
-/// What loosens the constraints of a name that begins so.
-struct Loosening {
-  const char* name;
-  const char* advice;
-};
-constexpr const char* kClosingSpeedRow = "closing_speed";
-constexpr Loosening kLoosenings[] = {
-    {kClosingSpeedRow,
-     "a smaller constraints.closing_speed_min, a target that comes faster (target.state)"},
-    {"arrival_rate",
-     "a larger approach.velocity_scale, less of the motion in contact.hand_velocity, a target that "
-     "turns or comes slower (target.state)"},
-    {"clearance", "a smaller constraints.clearance"},
-    {"base_attitude", "a larger variables.base_attitude.max"},
-};
-
-/// How far the constraints of a name that begins so are violated, relative to their bounds.
-double violation_of(const Plan& plan, const char* name) {
+/// How far constraints of a kind are violated, the most violated one, relative to its bound.
+double violation_of(const Plan& plan, const ContactLimitRow* row) {
   double worst = 0;
   for (const ConstraintValue& constraint : plan.constraints) {
-    if (constraint.name.rfind(name, 0) != 0) continue;
     if (!(constraint.violation > kFeasibilityTolerance)) continue;
+    if (row != limit_of(plan.problem, constraint.name)) continue;
     const double bound = constraint.value > constraint.upper ? constraint.upper : constraint.lower;
     worst = std::max(worst, constraint.violation / std::max(std::abs(bound), 1e-9));
   }
@@ -51,9 +36,9 @@ double violation_of(const Plan& plan, const char* name) {
 /// deciding on the order.
 std::vector<std::string> loosening_advice(const Plan& plan) {
   std::vector<std::pair<double, std::string>> found;
-  for (const Loosening& loosening : kLoosenings) {
-    const double worst = violation_of(plan, loosening.name);
-    if (worst > 0) found.emplace_back(-worst, loosening.advice);
+  for (const ContactLimitRow& row : contact_limits()) {
+    const double worst = violation_of(plan, &row);
+    if (worst > 0) found.emplace_back(-worst, row.loosening);
   }
   std::sort(found.begin(), found.end());
   std::vector<std::string> out;
@@ -133,7 +118,7 @@ std::string too_slow_advice(const Plan& plan) {
 std::string search_advice(const Plan& plan) {
   const CaptureProblem& problem = plan.problem;
   const VariableSpec& variables = problem.variables;
-  const bool is_slow = violation_of(plan, kClosingSpeedRow) > 0;
+  const bool is_slow = violation_of(plan, limit_of(problem, "closing_speed")) > 0;
   const bool can_widen = problem.target && !problem.impulse.direction &&
                          (!is_slow || next_contact_window(problem, -kInfinity));
   std::vector<std::string> advice;

@@ -10,6 +10,7 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "plan/contact_limits.hpp"
 #include "plan/proof_words.hpp"
 #include "verification/known_constraints.hpp"
 

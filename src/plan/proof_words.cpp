@@ -21,15 +21,4 @@ std::string measure_name(const CaptureProblem& problem) {
   return "";
 }
 
-std::vector<std::string> uncounted_limits(const CaptureProblem& problem) {
-  const ConstraintSpec& limits = problem.constraints;
-  std::vector<std::string> out;
-  if (limits.joint_rate_scale || limits.joint_rate_max.size() > 0) out.push_back("joint rates");
-  if (limits.coupling_singular_value_min > 0 || limits.jacobian_singular_value_min > 0) {
-    out.push_back("singular values");
-  }
-  if (limits.clearance) out.push_back("clearances");
-  return out;
-}
-
 }  // namespace stillbase

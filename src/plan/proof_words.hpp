@@ -2,16 +2,18 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <stillbase/plan/problem.hpp>
 
 namespace stillbase {
 
+/// Begins the statement of a proof that was not tried for want of a prover.
+inline constexpr const char* kNothingProven = "no proof: nothing was proven";
+/// The statement where a function of the user is part of the problem.
+inline constexpr const char* kUserFunctionsNotEnclosed =
+    "no proof: functions of the user are not enclosed";
+
 /// "a worst case", "a predicted base_angular_momentum", ...
 std::string measure_name(const CaptureProblem& problem);
-
-/// Limits that a proof leaves out, of the posture at the contact: "joint rates", ...
-std::vector<std::string> uncounted_limits(const CaptureProblem& problem);
 
 }  // namespace stillbase

@@ -8,7 +8,7 @@
 #include <stillbase/impact/gradient.hpp>
 #include <stillbase/plan/turns.hpp>
 
-#include "plan/proof_words.hpp"
+#include "plan/contact_limits.hpp"
 
 namespace stillbase::proof {
 namespace {

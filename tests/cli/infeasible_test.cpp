@@ -87,6 +87,20 @@ TEST_CASE("what may help where no posture keeps a constraint names its key") {
   INFO(run.err);
   CHECK(run.code == 4);
   CHECK(run.says("what may help: a smaller constraints.closing_speed_min, "));
+  const std::string shipped = "problems/iiwa_fixed_start.yaml";
+  const auto advice = [&](const std::string& limit) {
+    shop.write_changed("problem.yaml", shipped, "constraints:\n",
+                       "constraints:\n  " + limit + "\n");
+    const Outcome tight = shop.run("plan problem.yaml --starts 2 -o plan.json --force");
+    CHECK(tight.code == 4);
+    return tight.err;
+  };
+  CHECK_THAT(advice("joint_rate_max: 0.0001"),
+             Catch::Contains("a larger constraints.joint_rate_max"));
+  CHECK_THAT(advice("coupling_singular_value_min: 1000"),
+             Catch::Contains("a smaller constraints.coupling_singular_value_min"));
+  CHECK_THAT(advice("jacobian_singular_value_min: 1000"),
+             Catch::Contains("a smaller constraints.jacobian_singular_value_min"));
 }
 
 TEST_CASE("what may help where wheels are too small helps") {
