@@ -8,6 +8,7 @@
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
 #include "audit/smooth_parts.hpp"
+#include "plan/proof_words.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
@@ -128,8 +129,7 @@ void check_reason(const Proof& stated, const Proof& found, ClaimList& claims) {
 /// Whether the statement gives a reason that the prover itself would give.
 bool is_reason_of_prover(const Context& context) {
   const std::string& text = context.plan.certificate.proof.statement;
-  return text.rfind("no proof: nothing was proven", 0) != 0 &&
-         text.rfind("no proof: functions of the user", 0) != 0 &&
+  return !text.starts_with(kNothingProven) && !text.starts_with(kUserFunctionsNotEnclosed) &&
          context.problem.variables.features.empty();
 }
 

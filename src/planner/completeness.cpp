@@ -7,6 +7,7 @@
 #include <stillbase/plan/turns.hpp>
 
 #include "formulation/projection.hpp"
+#include "plan/proof_words.hpp"
 
 namespace stillbase {
 
@@ -82,7 +83,7 @@ Proof prove_solutions(const Prover* prover, const CaptureProblem& problem,
                       const EnclosureOptions& enclosure) {
   if (!prover) {
     Proof out;
-    out.statement = "no proof: nothing was proven, the program has no prover (stillbase::proof)";
+    out.statement = std::string(kNothingProven) + ", the program has no prover (stillbase::proof)";
     return out;
   }
   ProofOptions options;

@@ -18,6 +18,7 @@
 #include <stillbase/planner/post_impact.hpp>
 #include <stillbase/search/search.hpp>
 
+#include "plan/proof_words.hpp"
 #include "planner/approach_stage.hpp"
 #include "planner/best_possible.hpp"
 #include "planner/binding.hpp"
@@ -132,7 +133,7 @@ SearchResult search_and_prove(const CaptureProblem& problem, const Formulation& 
   plan.solver_calls = found.solver_calls;
   plan.timing["search"] = seconds_since(begin);
   if (!problem.user.empty()) {
-    proof.statement = "no proof: functions of the user are not enclosed";
+    proof.statement = kUserFunctionsNotEnclosed;
     return found;
   }
   const auto proof_begin = Clock::now();

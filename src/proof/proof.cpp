@@ -234,7 +234,7 @@ Proof prove(const CaptureProblem& problem, const ProofOptions& options) {
   proof::ZeroProblem zeros = proof::zero_problem(problem);
   if (!zeros.uncounted_limits.empty() && !options.judge) {
     return proof::not_applicable(
-        "nobody judges the limits on rates, singular values or clearances");
+        "the limits on rates, singular values or clearances are not judged");
   }
   Proof out = proof::enclose_solutions(zeros, options);
   if (out.status != ProofStatus::NotApplicable) return out;
