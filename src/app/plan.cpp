@@ -158,7 +158,7 @@ int run_pareto(const CaptureProblem& problem, const PlanRequest& request) {
   const std::string extension = extension_of(output.path);
   TradeOffOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = first_starts(problem.search);
+  options.starts = number_of_starts(problem.search);
   options.seed = problem.search.seed;
   options.stop = stop_condition(request.time_limit);
   options.jobs = request.jobs;

@@ -138,7 +138,7 @@ std::string search_advice(const Plan& plan) {
     advice.emplace_back("free variables.base_position");
   }
   if (can_widen) advice.emplace_back("widen variables.contact_time");
-  advice.push_back(fmt::format("raise search.starts above {}", first_starts(problem.search)));
+  advice.push_back(fmt::format("raise search.starts above {}", number_of_starts(problem.search)));
   return fmt::format("what may help: {}", fmt::join(advice, ", "));
 }
 

@@ -102,7 +102,7 @@ SearchOptions search_options_of(const CaptureProblem& problem, const CollisionJu
                                 const PlannerOptions& options) {
   SearchOptions search_options;
   search_options.optimizer = problem.search.optimizer;
-  search_options.starts = first_starts(problem.search);
+  search_options.starts = number_of_starts(problem.search);
   search_options.is_adaptive = problem.search.starts == kAutomaticStarts;
   search_options.seed = problem.search.seed;
   search_options.max_candidates = problem.search.max_candidates;

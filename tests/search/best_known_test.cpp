@@ -35,7 +35,7 @@ double best_of_search(const std::string& name, std::optional<std::uint64_t> seed
   if (seed) problem.search.seed = *seed;
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = first_starts(problem.search);
+  options.starts = number_of_starts(problem.search);
   options.is_adaptive = problem.search.starts == kAutomaticStarts;
   options.seed = problem.search.seed;
   options.max_candidates = problem.search.max_candidates;
@@ -102,7 +102,7 @@ TEST_CASE("whether the best minimum is one does not depend on the seed") {
   for (const std::uint64_t seed : {1, 2, 3, 4, 6, 8}) {
     SearchOptions options;
     options.optimizer = problem.search.optimizer;
-    options.starts = first_starts(problem.search);
+    options.starts = number_of_starts(problem.search);
     options.is_adaptive = problem.search.starts == kAutomaticStarts;
     options.seed = seed;
     const SearchResult result = search(problem, formulation, options);

@@ -82,15 +82,9 @@ struct MeasureSearchOptions {
   double on_constraints = 1e-3;                ///< violation from which a local solver can go on
 };
 
-/// Starts of the nominal problem, before any rounds.
-inline int first_starts(const SearchSpec& search) {
-  constexpr int kDefault = 64;
-  return search.starts == kAutomaticStarts ? kDefault : search.starts;
-}
-
 struct SearchOptions {
   std::string optimizer = "nlopt-slsqp";
-  int starts = 64;
+  int starts = 64;  ///< of the nominal problem, before any rounds
   /// Whether a worst case, or a mean over the residual velocity, has further rounds of starts,
   /// until its best minimum was reached often.
   bool is_adaptive = false;
@@ -128,6 +122,11 @@ struct SearchOptions {
   MeasureSearchOptions minima;
   ContinuumOptions continua;
 };
+
+/// SearchOptions::starts of a problem.
+inline int number_of_starts(const SearchSpec& search) {
+  return search.starts == kAutomaticStarts ? SearchOptions{}.starts : search.starts;
+}
 
 struct SearchResult {
   PlanStatus status = PlanStatus::Infeasible;
