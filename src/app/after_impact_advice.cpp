@@ -11,6 +11,7 @@
 #include <stillbase/planner/post_impact.hpp>
 
 #include "app/words.hpp"
+#include "plan/exclusion_words.hpp"
 #include "planner/capture_limits.hpp"
 
 namespace stillbase::app {
@@ -271,7 +272,7 @@ std::string joint_words(const Plan& plan, bool stops) {
 
 std::string after_impact_words(const Plan& plan, const std::string& failure,
                                const StopCondition& stop) {
-  if (failure != kAttitudeFailure && failure != kBaseRateFailure) return failure;
+  if (failure != exclusion::kAttitude && failure != exclusion::kBaseRate) return failure;
   const PostImpactSpec& spec = plan.problem.post_impact;
   const SimulationSummary motion = Trials(plan, stop).motion();
   std::vector<std::string> words;
@@ -310,7 +311,7 @@ std::string after_impact_advice(const Plan& plan, const std::string& failure,
     const bool is_late = use != nullptr && use->place == "horizon";
     if (is_late) add(longer_horizon(trials, use->value));
     if (use == nullptr) add(shorter_horizon(trials));
-    untried += joint_words(plan, failure.ends_with(kStopFailure));
+    untried += joint_words(plan, failure.ends_with(exclusion::kStop));
     add(other_torque(trials));
     add(other_controller(trials));
     add(other_limits(trials));

@@ -15,7 +15,7 @@
 #include "app/abort_words.hpp"
 #include "app/search_advice.hpp"
 #include "app/words.hpp"
-#include "planner/candidates.hpp"
+#include "plan/exclusion_words.hpp"
 #include "planner/capture_limits.hpp"
 #include "planner/choice.hpp"
 
@@ -191,8 +191,9 @@ std::string nominal_optimum_words(const Plan& plan) {
 std::string search_words(const Plan& plan) {
   const auto free = std::count_if(plan.candidates.begin(), plan.candidates.end(),
                                   [](const Candidate& c) { return c.collision_free; });
-  const auto judged = std::count_if(plan.candidates.begin(), plan.candidates.end(),
-                                    [](const Candidate& c) { return c.collision != kNotJudged; });
+  const auto judged =
+      std::count_if(plan.candidates.begin(), plan.candidates.end(),
+                    [](const Candidate& c) { return c.collision != exclusion::kNotJudged; });
   const auto all = static_cast<long>(plan.candidates.size());
   std::string text = fmt::format(
       "{} from {} of {}; {}",

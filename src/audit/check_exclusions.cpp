@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "audit/exclusions.hpp"
+#include "plan/exclusion_words.hpp"
 #include "verification/clearance.hpp"
 #include "verification/contact_case.hpp"
 #include "verification/limit_uses.hpp"
@@ -17,13 +18,6 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr const char* kNotJudged = "not judged";
-constexpr const char* kAtContact = "at the contact: ";
-constexpr const char* kAfterImpact = "after the impact: ";
-constexpr const char* kAtPathEnd = "where its path ends: ";
-constexpr const char* kAfterPathEnd = "after the impact, where its path ends: ";
-constexpr const char* kNoPath = "no approach path: ";
-constexpr const char* kNoPathOfFeature = "no approach path to the candidates of its feature: ";
 /// Relative, of a limit after the impact: another integration may see it just kept.
 constexpr double kNearly = 1e-3;
 constexpr double kDigits = 1e-3;  ///< relative: reasons have numbers of four digits
@@ -86,7 +80,7 @@ std::string swapped(const std::string& pair) {
 /// @param scene of the problem's own feature
 std::string collision_objection(const Context& context, const CollisionScene& scene,
                                 const Candidate& candidate) {
-  if (candidate.collision == kNotJudged && !candidate.collision_free) {
+  if (candidate.collision == exclusion::kNotJudged && !candidate.collision_free) {
     return was_cut(context.plan) ? "" : "its collisions are not judged";
   }
   const ApproachSpec& approach = context.problem.approach;
@@ -135,12 +129,12 @@ IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failu
   const RobotModel& robot = problem.robot;
   const PostImpactSpec& spec = problem.post_impact;
   constexpr double kMost = 1 - kNearly;
-  if (failure == "attitude change of the base") {
+  if (failure == exclusion::kAttitude) {
     return [&spec](const SimulationSummary& x) {
       return x.attitude_turned > kMost * spec.attitude_change_max;
     };
   }
-  if (failure == "load of the grip") {
+  if (failure == exclusion::kGripLoad) {
     return [&spec](const SimulationSummary& x) {
       return x.peak_grip_force > kMost * spec.grip.force.value_or(kInfinity) ||
              x.peak_grip_moment > kMost * spec.grip.moment.value_or(kInfinity);
@@ -148,19 +142,19 @@ IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failu
   }
   for (int k = 0; k < robot.n(); ++k) {
     const std::string& name = robot.joints[k].name;
-    if (failure == name + " exceeds its rate limit") {
+    if (failure == name + exclusion::kRateLimit) {
       return [&robot, k](const SimulationSummary& x) {
         return x.peak_joint_rates.size() > 0 &&
                x.peak_joint_rates[k] > kMost * robot.joints[k].max_velocity;
       };
     }
-    if (failure == name + " exceeds its torque limit") {
+    if (failure == name + exclusion::kTorqueLimit) {
       return [&robot, k](const SimulationSummary& x) {
         return x.peak_demanded_torques.size() > 0 &&
                x.peak_demanded_torques[k] > kMost * robot.joints[k].max_effort;
       };
     }
-    if (failure != name + " reaches its stop") continue;
+    if (failure != name + exclusion::kStop) continue;
     return [&robot, k](const SimulationSummary& x) {
       if (x.lowest_positions.size() == 0) return false;  // before the first step
       const Joint& joint = robot.joints[k];
@@ -214,12 +208,11 @@ bool is_exceeded(const Situation& at, const std::string& failure, const StopCond
     return is_so(simulate(at, stop, is_so).simulation.summary);
   }
   if (problem.target && is_use(limit_uses(at, nullptr), failure)) return true;
-  const bool is_endless = failure.rfind("hand and target still touch after the horizon", 0) == 0;
-  const bool is_restless =
-      failure ==
-      fmt::format("robot and target do not rest within the horizon of {:.4g} s", spec.horizon);
+  const bool is_endless = failure.rfind(exclusion::kStillTouching, 0) == 0;
+  const bool is_restless = failure == exclusion::not_at_rest(spec.horizon);
   const bool is_use_of_run = failure.find(" of ") != std::string::npos;
-  const bool is_known = is_endless || is_restless || is_use_of_run || failure == "base rate" ||
+  const bool is_known = is_endless || is_restless || is_use_of_run ||
+                        failure == exclusion::kBaseRate ||
                         failure == to_string(SimulationStatus::Diverged) ||
                         failure == to_string(SimulationStatus::StepLimit);
   if (!is_known) return false;
@@ -259,33 +252,34 @@ std::string search_objection(const Context& context, const Candidate& candidate)
       candidate.configuration.feature != context.plan.configuration.feature;
   const bool path_decides =
       base_follows_path(approach) || (approach.enabled && approach.base == BaseMode::ReactionNull);
-  if (const auto status = after_prefix(reason, kNoPathOfFeature)) {
+  if (const auto status = after_prefix(reason, exclusion::kNoPathOfFeature)) {
     return is_of_other_feature && is_failed_path(*status) ? "" : "no failure of a path";
   }
-  if (reason == "the candidates of its feature exceed a limit after the impact") {
+  if (reason == exclusion::kLimitOfFeature) {
     return is_of_other_feature ? "" : "it has the chosen feature";
   }
-  if (reason.rfind(kAtPathEnd, 0) == 0 || reason.rfind(kAfterPathEnd, 0) == 0 ||
-      reason == "no better where its path ends") {
+  if (reason.rfind(exclusion::kAtPathEnd, 0) == 0 ||
+      reason.rfind(exclusion::kAfterPathEnd, 0) == 0 || reason == exclusion::kNoBetterAtPathEnd) {
     const bool is_tried = path_decides && approach.effort == ApproachEffort::Best;
     return is_tried ? "" : "the path does not decide its configuration";
   }
   // A path is looked for to what is free of collision at the contact; where the base follows the
   // path, to all of them in the end.
   const bool is_goal = candidate.collision_free || base_follows_path(approach);
-  if (const auto words = after_prefix(reason, kNoPath)) {
+  if (const auto words = after_prefix(reason, exclusion::kNoPath)) {
     if (!is_failed_path(*words)) return "no failure of a path";
     return approach.enabled && is_goal ? "" : "no path was looked for";
   }
-  if (reason == "a path to another one was found first") {
+  if (reason == exclusion::kOtherPathFirst) {
     const bool is_found = approach.enabled && candidate.collision_free;
     return is_found ? "" : "no path was looked for";
   }
   const bool is_first = approach.effort == ApproachEffort::First;
-  if (reason == "not tried: approach.effort is first") {
+  if (reason == exclusion::kFirstPathWanted) {
     return is_first ? "" : "approach.effort is another one";
   }
-  if (reason == "not tried") return is_first && !is_of_other_feature ? "it says not why" : "";
+  if (reason == exclusion::kNotTried)
+    return is_first && !is_of_other_feature ? "it says not why" : "";
   return "no reason that a search has";
 }
 
@@ -295,8 +289,8 @@ std::string exclusions_by_search(const Plan& plan) {
   std::map<std::string, std::string> numbers;  // of candidates, by reason
   for (std::size_t i = 0; i < plan.candidates.size(); ++i) {
     const std::string& reason = plan.candidates[i].excluded;
-    const bool is_recomputed =
-        after_prefix(reason, kAtContact) || after_prefix(reason, kAfterImpact);
+    const bool is_recomputed = after_prefix(reason, exclusion::kAtContact) ||
+                               after_prefix(reason, exclusion::kAfterImpact);
     if (reason.empty() || is_recomputed) continue;
     std::string& list = numbers[reason.substr(0, reason.find(':'))];
     list += fmt::format("{}{}", list.empty() ? "" : ", ", i);
@@ -326,12 +320,12 @@ void check_exclusions(const Context& context, ClaimList& claims) {
     if (candidate.excluded.empty()) continue;
     has_reasons = true;
     const std::string stated = fmt::format("{}'{}': ", name, candidate.excluded);
-    if (const auto pair = after_prefix(candidate.excluded, kAtContact)) {
+    if (const auto pair = after_prefix(candidate.excluded, exclusion::kAtContact)) {
       reasons.demand(!candidate.collision_free && *pair == candidate.collision,
                      stated + "not the collision that it states");
-    } else if (const auto failure = after_prefix(candidate.excluded, kAfterImpact)) {
+    } else if (const auto failure = after_prefix(candidate.excluded, exclusion::kAfterImpact)) {
       reasons.demand(candidate.collision_free, stated + "its collision comes first");
-      if (*failure == kNotJudged) {
+      if (*failure == exclusion::kNotJudged) {
         reasons.demand(was_cut(plan), stated + "no limit ended the search");
       } else if (!context.options.post_impact) {
         open += fmt::format("{}{}", open.empty() ? "" : ", ", i);

@@ -13,6 +13,7 @@
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
+#include "plan/exclusion_words.hpp"
 #include "planner/candidates.hpp"
 #include "planner/contact_refinement.hpp"
 #include "planner/other_forms.hpp"
@@ -23,7 +24,7 @@ namespace stillbase {
 namespace {
 
 std::string no_path_words(const Approach& approach) {
-  return fmt::format("no approach path: {}{}{}", to_string(approach.status),
+  return fmt::format("{}{}{}{}", exclusion::kNoPath, to_string(approach.status),
                      approach.detail.empty() ? "" : ", ", approach.detail);
 }
 
@@ -75,7 +76,7 @@ class Stage {
     const Candidate& best = found_.candidates[chosen_.candidate];
     chosen_.holds = best.collision_free && keeps_limits(chosen_.candidate);
     if (best.collision_free) return;
-    if (best.collision == kNotJudged) {
+    if (best.collision == exclusion::kNotJudged) {
       chosen_.approach.status = ApproachStatus::Stopped;
       return;
     }
@@ -183,12 +184,12 @@ class Stage {
       }
       CertifiedCandidate there = certified_end(approach, *contact);
       if (!there.candidate.collision_free) {
-        excluded_[i] = "where its path ends: " + there.candidate.collision;
+        excluded_[i] = exclusion::kAtPathEnd + there.candidate.collision;
       } else if (!(there.candidate.value < reached.value)) {
-        excluded_[i] = "no better where its path ends";
+        excluded_[i] = exclusion::kNoBetterAtPathEnd;
       } else if (std::string broken = after_.failure(there.candidate.configuration);
                  !broken.empty()) {
-        excluded_[i] = "after the impact, where its path ends: " + broken;
+        excluded_[i] = exclusion::kAfterPathEnd + broken;
       } else {
         chosen_ = {i, approach, std::move(there), false, true};
       }
@@ -385,8 +386,8 @@ class Stage {
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
     for (const Goal& goal : goals) {
       if (goal.other) continue;
-      excluded_[goal.candidate] = arrives(any.approach) ? "a path to another one was found first"
-                                                        : no_path_words(any.approach);
+      excluded_[goal.candidate] =
+          arrives(any.approach) ? exclusion::kOtherPathFirst : no_path_words(any.approach);
     }
     if (!arrives(any.approach)) {
       if (path_decides(problem_)) chosen_.approach = any.approach;

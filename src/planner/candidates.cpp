@@ -10,6 +10,7 @@
 #include <stillbase/planner/post_impact.hpp>
 
 #include "formulation/measures/measure.hpp"
+#include "plan/exclusion_words.hpp"
 #include "planner/choice.hpp"
 #include "planner/contact_case.hpp"
 
@@ -47,7 +48,7 @@ void CollisionJudge::judge(Candidate& candidate) const {
 void CollisionJudge::judge_all(int jobs, const StopCondition& stop,
                                std::vector<Candidate>& candidates) const {
   for (Candidate& candidate : candidates) {
-    candidate.collision = kNotJudged;
+    candidate.collision = exclusion::kNotJudged;
     candidate.collision_free = false;
   }
   for_each_index(jobs, static_cast<int>(candidates.size()), stop,
@@ -89,7 +90,7 @@ std::string AfterImpactJudge::simulated(const Configuration& configuration) {
 
 std::string AfterImpactJudge::failure(const Configuration& configuration) {
   if (auto failure = known(configuration)) return *failure;
-  if (stop_.reached()) return kNotJudged;
+  if (stop_.reached()) return exclusion::kNotJudged;
   const PhaseClock::Phase phase(clock_, "after_impact");
   return simulated(configuration);
 }
@@ -114,11 +115,11 @@ CandidateOrder candidates_to_try(const CaptureProblem& problem,
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!candidates[i].collision_free) {
-      out.excluded[i] = "at the contact: " + candidates[i].collision;
+      out.excluded[i] = exclusion::kAtContact + candidates[i].collision;
       continue;
     }
     const std::string failure = after.failure(candidates[i].configuration);
-    if (!failure.empty()) out.excluded[i] = "after the impact: " + failure;
+    if (!failure.empty()) out.excluded[i] = exclusion::kAfterImpact + failure;
     (failure.empty() ? out.order : others).push_back(i);
   }
   out.holding = out.order.size();

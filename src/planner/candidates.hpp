@@ -19,9 +19,6 @@
 
 namespace stillbase {
 
-/// Of what comes after a stop, in place of a collision or an exceeded limit.
-inline constexpr const char* kNotJudged = "not judged";
-
 /// Judges candidates of one problem by which bodies touch while the robot waits there and the
 /// target comes in. Several threads may use one.
 class CollisionJudge {

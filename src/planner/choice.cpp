@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "plan/exclusion_words.hpp"
+
 namespace stillbase {
 
 bool is_same_configuration(const Configuration& a, const Configuration& b) {
@@ -34,8 +36,8 @@ void state_choice(Plan& plan, double equal, double improvement) {
     ++plan.choice.better;
     if (other->excluded.empty()) {
       other->excluded = plan.problem.approach.effort == ApproachEffort::First
-                            ? "not tried: approach.effort is first"
-                            : "not tried";
+                            ? exclusion::kFirstPathWanted
+                            : exclusion::kNotTried;
     }
     if (difference > same) least = std::min(least, value - difference);
   }

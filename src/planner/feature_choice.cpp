@@ -5,10 +5,11 @@
 
 #include <stillbase/plan/free_roll.hpp>
 #include <stillbase/search/search.hpp>
-#include "search/ranking.hpp"
 
+#include "plan/exclusion_words.hpp"
 #include "planner/choice.hpp"
 #include "planner/self_motion.hpp"
+#include "search/ranking.hpp"
 
 namespace stillbase {
 
@@ -51,13 +52,12 @@ bool is_better(const NominalOptimum& a, const NominalOptimum& b) {
 /// What kept the plan of a feature from being chosen.
 std::string failure_of(const PlanOfFeature& one) {
   if (one.quality == PlanQuality::Solved) {
-    return "no approach path to the candidates of its feature: " +
-           to_string(one.plan.approach.status);
+    return exclusion::kNoPathOfFeature + to_string(one.plan.approach.status);
   }
   if (one.quality == PlanQuality::Arrives) {
-    return "the candidates of its feature exceed a limit after the impact";
+    return exclusion::kLimitOfFeature;
   }
-  return "not tried";
+  return exclusion::kNotTried;
 }
 
 /// How many starts ended at the candidates of a plan.

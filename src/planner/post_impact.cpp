@@ -13,6 +13,7 @@
 #include <stillbase/encounter/target_motion.hpp>
 #include <stillbase/plan/feature.hpp>
 
+#include "plan/exclusion_words.hpp"
 #include "planner/capture_limits.hpp"
 #include "planner/contact_case.hpp"
 
@@ -22,9 +23,9 @@ namespace {
 
 constexpr double kRounding = 1e-6;  ///< of a limit that is just kept
 
-/// "<joint> exceeds its <name> limit", of the joint that is furthest beyond it; empty: none is.
+/// The words after its name, of the joint that is furthest beyond a limit; empty: none is.
 std::string exceeded_joint_limit(const RobotModel& robot, const JointVectord& peaks,
-                                 double Joint::*limit, double part, const char* name) {
+                                 double Joint::*limit, double part, const char* words) {
   const Joint* exceeding = nullptr;
   double largest = part;
   for (int k = 0; k < robot.n(); ++k) {
@@ -33,7 +34,7 @@ std::string exceeded_joint_limit(const RobotModel& robot, const JointVectord& pe
     exceeding = &joint;
     largest = peaks[k] / (joint.*limit);
   }
-  return exceeding == nullptr ? "" : fmt::format("{} exceeds its {} limit", exceeding->name, name);
+  return exceeding == nullptr ? "" : fmt::format("{}{}", exceeding->name, words);
 }
 
 bool is_grip_open(const GripSpec& grip, const SimulationSummary& summary) {
@@ -48,18 +49,18 @@ std::string exceeded_limit(const CaptureProblem& problem, const SimulationSummar
                            double part = 1) {
   for (const LimitEvent& event : summary.limits) {
     if (event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop) {
-      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + kStopFailure;
+      return problem.robot.joints[static_cast<std::size_t>(event.joint)].name + exclusion::kStop;
     }
   }
   if (summary.attitude_turned > part * problem.post_impact.attitude_change_max) {
-    return kAttitudeFailure;
+    return exclusion::kAttitude;
   }
   std::string rate = exceeded_joint_limit(problem.robot, summary.peak_joint_rates,
-                                          &Joint::max_velocity, part, "rate");
+                                          &Joint::max_velocity, part, exclusion::kRateLimit);
   if (!rate.empty()) return rate;
   // The plant gives no more than the limit, so what the controller asks for is judged.
   return exceeded_joint_limit(problem.robot, summary.peak_demanded_torques, &Joint::max_effort,
-                              part, "torque");
+                              part, exclusion::kTorqueLimit);
 }
 
 /// As precise as limits are judged by.
@@ -133,7 +134,7 @@ std::optional<std::string> failure_at_first_sight(
                       keeps_off_stops(problem.robot, summary);
   if (!is_far) return std::nullopt;
   const double part = summary.residual_base_rate / spec.residual_base_rate_max;
-  if (part > FirstRun::beyond) return kBaseRateFailure;
+  if (part > FirstRun::beyond) return exclusion::kBaseRate;
   if (part > FirstRun::below) return std::nullopt;
   return "";
 }
@@ -150,9 +151,9 @@ std::string endless_contact(const ContactCase& subject, const PostImpactSpec& sp
       : kind == ControllerKind::None   ? "without a controller the hand stays against the target"
                                        : "the controller holds the hand against the target";
   return fmt::format(
-      "hand and target still touch after the horizon of {:.4g} s: a contact of {:.4g} N/m between "
+      "{} of {:.4g} s: a contact of {:.4g} N/m between "
       "an effective {:.4g} kg lasts about {:.4g} s; {}",
-      spec.horizon, spec.contact.stiffness, mass, duration, cause);
+      exclusion::kStillTouching, spec.horizon, spec.contact.stiffness, mass, duration, cause);
 }
 
 }  // namespace
@@ -292,7 +293,8 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   SimulationOptions options = judging_options(problem, stop);
   std::string broken;  // a limit, which nothing that follows makes hold again
   options.ends_when = [&](const SimulationSummary& so_far) {
-    broken = is_grip_open(spec.grip, so_far) ? "load of the grip" : exceeded_limit(problem, so_far);
+    broken =
+        is_grip_open(spec.grip, so_far) ? exclusion::kGripLoad : exceeded_limit(problem, so_far);
     return !broken.empty();
   };
   const AfterContact run = simulate_after_contact(subject, spec, *controller, options);
@@ -308,10 +310,10 @@ std::string post_impact_failure(const CaptureProblem& problem, const EncounterMo
   // What is judged at the horizon says nothing of a run that ended before it.
   if (!broken.empty()) return broken;
   if (std::string limit = exceeded_limit(problem, summary); !limit.empty()) return limit;
-  if (summary.residual_base_rate > spec.residual_base_rate_max) return kBaseRateFailure;
+  if (summary.residual_base_rate > spec.residual_base_rate_max) return exclusion::kBaseRate;
   // Rest is judged by whether it is reached, which no number of the account decides better.
   if (controller->kind == ControllerKind::Detumble && !summary.rest_time) {
-    return fmt::format("robot and target do not rest within the horizon of {:.4g} s", spec.horizon);
+    return exclusion::not_at_rest(spec.horizon);
   }
   return "";
 }

@@ -37,11 +37,6 @@ namespace stillbase {
                                                               const ImpactSummary& impact,
                                                               const StopCondition& stop = {});
 
-/// Words of post_impact_failure() that others look for; that of a stop follows the joint's name.
-inline constexpr const char* kStopFailure = " reaches its stop";
-inline constexpr const char* kAttitudeFailure = "attitude change of the base";
-inline constexpr const char* kBaseRateFailure = "base rate";
-
 /// The first limit of the problem that is exceeded after the impact under its first controller:
 /// grip and momentum of the wheels, joint stops, base rate at the horizon, attitude change, joint
 /// rates and torques, and under detumble the horizon. Empty: none, or the problem names no
