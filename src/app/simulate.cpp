@@ -304,7 +304,8 @@ int simulate_motion(const SimulateRequest& request) {
   std::vector<std::string> names = subject.problem.post_impact.controllers;
   if (!request.controller.empty()) names = {request.controller};
   if (names.empty()) throw CommandLineError("the problem names no controller: --controller NAME");
-  if (names.front() == "detumble" && !subject.problem.post_impact.wheels.exist()) {
+  if (names.front() == to_string(ControllerKind::Detumble) &&
+      !subject.problem.post_impact.wheels.exist()) {
     throw CommandLineError(
         "--controller detumble: takes the momentum with wheels, and the problem has none "
         "(post_impact.wheels)");

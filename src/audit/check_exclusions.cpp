@@ -220,11 +220,11 @@ bool is_exceeded(const Situation& at, const std::string& failure, const StopCond
   const SimulationSummary& summary = run.simulation.summary;
   if (failure == to_string(run.simulation.status)) return true;
   if (run.simulation.status != SimulationStatus::Finished) return false;
-  if (failure == "base rate") {
+  if (failure == exclusion::kBaseRate) {
     return summary.residual_base_rate > (1 - kNearly) * spec.residual_base_rate_max;
   }
   if (is_restless) {
-    return spec.controllers.front() == "detumble" &&
+    return chooses(spec, ControllerKind::Detumble) &&
            summary.rest_time.value_or(kInfinity) > (1 - kNearly) * spec.horizon;
   }
   if (is_endless) {

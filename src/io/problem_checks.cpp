@@ -277,7 +277,8 @@ void check_problem(MapReader& map, const CaptureProblem& problem) {
   }
   const std::vector<std::string>& controllers = problem.post_impact.controllers;
   if (!problem.post_impact.wheels.exist() &&
-      std::find(controllers.begin(), controllers.end(), "detumble") != controllers.end()) {
+      std::find(controllers.begin(), controllers.end(), to_string(ControllerKind::Detumble)) !=
+          controllers.end()) {
     refuse("post_impact", "missing-key",
            "controllers: 'detumble' takes the momentum with wheels; state post_impact.wheels");
   }

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stillbase/core/linear_algebra.hpp>
 #include <utility>
+
+#include <stillbase/core/linear_algebra.hpp>
 
 #include "simulation/wheels.hpp"
 
@@ -137,6 +138,11 @@ std::optional<Controller> controller_of(const PostImpactSpec& spec, std::string_
 std::optional<Controller> chosen_controller(const PostImpactSpec& spec) {
   if (spec.controllers.empty()) return std::nullopt;
   return controller_of(spec, spec.controllers.front());
+}
+
+bool chooses(const PostImpactSpec& spec, ControllerKind kind) {
+  const auto controller = chosen_controller(spec);
+  return controller && controller->kind == kind;
 }
 
 JointVectord MomentumTransfer::joint_rates(const Matrix3Xd& A, const Vector3d& b) const {

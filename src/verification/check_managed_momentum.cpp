@@ -78,9 +78,9 @@ void add_reach(const Situation& situation, Uses& uses) {
 /// @param nothing N m s: no_momentum()
 void add_wheels(const PostImpactSpec& spec, const Vector3d& angular, double nothing,
                 const AfterContact* run, Uses& uses) {
-  const std::string first = spec.controllers.empty() ? "" : spec.controllers.front();
-  const bool take_all =
-      (first == "rns_handback" || first == "detumble") && !(spec.thrusters.torque > 0);
+  const bool unloads_arm =
+      chooses(spec, ControllerKind::RnsHandback) || chooses(spec, ControllerKind::Detumble);
+  const bool take_all = unloads_arm && !(spec.thrusters.torque > 0);
   for (int i = 0; i < 3 && spec.wheels.exist(); ++i) {
     const double torque = spec.wheels.torque(i);
     double held = std::abs(spec.wheels.preset(i));
@@ -160,7 +160,7 @@ Uses all_uses(const Situation& situation, const Vector3d& angular, const AfterCo
         {CaptureLimit::TimeWindow, "contact_time", window / 2 - edge, window / 2, "s"});
   }
   const PostImpactSpec& spec = problem.post_impact;
-  if (run != nullptr && spec.controllers.front() == "detumble") {
+  if (run != nullptr && chooses(spec, ControllerKind::Detumble)) {
     const auto least = least_time(spec.wheels, angular, nothing);
     double left = kAtRest;  // of momentum or joint rates, at least
     if (angular.norm() > 0) {
@@ -381,7 +381,7 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
   const Uses uses = all_uses(context.situation, angular, run);
   compare_limits(*stated, uses, same_momentum, step, objections);
-  if (run != nullptr && spec.controllers.front() == "detumble") {
+  if (run != nullptr && chooses(spec, ControllerKind::Detumble)) {
     compare_held(context, *run, objections);
   } else {
     objections.demand(!stated->longest_held, "a limit is held without a controller that holds it");
@@ -415,7 +415,7 @@ void check_demands(const Context& context, const Vector3d& angular, const AfterC
   demand(CaptureLimit::WheelMomentum, "wheel_momentum",
          "largest momentum that the wheel holds or has to take, about");
   const PostImpactSpec& spec = context.problem.post_impact;
-  if (spec.controllers.front() != "detumble") return;
+  if (!chooses(spec, ControllerKind::Detumble)) return;
   const auto& rest = run.simulation.summary.rest_time;
   claims.at_most("detumbled", rest.value_or(2 * spec.horizon), spec.horizon, "s",
                  rest ? "the time until robot and target rest, against the horizon"

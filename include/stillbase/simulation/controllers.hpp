@@ -70,6 +70,8 @@ Vector3d thruster_torque(const ThrusterSpec& thrusters, const PlantTerms& terms,
 std::optional<Controller> controller_of(const PostImpactSpec& spec, std::string_view name);
 /// That of the first name, the plan's choice; empty: there is none.
 std::optional<Controller> chosen_controller(const PostImpactSpec& spec);
+/// Whether that is one of this kind.
+bool chooses(const PostImpactSpec& spec, ControllerKind kind);
 
 /// The singular value below which a direction is given up:
 /// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first only keeps numbers finite (real
