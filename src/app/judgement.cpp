@@ -13,6 +13,7 @@
 #include <stillbase/planner/planner.hpp>
 
 #include "app/words.hpp"
+#include "audit/search_record.hpp"
 #include "io/json.hpp"
 #include "io/problem_reader.hpp"
 
@@ -316,7 +317,10 @@ void add_repeated_search(const PlanFile& file, int jobs, Verification& verificat
       if (record.group != ClaimGroup::SearchRecord) continue;
       record.is_checked = record.pass = true;
       record.value = 0;
-      record.detail = "repeated: " + record.detail.substr(record.detail.find(": ") + 2);
+      const std::string said = audit::kSearchSays;
+      if (record.detail.starts_with(said)) {
+        record.detail = "repeated: " + record.detail.substr(said.size());
+      }
     }
   }
   verification.claims.push_back(claim);

@@ -12,6 +12,7 @@
 #include "audit/equations.hpp"
 #include "audit/exclusions.hpp"
 #include "audit/manifold.hpp"
+#include "audit/search_record.hpp"
 
 namespace stillbase::audit {
 namespace {
@@ -257,7 +258,7 @@ bool is_best_there_is(const Context& context) {
 void list_search_record(const Context& context, ClaimList& claims) {
   const Plan& plan = context.plan;
   claims.begin(ClaimGroup::SearchRecord);
-  const std::string own = "the search's own record: ";
+  const std::string own = kSearchSays;
   claims.not_verified(
       "search_counts",
       own +
