@@ -206,11 +206,10 @@ std::string search_words(const Plan& plan) {
 
 /// A case problem without a solution: how far the nearest attempt is from the case.
 std::string nearest_words(const Plan& plan) {
-  const char* names[] = {"", "C", "C1", "C2", "G2", "G3"};
   const CaseJudgement& judgement = plan.impact.judgement;
   const bool is_latch = plan.problem.impulse.contact == ContactLaw::Latch;
   return fmt::format("no {} here; residuals: total {}, base part {}, coupling part {} of {}",
-                     names[static_cast<int>(plan.problem.constraints.impact_case)],
+                     io::word_of(io::kCaseConstraintNames, plan.problem.constraints.impact_case),
                      size_words(judgement.total), size_words(judgement.base),
                      size_words(judgement.coupling),
                      is_latch ? "the target's momentum" : "|f| |r_gh| + |t|");
@@ -229,8 +228,8 @@ std::string impulse_words(const CaptureProblem& problem, const ImpactSummary& im
   const double size = f.norm();
   if (impact.before) {
     return fmt::format(
-        "{} N s, beside {:.4g} N s on a hand at rest, which the target would meet "
-        "at {:.4g} m/s",
+        "{} N s, beside {:.4g} N s on a hand at rest, towards which the "
+        "target moves at {:.4g} m/s",
         size_words(size), impact.before->Fbar_at_rest.head<3>().norm(), impact.closing_speed);
   }
   const std::string text = fmt::format("{:.4g} N s along {} in the base frame", size,
@@ -502,8 +501,11 @@ std::vector<SummaryLine> plan_summary(const Plan& plan, bool is_verbose) {
     }
     for (const ConstraintValue& constraint : plan.constraints) {
       if (constraint.violation <= kZeroSize) continue;
-      lines.push_back({"", fmt::format("{} = {:.6g} violates its bounds by {:.3g}", constraint.name,
-                                       constraint.value, constraint.violation)});
+      const bool is_plain = constraint.unit.empty() || constraint.unit == "1";
+      const std::string unit = is_plain ? "" : " " + constraint.unit;
+      lines.push_back(
+          {"", fmt::format("{} = {:.4g}{unit} violates its bounds by {:.3g}{unit}", constraint.name,
+                           constraint.value, constraint.violation, fmt::arg("unit", unit))});
     }
     if (!is_feasible) lines.push_back({"", search_advice(plan)});
     lines.push_back({"search", search_words(plan)});

@@ -295,15 +295,19 @@ Eigen::VectorXd Formulation::within_limits(const Eigen::VectorXd& x) const {
 
 std::vector<ConstraintValue> Formulation::report(const Eigen::VectorXd& x) const {
   std::vector<ConstraintValue> out;
-  const auto add = [&out](const std::string& name) { out.push_back({name, 0, 0, 0, 0}); };
+  const auto add = [&out](const ConstraintLabel& row) {
+    out.push_back({.name = row.name, .unit = row.unit});
+  };
   for (const Constraint* row : parts_->rows.kept) {
-    if (!row->is_part) add(row->name);
+    if (!row->is_part) add(*row);
   }
-  for (const Constraint* row : parts_->rows.reported) add(row->name);
-  for (const auto& row : parts_->constraints.reported) add(row->name);
+  for (const Constraint* row : parts_->rows.reported) add(*row);
+  for (const auto& row : parts_->constraints.reported) add(*row);
   for (const int k : parts_->model.layout.joints) {
     const Joint& joint = parts_->model.problem.robot.joints[static_cast<std::size_t>(k)];
-    if (joint.type != JointType::Continuous) add("joint_limit_" + joint.name);
+    if (joint.type == JointType::Continuous) continue;
+    out.push_back(
+        {.name = "joint_limit_" + joint.name, .unit = joint.is_prismatic() ? "m" : "rad"});
   }
   update_report(x, out);
   return out;

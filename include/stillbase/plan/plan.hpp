@@ -64,7 +64,8 @@ struct NominalOptimum {
 struct ConstraintValue {
   std::string name;
   double value = 0, lower = 0, upper = 0;
-  double violation = 0;  ///< max(lower - value, value - upper, 0)
+  double violation = 0;   ///< max(lower - value, value - upper, 0)
+  std::string unit = {};  ///< of all of them; not in a plan file
 };
 
 enum class ProofStatus {
