@@ -52,7 +52,13 @@ void add_arrival_rate(const CaptureModel& model, ConstraintSet& out) {
       return at.impact.rigid.before.phidot[k];
     };
     const char* const unit = joint.is_prismatic() ? "m/s" : "rad/s";
-    add_constraint(out.rows, {"arrival_rate_" + joint.name, unit, -limit, limit, true, false, true},
+    add_constraint(out.rows,
+                   {.name = "arrival_rate_" + joint.name,
+                    .unit = unit,
+                    .lower = -limit,
+                    .upper = limit,
+                    .needs_impact = true,
+                    .is_limit = true},
                    rate);
   }
 }

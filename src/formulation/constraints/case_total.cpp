@@ -24,7 +24,14 @@ void add_case_total(const CaptureModel& model, ConstraintSet& out) {
       }
       return e.dot(Vector3<S>(R_EB * total));
     };
-    add_constraint(out.rows, {name, "m", 0, 0, true, true}, component);
+    add_constraint(out.rows,
+                   {.name = name,
+                    .unit = "m",
+                    .lower = 0,
+                    .upper = 0,
+                    .needs_impact = true,
+                    .is_of_case = true},
+                   component);
   };
   // r_gh x n is normal to n: two independent rows. Of a sticking contact, whose force is not normal
   // to n, the total vanishes with these two as well. A latch gives a moment.

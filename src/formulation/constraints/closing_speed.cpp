@@ -7,7 +7,11 @@ void add_closing_speed(const CaptureModel& model, ConstraintSet& out) {
   const bool varies = model.layout.time >= 0 && model.encounter.follows_target();
   if (!varies && model.encounter.magnitude_is_given()) return;
   const double least = model.problem.constraints.closing_speed_min;
-  ConstraintLabel label{"closing_speed", "m/s", least, kInfinity, true};
+  ConstraintLabel label{.name = "closing_speed",
+                        .unit = "m/s",
+                        .lower = least,
+                        .upper = kInfinity,
+                        .needs_impact = true};
   label.is_always_reported = true;  // the target need not rotate
   add_constraint(varies ? out.rows : out.reported, label,
                  []<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {

@@ -17,7 +17,14 @@ void add_contact_push(const CaptureModel& model, ConstraintSet& out) {
     }
     return n.dot(f);
   };
-  add_constraint(out.rows, {"contact_push", "N s", 0, kInfinity, true, false, true}, push);
+  add_constraint(out.rows,
+                 {.name = "contact_push",
+                  .unit = "N s",
+                  .lower = 0,
+                  .upper = kInfinity,
+                  .needs_impact = true,
+                  .is_limit = true},
+                 push);
 }
 
 }  // namespace stillbase

@@ -21,7 +21,11 @@ void add_coupling_margin(const CaptureModel& model, ConstraintSet& out) {
     return triple.sigma;
   };
   add_constraint(out.rows,
-                 {"coupling_singular_value", "kg m^2", least, kInfinity, false, false, true},
+                 {.name = "coupling_singular_value",
+                  .unit = "kg m^2",
+                  .lower = least,
+                  .upper = kInfinity,
+                  .is_limit = true},
                  smallest);
 }
 

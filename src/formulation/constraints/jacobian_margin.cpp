@@ -41,7 +41,12 @@ void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
     }
     return triple.sigma;
   };
-  add_constraint(out.rows, {"jacobian_singular_value", "m", least, kInfinity, false, false, true},
+  add_constraint(out.rows,
+                 {.name = "jacobian_singular_value",
+                  .unit = "m",
+                  .lower = least,
+                  .upper = kInfinity,
+                  .is_limit = true},
                  smallest);
 }
 

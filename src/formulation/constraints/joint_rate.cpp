@@ -25,7 +25,13 @@ void add_joint_rate(const CaptureModel& model, ConstraintSet& out) {
       return value;
     };
     const char* const unit = joint.is_prismatic() ? "m/s" : "rad/s";
-    add_constraint(out.rows, {"joint_rate_" + joint.name, unit, -limit, limit, true, false, true},
+    add_constraint(out.rows,
+                   {.name = "joint_rate_" + joint.name,
+                    .unit = unit,
+                    .lower = -limit,
+                    .upper = limit,
+                    .needs_impact = true,
+                    .is_limit = true},
                    rate);
   }
 }
