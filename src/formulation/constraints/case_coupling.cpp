@@ -1,8 +1,8 @@
 // Cases G3 and C2: the impulse leaves no coupling angular momentum Htilde_omegaphi Delta phidot.
-#include <stillbase/core/random.hpp>
 #include <stillbase/dynamics/reaction_null_space.hpp>
 
 #include "formulation/constraints/constraint.hpp"
+#include "formulation/constraints/sample_postures.hpp"
 
 namespace stillbase {
 
@@ -10,20 +10,15 @@ namespace {
 
 /// Columns of the coupling matrix that span its range almost everywhere.
 std::vector<int> spanning_columns(const CaptureModel& model) {
-  constexpr int kSamples = 8;
-  Random random(0);
   int rank = 0;
   std::vector<int> columns;
-  for (int sample = 0; sample < kSamples; ++sample) {
-    JointVectord phi(model.n());
-    for (int k = 0; k < model.n(); ++k) phi[k] = random.uniform(-3, 3);
-    const auto posture = evaluate_posture<double>(model.problem.robot, model.resistance, phi);
+  for_sample_postures(model, [&](const PostureImpact<double>& posture) {
     Matrix3Xd A = posture.tilde.Htilde_omegaphi;
     for (int k = 0; k < model.n(); ++k) {
       if (posture.factor.locked[static_cast<std::size_t>(k)]) A.col(k).setZero();
     }
     const ReactionNullSpace space = compute_reaction_null_space(A);
-    if (space.rank <= rank) continue;
+    if (space.rank <= rank) return;
     rank = space.rank;
     columns.clear();
     Matrix3Xd kept(3, 0);
@@ -35,7 +30,7 @@ std::vector<int> spanning_columns(const CaptureModel& model) {
         columns.push_back(k);
       }
     }
-  }
+  });
   return columns;
 }
 
@@ -55,7 +50,12 @@ void add_case_coupling(const CaptureModel& model, ConstraintSet& out) {
   for (int i = 0; i < 3; ++i) {
     // Component i in B of the coupling part per unit of impulse.
     add_constraint(has_rows_along_columns ? out.implied : out.rows,
-                   {"case_coupling_" + std::to_string(i + 1), "m", 0, 0, true, true},
+                   {.name = "case_coupling_" + std::to_string(i + 1),
+                    .unit = "m",
+                    .lower = 0,
+                    .upper = 0,
+                    .needs_impact = true,
+                    .is_of_case = true},
                    [i]<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {
                      if (gradient != nullptr) {
                        ResponseWeights<S> weights;
@@ -85,7 +85,12 @@ void add_case_coupling(const CaptureModel& model, ConstraintSet& out) {
       return column.dot(coupling);
     };
     add_constraint(out.rows,
-                   {"case_coupling_column_" + std::to_string(k + 1), "kg m^3", 0, 0, true, true},
+                   {.name = "case_coupling_column_" + std::to_string(k + 1),
+                    .unit = "kg m^3",
+                    .lower = 0,
+                    .upper = 0,
+                    .needs_impact = true,
+                    .is_of_case = true},
                    along);
   }
 }

@@ -11,9 +11,8 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 
-#include <stillbase/core/random.hpp>
-
 #include "formulation/constraints/constraint.hpp"
+#include "formulation/constraints/sample_postures.hpp"
 
 namespace stillbase {
 
@@ -21,16 +20,11 @@ namespace stillbase {
 /// @param matrix_at of a PostureImpact<double>
 template <class MatrixAt>
 int generic_rank(const CaptureModel& model, const MatrixAt& matrix_at) {
-  constexpr int kSamples = 8;
   constexpr double kZero = 1e-9;  // of the largest singular value
-  Random random(0);
   int rank = 0;
-  for (int sample = 0; sample < kSamples; ++sample) {
-    JointVectord phi(model.n());
-    for (int k = 0; k < model.n(); ++k) phi[k] = random.uniform(-3, 3);
-    const auto posture = evaluate_posture<double>(model.problem.robot, model.resistance, phi);
+  for_sample_postures(model, [&](const PostureImpact<double>& posture) {
     rank = std::max(rank, numerical_rank(singular_values(matrix_at(posture)), kZero));
-  }
+  });
   return rank;
 }
 
