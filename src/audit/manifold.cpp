@@ -116,9 +116,9 @@ std::vector<double> distances_from_limits(const Situation& situation,
     // In rad beside the limit.
     add((axis.dot(rotation * axis) - std::cos(most)) / std::sin(most),
         {"base_attitude", "rad", most, true});
-  } else if (free.base_attitude == AttitudeFreedom::Axis && most < kHalfRotation) {
+  } else if (free.base_attitude == AttitudeFreedom::Axis && most < kEveryAttitude) {
     between(rotation_log(rotation).dot(axis), -most, most, "base_attitude", "rad");
-  } else if (free.base_attitude == AttitudeFreedom::Free && most < kHalfRotation) {
+  } else if (free.base_attitude == AttitudeFreedom::Free && most < kEveryAttitude) {
     // Smooth also where the angle is zero, and in rad beside the limit.
     add((most * most - rotation_log(rotation).squaredNorm()) / (2 * most),
         {"base_attitude", "rad", most, true});
@@ -184,7 +184,7 @@ Eigen::Quaterniond sampled_rotation(const CaptureProblem& problem, const Vector3
            rotation_exp(kPi * (2 * u[2] - 1) * axis);
   }
   Eigen::Quaterniond in_base;
-  if (most > kHalfRotation) {
+  if (most > kEveryAttitude) {
     const Vector3d b = std::sqrt(1 - u[0]) * circle(u[1]), c = std::sqrt(u[0]) * circle(u[2]);
     in_base = Eigen::Quaterniond(c.x(), b.y(), b.x(), c.y());
   } else {

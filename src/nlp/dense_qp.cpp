@@ -4,12 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include <stillbase/core/constants.hpp>
+
 namespace stillbase::nlp {
 
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Rotates the columns i and j of M by (cosine, sine), the second one's sign such that the product
 /// of both rotations is a reflection: M(:, i) = c M_i + s M_j.
@@ -193,7 +194,7 @@ DenseQp::Outcome DenseQp::solve() {
       u_[size_] = 0;
     }
     find_step(entering);
-    double dual_limit = kInfinite;
+    double dual_limit = kInfinity;
     int leaving = -1;
     for (int i = kept; i < size_; ++i) {
       if (dual_step_[i] > 0 && u_[i] / dual_step_[i] < dual_limit) {
@@ -203,9 +204,9 @@ DenseQp::Outcome DenseQp::solve() {
     }
     const double curvature = step_.head(n_).dot(normal(entering));
     const bool can_move = size_ < n_ && curvature > kEpsilon * normal(entering).squaredNorm();
-    const double primal_limit = can_move ? -slack(entering) / curvature : kInfinite;
+    const double primal_limit = can_move ? -slack(entering) / curvature : kInfinity;
     const double length = std::min(dual_limit, primal_limit);
-    if (!(length < kInfinite)) return Outcome::Inconsistent;
+    if (!(length < kInfinity)) return Outcome::Inconsistent;
     if (can_move) d_.head(n_) += length * step_.head(n_);
     for (int i = 0; i < size_; ++i) u_[i] -= length * dual_step_[i];
     u_[size_] += length;

@@ -142,7 +142,7 @@ class Search {
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
     for (const Box<N>& box : domain) {
-      boxes.push_back({.lower = -kInfinite, .serial = 0, .box = box});
+      boxes.push_back({.lower = -kInfinity, .serial = 0, .box = box});
     }
     examine_all(boxes);
     while (!open_.empty() && !(open_.top().lower >= goal_) && out_.suspects.empty()) {
@@ -178,7 +178,7 @@ class Search {
     Box<N> box;
     std::array<double, N> bends{};   ///< of the first f_k: what halving a side would lessen
     std::array<double, N> middle{};  ///< of the box as it was examined
-    double at_middle = kInfinite;    ///< upper bound of max_k f_k there
+    double at_middle = kInfinity;    ///< upper bound of max_k f_k there
     bool is_constrained = false;     ///< there are equations: the middle need not solve them
     bool operator<(const Node& other) const {
       return lower > other.lower || (lower == other.lower && serial > other.serial);
@@ -190,7 +190,7 @@ class Search {
     Node node;
     bool is_left = true;  ///< not wholly above the cut
     long evaluations = 0;
-    double first_middle = kInfinite;  ///< Node::at_middle of the whole box
+    double first_middle = kInfinity;  ///< Node::at_middle of the whole box
     bool is_below_goal = false;       ///< so it is, and no equation forbids that point
   };
 
@@ -239,10 +239,10 @@ class Search {
 
   /// The bound will not be above the f_k of any point: as near to them is good enough.
   void expect_at_most(double value) {
-    if (!(options_.goal > 0 && options_.goal < kInfinite)) return;
+    if (!(options_.goal > 0 && options_.goal < kInfinity)) return;
     const double reachable = value * (options_.goal / options_.cut);
     goal_ = std::fmin(goal_,
-                      reachable > options_.worth_a_proof * options_.goal ? reachable : -kInfinite);
+                      reachable > options_.worth_a_proof * options_.goal ? reachable : -kInfinity);
   }
 
   Examined examine(const Node& node) const {
@@ -314,7 +314,7 @@ class Search {
 
   /// Infinite where it is not known.
   static double largest_at_middle(const std::vector<Fraction<N>>& values) {
-    double largest = -kInfinite;
+    double largest = -kInfinity;
     bool is_known = false;
     for (const Fraction<N>& value : values) {
       if (value.is_rough) continue;
@@ -322,10 +322,10 @@ class Search {
       const Form<N>&n = value.numerator, &d = value.denominator;
       const double divisor = std::fmax(d.c() - d.r, value.least_denominator);
       const double at_most = (n.c() + n.r) / divisor;
-      if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return kInfinite;
+      if (!n.is_bounded() || !d.is_bounded() || !(divisor > 0)) return kInfinity;
       largest = std::fmax(largest, at_most);
     }
-    return is_known ? largest : kInfinite;
+    return is_known ? largest : kInfinity;
   }
 
   /// Per variable, what a form is that no quadratic form can be.
@@ -387,7 +387,7 @@ class Search {
   const BoundOptions& options_;
   double goal_;  ///< the bound that is still sought
   std::priority_queue<Node> open_;
-  double undivided_ = kInfinite;  ///< least bound of boxes too small to divide
+  double undivided_ = kInfinity;  ///< least bound of boxes too small to divide
   long serial_ = 0;
   Bound out_;
 };

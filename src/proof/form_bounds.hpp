@@ -2,8 +2,11 @@
 // most a given value.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include <Eigen/Eigenvalues>
+
+#include <stillbase/core/constants.hpp>
 
 #include "proof/enclose.hpp"
 #include "proof/taylor.hpp"
@@ -13,8 +16,6 @@ namespace stillbase::proof {
 /// The part of a box that is still of interest, in eps.
 template <int N>
 using Part = Box<N>;
-
-inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// All values over a part of all terms but a_i eps_i.
 template <int N>
@@ -55,7 +56,7 @@ bool cut_above_zero(const Quadratic<N>& form, Part<N>& part) {
     const double left = -without(form, part, i).lower();
     const Interval end = Interval(left) / Interval(form.a(i));
     const Interval allowed =
-        form.a(i) > 0 ? Interval(-kInfinite, end.upper()) : Interval(end.lower(), kInfinite);
+        form.a(i) > 0 ? Interval(-kInfinity, end.upper()) : Interval(end.lower(), kInfinity);
     if (is_disjoint(allowed, part[i])) return false;
     part[i] = boost::numeric::intersect(part[i], allowed);
   }
@@ -136,7 +137,7 @@ struct Parabola {
     double size = 0;
     for (int i = 0; i < N; ++i) size = std::fmax(size, boost::numeric::norm(Q[i][i]));
     const double s = std::fmin(least_curvature(), 0) - options.curvature_margin * size - 1e-290;
-    if (!is_convex_without(s)) return -kInfinite;
+    if (!is_convex_without(s)) return -kInfinity;
     std::array<double, N> eta{};
     for (int sweep = 0; sweep < options.sweeps; ++sweep) {
       for (int i = 0; i < N; ++i) {
@@ -165,7 +166,7 @@ struct Parabola {
 /// A lower bound of the form over the part.
 template <int N>
 double least(const Quadratic<N>& form, const Part<N>& part) {
-  if (!form.is_bounded()) return -kInfinite;
+  if (!form.is_bounded()) return -kInfinity;
   const double simple = without(form, part, N).lower();
   const double sharp = Parabola<N>(form, part).least();
   return sharp > simple ? sharp : simple;

@@ -5,11 +5,12 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "target/unscented.hpp"
+
 namespace stillbase {
 
 namespace {
 
-constexpr double kSpread = 3;  ///< n + kappa of the unscented transform, as in predict_contact()
 /// Rotation between nodes of the transform's points, rad: their differences need half the digits.
 constexpr double kCoarse = 0.4;
 

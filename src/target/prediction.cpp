@@ -11,6 +11,7 @@
 #include <stillbase/core/linear_algebra.hpp>
 
 #include "target/motion_table.hpp"
+#include "target/unscented.hpp"
 
 namespace stillbase {
 
@@ -163,8 +164,6 @@ ContactVector contact_vector(const TargetBody& body, const ContactFeature& featu
 }
 
 namespace {
-
-constexpr double kSpread = 3;  ///< n + kappa of the unscented transform
 
 /// How far from the estimate its motion is asked for, s.
 double horizon_of(const TargetEstimate& estimate, const std::vector<double>& times) {

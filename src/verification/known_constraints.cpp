@@ -159,7 +159,7 @@ std::vector<std::string> KnownConstraints::demanded() const {
     for (const ContactLimit& limit : limits_of(record, situation_)) out.push_back(limit.name);
   }
   if (free.base_attitude == AttitudeFreedom::Cone) out.push_back("base_attitude_cone");
-  if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kHalfRotation) {
+  if (free.base_attitude == AttitudeFreedom::Free && free.base_attitude_max < kEveryAttitude) {
     out.push_back("base_attitude_squared");
   }
   for (int i = 1; problem.constraints.clearance && i <= shapes_.count(); ++i) {

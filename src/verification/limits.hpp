@@ -12,9 +12,6 @@
 
 namespace stillbase::verification {
 
-/// rad: a limit of a rotation angle above it is none.
-inline constexpr double kHalfRotation = 3.14159;
-
 /// The formula of this room for a number with limits, written apart from the planner's.
 struct LimitRecord {
   const char*

@@ -28,7 +28,7 @@ inline constexpr double kKnownNormal = kPi / 180;
 inline constexpr const char* kWideEstimateRule = "wide-estimate";
 inline constexpr double kMostRadius = 0.1;  ///< m with a probability of 95 %: the size of a gripper
 /// rad with a probability of 95 %: half of what a gripper's jaws or a cone of a latch take up.
-inline constexpr double kMostTilt = 30 * kKnownNormal;
+inline constexpr double kMostTilt = 30 * kPi / 180;
 
 struct LeftOut {
   std::string code;          ///< the rule: one of these, or kNarrowConeRule

@@ -63,6 +63,9 @@ enum class AttitudeFreedom {
 };
 enum class PositionFreedom { Fixed, Box, Free };
 
+/// A base_attitude_max of this or more limits nothing, rad: pi as people write it.
+inline constexpr double kEveryAttitude = 3.14159;
+
 /// What the search may change. Everything else stays as stated.
 struct VariableSpec {
   std::vector<bool> joints;  ///< n; false: stays at the start posture
@@ -70,7 +73,7 @@ struct VariableSpec {
   /// Unit, in N. Axis: the base turns about it. Cone: the axis of the base that points along it in
   /// the stated attitude stays within base_attitude_max of it.
   Vector3d base_attitude_axis = Vector3d::UnitZ();
-  double base_attitude_max = kPi;  ///< rad from the stated attitude
+  double base_attitude_max = kPi;  ///< rad from the stated attitude; see kEveryAttitude
   PositionFreedom base_position = PositionFreedom::Fixed;
   Vector3d base_position_lower = Vector3d::Zero();  ///< Box: corners in N, m
   Vector3d base_position_upper = Vector3d::Zero();

@@ -9,7 +9,7 @@ void add_attitude_angle(const CaptureModel& model, ConstraintSet& out) {
   const VariableSpec& variables = model.problem.variables;
   const double limit = variables.base_attitude_max;
   if (variables.base_attitude == AttitudeFreedom::Cone || model.layout.attitude_size != 3 ||
-      limit >= kHalfTurn) {
+      limit >= kEveryAttitude) {
     return;
   }
   // Square of the rotation angle from the stated attitude. The rotation vector a is its own image

@@ -17,7 +17,7 @@ namespace {
 double largest_attitude(const VariableSpec& variables) {
   const double limit = variables.base_attitude_max;
   // A cone bounds no component of the rotation vector.
-  if (variables.base_attitude != AttitudeFreedom::Cone && limit < kHalfTurn) return limit;
+  if (variables.base_attitude != AttitudeFreedom::Cone && limit < kEveryAttitude) return limit;
   return variables.base_attitude == AttitudeFreedom::Axis ? 2 * kPi : 3.6;
 }
 
@@ -128,7 +128,7 @@ Eigen::VectorXd VariableLayout::start_point(const CaptureProblem& problem,
           rotation_exp(tilt * about) * rotation_exp(kPi * (2 * c - 1) * axis);
       const Eigen::Quaterniond& stated = problem.base.orientation;
       x.segment<3>(attitude) = rotation_log(stated.conjugate() * turn * stated);
-    } else if (limit > kHalfTurn) {
+    } else if (limit > kEveryAttitude) {
       // Uniform over rotations (Shoemake, Graphics Gems III, 1992).
       const Eigen::Quaterniond q(
           std::sqrt(a) * std::cos(2 * kPi * c), std::sqrt(1 - a) * std::sin(2 * kPi * b),

@@ -8,9 +8,6 @@
 
 namespace stillbase {
 
-/// A larger limit of the base's rotation angle is none, rad: pi as people write it.
-inline constexpr double kHalfTurn = 3.14159;
-
 struct VariableLayout {
   std::vector<int> joints;  ///< free joints, in order; entry i of x is phi[joints[i]]
   int attitude = -1;        ///< first attitude variable, or -1
