@@ -48,7 +48,9 @@ class Listing : public io::TableWriter {
  private:
   void add_row(const Json& row) {
     text += "   ";
-    for (const Json& x : row) text += fmt::format(" {:>11.5g}", x.get<double>());
+    for (const Json& x : row) {
+      text += fmt::format(" {:>11.5g}", x.get<double>() + 0.0);  // no sign of a zero
+    }
     text += '\n';
   }
 };

@@ -18,6 +18,11 @@ double tidy(double x, double scale) {
   return std::abs(x) <= std::max(1e-15, 1e-12 * scale) ? 0 : x;
 }
 
+/// The same of what is printed as zero with so many digits behind the point.
+double without_zeros_sign(double x, int digits) {
+  return std::abs(x) < 0.5 * std::pow(10, -digits) ? 0 : x;
+}
+
 }  // namespace
 
 std::string vector_words(const Vector3d& v) {
@@ -31,8 +36,10 @@ std::string posture_words(const RobotModel& robot, const JointVectord& phi) {
   for (int k = 0; k < robot.n(); ++k) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
     if (k > 0) text += ", ";
-    text += joint.is_prismatic() ? fmt::format("{} {:.4f} m", joint.name, phi[k])
-                                 : fmt::format("{} {:.2f} deg", joint.name, phi[k] * kDegrees);
+    text +=
+        joint.is_prismatic()
+            ? fmt::format("{} {:.4f} m", joint.name, without_zeros_sign(phi[k], 4))
+            : fmt::format("{} {:.2f} deg", joint.name, without_zeros_sign(phi[k] * kDegrees, 2));
   }
   return text.empty() ? "no joints" : text;
 }
