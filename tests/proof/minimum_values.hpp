@@ -59,8 +59,8 @@ inline std::vector<double> squares_at(const proof::MinimumProblem& problem,
           y = Eigen::VectorXd::Constant(1, std::sqrt(energy * term.size));  // a square: E / size
           break;
         }
-        case ObjectiveQuantity::AttitudeTurned:
-          throw std::logic_error("not of the jump alone");
+        default:
+          throw std::logic_error("no formula here");
       }
       sum += (p * y / term.size).squaredNorm();
     }
