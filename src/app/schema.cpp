@@ -36,23 +36,22 @@ std::string list_of_formats(const std::vector<FileFormat>& formats) {
 }
 
 int write_schema(const SchemaRequest& request) {
-  if (request.fields) {
-    if (!request.name.empty()) throw CommandLineError("schema: --fields is about all formats");
-    request.output.check({".md"});
-    request.output.write(field_reference());
-    return kDone;
-  }
-  const std::vector<FileFormat> formats = file_formats();
-  if (request.name.empty()) {
-    if (request.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
-    write_stdout(list_of_formats(formats));
-    return kDone;
-  }
   const std::vector<std::string> names = format_names();
-  if (std::find(names.begin(), names.end(), request.name) == names.end()) {
+  const bool is_known = std::find(names.begin(), names.end(), request.name) != names.end();
+  if (!request.name.empty() && !is_known) {
     throw CommandLineError(fmt::format("schema: there is no format '{}'; there are {}{}",
                                        request.name, fmt::join(names, ", "),
                                        io::did_you_mean(request.name, names)));
+  }
+  if (request.fields) {
+    request.output.check({".md"});
+    request.output.write(field_reference(request.name));
+    return kDone;
+  }
+  if (request.name.empty()) {
+    if (request.output.is_given()) throw CommandLineError("schema: -o needs the name of a format");
+    write_stdout(list_of_formats(file_formats()));
+    return kDone;
   }
   request.output.check({".json"});
   request.output.write(schema_of(request.name));
@@ -63,19 +62,19 @@ int write_schema(const SchemaRequest& request) {
 
 Command schema_command() {
   auto request = std::make_shared<SchemaRequest>();
-  return {
-      "schema", "the JSON Schema of a file format, for editors and programs",
-      std::vector<Option>{
-          {.name = "format",
-           .value = "FORMAT",
-           .about = "problem, target, state, campaign, suite, plan, verification, ...; "
-                    "without it a list of all",
-           .target = &request->name,
-           .words = format_names()},
-          {"--fields", "", "the fields of all files that people write, and of plans, as Markdown",
-           &request->fields}} +
-          output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
-      [request] { return write_schema(*request); }};
+  return {"schema", "the JSON Schema of a file format, for editors and programs",
+          std::vector<Option>{
+              {.name = "format",
+               .value = "FORMAT",
+               .about = "problem, target, state, campaign, suite, plan, verification, ...; "
+                        "without it a list of all",
+               .target = &request->name,
+               .words = format_names()},
+              {"--fields", "",
+               "instead: the fields of FORMAT, or of all files that people write, as Markdown",
+               &request->fields}} +
+              output_options(request->output, "-o,--output", "schema (JSON); without it stdout"),
+          [request] { return write_schema(*request); }};
 }
 
 }  // namespace stillbase::app

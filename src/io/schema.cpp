@@ -20,10 +20,10 @@ using io::Table;
 struct Format {
   std::string name, description;
   std::function<void(Table&)> body;
-  bool is_in_reference = false;
+  bool is_written_by_people = false;
 };
 
-/// Those of the reference first, in its order.
+/// Those that people write first, in the order of the reference.
 std::vector<Format> formats() {
   return {
       {"problem",
@@ -44,7 +44,7 @@ std::vector<Format> formats() {
        },
        true},
       {"plan", "What `stillbase plan` writes: everything that a plan says and was made from.",
-       [file = PlanFile{}](Table& t) mutable { io::plan_fields(t, file, ""); }, true},
+       [file = PlanFile{}](Table& t) mutable { io::plan_fields(t, file, ""); }},
       {"verification",
        "The verdict of `stillbase verify` (or `stillbase audit`) on a plan, check by check.",
        [verdict = Verification{}, sha256 = std::string(), trials = TrialResult{}](
@@ -85,6 +85,29 @@ std::vector<Format> formats() {
        [table = BestKnownTable{}](Table& t) mutable { io::best_known_fields(t, table); }}};
 }
 
+/// A text between the bars of a table in Markdown.
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) {
+    text.insert(at, "\\");
+  }
+  return text;
+}
+
+/// Heading, sentence and table of a format.
+std::string section_of(const Format& format) {
+  Json definitions = Json::object();
+  const io::Shape shape = io::TableDescriber(definitions).describe(format.body, "");
+  std::string text = fmt::format(
+      "\n## {}\n\n{}\n\n| field | meaning | shape | unit, frame | range | without it |\n"
+      "|---|---|---|---|---|---|\n",
+      format.name, format.description);
+  for (const io::FieldRow& row : shape.rows) {
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.name.substr(1), cell(row.text),
+                        row.shape, cell(row.unit), cell(row.range), cell(row.without));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<FileFormat> file_formats() {
@@ -109,25 +132,21 @@ std::string schema_of(const std::string& name) {
   throw std::invalid_argument("no schema named " + name);
 }
 
-std::string field_reference() {
-  std::string text =
-      "# Fields of the file formats\n\n"
-      "Made by `stillbase schema --fields` from the tables that read and write the files "
+std::string field_reference(const std::string& name) {
+  std::string text = fmt::format(
+      "# Fields of {}\n\n"
+      "Made by `stillbase schema {}--fields` from the tables that read and write the files "
       "(`src/io/fields`). Numbers without unit are SI and radians; a text with a unit is "
-      "converted. Frames: N inertial, B base, T target. `[]` stands for every element of a list.\n";
+      "converted. Frames: N inertial, B base, T target. Shapes of lists: n one per joint, k any "
+      "number. `[]` stands for every element of a list.\n",
+      name.empty() ? "the file formats" : "the format " + name, name.empty() ? "" : name + " ");
+  bool is_known = false;
   for (const Format& format : formats()) {
-    if (!format.is_in_reference) continue;
-    Json definitions = Json::object();
-    const io::Shape shape = io::TableDescriber(definitions).describe(format.body, "");
-    text += fmt::format(
-        "\n## {}\n\n{}\n\n| field | meaning | unit, frame | range | without it |\n"
-        "|---|---|---|---|---|\n",
-        format.name, format.description);
-    for (const io::FieldRow& row : shape.rows) {
-      text += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name.substr(1), row.text, row.unit,
-                          row.range, row.without);
-    }
+    if (name.empty() ? !format.is_written_by_people : format.name != name) continue;
+    is_known = true;
+    text += section_of(format);
   }
+  if (!is_known) throw std::invalid_argument("no fields of " + name);
   return text;
 }
 

@@ -87,6 +87,19 @@ TEST_CASE("schema prints the schema of a format, or names them all") {
   CHECK(shop.run("schema -o all.json").code == 2);
 }
 
+TEST_CASE("schema --fields prints the fields of one format, or of all that people write") {
+  const Workshop shop;
+  const std::string all = shop.run("schema --fields").out;
+  CHECK(all.find("\n## problem\n") != std::string::npos);
+  CHECK(all.find("\n## plan\n") == std::string::npos);
+  const std::string plan = shop.run("schema plan --fields").out;
+  CHECK(plan.find("\n## plan\n") != std::string::npos);
+  CHECK(plan.find("\n## problem\n") == std::string::npos);
+  CHECK(plan.find("| `approach.joint_positions` | per sample | k x n | rad (m) |") !=
+        std::string::npos);
+  CHECK(shop.run("schema poem --fields").code == 2);
+}
+
 TEST_CASE("plans, verdicts and campaigns are what their schemas say") {
   const Workshop shop;
   REQUIRE(shop.run("plan " + shipped("planar_two_link_c2_a") + " -o plan.json").code == 0);

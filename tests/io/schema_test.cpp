@@ -156,16 +156,16 @@ TEST_CASE("the problem's schema says of every field what the table of fields say
                           ? ""
                           : cell.substr(begin, cell.find_last_not_of(' ') - begin + 1));
     }
-    REQUIRE(cells.size() == 5);
+    REQUIRE(cells.size() == 6);
+    const std::string &unit = cells[3], &without = cells[5];
     const std::size_t begin = cells[0].find('`') + 1;
     const std::string field = cells[0].substr(begin, cells[0].find('`', begin) - begin);
     if (field == "format" || field == "version") continue;
     std::string words = cells[1];
-    if (!cells[2].empty()) words += (words.empty() ? "[" : " [") + cells[2] + "]";
-    if (!cells[4].empty() && cells[4] != "required") {
-      const bool is_condition = cells[4].rfind("required", 0) == 0;
-      words +=
-          (words.empty() ? "" : "; ") + std::string(is_condition ? "" : "default: ") + cells[4];
+    if (!unit.empty()) words += (words.empty() ? "[" : " [") + unit + "]";
+    if (!without.empty() && without != "required") {
+      const bool is_condition = without.rfind("required", 0) == 0;
+      words += (words.empty() ? "" : "; ") + std::string(is_condition ? "" : "default: ") + without;
     }
     INFO(field);
     if (!words.empty()) {

@@ -34,8 +34,9 @@ struct Member {
 /// @throws std::invalid_argument as schema_of()
 std::vector<Member> members_of(const std::string& format);
 
-/// The fields of all files that people write, and of plans, as tables in Markdown: what each means,
-/// its unit and frame, its range, and what holds when it is not stated.
-std::string field_reference();
+/// The fields of a format, or without a name of all files that people write, as tables in Markdown:
+/// what each means, its shape, unit and frame, its range, and what holds when it is not stated.
+/// @throws std::invalid_argument as schema_of()
+std::string field_reference(const std::string& format = "");
 
 }  // namespace stillbase

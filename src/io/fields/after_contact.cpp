@@ -18,16 +18,20 @@ void after_horizon_fields(Table& t, AfterHorizon& after) {
 
 static void fields(Table& t, LimitUse& use) {
   double margin = use.margin();
-  t("limit", Word(use.limit, capture_limit_names()), "", kNeeded);
+  t("limit", Word(use.limit, capture_limit_names()),
+    "`reach`, `joint_rate`, `joint_torque`, `joint_stop`, `grip_force`, `grip_moment`, "
+    "`wheel_torque`, `wheel_momentum` or `time_window`",
+    kNeeded);
   t("place", Text(use.place),
     "joint, axis of B, hand link, `contact_time` or `horizon` where most of it is used", kNeeded);
   t("value", Number(use.value, kNonNegative),
     "largest one at `place` from the contact to the horizon; of `wheel_momentum` with the preset, "
-    "and also with all of `angular` in the wheels where the controller hands it to them; of joint "
-    "stops and the contact window the distance from the middle of the range",
+    "and also with all of `angular` in the wheels where `rns_handback` or `detumble` comes first "
+    "and there are no thrusters; of joint stops and the contact window the distance from the "
+    "middle of the range",
     needed("`unit`"));
   t("most", Number(use.most, kNonNegative), "that is allowed", needed("`unit`"));
-  t("margin", Number(margin), "most - value", needed("`unit`"));
+  t("margin", Number(margin), "most - value; negative: the limit is exceeded", needed("`unit`"));
   t("unit", Text(use.unit), "of value, most and margin", kNeeded);
   MapReader* map = t.reader();
   if (map == nullptr || !map->context().findings.empty() || margin == use.margin()) return;
@@ -35,22 +39,26 @@ static void fields(Table& t, LimitUse& use) {
 }
 
 static void fields(Table& t, HeldLimit& held) {
-  t("limit", Word(held.limit, capture_limit_names()), "", kNeeded);
+  t("limit", Word(held.limit, capture_limit_names()),
+    "`joint_rate`, `joint_torque`, `grip_force`, `grip_moment` or `wheel_torque`", kNeeded);
   t("place", Text(held.place), "joint, axis of B or hand link", kNeeded);
-  t("time", Number(held.time, kNonNegative), "with at least 90 % of the limit until the rest",
-    needed("s"));
+  t("time", Number(held.time, kNonNegative),
+    "with at least 90 % of the limit, until `rest_time` or the horizon", needed("s"));
 }
 
 void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
-  t("angular", Vector(managed.angular), "about the common centroid", needed("N m s", "B"));
-  t("linear", Vector(managed.linear), "", needed("N s", "B"));
+  t("angular", Vector(managed.angular),
+    "about the common centroid: of robot and target after a latch, else of the robot",
+    needed("N m s", "B"));
+  t("linear", Vector(managed.linear), "the same; no wheel takes it", needed("N s", "B"));
   t("least_time", OrNull(Number(managed.least_time, kNonNegative), !managed.least_time),
-    "max_i |angular_i| / torque_i of the wheels; a lower bound of the time while the base keeps "
-    "its "
-    "attitude; null: no wheels that could take it",
+    "largest |angular_i| / torque_i of the wheels; a lower bound of the time while the base keeps "
+    "its attitude: a base that turns brings it to other axes; null: no wheels that could take it",
     needed("s"));
   t("remaining", OrNull(Number(managed.remaining, kNonNegative), !managed.remaining),
-    "angular momentum outside the wheels at the horizon; null: not simulated", needed("N m s"));
+    "angular momentum outside the wheels at the horizon under the first controller; null: not "
+    "simulated",
+    needed("N m s"));
   t("rest_time", OrNull(Number(managed.rest_time, kNonNegative), !managed.rest_time),
     "after the contact, from which on at most 1 % of the angular momentum is outside the wheels "
     "and joints have at most 1 % of their largest rate, or no more than the sensors' errors; null: "
@@ -61,10 +69,10 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed) {
     kNeeded);
   HeldLimit held = managed.longest_held.value_or(HeldLimit{});
   t("longest_held",
-    Map([&](Table& m) { fields(m, held); },
-        {.name = "longest_held", .is_written = managed.longest_held.has_value()}),
-    "limit that binds under `detumble`: the load that is near its limit for the longest time; "
-    "absent: none comes near, or another controller");
+    Map([&](Table& m) { fields(m, held); }, {.is_written = managed.longest_held.has_value()}),
+    "under `detumble` the load that is near its limit for the longest time; for at least half of "
+    "it the limit binds, a wheel's torque only near `least_time`",
+    {.without = "none comes near, or another controller"});
   MapReader* map = t.reader();
   if (map != nullptr && map->has("longest_held")) managed.longest_held = held;
 }

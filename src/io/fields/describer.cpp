@@ -174,7 +174,8 @@ void TableDescriber::operator()(const std::string& key, const Value& value, cons
                                 const About& about) {
   Variant& variant = variants_.back();
   const bool is_required = about.need == Need::Required && !about.when;
-  FieldRow row{key, text, {}, {}, about.without};
+  FieldRow row{
+      .name = key, .text = text, .shape = {}, .unit = {}, .range = {}, .without = about.without};
   if (row.without.empty() && !about.when) {
     row.without = is_required ? "required" : default_text(value);
   }
@@ -185,6 +186,7 @@ void TableDescriber::operator()(const std::string& key, const Value& value, cons
   row.unit = about.unit.empty() ? shape.unit : about.unit;
   if (!about.frame.empty()) row.unit += (row.unit.empty() ? "" : ", ") + about.frame;
   row.range = shape.range;
+  row.shape = shape.extents;
   add_row(row);
   for (FieldRow inner : shape.rows) {
     inner.name = key + inner.name;

@@ -36,15 +36,15 @@ void resistance_values(Table& t, JointResistance& resistance, const RobotModel& 
       break;
     case ResistanceModel::RotorInertia:
       t("rotor_inertia", JointValues(resistance.rotor_inertia, robot, kJointInertia, kLarge),
-        "`rotor_inertia`: stays in the plant afterwards", kNeeded);
+        "`rotor_inertia`: of the rotors behind the gears; stays in the plant afterwards", kNeeded);
       break;
     case ResistanceModel::Servo:
-      t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kLarge), "`servo`",
-        kNeeded);
-      t("damping", JointValues(resistance.damping, robot, kJointDamping, kLarge), "`servo`",
-        kNeeded);
+      t("stiffness", JointValues(resistance.stiffness, robot, kJointStiffness, kLarge),
+        "`servo`: torque per angle", kNeeded);
+      t("damping", JointValues(resistance.damping, robot, kJointDamping, kLarge),
+        "`servo`: torque per rate", kNeeded);
       t("contact_duration", Number(resistance.contact_duration, Dimension::Time, kDuration),
-        "`servo`", kNeeded);
+        "`servo`: how long the contact lasts", kNeeded);
       break;
     case ResistanceModel::Locked:
       t("locked", JointFlags(resistance.locked, robot),

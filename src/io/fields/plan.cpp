@@ -61,13 +61,13 @@ Map written_pose(Pose& pose) {
         t("orientation",
           Map(
               [&q](Table& m) {
-                m("w", Number(q.w()), "", kNeeded);
+                m("w", Number(q.w()), "real part", kNeeded);
                 m("x", Number(q.x()), "", kNeeded);
                 m("y", Number(q.y()), "", kNeeded);
                 m("z", Number(q.z()), "", kNeeded);
               },
               {.name = "quaternion"}),
-          "", kNeeded);
+          "unit quaternion of the axes of B", kNeeded);
         if (t.reader() == nullptr || t.reader()->was_refused("orientation") ||
             std::abs(q.norm() - 1) <= 1e-12) {
           return;
@@ -81,9 +81,9 @@ Map written_pose(Pose& pose) {
 }  // namespace
 
 void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration) {
-  t("joint_positions", Numbers(configuration.phi, robot.n()), "", kJoints);
+  t("joint_positions", Numbers(configuration.phi, robot.n()), "in joint order", kJoints);
   t("base_pose", written_pose(configuration.base), "pose of B", needed("m", "N"));
-  t("contact_time", Number(configuration.contact_time), "", needed("s"));
+  t("contact_time", Number(configuration.contact_time), "on the clock of the problem", needed("s"));
 }
 
 namespace {
@@ -100,7 +100,7 @@ void configuration_fields(Table& t, const CaptureProblem& problem, Configuration
 void chosen_fields(Table& t, Plan& plan) {
   const std::vector<std::string> names = joint_names(plan.problem.robot);
   std::vector<std::string> stated = names;
-  t("joint_names", Texts(stated), "in joint order", kNeeded);
+  t("joint_names", Texts(stated), "one per joint, in joint order", kNeeded);
   if (stated != names) {
     inconsistent(t, "configuration.joint_names: the robot's are " + list_of(names));
   }
@@ -113,27 +113,30 @@ void chosen_fields(Table& t, Plan& plan) {
 
 void residual_summary_fields(Table& t, ResidualSummary& residual) {
   const std::string velocity = "m/s, rad/s";
-  t("velocity", Numbers(residual.velocity, 6), "nominal relative velocity, target minus hand",
+  t("velocity", Numbers(residual.velocity, 6), "nominal, linear and angular, target minus hand",
     needed(velocity, "B"));
   t("covariance", Covariance(residual.covariance), "of its error",
     needed("m^2/s^2, m rad/s^2, rad^2/s^2", "B"));
   t("deviations", Number(residual.deviations, {.lower = 0, .is_lower_open = true}),
     "size of the ellipsoid in standard deviations", kNeeded);
   t("worst_velocity", Numbers(residual.worst_velocity, 6),
-    "of the ellipsoid, at which the worst case is", needed(velocity, "B"));
+    "where in the ellipsoid the worst case is", needed(velocity, "B"));
   t("separating", Number(residual.separating, {.lower = 0, .upper = 1}),
     "probability that target and hand separate, so that there is no contact; the measures count "
-    "these velocities as if it held, and are upper bounds",
+    "such velocities as if the contact held, and are upper bounds; 0 of a latch that moves along, "
+    "which has hold of the target",
     kNeeded);
 }
 
 void objective_value_fields(Table& t, Plan& plan) {
   ObjectiveValue& objective = plan.objective;
   RiskMeasure measure = plan.problem.measure.kind;
-  t("name", Text(objective.name), "of the quantity", kNeeded);
-  t("measure", Word(measure, kMeasureNames), "what was minimised over the uncertainty", kNeeded);
+  t("name", Text(objective.name), "quantity, or the terms joined by `+`", kNeeded);
+  t("measure", Word(measure, kMeasureNames),
+    "what was minimised over the uncertainty: `nominal`, `worst_case`, `expectation` or `cvar`",
+    kNeeded);
   t("value", Number(objective.value), "of the measure", needed("`unit`"));
-  t("unit", Text(objective.unit), "of value, nominal and worst_case", kNeeded);
+  t("unit", Text(objective.unit), "of value, nominal and worst_case; 1 for several terms", kNeeded);
   t("terms", Map([&](Table& m) {
       for (const auto& [word, quantity] : objective_names()) {
         const bool is_term =
@@ -149,18 +152,21 @@ void objective_value_fields(Table& t, Plan& plan) {
     }),
     "nominal value of each quantity", kNeeded);
   t("user_terms", WrittenIf(Texts(objective.user_terms), !objective.user_terms.empty()),
-    "terms that a user's program added to the objective; they are not recomputed",
+    "names of the terms that a user's program added to the objective; they are not recomputed",
     {.without = "none"});
-  t("nominal", Number(objective.nominal), "at the nominal direction", needed("`unit`"));
+  t("nominal", Number(objective.nominal), "for the nominal direction", needed("`unit`"));
   t("worst_case", Number(objective.worst_case),
-    "worst case over the cone, or over the residual velocity", needed("`unit`"));
+    "over the cone of directions, or the ellipsoid of the residual velocity; the nominal value "
+    "without both",
+    needed("`unit`"));
   t("worst_direction", Vector(objective.worst_direction),
     "of the impulse, norm 1; without a cone the normal", needed("1", "B"));
   ResidualSummary residual = objective.residual.value_or(ResidualSummary{});
   t("residual",
     Map([&](Table& m) { residual_summary_fields(m, residual); },
         {.is_written = objective.residual.has_value()}),
-    "relative velocity at the contact, of problems that state a residual_velocity",
+    "relative velocity of target and hand at the contact, where the problem states a "
+    "`residual_velocity`",
     {.without = "none"});
   if (t.reader() != nullptr && t.reader()->has("residual")) objective.residual = residual;
   t("judged", Flag(objective.is_judged),
@@ -170,13 +176,17 @@ void objective_value_fields(Table& t, Plan& plan) {
   t("nominal_optimum",
     OrNull(Map([&](Table& m) {
              configuration_fields(m, plan.problem, optimum.configuration);
-             m("nominal", Number(optimum.nominal, kNonNegative), "", needed("`unit`"));
-             m("worst_case", Number(optimum.worst_case, kNonNegative), "", needed("`unit`"));
-             m("value", Number(optimum.value, kNonNegative), "", needed("`unit`"));
+             m("nominal", Number(optimum.nominal, kNonNegative), "for the nominal direction",
+               needed("`unit`"));
+             m("worst_case", Number(optimum.worst_case, kNonNegative), "as `objective.worst_case`",
+               needed("`unit`"));
+             m("value", Number(optimum.value, kNonNegative), "of the measure", needed("`unit`"));
              is_null = false;
            }),
            is_null),
-    "the solution with the lowest nominal value; null: not known", kNeeded);
+    "the best configuration for the nominal direction alone; null: a limit came before it was "
+    "known",
+    kNeeded);
   MapReader* map = t.reader();
   if (map == nullptr) return;
   if (!is_null) plan.nominal_optimum = optimum;
@@ -195,28 +205,39 @@ const About kOwnUnit = needed("its own");
 }  // namespace
 
 static void fields(Table& t, PlanWarning& warning) {
-  t("code", Text(warning.code), "short name of the rule", kNeeded);
-  t("message", Text(warning.message), "", kNeeded);
+  t("code", Text(warning.code),
+    "`narrow-cone`: the covariance of the estimate gives a wider cone than the stated one; "
+    "`narrow-residual`: it gives a larger covariance of the relative velocity than the stated one; "
+    "`unused-covariance`: a sticking contact or a latch without `residual_velocity` does not use "
+    "it; `fixed-normal`: over `residual_velocity` a contact along the normal keeps the nominal "
+    "one, which it leaves open; `wide-estimate`: it leaves open where a hand that moves or latches "
+    "finds the contact; `not-in-measure`: beside `residual_velocity` the mean does not count it",
+    kNeeded);
+  t("message", Text(warning.message), "the key, and the numbers", kNeeded);
 }
 
 static void fields(Table& t, ConstraintValue& constraint) {
   t("name", Text(constraint.name), "of the constraint", kNeeded);
-  t("value", Number(constraint.value), "", kOwnUnit);
+  t("value", Number(constraint.value), "in the configuration", kOwnUnit);
   t("lower",
     OrNull(Number(constraint.lower), std::isinf(constraint.lower),
            [&] { constraint.lower = -kInfinity; }),
-    "null: no bound", kOwnUnit);
+    "bound of the value; null: none", kOwnUnit);
   t("upper",
     OrNull(Number(constraint.upper), std::isinf(constraint.upper),
            [&] { constraint.upper = kInfinity; }),
-    "null: no bound", kOwnUnit);
-  t("violation", Number(constraint.violation, kNonNegative), "", kOwnUnit);
+    "bound of the value; null: none", kOwnUnit);
+  t("violation", Number(constraint.violation, kNonNegative), "max(lower - value, value - upper, 0)",
+    kOwnUnit);
 }
 
 static void fields(Table& t, BindingLimit& limit) {
   static constexpr auto kEnds = names<bool>({{"lower", false}, {"upper", true}});
-  t("name", Text(limit.name), "of a joint, a variable or a constraint", kNeeded);
-  t("end", Word(limit.is_upper, kEnds), "of its range", kNeeded);
+  t("name", Text(limit.name),
+    "of a joint, `contact_time`, `base_attitude` (the angle of the problem, whatever function of "
+    "it a constraint bounds) or a constraint",
+    kNeeded);
+  t("end", Word(limit.is_upper, kEnds), "of its range, `lower` or `upper`", kNeeded);
   t("limit", Number(limit.value), "that is reached", needed("`unit`"));
   t("margin", Number(limit.margin), "distance from it", needed("`unit`"));
   t("multiplier", Number(limit.multiplier, kNonNegative),
@@ -227,30 +248,32 @@ static void fields(Table& t, BindingLimit& limit) {
 
 static void fields(Table& t, JointTurns& turns) {
   constexpr int kMost = 1'000'000;
-  t("joint", Text(turns.joint), "name", kNeeded);
-  t("least", Integer(turns.least, -kMost, 0), "turns of 2 pi, to the lower limit", kNeeded);
-  t("most", Integer(turns.most, 0, kMost), "the same to the upper limit", kNeeded);
+  t("joint", Text(turns.joint), "its name", kNeeded);
+  t("least", Integer(turns.least, -kMost, 0), "down to the lower limit", needed("2 pi rad"));
+  t("most", Integer(turns.most, 0, kMost), "up to the upper limit", needed("2 pi rad"));
 }
 
 namespace {
 
 void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
-                const char* unit) {
+                const char* text, const char* unit) {
   std::vector<double> both{0, 0};
   if (ends) both = {ends->lower, ends->upper};
   const bool is_there = t.reader() != nullptr ? is_variable : ends.has_value();
-  t(key, Numbers(both, 2), "where it is a variable", {.unit = unit, .when = is_there});
+  t(key, Numbers(both, 2), text, {.unit = unit, .when = is_there});
   if (is_there) ends = Ends{both[0], both[1]};
 }
 
 void box_fields(Table& t, const CaptureProblem& problem, JointBox& box) {
   const VariableSpec& variables = problem.variables;
-  t("lower", Numbers(box.lower, problem.robot.n()), "", kJoints);
-  t("upper", Numbers(box.upper, problem.robot.n()), "", kJoints);
+  t("lower", Numbers(box.lower, problem.robot.n()), "lower ends of the joint positions", kJoints);
+  t("upper", Numbers(box.upper, problem.robot.n()), "upper ends", kJoints);
   ends_field(t, "base_angle", box.base_angle, variables.base_attitude == AttitudeFreedom::Axis,
+             "ends, of the base about its axis from the stated attitude, where it is a variable",
              "rad");
   ends_field(t, "contact_time", box.contact_time,
-             variables.contact_time_upper > variables.contact_time_lower, "s");
+             variables.contact_time_upper > variables.contact_time_lower,
+             "ends, where it is a variable", "s");
 }
 
 void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
@@ -263,18 +286,22 @@ void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
     "`complete`: every solution is enclosed; `undecided`: solutions may also be in the boxes of "
     "`undecided`; `not_applicable`: `statement` says why",
     kNeeded);
-  t("statement", Text(proof.statement), "the same in words", kNeeded);
-  t("solutions", boxes(proof.solutions), "boxes that hold exactly one solution each", kNeeded);
+  t("statement", Text(proof.statement),
+    "the same in words, with the reason; `verify` compares all of it with the other fields",
+    kNeeded);
+  t("solutions", boxes(proof.solutions),
+    "boxes, rounded outwards, each proven to contain exactly one solution", kNeeded);
   t("candidates", List(proof.candidates, [](int& index) { return Integer(index, -1, kMany); }),
-    "per solution the number of the candidate in it, or -1", kNeeded);
-  t("undecided", boxes(proof.undecided), "boxes that may hold solutions, or none", kNeeded);
+    "per solution the index of its candidate, or -1", kNeeded);
+  t("undecided", boxes(proof.undecided), "boxes that may contain solutions", kNeeded);
   t("found_by_search", Integer(proof.found_by_search, 0, kMany),
-    "solutions that the search had found without the proof's help", kNeeded);
-  t("boxes", Integer(proof.boxes, 0, kMany), "boxes that the branch and bound looked at", kNeeded);
+    "solutions that the search had found by itself", kNeeded);
+  t("boxes", Integer(proof.boxes, 0, kMany), "boxes that branch and bound evaluated", kNeeded);
   t("lower_bound", OrNull(Number(proof.lower_bound), !proof.lower_bound),
-    "no posture has a smaller measure; null: not known", needed("`objective.unit`"));
-  t("gap", OrNull(Number(proof.gap), !proof.gap),
-    "the best candidate's measure minus the lower bound", needed("`objective.unit`"));
+    "no posture has a smaller measure; zero: of the nominal objective; null: none",
+    needed("`objective.unit`"));
+  t("gap", OrNull(Number(proof.gap), !proof.gap), "best candidate minus lower bound; null: none",
+    needed("`objective.unit`"));
   MapReader* map = t.reader();
   if (map == nullptr || !map->context().findings.empty()) return;
   if (proof.candidates.size() == proof.solutions.size()) return;
@@ -286,48 +313,55 @@ void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& ce
   t("kkt_residual",
     OrNull(Number(certificate.kkt_residual, kNonNegative), std::isinf(certificate.kkt_residual),
            [&] { certificate.kkt_residual = kInfinity; }),
-    "residual of the first-order conditions; null: not known, a limit came first", kNeeded);
+    "residual of the first-order conditions, multipliers by non-negative least squares; null: a "
+    "limit came first",
+    kNeeded);
   t("max_violation", Number(certificate.max_violation, kNonNegative),
     "largest violation of a constraint", kOwnUnit);
   t("reduced_hessian_min_eigenvalue",
     OrNull(Number(certificate.reduced_hessian_min_eigenvalue),
            !certificate.reduced_hessian_min_eigenvalue),
-    "smallest curvature along the directions that the active constraints leave; null: no "
-    "direction is left",
-    kNeeded);
+    "smallest curvature of the Lagrangian along the directions that the active constraints leave, "
+    "objective in typical sizes; positive: strict local minimum; zero: a continuum of equally good "
+    "ones; negative: no minimum; null: no direction is left",
+    needed("1/rad^2 (1/m^2, 1/s^2)"));
   t("starts", Integer(certificate.starts, 0, kMany), "of the search", kNeeded);
   t("distinct_solutions", Integer(certificate.distinct_solutions, 0, kMany),
-    "that the search told apart", kNeeded);
+    "solutions that differ", kNeeded);
   t("unseen", Number(certificate.unseen, {.lower = 0, .upper = 1}),
-    "estimated probability that one more start ends at a solution that none has reached; with "
-    "rounds of starts: that a better minimum of the measure, as easy to reach, was missed. Above "
-    "0.05 the plan is then `feasible`, not `optimal`",
+    "estimated probability that one more start ends at a solution of the nominal problem that none "
+    "has reached; with `had_rounds`: that a better minimum of the measure, as easy to reach, was "
+    "missed, which above 0.05 makes a plan `feasible`",
     kNeeded);
   t("had_rounds", Flag(certificate.had_rounds),
     "whether the starts of a worst case, or of a mean over the residual velocity, went on in "
-    "rounds",
+    "rounds (no stated `search.starts`)",
     kNeeded);
-  t("proof", Map([&](Table& m) { proof_fields(m, problem, certificate.proof); }), "", kNeeded);
+  t("proof", Map([&](Table& m) { proof_fields(m, problem, certificate.proof); }),
+    "what branch and bound with intervals says of all solutions", kNeeded);
 }
 
 void candidate_fields(Table& t, const CaptureProblem& problem, int families, Candidate& candidate) {
   configuration_fields(t, problem, candidate.configuration);
   t("objective", Number(candidate.objective), "nominal value", needed("`objective.unit`"));
-  t("worst_case", Number(candidate.worst_case), "worst case over the cone",
+  t("worst_case", Number(candidate.worst_case), "as `objective.worst_case`",
     needed("`objective.unit`"));
   t("value", Number(candidate.value), "of the measure", needed("`objective.unit`"));
-  t("judged", Flag(candidate.is_judged), "as objective.judged", kNeeded);
-  t("max_violation", Number(candidate.max_violation, kNonNegative), "of the constraints", kOwnUnit);
+  t("judged", Flag(candidate.is_judged), "as `objective.judged`", kNeeded);
+  t("max_violation", Number(candidate.max_violation, kNonNegative),
+    "largest violation of a constraint", kOwnUnit);
   t("starts_reached", Integer(candidate.starts_reached, 0, kMany), "starts that ended here",
     kNeeded);
   t("family", OrNull(Integer(candidate.family, 0, families - 1), candidate.family < 0),
-    "number of the curve in `families` that it is on; null: none was followed", kNeeded);
-  t("collision_free", Flag(candidate.collision_free), "at the contact", kNeeded);
-  t("collision", Text(candidate.collision), "\"a with b\" when not", kNeeded);
+    "index of its curve in `families`; null: none was followed", kNeeded);
+  t("collision_free", Flag(candidate.collision_free),
+    "arm, base, obstacles and target at the contact", kNeeded);
+  t("collision", Text(candidate.collision), "\"a with b\" where it is not", kNeeded);
   t("excluded", WrittenIf(Text(candidate.excluded), !candidate.excluded.empty()),
     "why it was not chosen, of a candidate that ranks before the chosen one", {.without = "none"});
   t("turns", WrittenIf(maps_of(candidate.turns), !candidate.turns.empty()),
-    "joints of which whole turns may be added, each by itself: the posture stays the same",
+    "joints of which whole turns may be added, each by itself: the posture and the impact stay the "
+    "same",
     {.without = "none"});
 }
 
@@ -341,15 +375,14 @@ void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& fami
   t("length", Number(family.length, kNonNegative), "of the curve", needed("rad, m and s mixed"));
   t("closed", Flag(family.is_closed), "ends where it begins", kNeeded);
   t("complete", Flag(family.is_complete), "closed, or followed to limits at both ends", kNeeded);
-  t("starts", Integer(family.starts, 0, kMany), "of the search that ended on it", kNeeded);
+  t("starts", Integer(family.starts, 0, kMany), "starts that ended on it", kNeeded);
   t("points",
     List(family.points,
          [&problem](Configuration& point) {
            return Map([&](Table& m) { configuration_fields(m, problem, point); });
          }),
-    "along the curve in order, at most 0.1 apart; a closed one ends with its first point; of a "
-    "free "
-    "joint the ends of its range, of a continuous one also the middle",
+    "along the curve, at most 0.1 apart; a closed one ends with its first point; of a free joint "
+    "the ends of its range, of a continuous one also the middle",
     kNeeded);
 }
 
@@ -369,59 +402,71 @@ void abort_fields(Table& t, const CaptureProblem& problem, AbortPath& abort) {
   const int n = problem.robot.n();
   t("times", Numbers(abort.times), "of the samples; the first one is the contact time",
     needed("s"));
-  t("joint_positions", vectors(abort.joint_positions, n), "", kJoints);
+  t("joint_positions", vectors(abort.joint_positions, n), "per sample", kJoints);
   t("joint_velocities", vectors(abort.joint_velocities, n), "zero at the last sample",
     needed("rad/s (m/s)"));
   t("base_poses", List(abort.base_poses, [](Pose& pose) { return written_pose(pose); }),
     "poses of B", needed("m", "N"));
-  t("retreat", Number(abort.retreat, kNonNegative), "along the normal that was asked for",
-    needed("m"));
+  t("retreat", Number(abort.retreat, kNonNegative), "along the normal, as asked for", needed("m"));
   t("min_clearance", clearance_of(abort.min_clearance),
-    "minimum distance between bodies; null: nothing is near", needed("m"));
+    "minimum distance among pairs that may not touch, hand and target left out; null: nothing near",
+    needed("m"));
   t("effort_used", Number(abort.effort_used, kNonNegative),
     "largest part of a joint's torque limit", kNeeded);
 }
 
 void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
   const int n = problem.robot.n();
-  t("status", Word(approach.status, approach_status_names()), "", kNeeded);
-  t("detail", Text(approach.detail), "what failed, by how much", kNeeded);
+  t("status", Word(approach.status, approach_status_names()), "`found`, or which kind of failure",
+    kNeeded);
+  t("detail", Text(approach.detail), "what failed, by how much, in words", kNeeded);
   t("times", Numbers(approach.times), "of the samples; the last one is the contact time",
     needed("s"));
-  t("joint_positions", vectors(approach.joint_positions, n), "", kJoints);
-  t("joint_velocities", vectors(approach.joint_velocities, n), "", needed("rad/s (m/s)"));
+  t("joint_positions", vectors(approach.joint_positions, n), "per sample", kJoints);
+  t("joint_velocities", vectors(approach.joint_velocities, n), "per sample", needed("rad/s (m/s)"));
   t("joint_accelerations", vectors(approach.joint_accelerations, n),
-    "at the start of the segment that begins at each sample", needed("rad/s^2 (m/s^2)"));
-  t("joint_torques", vectors(approach.joint_torques, n), "at the same instants", needed("N m (N)"));
+    "at the begin of the segment after each sample; zero at the last one",
+    needed("rad/s^2 (m/s^2)"));
+  t("joint_torques", vectors(approach.joint_torques, n),
+    "at the same instants, by the dynamics of the robot without friction", needed("N m (N)"));
   t("base_poses", List(approach.base_poses, [](Pose& pose) { return written_pose(pose); }),
     "poses of B", needed("m", "N"));
-  t("base_velocities", vectors(approach.base_velocities, 6), "linear and angular",
+  t("base_velocities", vectors(approach.base_velocities, 6), "linear, then angular",
     needed("m/s, rad/s", "B"));
-  t("duration", Number(approach.duration), "of the motion", needed("s"));
+  t("duration", Number(approach.duration), "of the motion, without the wait", needed("s"));
   t("path_length", Number(approach.path_length), "in joint space", needed("rad"));
   t("attitude_excursion", Number(approach.attitude_excursion),
     "largest rotation angle of the base from its final attitude", needed("rad"));
   t("min_clearance", clearance_of(approach.min_clearance),
-    "minimum distance between bodies; null: nothing is near", needed("m"));
+    "minimum distance among pairs that may not touch, hand and target left out; null: nothing near",
+    needed("m"));
   t("effort_used", Number(approach.effort_used, kNonNegative),
     "largest part of a joint's torque limit", kNeeded);
   t("hand_error", Map([&](Table& m) {
-      m("position", Number(approach.hand_position_error, kNonNegative), "", needed("m"));
-      m("angle", Number(approach.hand_angle_error, kNonNegative), "", needed("rad"));
+      m("position", Number(approach.hand_position_error, kNonNegative), "distance from its place",
+        needed("m"));
+      m("angle", Number(approach.hand_angle_error, kNonNegative), "of its axes", needed("rad"));
     }),
     "of the hand at the end of the path", kNeeded);
-  t("late_by", Number(approach.late_by, kNonNegative), "of a path that is too slow", needed("s"));
+  t("late_by", Number(approach.late_by, kNonNegative),
+    "status `too_slow`: by which the path takes longer than there is time", needed("s"));
   t("polish", Map([&](Table& m) {
-      m("quantity", Word(approach.polish, kPathPolishNames), "what was reduced", kNeeded);
-      m("before", Number(approach.before_polish, kNonNegative), "", needed("rad or s"));
-      m("after", Number(approach.after_polish, kNonNegative), "", needed("rad or s"));
+      m("quantity", Word(approach.polish, kPathPolishNames),
+        "what was reduced: `none`, `attitude` or `time`", kNeeded);
+      m("before", Number(approach.before_polish, kNonNegative), "of the planner's path",
+        needed("rad or s"));
+      m("after", Number(approach.after_polish, kNonNegative), "of the path as it is",
+        needed("rad or s"));
     }),
-    "", kNeeded);
+    "reduction by the polish, of the path to rest: a hand that moves runs to the contact from "
+    "there",
+    kNeeded);
   AbortPath abort = approach.abort.value_or(AbortPath{});
   t("abort",
     Map([&](Table& m) { abort_fields(m, problem, abort); },
-        {.name = "abort", .is_written = approach.abort.has_value()}),
-    "path to rest if the grasp of a hand that moves does not close", {.without = "none"});
+        {.is_written = approach.abort.has_value()}),
+    "path to rest if the grasp of a hand that moves does not close",
+    {.without = "none was asked for"});
   MapReader* map = t.reader();
   if (map != nullptr && map->has("abort")) approach.abort = abort;
   if (map == nullptr || !map->context().findings.empty()) return;
@@ -448,13 +493,15 @@ void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& a
 static void fields(Table& t, Finding& remark) {
   t("file", Text(remark.file), "as the problem names it", kNeeded);
   t("line", Integer(remark.line, 0, kManyTimes), "of the first of its kind; 0: of none", kNeeded);
-  t("rule", Text(remark.rule), "short name", kNeeded);
-  t("message", Text(remark.message), "", kNeeded);
+  t("rule", Text(remark.rule), "short name of the kind", kNeeded);
+  t("message", Text(remark.message), "in words, with the number of times", kNeeded);
 }
 
 static void fields(Table& t, InputFile& input) {
-  t("role", Text(input.role, {"problem", "robot", "target"}, "roles"), "", kNeeded);
-  t("path", Text(input.path), "as it was named", kNeeded);
+  t("role", Text(input.role, {"problem", "robot", "target"}, "roles"),
+    "`problem`, `robot` or `target`", kNeeded);
+  t("path", Text(input.path),
+    "of the problem as on the command line, of the others as in the problem", kNeeded);
   t("sha256", Text(input.sha256), "of the whole file", kNeeded);
 }
 
@@ -478,7 +525,7 @@ void robot_copy_fields(Table& t, PlanFile& file, std::string& hand) {
   t("hand", Text(hand), "hand link", kNeeded);
   std::vector<Finding>& remarks = file.plan.problem.robot.remarks;
   t("remarks", WrittenIf(maps_of(remarks), !remarks.empty()),
-    "what of the robot file was left out or assumed");
+    "what of the robot file was left out or assumed, once per kind");
 }
 
 }  // namespace
@@ -488,12 +535,13 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
   CaptureProblem& problem = plan.problem;
   format_fields(t, "stillbase.plan");
   t("tool", Dictionary(file.tool, [](std::string& version) { return Text(version); }),
-    "programs and libraries, with their versions", kNeeded);
+    "versions of stillbase, Eigen and the compiler", kNeeded);
   t("inputs", maps_of(file.inputs), "files that the plan was made from", kNeeded);
-  t("problem", ProblemCopy(problem, urdf_of(t.reader())), "normalised copy of the problem",
-    kNeeded);
+  t("problem", ProblemCopy(problem, urdf_of(t.reader())),
+    "normalised copy of the problem: every field stated, in SI", kNeeded);
   std::string hand = problem.robot.hand;
-  t("robot", Map([&](Table& m) { robot_copy_fields(m, file, hand); }), "", kNeeded);
+  t("robot", Map([&](Table& m) { robot_copy_fields(m, file, hand); }), "the robot as it was read",
+    kNeeded);
   MapReader* const map = t.reader();
   if (map != nullptr) {
     if (map->context().findings.empty() && hand != problem.robot.hand) {
@@ -503,16 +551,18 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
     }
     map->context().throw_if_any();  // what follows is about the robot's joints
   }
-  t("status", Word(plan.status, plan_status_names()), "", kNeeded);
-  t("optimizer", Text(plan.optimizer), "that was asked for", kNeeded);
-  t("configuration", Map([&](Table& m) { chosen_fields(m, plan); }), "", kNeeded);
-  t("impact",
-    Map([&](Table& m) { impact_object_fields(m, plan.impact, problem.robot); }, {.name = "impact"}),
-    "", kNeeded);
-  t("objective", Map([&](Table& m) { objective_value_fields(m, plan); }), "", kNeeded);
-  t("constraints", maps_of(plan.constraints), "", kNeeded);
-  t("certificate", Map([&](Table& m) { certificate_fields(m, problem, plan.certificate); }), "",
-    kNeeded);
+  t("status", Word(plan.status, plan_status_names()),
+    "`optimal` (the best candidate), `feasible`, `infeasible` or `limit` (stopped early)", kNeeded);
+  t("optimizer", Text(plan.optimizer), "local solver of the search", kNeeded);
+  t("configuration", Map([&](Table& m) { chosen_fields(m, plan); }),
+    "where the robot is at the contact", kNeeded);
+  t("impact", Map([&](Table& m) { impact_object_fields(m, plan.impact, problem.robot); }),
+    "the nominal impact in this configuration", kNeeded);
+  t("objective", Map([&](Table& m) { objective_value_fields(m, plan); }),
+    "what was minimised, and its values in the configuration", kNeeded);
+  t("constraints", maps_of(plan.constraints), "every scalar constraint of the problem", kNeeded);
+  t("certificate", Map([&](Table& m) { certificate_fields(m, problem, plan.certificate); }),
+    "computed without the solver that found the configuration", kNeeded);
   int families = kMany;
   if (map != nullptr && map->find("families") != nullptr) {
     families = static_cast<int>(map->find("families")->items.size());
@@ -522,14 +572,15 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
          [&](Candidate& candidate) {
            return Map([&](Table& m) { candidate_fields(m, problem, families, candidate); });
          }),
-    "distinct solutions in the order of the search; the end of a path that decides the "
+    "the best distinct solutions in the order of the search; the end of a path that decides the "
     "configuration keeps the place of its candidate",
     kNeeded);
   Choice choice = plan.choice;
   t("choice",
     Map([&](Table& m) { choice_fields(m, choice); },
-        {.name = "choice", .is_written = !plan.candidates.empty() && choice.better >= 0}),
-    "where the configuration stands among the candidates", {.without = "not stated"});
+        {.is_written = !plan.candidates.empty() && choice.better >= 0}),
+    "where the configuration stands among the candidates",
+    {.without = "no candidates, or an older file"});
   if (map != nullptr) {
     if (!map->has("choice")) choice.better = -1;
     plan.choice = choice;
@@ -541,35 +592,36 @@ void plan_fields(Table& t, PlanFile& file, const std::string& verification) {
          [&](SolutionFamily& family) {
            return Map([&](Table& m) { family_fields(m, problem, family); });
          }),
-    "continua of solutions: curves on which the nominal objective vanishes, and, by their ends, "
-    "those along which one joint is free: nothing depends on its angle",
+    "continua of solutions: curves on which the nominal objective vanishes, and those along which "
+    "one joint is free: nothing depends on its angle",
     kNeeded);
-  t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }), "",
+  t("approach", Map([&](Table& m) { approach_result_fields(m, problem, plan.approach); }),
+    "path and time law from the start posture; cubic Hermite segments between the samples",
     kNeeded);
   AfterHorizon after = plan.after_horizon.value_or(AfterHorizon{});
   t("after_horizon",
     Map([&](Table& m) { after_horizon_fields(m, after); },
-        {.name = "after_horizon", .is_written = plan.after_horizon.has_value()}),
+        {.is_written = plan.after_horizon.has_value()}),
     "what the joints do after the horizon of the simulation under the first controller",
-    {.without = "no controller, or a simulation that did not finish"});
+    {.without = "no controller, or a limit came first"});
   if (map != nullptr && map->has("after_horizon")) plan.after_horizon = after;
   ManagedMomentum managed = plan.managed_momentum.value_or(ManagedMomentum{});
   t("managed_momentum",
     Map([&](Table& m) { managed_momentum_fields(m, managed); },
-        {.name = "managed_momentum", .is_written = plan.managed_momentum.has_value()}),
+        {.is_written = plan.managed_momentum.has_value()}),
     "the momentum that has to go somewhere after the contact, and which limit is tightest",
     {.without = "no target"});
   if (map != nullptr && map->has("managed_momentum")) plan.managed_momentum = managed;
   t("warnings", WrittenIf(maps_of(plan.warnings), !plan.warnings.empty()),
     "what the plan leaves out of what its own problem says", {.without = "none"});
   t("solver_calls", Dictionary(plan.solver_calls, [](long& n) { return Integer(n, 0, kMany); }),
-    "optimizer or planner and how often it was called", kNeeded);
+    "calls per optimizer or planner", kNeeded);
   t("content_sha256", Text(file.stated_sha256),
     "of everything but `tool`, `timing`, `verification` and itself: SHA-256 of the JSON without "
     "blanks, keys sorted",
     kNeeded);
-  t("verification", Verdict(verification), "");
-  t("timing", Dictionary(plan.timing, [](double& x) { return Number(x); }), "of each phase",
+  t("verification", Verdict(verification), "result of `verify`, where it was entered");
+  t("timing", Dictionary(plan.timing, [](double& x) { return Number(x); }), "per phase",
     {.unit = "s"});
 }
 

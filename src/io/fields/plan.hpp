@@ -25,9 +25,8 @@ void managed_momentum_fields(Table& t, ManagedMomentum& managed);
 /// The impact object of plans, `inspect` and `analyze`, in B.
 void impact_object_fields(Table& t, ImpactSummary& impact, const RobotModel& robot);
 
-/// Two vectors of three, in B, as one of six.
-Map halves(Vector6d& both, const char* upper, const char* upper_unit, const char* lower,
-           const char* lower_unit);
+/// An impulse [f; t] on the hand, in B.
+Map impulse_of(Vector6d& F);
 /// Angular momentum and its parts.
 Map momentum_split(Vector3d& total, Vector3d& base, Vector3d& coupling);
 

@@ -73,8 +73,7 @@ void inspection_fields(Table& t, const RobotModel& robot, const RobotState& stat
   const bool has_impact = state.Fbar.has_value() && has_inverse;
   if (has_impact) impact = summarize_impact(robot, state.phi, {}, *state.Fbar, 0);
   t("impact",
-    Map([&](Table& m) { impact_object_fields(m, impact, robot); },
-        {.name = "impact", .is_written = has_impact}),
+    Map([&](Table& m) { impact_object_fields(m, impact, robot); }, {.is_written = has_impact}),
     "where the state names an impulse");
 }
 
@@ -179,8 +178,7 @@ void contact_fields(Table& t, ControllerRun& run) {
   static constexpr auto kModels = names<bool>({{"latch", true}, {"compliant", false}});
   t("model", Word(run.contact.is_held, kModels), "", {.need = Need::Required, .decides = true});
   if (run.contact.is_held) {
-    t("impulse", halves(run.contact.latch_impulse, "force", "N s", "moment", "N m s"),
-      "on the hand", kNeeded);
+    t("impulse", impulse_of(run.contact.latch_impulse), "on the hand", kNeeded);
     return;
   }
   EncounterResult encounter = run.contact.encounter.value_or(EncounterResult{});
@@ -252,8 +250,7 @@ void run_fields(Table& t, const RobotModel& robot, ControllerRun& run) {
     "limits of joints that were reached", kNeeded);
   AfterHorizon after = run.after_horizon.value_or(AfterHorizon{});
   t("after_horizon",
-    OrNull(Map([&](Table& m) { after_horizon_fields(m, after); }, {.name = "after_horizon"}),
-           !run.after_horizon),
+    OrNull(Map([&](Table& m) { after_horizon_fields(m, after); }), !run.after_horizon),
     "what the joints do after the horizon; null: not computed", kNeeded);
 }
 

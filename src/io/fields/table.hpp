@@ -30,6 +30,7 @@ class MapReader;
 struct FieldRow {
   std::string name;     ///< below the field that holds it: ".axis", "[].name"
   std::string text;     ///< what it means
+  std::string shape;    ///< of lists: "3", "k x n"
   std::string unit;     ///< unit and frame
   std::string range;    ///< "> 0", "in [0, 1]"
   std::string without;  ///< what holds without it: the default, "required", "none"

@@ -350,8 +350,8 @@ Orientation::Orientation(Slot<Eigen::Quaterniond> x) {
 
 void format_fields(Table& t, const std::string& format) {
   int version = 1;
-  t("format", Exactly(format), "", kNeeded);
-  t("version", Integer(version, 1, 1), "", kNeeded);
+  t("format", Exactly(format), "`" + format + "`", kNeeded);
+  t("version", Integer(version, 1, 1), "of the format", kNeeded);
 }
 
 void pose_fields(Table& t, Pose& pose, const std::string& what, const std::string& frame,
