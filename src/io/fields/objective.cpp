@@ -51,8 +51,8 @@ void measure_fields(Table& t, MeasureSpec& measure) {
   t("measure", Word(measure.kind, kMeasureNames),
     "what counts over the uncertainty: `nominal` (the nominal value; values within 1e-8 of "
     "the objective's typical size count as equal and are ranked by their worst case), `worst_case` "
-    "(largest over the cone), `expectation` and `cvar` (root of the mean square over all samples, "
-    "over the worst ones)",
+    "(largest over the cone, or over the residual velocity), `expectation` and `cvar` (root of the "
+    "mean square over all samples, over the worst ones)",
     {.decides = true});
   // A misspelt measure may use them all.
   const bool is_unknown = t.reader() != nullptr && t.reader()->was_refused("measure");

@@ -45,7 +45,7 @@ void hand_fields(Table& t, HandSpec& hand) {
 void constraints_fields(Table& t, CaptureProblem& problem) {
   ConstraintSpec& constraints = problem.constraints;
   t("case", Word(constraints.impact_case, kCaseConstraintNames),
-    "`none`, `C` (C1 or C2), `C1`, `C2`, `G2`, `G3`");
+    "the paper's impact case: `none`, `C` (C1 or C2), `C1`, `C2`, `G2`, `G3`");
   t("joint_limit_margin",
     Number(constraints.joint_limit_margin, Dimension::JointPosition, kDistance),
     "kept from every joint limit");
@@ -68,12 +68,13 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
     "(one of a planar robot); 0: no bound");
   t("jacobian_singular_value_min",
     Number(constraints.jacobian_singular_value_min, Dimension::Length, singular),
-    "the same of the generalized Jacobian, its angular rows times `jacobian_length`");
+    "the same of the generalized Jacobian, its angular rows times `jacobian_length`; with a "
+    "`contact.hand_velocity` it keeps the joint rates smooth: no singular posture is near");
   t("jacobian_length", Number(constraints.jacobian_length, Dimension::Length, kSize),
     "converts angles into lengths there");
   t("clearance", Number(constraints.clearance, Dimension::Length, kDistance),
     "the search keeps this distance at the contact between the shapes of arm, base, base-fixed "
-    "obstacles and target; see `constraints.clearance` in problems/README.md");
+    "obstacles and target; see problems/reference/constraints.md");
 }
 
 /// What the impulse of a target needs is said where the source is stated, before what names parts
