@@ -14,6 +14,7 @@
 #include "verification/contact_case.hpp"
 #include "verification/limit_uses.hpp"
 #include "verification/moving_shapes.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
@@ -90,16 +91,16 @@ std::string collision_objection(const Context& context, const CollisionScene& sc
                      candidate.configuration.contact_time - wait);
   const bool is_same_feature = at.problem.variables.feature == context.problem.variables.feature;
   // At the edge of that distance two codes may see the hand on either side.
-  const double room = candidate.collision_free ? -kDistanceError : kDistanceError;
+  const double room = candidate.collision_free ? -kShared.flat_distance : kShared.flat_distance;
   const auto distances = waiting_distances(at, is_same_feature ? scene : CollisionScene(at.problem),
-                                           wait, margin + kDistanceError, room);
+                                           wait, margin + kShared.flat_distance, room);
   if (!candidate.collision_free) {
     const bool is_found = distances.count(candidate.collision) > 0 ||
                           distances.count(swapped(candidate.collision)) > 0;
     return is_found ? "" : candidate.collision + " are not near each other";
   }
   for (const auto& [pair, distance] : distances) {
-    if (distance < margin - kDistanceError) {
+    if (distance < margin - kShared.flat_distance) {
       return fmt::format("{} are {:.3g} m from each other", pair, distance);
     }
   }

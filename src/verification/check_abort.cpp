@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "verification/path_checks.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -34,10 +35,10 @@ void check_ends(const Context& context, const Approach& path, ClaimList& claims)
                                               contact.phi, false),
                            pose_error(path.base_poses.front(), contact.base).largest(),
                            std::abs(path.times.front() - contact.contact_time), rates}),
-                 kCopied, "rad, m, s or rad/s",
+                 kShared.rounding, "rad, m, s or rad/s",
                  "first sample from posture, base pose, time and joint rates at the contact");
-  claims.at_most("abort_rest", path.joint_velocities.back().cwiseAbs().maxCoeff(), kCopied, "rad/s",
-                 "joint rates at the end");
+  claims.at_most("abort_rest", path.joint_velocities.back().cwiseAbs().maxCoeff(), kShared.rounding,
+                 "rad/s", "joint rates at the end");
 }
 
 /// The stated retreat: the joints come to rest evenly, and meanwhile travel what takes the hand by

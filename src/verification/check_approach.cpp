@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "verification/path_checks.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -17,7 +18,6 @@ constexpr double kTravelPerStep = 0.005;
 constexpr double kStatedDistance = 1e-5;
 /// Accelerations are second differences of the positions: they round to about 1e-15 of them.
 constexpr double kRounding = 1e-13;
-constexpr double kArrivalVelocity = 1e-6;  ///< m/s, rad/s
 /// Torques follow from accelerations, which round as second differences of the positions.
 constexpr double kTorqueTolerance = 1e-8;
 
@@ -47,14 +47,15 @@ void check_arrival_velocity(const Context& context, ClaimList& claims) {
   Vector6d target;
   target << *situation.event.velocity, situation.event.omega;
   const DecidedVelocity decided = decided_velocity(context.problem, situation.event, situation.at);
-  claims.at_most("approach_arrival_match", decided.error(hand), kArrivalVelocity, "m/s or rad/s",
+  claims.at_most("approach_arrival_match", decided.error(hand), kShared.matched_velocity,
+                 "m/s or rad/s",
                  fmt::format("velocity of the hand at the last sample from the {} components that "
                              "the problem decides",
                              decided.values.size()));
   // As the contact asks for it: zero of a hand that matches all.
   const Vector6d wanted = target - situation.response.before->hand;
   claims.at_most("approach_arrival_velocity", (target - hand - wanted).cwiseAbs().maxCoeff(),
-                 kArrivalVelocity, "m/s or rad/s",
+                 kShared.matched_velocity, "m/s or rad/s",
                  fmt::format("velocity of the target less that of the hand at the last sample, "
                              "{:.3g} m/s and {:.3g} rad/s, from the one that the contact asks for",
                              (target - hand).head<3>().norm(), (target - hand).tail<3>().norm()));
@@ -69,13 +70,13 @@ void check_ends(const Context& context, ClaimList& claims) {
   claims.at_most(
       "approach_start",
       largest_difference(problem.robot, approach.joint_positions.front(), problem.start, true),
-      kCopied, "rad", "first posture from the problem's start posture");
+      kShared.rounding, "rad", "first posture from the problem's start posture");
   claims.at_most(
       "approach_arrival",
-      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false), kCopied,
-      "rad", "last posture from the configuration");
+      largest_difference(problem.robot, approach.joint_positions.back(), goal.phi, false),
+      kShared.rounding, "rad", "last posture from the configuration");
   claims.at_most("approach_contact_time", std::abs(approach.times.back() - goal.contact_time),
-                 kCopied, "s", "last time from the contact time");
+                 kShared.rounding, "s", "last time from the contact time");
   const std::optional<MotionOfRobot>& moving = context.situation.response.before;
   const Eigen::VectorXd wanted =
       moving ? moving->phidot : Eigen::VectorXd(Eigen::VectorXd::Zero(problem.robot.n()));
@@ -83,7 +84,7 @@ void check_ends(const Context& context, ClaimList& claims) {
   claims.at_most("approach_rest",
                  std::max(approach.joint_velocities.front().cwiseAbs().maxCoeff(),
                           at_contact.cwiseAbs().maxCoeff()),
-                 kCopied, "rad/s",
+                 kShared.rounding, "rad/s",
                  moving ? "joint rates at the start, and from those of the contact at the end"
                         : "joint rates at both ends");
   if (moving) check_arrival_velocity(context, claims);
@@ -98,18 +99,18 @@ void check_ends(const Context& context, ClaimList& claims) {
   }
   const double wait = approach.times[leaves] - approach.times[arrival];
   claims.at_least(
-      "approach_wait", wait, problem.approach.wait, kCopied, "s",
+      "approach_wait", wait, problem.approach.wait, kShared.rounding, "s",
       moving ? "time at rest before the run to the contact" : "time at rest before the contact");
   claims.at_most("approach_duration", approach.times[last] - approach.times.front(),
-                 problem.approach.max_duration * (1 + kCopied), "s",
+                 problem.approach.max_duration * (1 + kShared.rounding), "s",
                  "from the start to the contact");
   claims.at_most("approach_stated_duration",
                  std::abs(approach.times[arrival] - approach.times.front() +
                           (approach.times[last] - approach.times[leaves]) - approach.duration),
-                 kCopied, "s", "stated time of motion");
+                 kShared.rounding, "s", "stated time of motion");
   if (!problem.impulse.direction && problem.target) {
-    claims.at_least("approach_begins", approach.times.front(), problem.target_state.time, kCopied,
-                    "s", "not before the time of the target's estimate");
+    claims.at_least("approach_begins", approach.times.front(), problem.target_state.time,
+                    kShared.rounding, "s", "not before the time of the target's estimate");
   }
 
   const double length = path_length(approach);
@@ -215,7 +216,8 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   claims.at_most("approach_base_poses", worst_pose, options.base_path_tolerance, "m or rad",
                  fmt::format("{}: stored poses from those integrated from the first one", how));
   if (held) {
-    claims.at_most("approach_base_rates", rate, kCopied, "m/s or rad/s", "stored base velocities");
+    claims.at_most("approach_base_rates", rate, kShared.rounding, "m/s or rad/s",
+                   "stored base velocities");
   } else {
     claims.at_most("approach_base_steps", worst_step, options.base_step_tolerance, "m or rad",
                    "stored poses from those integrated from the sample before");
@@ -224,18 +226,18 @@ void check_base(const Context& context, const std::vector<Pose>& poses, double w
   }
   claims.at_most("approach_base_arrival",
                  pose_error(approach.base_poses.back(), context.plan.configuration.base).largest(),
-                 kCopied, "m or rad", "last base pose from the configuration");
+                 kShared.rounding, "m or rad", "last base pose from the configuration");
   if (!problem.approach.station_free) {
     claims.at_most("approach_base_start",
-                   pose_error(approach.base_poses.front(), problem.base).largest(), kCopied,
-                   "m or rad", "first base pose from the stated one");
+                   pose_error(approach.base_poses.front(), problem.base).largest(),
+                   kShared.rounding, "m or rad", "first base pose from the stated one");
   }
   if (problem.approach.base == BaseMode::ReactionNull) {
     claims.at_most("approach_attitude_kept", excursion, problem.approach.attitude_tolerance, "rad",
                    "largest change from the final attitude in the reaction null space");
   }
   claims.at_most("approach_attitude_excursion", std::abs(approach.attitude_excursion - excursion),
-                 kCopied, "rad",
+                 kShared.rounding, "rad",
                  fmt::format("largest change from the final attitude, {:.6g} rad", excursion));
 
   claims.at_most("approach_hand_error",
@@ -259,7 +261,7 @@ void check_clearance(const Context& context, const std::vector<BaseTrack>& track
                      ClaimList& claims) {
   const PathClearance found = path_clearance(context, tracks);
   if (found.complete) {
-    claims.at_most("approach_distance_codes", found.difference_of_codes, kDistanceError, "m",
+    claims.at_most("approach_distance_codes", found.difference_of_codes, kShared.flat_distance, "m",
                    "smallest distances at the samples by two codes, largest difference" +
                        (found.differs_most.empty() ? "" : ": " + found.differs_most));
   }
@@ -345,7 +347,8 @@ void check_path_clearance(const Context& context, const PathClearance& found, do
   }
   // Without a clearance the bodies must still be apart.
   claims.at_least(
-      name + "_clearance", found.least.proven, clearance, std::min(clearance, kDistanceError), "m",
+      name + "_clearance", found.least.proven, clearance,
+      std::min(clearance, kShared.flat_distance), "m",
       fmt::format("no distance is smaller between the samples, proven with {} instants; smallest "
                   "found {:.6g} m, {} at {:.3f} s{}",
                   found.instants, found.least.found, found.least.pair, found.least.time, included));

@@ -5,12 +5,10 @@
 
 #include "verification/checks.hpp"
 #include "verification/margins.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::verification {
 namespace {
-
-/// What the problem fixes may differ by rounding only.
-constexpr double kFixed = 1e-9;
 
 void check_joints(const Situation& situation, ClaimList& claims) {
   const CaptureProblem& problem = situation.problem;
@@ -25,9 +23,9 @@ void check_joints(const Situation& situation, ClaimList& claims) {
     if (!problem.variables.joints[k]) moved = std::max(moved, std::abs(phi(k) - problem.start(k)));
   }
   // Without any limit the value is zero instead of minus infinity.
-  claims.at_most("joint_limits", std::isfinite(beyond.value) ? beyond.value : 0.0, kFixed, "rad",
-                 "furthest beyond a joint limit with its margin: " + beyond.place);
-  claims.at_most("fixed_joints", moved, kFixed, "rad",
+  claims.at_most("joint_limits", std::isfinite(beyond.value) ? beyond.value : 0.0, kShared.rounding,
+                 "rad", "furthest beyond a joint limit with its margin: " + beyond.place);
+  claims.at_most("fixed_joints", moved, kShared.rounding, "rad",
                  "joints that are no variables stay at the start posture");
 }
 
@@ -86,14 +84,14 @@ void check_base(const Situation& situation, ClaimList& claims) {
       approach.enabled && approach.base == BaseMode::Floating && !approach.station_free;
   const Pose& base = situation.at.base;
   const Excess attitude = follows ? Excess{0, kFollows} : attitude_excess(problem, base);
-  claims.at_most("base_attitude", attitude.value, kFixed, "rad", attitude.rule);
+  claims.at_most("base_attitude", attitude.value, kShared.rounding, "rad", attitude.rule);
   const Excess position = follows ? Excess{0, kFollows} : position_excess(problem, base);
-  claims.at_most("base_position", position.value, kFixed, "m", position.rule);
+  claims.at_most("base_position", position.value, kShared.rounding, "m", position.rule);
 
   const double time = situation.at.contact_time, earliest = problem.variables.contact_time_lower,
                latest = problem.variables.contact_time_upper;
-  claims.at_most("contact_time", std::max({0.0, earliest - time, time - latest}), kFixed, "s",
-                 fmt::format("within [{}, {}] s", earliest, latest));
+  claims.at_most("contact_time", std::max({0.0, earliest - time, time - latest}), kShared.rounding,
+                 "s", fmt::format("within [{}, {}] s", earliest, latest));
 }
 
 void check_hand(const Situation& situation, const VerifyOptions& options, ClaimList& claims) {
@@ -139,7 +137,7 @@ void check_configuration(const Situation& situation, const VerifyOptions& option
   if (situation.problem.impulse.source != ImpulseSource::Given) {
     claims.at_least("closing_speed_min",
                     closing_speed(situation.problem, situation.event, situation.event.n),
-                    situation.problem.constraints.closing_speed_min, kFixed, "m/s",
+                    situation.problem.constraints.closing_speed_min, kShared.rounding, "m/s",
                     "closing speed of target and hand");
   }
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -14,7 +15,6 @@ constexpr double kRankToleranceOfPlans = 1e-10;
 
 /// Joint rates that match a velocity have the condition of the Jacobian.
 constexpr double kArrivalAgrees = 1e-9;
-constexpr double kArrivalMatches = 1e-6;  ///< m/s, rad/s: a matched hand
 
 const char* name_of(ImpactCase impact_case) {
   constexpr const char* kNames[] = {"G1", "G2", "G3", "C1", "C2"};
@@ -128,15 +128,15 @@ void check_motion_before(const Context& context, ClaimList& claims) {
        "m/s and rad/s without momentum");
   same("arrival_hand_velocity", stated->hand_velocity, found->hand, size, "m/s and rad/s");
   claims.at_most("arrival_relative_velocity",
-                 (stated->relative_velocity - apart).cwiseAbs().maxCoeff(), kArrivalMatches,
-                 "m/s or rad/s",
+                 (stated->relative_velocity - apart).cwiseAbs().maxCoeff(),
+                 kShared.matched_velocity, "m/s or rad/s",
                  fmt::format("stated velocity of the target less that of the hand, {:.3g} m/s and "
                              "{:.3g} rad/s, from the recomputed one",
                              apart.head<3>().norm(), apart.tail<3>().norm()));
   const DecidedVelocity decided = decided_velocity(context.problem, situation.event, situation.at);
   claims.at_most("arrival_match",
                  std::max(decided.error(found->hand), decided.error(stated->hand_velocity)),
-                 kArrivalMatches, "m/s or rad/s",
+                 kShared.matched_velocity, "m/s or rad/s",
                  fmt::format("velocity of the hand, stated and recomputed, from the {} components "
                              "that the problem decides",
                              decided.values.size()));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "verification/checks.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::verification {
 namespace {
@@ -34,7 +35,7 @@ void check_worst_direction(const Context& context, ClaimList& claims) {
   if (const auto& plane = uncertainty.cone_plane_normal; is_cone && plane) {
     outside = std::max(outside, std::abs(plane->dot(d - n)));
   }
-  claims.at_most("worst_direction", outside, 1e-9, "rad",
+  claims.at_most("worst_direction", outside, kShared.rounding, "rad",
                  is_cone ? "the stated worst direction is a direction of the cone"
                          : "without a cone the stated worst direction is the normal");
 }

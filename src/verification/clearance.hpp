@@ -12,10 +12,6 @@
 
 namespace stillbase::verification {
 
-/// Error of the planner's distances between two flat shapes, m, by which a path may be too close
-/// and by which two codes may differ.
-inline constexpr double kDistanceError = 5e-4;
-
 /// The smallest distance of two bodies over a time: at an instant, and proven over all of it.
 struct LeastDistance {
   double found = kInfinity;   ///< m; <= 0: they overlap

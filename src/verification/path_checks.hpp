@@ -10,8 +10,6 @@
 
 namespace stillbase::verification {
 
-inline constexpr double kCopied = 1e-9;  ///< rad, m, s: copied numbers differ by rounding only
-
 /// Largest difference of two postures. @param modulo_full_rotations of continuous joints
 double largest_difference(const RobotModel& robot, const JointVectord& a, const JointVectord& b,
                           bool modulo_full_rotations);
