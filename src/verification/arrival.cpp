@@ -11,7 +11,12 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kFullRank = 1e-12;  ///< of the largest singular value
+/// Of match_condition().
+struct ArrivalOptions {
+  /// Singular values that count, of the largest one: those that vanish round to 1e-15 of it.
+  double rank = 1e-12;
+};
+constexpr ArrivalOptions kArrival;
 
 /// Of the base per joint rates, the robot without momentum, 6 x n.
 Eigen::MatrixXd base_motion(const reference::Dynamics& d) {
@@ -82,7 +87,7 @@ void move_hand(const CaptureProblem& problem, const ContactEvent& event, const C
   const DecidedVelocity wanted = decided_velocity(problem, event, at);
   const Eigen::MatrixXd G = decided_jacobian(d, wanted);
   const Svd svd = right_svd(G);
-  const int rank = numerical_rank(svd.sigma, kFullRank);
+  const int rank = numerical_rank(svd.sigma, kArrival.rank);
   const Eigen::MatrixXd row_space = svd.V.leftCols(rank), free = svd.V.rightCols(n - rank);
   // Within the row space the equations have one solution.
   const Eigen::MatrixXd reduced = G * row_space;

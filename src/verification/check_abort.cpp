@@ -10,9 +10,13 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kInside = 1e-6;        ///< m that the hand may be within the target's surface
-constexpr double kAbortRetreat = 1e-6;  ///< rad (m): joint travel by two codes
-constexpr int kLooksPerSegment = 8;     ///< at gaps
+/// Tolerances and samples of the path to rest.
+struct AbortCheckOptions {
+  double inside = 1e-6;   ///< m that the hand may be within the target's surface, by two codes
+  double retreat = 1e-6;  ///< rad (m): joint travel by two codes
+  int looks = 8;          ///< per segment, at gaps: as often as a plan looks at torques
+};
+constexpr AbortCheckOptions kAbort;
 
 /// The samples in the form of an approach.
 Approach as_path(const AbortPath& abort) {
@@ -57,7 +61,7 @@ void check_retreat(const Context& context, const Approach& path, ClaimList& clai
                                  duration / 2 * path.joint_velocities.front();
   const double stated = context.plan.approach.abort->retreat;
   claims.at_most("abort_retreat", (travel - stated * per_metre).cwiseAbs().maxCoeff(),
-                 kAbortRetreat, "rad or m",
+                 kAbort.retreat, "rad or m",
                  fmt::format("joint travel from that of the stated retreat, {:.6g} m", stated));
 }
 
@@ -80,8 +84,8 @@ void check_gap(const Context& context, const Approach& path, const std::vector<B
   double least = kInfinity, gap = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const HermiteSegment segment(path, i);
-    for (int look = 1; look <= kLooksPerSegment; ++look) {
-      const double s = segment.duration() * look / kLooksPerSegment;
+    for (int look = 1; look <= kAbort.looks; ++look) {
+      const double s = segment.duration() * look / kAbort.looks;
       const auto d = reference::compute(context.problem.robot, {segment.position(s), {}, {}});
       const Vector3d hand = tracks[i].pose(s) * Vector3d(d.hand_position);
       const ContactState contact = target.contact(*feature, path.times[i] + s);
@@ -89,9 +93,9 @@ void check_gap(const Context& context, const Approach& path, const std::vector<B
       least = std::min(least, gap);
     }
   }
-  claims.at_least("abort_gap", least, 0, kInside, "m",
+  claims.at_least("abort_gap", least, 0, kAbort.inside, "m",
                   "smallest distance of the hand from the feature's plane");
-  claims.at_least("abort_distance", gap, context.problem.approach.clearance, kInside, "m",
+  claims.at_least("abort_distance", gap, context.problem.approach.clearance, kAbort.inside, "m",
                   "the same where the robot is at rest");
 }
 

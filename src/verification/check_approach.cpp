@@ -10,25 +10,30 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kLimitSlack = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
-/// Joint travel of one integration step, rad: the error of a step is its fifth power.
-constexpr double kTravelPerStep = 0.005;
-/// m: the same distance by the same function. Base poses between samples agree to about 1e-6 m and
-/// rad, with a lever of the arm's length.
-constexpr double kStatedDistance = 1e-5;
-/// Accelerations are second differences of the positions: they round to about 1e-15 of them.
-constexpr double kRounding = 1e-13;
-/// Torques follow from accelerations, which round as second differences of the positions.
-constexpr double kTorqueTolerance = 1e-8;
+/// Tolerances, steps and samples of a path.
+struct ApproachCheckOptions {
+  double beyond_limit = 1e-6;  ///< rad, m: overshoot of a segment that ends at a limit
+  /// rad, joint travel of one integration step: the error of a step is its fifth power.
+  double travel_per_step = 0.005;
+  /// m: the same distance by the same function. Base poses between samples agree to about 1e-6 m
+  /// and rad, with a lever of the arm's length.
+  double stated_distance = 1e-5;
+  /// Relative: accelerations are second differences of the positions, which round to about 1e-15.
+  double acceleration = 1e-13;
+  /// Relative: torques follow from accelerations, which round as second differences.
+  double torque = 1e-8;
+  int chords = 8;        ///< per segment, that define the length of a path in a plan
+  int torque_looks = 8;  ///< per segment, as often as a plan states torques
+};
+constexpr ApproachCheckOptions kApproach;
 
 /// Euclidean length in joint space, by the eight chords per segment that define it in a plan.
 double path_length(const Approach& approach) {
-  constexpr int kChords = 8;
   double length = 0;
   for (std::size_t i = 0; i + 1 < approach.times.size(); ++i) {
     const HermiteSegment segment(approach, i);
-    for (int j = 0; j < kChords; ++j) {
-      const double s = segment.duration() / kChords;
+    for (int j = 0; j < kApproach.chords; ++j) {
+      const double s = segment.duration() / kApproach.chords;
       length += (segment.position((j + 1) * s) - segment.position(j * s)).norm();
     }
   }
@@ -135,7 +140,7 @@ void check_accelerations(const Context& context, ClaimList& claims) {
       if (difference(k) > 0) worst = std::max(worst, difference(k) / size(k));
     }
   }
-  claims.at_most("approach_stated_accelerations", worst, kRounding, "1",
+  claims.at_most("approach_stated_accelerations", worst, kApproach.acceleration, "1",
                  "stated accelerations against those of the segments, relative to positions and "
                  "rates over the time between samples");
 }
@@ -155,7 +160,7 @@ void check_stated_torques(const Context& context, ClaimList& claims) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     difference = std::max(difference, relative_error(approach.joint_torques[i], found[i], size));
   }
-  claims.same("approach_stated_torques", difference, kTorqueTolerance,
+  claims.same("approach_stated_torques", difference, kApproach.torque,
               fmt::format("up to {:.6g} N m at the samples", size));
 }
 
@@ -303,7 +308,7 @@ void check_path_limits(const Context& context, const Approach& path, const std::
     }
   }
   const double slack = context.options.limit_slack;
-  claims.at_most(name + "_joint_limits", beyond.value, kLimitSlack, "rad",
+  claims.at_most(name + "_joint_limits", beyond.value, kApproach.beyond_limit, "rad",
                  "furthest beyond a joint limit between the samples: " + beyond.place);
   claims.at_most(name + "_joint_rates", rate.value, 1 + slack, "1",
                  "largest fraction of a rate limit: " + rate.place);
@@ -313,12 +318,11 @@ void check_path_limits(const Context& context, const Approach& path, const std::
 
 void check_torque_use(const Context& context, const Approach& path, double stated,
                       const std::string& name, ClaimList& claims) {
-  constexpr int kLooks = 8;  // per segment, as often as a plan states it
   Largest used;
   for (std::size_t i = 0; i + 1 < path.times.size(); ++i) {
     const HermiteSegment segment(path, i);
-    for (int look = 0; look <= kLooks; ++look) {
-      const double s = segment.duration() * look / kLooks;
+    for (int look = 0; look <= kApproach.torque_looks; ++look) {
+      const double s = segment.duration() * look / kApproach.torque_looks;
       const Eigen::VectorXd tau = path_torques(context.problem, segment.position(s),
                                                segment.velocity(s), segment.acceleration(s));
       for (int k = 0; k < context.problem.robot.n(); ++k) {
@@ -330,7 +334,7 @@ void check_torque_use(const Context& context, const Approach& path, double state
   }
   claims.at_most(name + "_joint_torques", used.value, 1 + context.options.limit_slack, "1",
                  "largest fraction of a torque limit: " + used.place);
-  claims.same(name + "_effort_used", relative_error(stated, used.value), kTorqueTolerance,
+  claims.same(name + "_effort_used", relative_error(stated, used.value), kApproach.torque,
               fmt::format("largest fraction of a torque limit, {:.6g}", used.value));
 }
 
@@ -359,7 +363,7 @@ void check_path_clearance(const Context& context, const PathClearance& found, do
   const double coarse = found.distance_as_stated.value_or(0);
   const double difference =
       is_none && std::isinf(stated) ? 0 : std::max(fine - stated, stated - coarse);
-  claims.at_most(name + "_stated_clearance", difference, kStatedDistance, "m",
+  claims.at_most(name + "_stated_clearance", difference, kApproach.stated_distance, "m",
                  fmt::format("stated smallest clearance without hand against target, {:.6g} m, "
                              "from [{:.9g}, {:.9g}], proven and at the planner's steps",
                              stated, fine, std::max(fine, coarse)));
@@ -392,7 +396,7 @@ std::vector<BaseTrack> base_tracks(const CaptureProblem& problem, const Approach
     if (problem.approach.base == BaseMode::Held) {
       tracks.emplace_back(segment, from);
     } else {
-      tracks.emplace_back(problem.robot, segment, from, kTravelPerStep);
+      tracks.emplace_back(problem.robot, segment, from, kApproach.travel_per_step);
     }
   }
   return tracks;

@@ -11,8 +11,14 @@
 namespace stillbase::verification {
 namespace {
 
-/// Bounds are copied from the problem; those with a margin or a square are computed.
-constexpr double kSameBound = 1e-12;
+/// Tolerances of the list of constraints, in the units of each.
+struct ConstraintCheckOptions {
+  /// Bounds are copied from the problem; those with a margin or a square are computed.
+  double same_bound = 1e-12;
+  /// Of a stated violation from that of the stated value: a difference of two stated numbers.
+  double same_violation = 1e-12;
+};
+constexpr ConstraintCheckOptions kConstraints;
 
 double bound_difference(double stated, double wanted) {
   if (stated == wanted) return 0;  // infinities included
@@ -66,12 +72,12 @@ void check_constraints(const Context& context, ClaimList& claims) {
       "constraint_values", different.value, context.options.recompute_tolerance, "1",
       fmt::format("largest difference of stated and recomputed value: {}; not recomputed:{}",
                   different.place, unknown.empty() ? " none" : unknown));
-  claims.at_most("constraint_bounds", bounds.value, kSameBound, "1",
+  claims.at_most("constraint_bounds", bounds.value, kConstraints.same_bound, "1",
                  "stated bounds from those of the problem: " + bounds.place);
   claims.at_most("constraint_violation", violated.value, context.options.constraint_tolerance, "1",
                  "largest violation by the stated values: " + violated.place);
-  claims.at_most("constraint_stated_violations", inconsistent.value, 1e-12, "1",
-                 "stated violations from those of the stated values and bounds");
+  claims.at_most("constraint_stated_violations", inconsistent.value, kConstraints.same_violation,
+                 "1", "stated violations from those of the stated values and bounds");
   check_margins(context.situation, context.options, claims);
   check_collision(context, claims);
 }

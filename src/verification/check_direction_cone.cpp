@@ -18,8 +18,21 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr int kInstants = 7;
-constexpr double kAnglePerStep = 0.02;  ///< rad; an error below 1e-6 rad after 1000 steps
+/// How features are sampled, and how well their fractions and covariances are known.
+struct ConeCheckOptions {
+  int instants = 7;              ///< of the window of contact times, evenly
+  double angle_per_step = 0.02;  ///< rad; an error below 1e-6 rad after 1000 steps
+  /// Integration steps of all samples: as many samples as some seconds allow, within their ends.
+  double steps = 2e6;
+  double fewest_samples = 500, most_samples = 6000;
+  double on_rim = 1e-12;  ///< relative, by which an angle of the half-angle rounds
+  /// Of a fraction of samples: standard errors, and a part for errors that are not Gaussian.
+  double standard_errors = 4, not_gaussian = 0.01;
+  double integrations = 1e-3;  ///< relative, between two integrations of a covariance
+  double no_variance = 1e-12;  ///< of the sum of two covariances: rounding of its largest variances
+  double probability = 0.95;   ///< of the warnings
+};
+constexpr ConeCheckOptions kCone;
 
 /// Where the feature is.
 struct Feature {
@@ -54,7 +67,7 @@ class Features {
     std::vector<Feature> features;
     double now = state_.time;
     for (const double time : times) {
-      body.advance(time - now, kAnglePerStep);
+      body.advance(time - now, kCone.angle_per_step);
       now = time;
       const Vector3d centroid = state_.pose.position + error.position +
                                 (time - state_.time) * (state_.linear_velocity + error.velocity);
@@ -66,7 +79,7 @@ class Features {
   /// Integration steps of the estimate itself until the last instant.
   double steps(const std::vector<double>& times) const {
     return erroneous({}).steps(std::abs(times.front() - state_.time) + times.back() - times.front(),
-                               kAnglePerStep);
+                               kCone.angle_per_step);
   }
 
  private:
@@ -103,14 +116,14 @@ std::vector<Sampled> sample_features(const Context& context, const ContactFeatur
   const double lower = problem.variables.contact_time_lower;
   const double upper = problem.variables.contact_time_upper;
   std::vector<double> times{lower};
-  for (int i = 1; i < kInstants && upper > lower; ++i) {
-    times.push_back(lower + (upper - lower) * i / (kInstants - 1));
+  for (int i = 1; i < kCone.instants && upper > lower; ++i) {
+    times.push_back(lower + (upper - lower) * i / (kCone.instants - 1));
   }
   const Features features(problem, feature);
   const std::vector<Feature> nominal = features.at(times, {});
 
-  // As many samples as some seconds allow.
-  const int count = static_cast<int>(std::clamp(2e6 / features.steps(times), 500.0, 6000.0));
+  const int count = static_cast<int>(
+      std::clamp(kCone.steps / features.steps(times), kCone.fewest_samples, kCone.most_samples));
   std::vector<std::vector<int>> inside(rules.size(), std::vector<int>(times.size(), 0));
   Random rotations(1), places(2);
   const auto error = [](Random& random, const Vector3d& deviation) -> Vector3d {
@@ -151,7 +164,7 @@ IsNear within_angle(const CaptureProblem& problem, double half_angle) {
     const Vector3d &n = nominal.normal, &m = sampled.normal;
     const double angle =
         is_wedge ? std::abs(std::atan2(plane_N.dot(n.cross(m)), n.dot(m))) : angle_between(n, m);
-    return angle <= half_angle * (1 + 1e-12);
+    return angle <= half_angle * (1 + kCone.on_rim);
   };
 }
 
@@ -161,9 +174,9 @@ Sampled sample_normals(const Context& context, const ContactFeature& feature) {
   return sample_features(context, feature, {within_angle(context.problem, half_angle)}).front();
 }
 
-/// Four standard errors of a fraction of `count`, and a hundredth for errors that are not Gaussian.
+/// By how much a fraction of `count` samples may differ.
 double fraction_tolerance(double fraction, int count) {
-  return 4 * std::sqrt(fraction * (1 - fraction) / count) + 0.01;
+  return kCone.standard_errors * std::sqrt(fraction * (1 - fraction) / count) + kCone.not_gaussian;
 }
 
 /// How often.
@@ -208,21 +221,19 @@ void check_unused(const Context& context, bool has_covariance, ClaimList& claims
 /// A covariance of the relative velocity stated beside that of the estimate: the plan warns where
 /// it is smaller at the plan's contact.
 void check_residual_warning(const Context& context, ClaimList& claims) {
-  constexpr double kEqual = 1e-3;        // of the integrations of the covariance
-  constexpr double kNoVariance = 1e-12;  // of the sum
   const CaptureProblem& problem = context.problem;
   if (!context.situation.event.velocity) return;
   const Matrix6d stated = residual_case(context.situation).covariance;
   CaptureProblem carried = problem;
   carried.uncertainty.residual_velocity = ResidualVelocity{};
   const Matrix6d implied = residual_case(Situation(carried, context.plan.configuration)).covariance;
-  Matrix6d excess = stated * (1 + kEqual) - implied;
+  Matrix6d excess = stated * (1 + kCone.integrations) - implied;
   // In a direction without variance a stated matrix has the rounding of its largest ones.
-  excess.diagonal() += kNoVariance * (stated + implied).diagonal();
+  excess.diagonal() += kCone.no_variance * (stated + implied).diagonal();
   Vector6d unit;
   for (int i = 0; i < 6; ++i) unit[i] = 1 / std::sqrt(std::max(implied(i, i), 1e-300));
   excess = unit.asDiagonal() * excess * unit.asDiagonal();
-  const bool is_smaller = symmetric_eigenvalues(excess).minCoeff() < -kEqual;
+  const bool is_smaller = symmetric_eigenvalues(excess).minCoeff() < -kCone.integrations;
   Objections objections;
   objections.demand(!is_smaller || warns_of(context.plan, "narrow-residual") == 1,
                     "the plan does not say that its covariance of the relative velocity is smaller "
@@ -230,8 +241,6 @@ void check_residual_warning(const Context& context, ClaimList& claims) {
   claims.none_wrong("residual_warning", objections,
                     "the stated covariance of the relative velocity and that of the estimate");
 }
-
-constexpr double kProbability = 0.95;  ///< of the warnings
 
 /// Objections to a plan that warns although everything is known, or does not although something is
 /// not: whether 95 % of the samples are near the nominal one, as far as their number tells.
@@ -241,9 +250,9 @@ void compare_warning(const Context& context, const std::string& code,
   const bool warns = warns_of(context.plan, code) > 0;
   bool is_surely_open = false, may_be_open = false;
   for (const Sampled& sampled : known) {
-    const double margin = fraction_tolerance(kProbability, sampled.count);
-    is_surely_open = is_surely_open || sampled.fraction < kProbability - margin;
-    may_be_open = may_be_open || sampled.fraction <= kProbability + margin;
+    const double margin = fraction_tolerance(kCone.probability, sampled.count);
+    is_surely_open = is_surely_open || sampled.fraction < kCone.probability - margin;
+    may_be_open = may_be_open || sampled.fraction <= kCone.probability + margin;
   }
   Objections objections;
   objections.demand(warns || !is_surely_open, "the plan does not say " + code);

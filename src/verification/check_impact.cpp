@@ -13,8 +13,13 @@ namespace {
 constexpr double kCaseToleranceOfPlans = 1e-6;
 constexpr double kRankToleranceOfPlans = 1e-10;
 
-/// Joint rates that match a velocity have the condition of the Jacobian.
-constexpr double kArrivalAgrees = 1e-9;
+/// Tolerances of what a plan states of its impact.
+struct ImpactCheckOptions {
+  double fixed = 1e-12;  ///< relative, of a tolerance that the format fixes: it is copied
+  /// Relative: joint rates that match a velocity have the condition of the Jacobian.
+  double arrival = 1e-9;
+};
+constexpr ImpactCheckOptions kImpact;
 
 const char* name_of(ImpactCase impact_case) {
   constexpr const char* kNames[] = {"G1", "G2", "G3", "C1", "C2"};
@@ -54,7 +59,7 @@ bool same_resistance(const JointResistance& a, const JointResistance& b) {
 void check_tolerance(const std::string& name, double stated, double fixed, const char* what,
                      ClaimList& claims) {
   claims.at_most(
-      name, std::abs(stated / fixed - 1), 1e-12, "1",
+      name, std::abs(stated / fixed - 1), kImpact.fixed, "1",
       fmt::format("{} below {:.3g} counts as zero: the stated tolerance from that", what, fixed));
 }
 
@@ -115,7 +120,7 @@ void check_motion_before(const Context& context, ClaimList& claims) {
   const Situation& situation = context.situation;
   const auto same = [&](const char* name, const Eigen::VectorXd& said, const Eigen::VectorXd& own,
                         double scale, const char* what) {
-    claims.same(name, relative_error(said, own, scale), kArrivalAgrees,
+    claims.same(name, relative_error(said, own, scale), kImpact.arrival,
                 fmt::format("{:.6g} {}", own.norm(), what));
   };
   Vector6d apart;

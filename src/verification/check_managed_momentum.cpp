@@ -13,10 +13,18 @@
 namespace stillbase::verification {
 namespace {
 
-/// Relative: between two integrations, which see their extremes at different instants.
-constexpr double kSameExtreme = 1e-3;
-constexpr double kNegligible = 1e-9;  ///< of the momentum: an axis without any
-constexpr double kNoRotation = 1e-6;  ///< of the momenta that cancel: by the planner's integration
+/// How well two integrations agree on what the momentum takes up.
+struct ManagedMomentumOptions {
+  /// Relative, between two integrations, which see their extremes at different instants.
+  double extremes = 1e-3;
+  double no_momentum = 1e-9;  ///< of the momentum: an axis without any has its rounding
+  double no_rotation = 1e-6;  ///< of the momenta that cancel: by the planner's integration
+  /// Parts of a limit: what two integrations may see on either side of kNearLimit, and what the
+  /// samples miss of a load that crosses it.
+  double integrations = 1e-4, samples = 0.01;
+};
+constexpr ManagedMomentumOptions kManaged;
+
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 bool is_latched(const CaptureProblem& problem, const Vector6d& Fbar) {
@@ -42,7 +50,7 @@ Vector3d angular_momentum(const Situation& at, const Vector6d& Fbar) {
 
 /// N m s: of an axis this much is rounding.
 double no_momentum(const Situation& at, const Vector3d& angular) {
-  return kNegligible * (angular.norm() + at.response.rounding_scale(at.impulse()));
+  return kManaged.no_momentum * (angular.norm() + at.response.rounding_scale(at.impulse()));
 }
 
 using Uses = LimitUses;
@@ -192,8 +200,8 @@ std::string words(const LimitUse& use) {
 /// @param momentum N m s: of the momentum
 double floor_of(const LimitUse& use, double momentum) {
   if (use.limit == CaptureLimit::WheelMomentum) return momentum;
-  if (use.limit == CaptureLimit::JointStop) return kSameExtreme * std::min(use.most, 1.0);
-  return kNoRotation * std::min(use.most, 1.0);
+  if (use.limit == CaptureLimit::JointStop) return kManaged.extremes * std::min(use.most, 1.0);
+  return kManaged.no_rotation * std::min(use.most, 1.0);
 }
 
 /// Stated limits against the recomputed ones, and whether the first one is the tightest.
@@ -211,8 +219,8 @@ void compare_limits(const ManagedMomentum& stated, const Uses& uses, double mome
     const auto is_there = [&use](const LimitUse& other) { return other.place == use.place; };
     const auto place = std::find_if(known->second.begin(), known->second.end(), is_there);
     const LimitUse& own = place == known->second.end() ? largest : *place;
-    const double apart = own.unit == "s" ? time_step : kSameExtreme * std::abs(own.value);
-    const double same = kSameExtreme * std::abs(own.value) + apart + floor_of(own, momentum);
+    const double apart = own.unit == "s" ? time_step : kManaged.extremes * std::abs(own.value);
+    const double same = kManaged.extremes * std::abs(own.value) + apart + floor_of(own, momentum);
     // Of what is all but zero, and of places that are used alike, rounding decides which is
     // largest.
     const bool is_nothing = std::abs(largest.value) <= floor_of(largest, momentum);
@@ -220,7 +228,7 @@ void compare_limits(const ManagedMomentum& stated, const Uses& uses, double mome
         own.part() >= largest.part() || own.value + same >= largest.part() * own.most;
     objections.demand(((own.place == use.place && is_largest) || is_nothing) &&
                           use.unit == own.unit &&
-                          std::abs(use.most - own.most) <= kNegligible * own.most &&
+                          std::abs(use.most - own.most) <= kManaged.no_momentum * own.most &&
                           std::abs(use.value - own.value) <= same,
                       words(use) + " stated, " + words(largest) + " found");
   }
@@ -299,9 +307,6 @@ double counted_time(const Load& load, const CaptureProblem& problem, const LoadT
 /// The limit that binds under `detumble`: the times that this integration counts by its steps, and
 /// that its samples show.
 void compare_held(const Context& context, const AfterContact& run, Objections& objections) {
-  // Of a limit: what two integrations may see on either side of kNearLimit, and what the samples
-  // miss of a load that crosses it.
-  constexpr double kSamePart = 1e-4, kPart = 0.01;
   const SimulationResult& result = run.simulation;
   const double interval =
       result.trace.size() > 1 ? result.trace[1].time - result.trace[0].time : 0.0;
@@ -311,14 +316,14 @@ void compare_held(const Context& context, const AfterContact& run, Objections& o
   bool is_known = !stated;
   for (const Load& load : loads_of(context.problem)) {
     const double counted = counted_time(load, context.problem, result.summary.near_limit);
-    const double open = time_near(load, kNearLimit - kSamePart, result) -
-                        time_near(load, kNearLimit + kSamePart, result);
+    const double open = time_near(load, kNearLimit - kManaged.integrations, result) -
+                        time_near(load, kNearLimit + kManaged.integrations, result);
     // Both integrations end their steps at the instants of control.
-    const double slack = (period > 0 ? 4 * period : sampled) + kSameExtreme * counted + open;
+    const double slack = (period > 0 ? 4 * period : sampled) + kManaged.extremes * counted + open;
     const double certain =
-        std::max(counted - slack, time_near(load, kNearLimit + kPart, result) - sampled);
+        std::max(counted - slack, time_near(load, kNearLimit + kManaged.samples, result) - sampled);
     const double possible =
-        std::min(counted + slack, time_near(load, kNearLimit - kPart, result) + sampled);
+        std::min(counted + slack, time_near(load, kNearLimit - kManaged.samples, result) + sampled);
     const double time = stated ? stated->time : 0;
     const std::string name = to_string(load.limit) + " of " + load.place;
     objections.demand(certain <= time,
@@ -370,15 +375,16 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
   };
   const double nothing = no_momentum(at, angular);
   const auto least = least_time(spec.wheels, angular, nothing);
-  times_agree("least_time", stated->least_time, least, kNegligible * least.value_or(0) + 1e-12);
+  times_agree("least_time", stated->least_time, least,
+              kManaged.no_momentum * least.value_or(0) + 1e-12);
   std::optional<double> remaining, rest;
   if (run != nullptr) {
     remaining = run->simulation.trace.back().total.norm();
     rest = run->simulation.summary.rest_time;
   }
-  const double same_momentum = kSameExtreme * angular.norm() + kNoRotation * scale;
+  const double same_momentum = kManaged.extremes * angular.norm() + kManaged.no_rotation * scale;
   times_agree("remaining", stated->remaining, remaining, same_momentum);
-  times_agree("rest_time", stated->rest_time, rest, step + kSameExtreme * rest.value_or(0));
+  times_agree("rest_time", stated->rest_time, rest, step + kManaged.extremes * rest.value_or(0));
   const Uses uses = all_uses(context.situation, angular, run);
   compare_limits(*stated, uses, same_momentum, step, objections);
   if (run != nullptr && chooses(spec, ControllerKind::Detumble)) {
@@ -392,7 +398,7 @@ void check_account(const Context& context, const Vector6d& Fbar, const Vector3d&
     detail += fmt::format(
         "; another integration's momenta and loads within {} of them, its times "
         "within two control periods more",
-        2 * kSameExtreme);
+        2 * kManaged.extremes);
   }
   claims.none_wrong("capture_limits", objections, detail);
 }

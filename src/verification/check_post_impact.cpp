@@ -11,12 +11,21 @@
 namespace stillbase::verification {
 namespace {
 
-/// Relative, between two instants of the same stop: a joint that creeps there carries the errors
-/// of ten horizons.
-constexpr double kSameTime = 1e-3;
-constexpr double kSameRate = 1e-4;  ///< relative, between joint rates of two integrations
-constexpr double kNoRate = 1e-9;    ///< rad/s: what has come to rest but for their errors
-constexpr double kNoTime = 1e-9;    ///< s: a joint that begins at its stop reaches it at once
+/// The integration of the motion after the impact, and how well two of them agree.
+struct PostImpactCheckOptions {
+  /// Errors of a step of the integration: a hundredth of what checks of momenta allow over it all.
+  double relative_step = 1e-11, absolute_step = 1e-13;
+  /// Samples of the motion; under detumble close enough to see which load is held at its limit.
+  int samples = 20, detumble_samples = 200;
+  /// Relative, between two instants of the same stop: a joint that creeps there carries the errors
+  /// of ten horizons.
+  double same_time = 1e-3;
+  double same_rate = 1e-4;      ///< relative, between joint rates of two integrations
+  double no_rate = 1e-9;        ///< rad/s: what has come to rest but for their errors
+  double no_time = 1e-9;        ///< s: a joint that begins at its stop reaches it at once
+  double first_instant = 1e-9;  ///< relative: the jump by two codes, nothing is integrated yet
+};
+constexpr PostImpactCheckOptions kPostImpact;
 
 struct Momentum {
   Vector3d linear, angular;
@@ -137,14 +146,14 @@ void judge_motion(const Context& context, const ControllerReport& report,
                  context.options.momentum_tolerance, "1", "relative change in N" + under);
 }
 
-/// With the integration of these checks, and samples close enough to see which load detumble holds
-/// at its limit.
+/// With the integration and the samples of these checks.
 SimulationOptions options_of(const Context& context, const Controller& controller) {
   SimulationOptions options = plant_options_of(context.problem.post_impact, context.problem.robot);
   options.integrator = IntegratorKind::Fehlberg78;
-  options.relative_tolerance = 1e-11;
-  options.absolute_tolerance = 1e-13;
-  const int samples = controller.kind == ControllerKind::Detumble ? 200 : 20;
+  options.relative_tolerance = kPostImpact.relative_step;
+  options.absolute_tolerance = kPostImpact.absolute_step;
+  const int samples = controller.kind == ControllerKind::Detumble ? kPostImpact.detumble_samples
+                                                                  : kPostImpact.samples;
   options.output_period = context.problem.post_impact.horizon / samples;
   options.stop = context.options.stop;
   return options;
@@ -158,7 +167,8 @@ bool have_same_end(const AfterHorizon& a, const AfterHorizon& b) {
 
 bool have_same_time(const AfterHorizon& a, const AfterHorizon& b) {
   return !a.stop_time || !b.stop_time ||
-         std::abs(*a.stop_time - *b.stop_time) <= kSameTime * *b.stop_time + kNoTime;
+         std::abs(*a.stop_time - *b.stop_time) <=
+             kPostImpact.same_time * *b.stop_time + kPostImpact.no_time;
 }
 
 bool agree(const AfterHorizon& a, const AfterHorizon& b) {
@@ -184,7 +194,7 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
     return claims.none_wrong(name, missing, "what the joints do after the horizon");
   }
   claims.at_most("after_horizon_joint_rate", std::abs(stated->joint_rate - found->joint_rate),
-                 kSameRate * found->joint_rate + kNoRate, "rad/s",
+                 kPostImpact.same_rate * found->joint_rate + kPostImpact.no_rate, "rad/s",
                  fmt::format("norm at the horizon, stated {:.6g} from {:.6g} recomputed",
                              stated->joint_rate, found->joint_rate));
   if (!agree(*stated, *found)) {
@@ -212,7 +222,7 @@ void check_after_horizon(const Context& context, const ContactCase& subject,
   if (!has_same_end || !found->stop_time) return;
   claims.at_most(
       "after_horizon_stop_time", std::abs(*stated->stop_time - *found->stop_time),
-      kSameTime * *found->stop_time + kNoTime, "s",
+      kPostImpact.same_time * *found->stop_time + kPostImpact.no_time, "s",
       fmt::format("stated {:.6g} from {:.6g} recomputed", *stated->stop_time, *found->stop_time));
 }
 
@@ -260,7 +270,6 @@ void fill(ControllerReport& report, const SimulationSummary& summary, const Robo
 /// compliant contact takes time: its simulation begins before the impact.
 void check_first_instant(const Context& context, const AfterContact& run, ClaimList& claims) {
   if (run.encounter) return;
-  constexpr double kInstantsAgree = 1e-9;
   const ImpactSummary& stated = context.plan.impact;
   const TraceSample& first = run.simulation.trace.front();
   const PostureResponse& response = context.situation.response;
@@ -279,7 +288,7 @@ void check_first_instant(const Context& context, const AfterContact& run, ClaimL
           stated.Fbar.head<3>().norm() / response.dynamics.mass);
   compare(Omega.tail<3>(), first.state.Omega.tail<3>(), rate);
   compare(stated.phidot_after(), first.state.phidot, rate);
-  claims.same("first_instant", worst, kInstantsAgree,
+  claims.same("first_instant", worst, kPostImpact.first_instant,
               "momenta and velocities of the plan's impact against those with which its simulation "
               "begins");
 }

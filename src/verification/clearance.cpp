@@ -43,6 +43,13 @@ double target_rate(const TargetMotion& motion, double time) {
   return (inertia * omega_T).norm() / principal_moments(inertia)[0];
 }
 
+/// When the search along a path ends.
+struct PathSearchOptions {
+  long most_instants = 1'000'000;  ///< shipped problems take some 20 000
+  double finest = 1e-5;            ///< m of motion: a part of the path is not split further
+};
+constexpr PathSearchOptions kPathSearch;
+
 /// The search of path_clearance().
 class PathSearch {
  public:
@@ -88,10 +95,6 @@ class PathSearch {
   }
 
  private:
-  /// Shipped problems take some 20 000.
-  static constexpr long kMostInstants = 1'000'000;
-  static constexpr double kFinest = 1e-5;  ///< m of motion: a part of the path is not split further
-
   std::optional<Pose> target_at(double time) const {
     if (target_ == nullptr) return std::nullopt;
     return target_->state(time).pose;
@@ -155,8 +158,9 @@ class PathSearch {
              const std::vector<int>& pairs) {
     is_stopped_ = is_stopped_ || context_.options.stop.reached();
     if (is_over_ || is_stopped_) return;
-    if (result_.instants >= kMostInstants) {
-      throw std::invalid_argument(fmt::format("undecided after {} instants", kMostInstants));
+    if (result_.instants >= kPathSearch.most_instants) {
+      throw std::invalid_argument(
+          fmt::format("undecided after {} instants", kPathSearch.most_instants));
     }
     const double middle = (s0 + s1) / 2, half = (s1 - s0) / 2;
     PathTravel travel;
@@ -176,7 +180,7 @@ class PathSearch {
       if (!may) take(pair, distance.upper, segment.begin() + middle);
       const double proven = distance.lower - motion, found = smallest_found(pair);
       const double gap = std::min(context_.options.clearance_gap, found / 2);
-      if (proven < found - gap && motion > kFinest) {
+      if (proven < found - gap && motion > kPathSearch.finest) {
         open.push_back(pair);
       } else {
         least_of(pair).proven = std::min(least_of(pair).proven, proven);

@@ -7,6 +7,15 @@
 namespace stillbase::verification {
 namespace {
 
+/// When the search for the distance of two shapes ends.
+struct ConvexDistanceOptions {
+  double gap = 1e-10;       ///< m, between the bounds
+  double touching = 1e-12;  ///< m: closer than rounding of places some metres away
+  int steps = 200;          ///< flat shapes take ten, rims of cylinders some more
+  double flat = 1e-13;      ///< part of an edge that leaves the plane of others by rounding alone
+};
+constexpr ConvexDistanceOptions kConvex;
+
 /// The point of a shape's core that lies furthest along d, in the shape's frame. The core of a
 /// sphere is its centre, that of a capsule its axis; other shapes are their own.
 struct FurthestPoint {
@@ -82,7 +91,7 @@ NearestPoint nearest_of_span(const std::array<const Vector3d*, 4>& p, int count)
       }
     }
     r(i, i) = q[i].norm();
-    if (!(r(i, i) > 1e-13 * e.norm())) return {};
+    if (!(r(i, i) > kConvex.flat * e.norm())) return {};
     q[i] /= r(i, i);
   }
   std::array<double, 3> t{};
@@ -152,18 +161,15 @@ struct BallAround {
 Ball ball_around(const Geometry& geometry) { return std::visit(BallAround{}, geometry); }
 
 DistanceBounds convex_distance(const PlacedShape& a, const PlacedShape& b, double enough) {
-  constexpr double kGap = 1e-10;       // m, between the bounds
-  constexpr double kTouching = 1e-12;  // m: closer than rounding of places some metres away
-  constexpr int kSteps = 200;          // flat shapes take ten, rims of cylinders some more
   const double radii = rounding_radius(*a.geometry) + rounding_radius(*b.geometry);
   Simplex simplex;
   Vector3d v = a.p - b.p;
-  if (v.norm() < kTouching) v = Vector3d::UnitX();
+  if (v.norm() < kConvex.touching) v = Vector3d::UnitX();
   DistanceBounds core{-kInfinity, kInfinity};
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kConvex.steps; ++step) {
     const Vector3d w = furthest_point(a, -v) - furthest_point(b, v);
     core.lower = std::max(core.lower, v.dot(w) / v.norm());
-    if (core.lower - radii >= enough || core.upper - core.lower <= kGap) break;
+    if (core.lower - radii >= enough || core.upper - core.lower <= kConvex.gap) break;
     if (simplex.holds(w)) break;
     simplex.points[simplex.count++] = w;
     const Vector3d nearer = reduce(simplex);
@@ -171,7 +177,7 @@ DistanceBounds convex_distance(const PlacedShape& a, const PlacedShape& b, doubl
     if (norm >= core.upper) break;
     core.upper = norm;
     v = nearer;
-    if (norm < kTouching) return {-radii - kTouching, -radii - kTouching};
+    if (norm < kConvex.touching) return {-radii - kConvex.touching, -radii - kConvex.touching};
   }
   return {core.lower - radii, std::max(core.lower, core.upper) - radii};
 }

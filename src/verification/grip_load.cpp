@@ -9,8 +9,12 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kInstant = 1e-4;     ///< s: differences are wrong by its square
-constexpr double kSameWrench = 1e-6;  ///< relative to the largest one
+/// The rate of momentum by differences, and its tolerance.
+struct GripLoadOptions {
+  double instant = 1e-4;      ///< s: differences are wrong by its square
+  double same_wrench = 1e-6;  ///< relative to the largest one
+};
+constexpr GripLoadOptions kGripLoad;
 
 /// Momentum of the held target in N, the angular one about a point fixed there.
 Vector6d target_momentum(const Context& context, const PlantState& state, const Vector3d& about) {
@@ -84,9 +88,9 @@ void check_grip_load(const Context& context, const AfterContact& run, ClaimList&
         reference::compute(context.problem.robot, {state.phi, state.phidot, state.Omega});
     const Vector3d hand = state.base * Vector3d(d.hand_position);
     const Eigen::VectorXd a = acceleration_at(context, run.robot, sample);
-    const Vector6d rate = (target_momentum(context, moved(state, a, kInstant), hand) -
-                           target_momentum(context, moved(state, a, -kInstant), hand)) /
-                          (2 * kInstant);
+    const Vector6d rate = (target_momentum(context, moved(state, a, kGripLoad.instant), hand) -
+                           target_momentum(context, moved(state, a, -kGripLoad.instant), hand)) /
+                          (2 * kGripLoad.instant);
     Vector6d own;
     own << state.base.orientation.conjugate() * Vector3d(rate.head<3>()),
         state.base.orientation.conjugate() * Vector3d(rate.tail<3>());
@@ -96,7 +100,7 @@ void check_grip_load(const Context& context, const AfterContact& run, ClaimList&
   const double force = error.head<3>().norm(), moment = error.tail<3>().norm();
   const double apart = std::max(force > 0 ? force / largest.head<3>().norm() : 0,
                                 moment > 0 ? moment / largest.tail<3>().norm() : 0);
-  claims.same(name, apart, kSameWrench,
+  claims.same(name, apart, kGripLoad.same_wrench,
               fmt::format("wrench on the held target against the rate of its momentum, at {} "
                           "instants; up to {:.3g} N, {:.3g} N m",
                           trace.size(), largest.head<3>().norm(), largest.tail<3>().norm()));

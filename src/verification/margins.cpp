@@ -13,16 +13,25 @@ namespace {
 
 constexpr int kTarget = -2;
 
+/// How singular values and distances are found.
+struct MarginOptions {
+  double rank = 1e-9;             ///< singular values that count, of the largest one
+  int thirds = 90;                ///< of a range, after which its rest is rounding
+  double same_axis = 1e-6;        ///< sine of two edges: of parallel ones no axis is normal to both
+  double parallel_edges = 1e-12;  ///< square of the sine of two edges that do not cross
+};
+constexpr MarginOptions kMargins;
+
 double smallest_of_rank(const Eigen::MatrixXd& A) {
   const Eigen::VectorXd values = singular_values(A);
-  return values[std::max(numerical_rank(values, 1e-9), 1) - 1];
+  return values[std::max(numerical_rank(values, kMargins.rank), 1) - 1];
 }
 
 /// Minimum of a convex function over [-1, 1]: thirds.
 template <class Function>
 double convex_minimum(const Function& f) {
   double low = -1, high = 1, best = std::min(f(low), f(high));
-  for (int i = 0; i < 90; ++i) {
+  for (int i = 0; i < kMargins.thirds; ++i) {
     const double third = (high - low) / 3, a = low + third, b = high - third;
     const double fa = f(a), fb = f(b);
     best = std::min({best, fa, fb});
@@ -125,7 +134,7 @@ double widest_gap(const Pose& a, const Vector3d& a_size, const Pose& b, const Ve
     axes.push_back(B.col(i));
     for (int j = 0; j < 3; ++j) {
       const Vector3d axis = Vector3d(A.col(i)).cross(Vector3d(B.col(j)));
-      if (axis.norm() > 1e-6) axes.push_back(axis.normalized());
+      if (axis.norm() > kMargins.same_axis) axes.push_back(axis.normalized());
     }
   }
   const auto half_extent = [](const Matrix3d& R, const Vector3d& size, const Vector3d& axis) {
@@ -207,12 +216,11 @@ namespace {
 /// Of two edges that pass each other, nearest between their ends; else infinite.
 double crossing_distance(const std::pair<Vector3d, Vector3d>& one,
                          const std::pair<Vector3d, Vector3d>& other) {
-  constexpr double kParallel = 1e-12;
   const auto& [p, u] = one;
   const auto& [q, v] = other;
   const Vector3d w = q - p, n = u.cross(v);
   const double square = n.squaredNorm();
-  if (!(square > kParallel * u.squaredNorm() * v.squaredNorm())) return kInfinity;
+  if (!(square > kMargins.parallel_edges * u.squaredNorm() * v.squaredNorm())) return kInfinity;
   const double s = w.cross(v).dot(n) / square, t = w.cross(u).dot(n) / square;
   if (!(std::abs(s) < 1 && std::abs(t) < 1)) return kInfinity;
   return std::abs(w.dot(n)) / std::sqrt(square);

@@ -10,8 +10,15 @@
 namespace stillbase::verification {
 namespace {
 
-/// Relative difference of two integrations: fixed steps of the planner, adaptive ones here.
-constexpr double kIntegratorsAgree = 1e-5;
+/// The simulation of a rotation, and how well two integrations of a measure agree.
+struct ObjectiveOptions {
+  /// Errors of a step of the simulation of a rotation.
+  double relative_step = 1e-10, absolute_step = 1e-12;
+  /// Relative difference of two integrations: fixed steps of the planner, adaptive ones here.
+  double simulated = 1e-5;
+  double carried = 1e-7;  ///< the same of the errors of an estimate, carried to the contact
+};
+constexpr ObjectiveOptions kObjective;
 
 double rate_scale(const TermCase& at) {
   return 3 * at.response.rounding_scale(at.Fbar) / at.response.dynamics.Htilde_omega.trace();
@@ -139,8 +146,8 @@ double attitude_turned(const TermCase& at) {
   SimulationOptions options = plant_options_of(spec, at.planned ? *at.planned : robot);
   if (at.planned && !options.controller_robot) options.controller_robot = *at.planned;
   options.integrator = IntegratorKind::Dopri5;
-  options.relative_tolerance = 1e-10;
-  options.absolute_tolerance = 1e-12;
+  options.relative_tolerance = kObjective.relative_step;
+  options.absolute_tolerance = kObjective.absolute_step;
   options.horizon = at.term.after;
   options.output_period = 0;
   const SimulationResult result =
@@ -185,11 +192,9 @@ double scale_along(const Situation& situation, const Vector3d& d) {
 }
 
 double objective_tolerance(const CaptureProblem& problem, double recompute_tolerance) {
-  // Two integrations of the errors of an estimate agree to this part.
-  constexpr double kCarriedAgree = 1e-7;
   const auto& residual = problem.uncertainty.residual_velocity;
-  if (residual && !residual->covariance) return std::max(kCarriedAgree, recompute_tolerance);
-  return simulates_turn(problem) ? std::max(kIntegratorsAgree, recompute_tolerance)
+  if (residual && !residual->covariance) return std::max(kObjective.carried, recompute_tolerance);
+  return simulates_turn(problem) ? std::max(kObjective.simulated, recompute_tolerance)
                                  : recompute_tolerance;
 }
 

@@ -68,7 +68,12 @@ struct PoseRate {
   Eigen::Vector4d orientation;
 };
 
-constexpr double kMostSteps = 1e4;  ///< of a segment: 50 rad at 0.005 rad
+/// Integration steps of a segment.
+struct BaseTrackOptions {
+  double fewest_steps = 4;  ///< at low rates the travel asks for few although the rate changes
+  double most_steps = 1e4;  ///< 50 rad at 0.005 rad
+};
+constexpr BaseTrackOptions kBaseTrack;
 
 PoseRate pose_rate(const Pose& pose, const Vector6d& Omega) {
   const Eigen::Quaterniond omega(0, Omega(3), Omega(4), Omega(5));
@@ -98,9 +103,8 @@ BaseTrack::BaseTrack(const HermiteSegment& segment, const Pose& held)
 BaseTrack::BaseTrack(const RobotModel& robot, const HermiteSegment& segment, const Pose& from,
                      double max_travel) {
   const double rate = segment.extremes().rate.maxCoeff();
-  // At low rates the travel asks for few steps although the rate changes: at least four.
-  const double most = std::max(segment.duration() * rate / max_travel, 4.0);
-  if (!(most <= kMostSteps)) {
+  const double most = std::max(segment.duration() * rate / max_travel, kBaseTrack.fewest_steps);
+  if (!(most <= kBaseTrack.most_steps)) {
     throw std::invalid_argument("joints move too far between two samples: no base motion follows");
   }
   const int steps = static_cast<int>(std::ceil(most));

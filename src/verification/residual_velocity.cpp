@@ -13,7 +13,18 @@
 namespace stillbase::verification {
 namespace {
 
-constexpr double kAnglePerFineStep = 0.01;  ///< rad; an error below 1e-9 rad after 1000 steps
+/// Integration of the covariance, and the search for maxima over the ellipsoid.
+struct ResidualOptions {
+  double angle_per_step = 0.01;  ///< rad; an error below 1e-9 rad after 1000 steps
+  double no_variance = 1e-14;    ///< of the largest variance: rounding
+  double no_distance = 1e-9;     ///< of the velocities, in a direction without variance
+  int ascents = 5000;            ///< steps towards a local maximum, of which each adds little
+  double arrived = 1e-12;        ///< of the unit ball: a shorter step is the last
+  double same_maximum = 1e-6;    ///< of the unit ball: distance of maxima that are one
+  double isolated = 1e-2;        ///< relative, by which the square falls at least from a maximum
+  int thirds = 300;              ///< of the range of the multiplier, until rounding ends them
+};
+constexpr ResidualOptions kResidual;
 
 /// [v; omega] in N of a contact feature at a time, for an estimate with one of its errors.
 class FeatureVelocity {
@@ -38,7 +49,7 @@ class FeatureVelocity {
     FreeBody body{moments_.cwiseProduct(moments.array().exp().matrix()),
                   state_.pose.orientation * rotation_exp(orientation) * R_TP_, Vector3d::Zero()};
     body.w = body.q.conjugate() * (state_.angular_velocity + rate);
-    body.advance(duration_, kAnglePerFineStep);
+    body.advance(duration_, kResidual.angle_per_step);
     const Vector3d omega = body.q * body.w;
     out.head<3>() += omega.cross(body.q * point_P_);
     out.tail<3>() = omega;
@@ -173,14 +184,13 @@ ResidualCase residual_case(const Situation& at) {
 }
 
 double ResidualCase::distance(const Vector6d& V) const {
-  constexpr double kNoVariance = 1e-14, kNoDistance = 1e-9;
   const SymmetricEigen eigen = symmetric_eigen(covariance);
   const Eigen::VectorXd d = eigen.vectors.transpose() * (V - velocity);
   double sum = 0;
   for (int i = 0; i < 6; ++i) {
-    if (eigen.values[i] > kNoVariance * eigen.values[5]) {
+    if (eigen.values[i] > kResidual.no_variance * eigen.values[5]) {
       sum += d[i] * d[i] / eigen.values[i];
-    } else if (std::abs(d[i]) > kNoDistance * (V.norm() + size)) {
+    } else if (std::abs(d[i]) > kResidual.no_distance * (V.norm() + size)) {
       return kInfinity;
     }
   }
@@ -212,12 +222,12 @@ struct OverBall {
   double square(const Vector6d& s) const { return c + s.dot(P * s + 2 * q); }
   /// The value rises with s -> (P s + q) / |P s + q|.
   Vector6d ascend(Vector6d s) const {
-    for (int i = 0; i < 5000; ++i) {
+    for (int i = 0; i < kResidual.ascents; ++i) {
       const Vector6d next = P * s + q;
       if (!(next.norm() > 0)) break;
       const Vector6d before = s;
       s = next.normalized();
-      if ((s - before).norm() < 1e-12) break;
+      if ((s - before).norm() < kResidual.arrived) break;
     }
     return s;
   }
@@ -226,14 +236,15 @@ struct OverBall {
 }  // namespace
 
 std::vector<Vector6d> local_maxima(const ResidualCase& residual) {
-  constexpr double kSame = 1e-6;  // of the unit ball
   const OverBall ball(residual);
   const SymmetricEigen axes = symmetric_eigen(ball.P);
   std::vector<Vector6d> out;
   for (int i = 5; i >= 0; --i) {
     for (const double side : {1.0, -1.0}) {
       const Vector6d s = ball.ascend(side * axes.vectors.col(i));
-      const auto is_same = [&s](const Vector6d& other) { return (other - s).norm() < kSame; };
+      const auto is_same = [&s](const Vector6d& other) {
+        return (other - s).norm() < kResidual.same_maximum;
+      };
       if (std::none_of(out.begin(), out.end(), is_same)) out.push_back(s);
     }
   }
@@ -244,13 +255,12 @@ std::vector<Vector6d> local_maxima(const ResidualCase& residual) {
 }
 
 bool is_isolated(const ResidualCase& residual, const Vector6d& s) {
-  constexpr double kApart = 1e-2;  // relative
   const OverBall ball(residual);
   // (P s + q) = mu s at a maximum; along the sphere the square bends by P - mu E.
   const double mu = s.dot(ball.P * s + ball.q);
   const Eigen::MatrixXd across = PivotedQr(s).complement();
   const Eigen::VectorXd bends = symmetric_eigenvalues(across.transpose() * ball.P * across);
-  return !(mu > 0) || bends[bends.size() - 1] < (1 - kApart) * mu;
+  return !(mu > 0) || bends[bends.size() - 1] < (1 - kResidual.isolated) * mu;
 }
 
 LargestSquare largest_square(const ResidualCase& residual) {
@@ -275,7 +285,7 @@ LargestSquare largest_square(const ResidualCase& residual) {
     return sum;
   };
   double low = largest, high = largest + reach;
-  for (int i = 0; i < 300 && high > low; ++i) {
+  for (int i = 0; i < kResidual.thirds && high > low; ++i) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
     if (dual(a) < dual(b)) {
       high = b;

@@ -13,12 +13,14 @@ namespace {
 
 using reference::Tumbling;
 
-/// Instants at which the motion is compared, from the start of the approach to the contact.
-constexpr int kInstants = 9;
-
-/// Of the estimated rate: a hundred times the rounding errors of a prediction. No code can say how
-/// a target moves whose motion this changes visibly.
-constexpr double kRounding = 1e-13;
+/// Where two predictions are compared, and the errors of one.
+struct PredictionCheckOptions {
+  int instants = 9;  ///< at which motions are compared, from the approach's start to the contact
+  /// Of the estimated rate: a hundred times the rounding errors of a prediction. No code can say
+  /// how a target moves whose motion this changes visibly.
+  double rounding = 1e-13;
+};
+constexpr PredictionCheckOptions kPrediction;
 
 double difference(const Tumbling& a, const Tumbling& b) {
   const double rate = std::max(a.omega.norm(), b.omega.norm());
@@ -50,7 +52,7 @@ PredictionDifference prediction_difference(const TargetBody& body, const TargetS
   const double rate = start.omega.norm();
   std::array<Tumbling, 3> rounded{start, start, start};
   for (int axis = 0; axis < 3; ++axis) {
-    rounded[static_cast<std::size_t>(axis)].omega[axis] += kRounding * rate;
+    rounded[static_cast<std::size_t>(axis)].omega[axis] += kPrediction.rounding * rate;
   }
 
   PredictionDifference out;
@@ -87,8 +89,8 @@ void check_target_prediction(const Context& context, ClaimList& claims) {
   const std::vector<double>& path = context.plan.approach.times;
   const double first = path.empty() ? contact : path.front();
   std::vector<double> times;
-  for (int i = 0; i < kInstants; ++i) {
-    times.push_back(first + (contact - first) * i / (kInstants - 1));
+  for (int i = 0; i < kPrediction.instants; ++i) {
+    times.push_back(first + (contact - first) * i / (kPrediction.instants - 1));
   }
   const double limit = context.options.prediction_tolerance;
   const PredictionDifference found =

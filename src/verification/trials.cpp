@@ -16,6 +16,15 @@ namespace stillbase {
 namespace verification {
 namespace {
 
+/// Steps of a trial, which is one of many.
+struct TrialSimulationOptions {
+  double longest_step = 0.01;  ///< s; shorter where the period of control is
+  /// Errors of a step of a compliant contact: trials are random, unlike verified motions.
+  double relative_step = 1e-7, absolute_step = 1e-9;
+  double just_kept = 1 + 1e-6;  ///< of a limit that is kept but for the integration
+};
+constexpr TrialSimulationOptions kTrial;
+
 /// A direction of the cone about n: uniform on the cap, or in the wedge.
 Vector3d drawn_direction(const CaptureProblem& problem, const Vector3d& n, double half_angle,
                          Random& random, double& angle) {
@@ -37,14 +46,14 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
   const RobotModel& planned = nominal.problem.robot;
   subject.known_target = nominal.problem.target;
   SimulationOptions options = plant_options_of(spec, planned);
-  options.step = std::min(0.01, spec.control_period);
+  options.step = std::min(kTrial.longest_step, spec.control_period);
   options.output_period = 0;
   if (!options.controller_robot) options.controller_robot = planned;
   if (spec.contact.model == ContactModel::Compliant) {
     // A contact of milliseconds sets the step.
     options.integrator = IntegratorKind::Dopri5;
-    options.relative_tolerance = 1e-7;
-    options.absolute_tolerance = 1e-9;
+    options.relative_tolerance = kTrial.relative_step;
+    options.absolute_tolerance = kTrial.absolute_step;
     subject.restitution = std::max(subject.restitution, kLeastRestitution);
   }
   options.sensors.base_rate_error = sizes.base_rate_error;
@@ -295,7 +304,7 @@ Perturbations perturbations_for(const CaptureProblem& problem) {
 }
 
 std::string trial_failure(const TrialOutcome& outcome, const PostImpactSpec& spec) {
-  constexpr double kWhole = 1 + 1e-6;  // of a limit that is just kept
+  const double whole = verification::kTrial.just_kept;
   if (!outcome.hit) return "no contact";
   if (spec.controllers.empty()) return "";
   if (!outcome.finished) return "simulation";
@@ -303,10 +312,10 @@ std::string trial_failure(const TrialOutcome& outcome, const PostImpactSpec& spe
   const auto exceeds = [](double value, double most) { return !(value <= most); };  // NaN does
   if (exceeds(outcome.residual_base_rate, spec.residual_base_rate_max)) return "base rate";
   if (exceeds(outcome.attitude_turned, spec.attitude_change_max)) return "attitude change";
-  if (exceeds(outcome.peak_rate_part, kWhole)) return "joint rates";
-  if (exceeds(outcome.peak_torque_part, kWhole)) return "joint torques";
-  if (exceeds(outcome.peak_grip_part, kWhole)) return "load of the grip";
-  if (exceeds(outcome.peak_wheel_part, kWhole)) return "full wheels";
+  if (exceeds(outcome.peak_rate_part, whole)) return "joint rates";
+  if (exceeds(outcome.peak_torque_part, whole)) return "joint torques";
+  if (exceeds(outcome.peak_grip_part, whole)) return "load of the grip";
+  if (exceeds(outcome.peak_wheel_part, whole)) return "full wheels";
   const auto controller = chosen_controller(spec);
   const bool must_rest = controller && controller->kind == ControllerKind::Detumble;
   return must_rest && !outcome.rests ? "no rest within the horizon" : "";
