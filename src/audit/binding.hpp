@@ -8,13 +8,6 @@
 
 namespace stillbase::audit {
 
-/// Distance from a limit that counts as reached. What is further beyond it is no limit of the
-/// plan: shapes of neighbours overlap by construction.
-inline constexpr double kReached = 1e-6;
-
-/// KKT residual of a minimum with exact derivatives: only of those a plan states its limits.
-inline constexpr double kStatedMinimum = 1e-6;
-
 struct ReachedLimit {
   NamedLimit limit;
   /// By how much |y|^2 falls, relative to itself, per unit that the limit is moved outwards.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "audit/tolerances.hpp"
 #include "verification/known_constraints.hpp"
 
 namespace stillbase::audit {
@@ -82,7 +83,7 @@ std::vector<ReachedLimit> limits_at(const CaptureProblem& problem, const Configu
   const std::vector<double> distances = distances_from_limits(here, &limits);
   std::vector<ReachedLimit> out;
   for (std::size_t i = 0; i < limits.size(); ++i) {
-    if (!(std::abs(distances[i]) <= kReached)) continue;
+    if (!(std::abs(distances[i]) <= kRecord.reached)) continue;
     const auto is_there = [&](const ReachedLimit& other) {
       return other.limit.name == limits[i].name && other.limit.is_upper == limits[i].is_upper;
     };
@@ -132,8 +133,8 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
   }
   // Zero falls no further.
   const bool is_zero = std::pow(plan.objective.value, 1 / exponent) <=
-                       kStatedMinimum * typical_objective(context.problem);
-  const bool is_minimum = plan.certificate.kkt_residual <= kStatedMinimum;
+                       kRecord.stationary * typical_objective(context.problem);
+  const bool is_minimum = plan.certificate.kkt_residual <= kRecord.stationary;
   objections.demand(is_minimum || list.empty(), "limits of a configuration that is no minimum");
   Names perhaps;
   for (const ReachedLimit& limit : reached) {

@@ -7,13 +7,12 @@
 #include <stillbase/plan/free_roll.hpp>
 
 #include "audit/checks.hpp"
+#include "audit/tolerances.hpp"
 #include "verification/clearance.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
-
-/// A zero of the objective relative to the terms that it is a sum and difference of.
-constexpr double kZeroOfCandidate = 1e-8;
 
 /// Differences of a candidate's stated numbers from the recomputed ones.
 struct Differences {
@@ -87,7 +86,7 @@ void check_chosen(const Context& context, ClaimList& claims) {
     nearest = here;
     chosen = candidate;
   }
-  claims.at_most("configuration_is_candidate", nearest, 1e-9, "1",
+  claims.at_most("configuration_is_candidate", nearest, kShared.rounding, "1",
                  "the chosen configuration from the nearest candidate");
   const auto apart = [](double stated, double repeated) {
     if (stated == repeated) return 0.0;
@@ -140,7 +139,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
   claims.at_most("candidates_value", worst.value, measure_tolerance(context), "1",
                  "largest relative difference to the measure over the candidates");
   if (!plan.families.empty()) {
-    claims.at_most("families_vanish", worst.from_zero, kZeroOfCandidate, "1",
+    claims.at_most("families_vanish", worst.from_zero, kRecord.zero, "1",
                    "largest nominal objective of a candidate on a continuum of zeros");
   }
   claims.none_wrong("candidates_allowed", forbidden, "candidates that the problem does not allow");

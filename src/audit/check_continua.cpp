@@ -12,18 +12,16 @@
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
 #include "audit/manifold.hpp"
+#include "audit/tolerances.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
 
-/// Largest objective of a zero, relative to the terms that it is a sum and difference of.
-constexpr double kZeroOfCurve = 1e-8;
 constexpr double kSpacing = 0.1;     ///< largest distance of neighbouring points
 constexpr double kClosed = 1e-9;     ///< distance of the ends of a closed curve
 constexpr double kSameCurve = 0.01;  ///< distance from the chords between points
 constexpr double kSameRoll = 1e-5;   ///< the same of the range of a free joint, which is straight
-constexpr double kFreeRoll = 1e-7;   ///< largest change of a value over the angles of a free joint
-constexpr double kAtLimit = 1e-6;    ///< rad, m, s, ...: an end that is stopped by a limit
 
 /// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
 /// base from its stated attitude, time.
@@ -70,7 +68,7 @@ double distance_to_end(const Situation& at, const std::vector<double>& along) {
   const std::vector<double> here = distances_from_limits(at);
   double nearest = kInfinity;
   for (std::size_t i = 0; i < here.size(); ++i) {
-    if (std::abs(along[i]) > kAtLimit) nearest = std::min(nearest, std::abs(here[i]));
+    if (std::abs(along[i]) > kRecord.reached) nearest = std::min(nearest, std::abs(here[i]));
   }
   return nearest;
 }
@@ -195,7 +193,7 @@ class Curves {
   }
 
   void claim(ClaimList& claims) const {
-    claims.at_most("families_points_vanish", off_zero_, kZeroOfCurve, "1",
+    claims.at_most("families_points_vanish", off_zero_, kRecord.zero, "1",
                    "largest nominal objective of a point of a continuum of zeros");
     claims.none_wrong("families_points_allowed", objections_,
                       "points of curves that the problem does not allow");
@@ -212,7 +210,7 @@ class Curves {
     claims.none_wrong("families_starts", wrong_starts(),
                       "curves that no start reached, and more ends than starts");
     if (has_roll_) {
-      claims.at_most("families_rolls", turned_, kFreeRoll, "1",
+      claims.at_most("families_rolls", turned_, kRecord.unchanged, "1",
                      "largest change of objective or measure over the angles of a free joint, "
                      "relative to the terms that the objective is made of");
       claims.none_wrong("families_rolls_stated", rolls_,
@@ -265,7 +263,6 @@ class Curves {
   /// The whole range of a joint on whose angle nothing depends.
   void judge_roll(const SolutionFamily& family, int k, int number, const std::string& name) {
     constexpr int kAngles = 12;
-    constexpr double kSame = 1e-9;
     has_roll_ = true;
     const CaptureProblem& problem = context_.problem;
     const Joint& joint = problem.robot.joints[k];
@@ -275,9 +272,11 @@ class Curves {
     const double least = is_turn ? upper - 2 * kPi : joint.lower + margin;
     const double most = is_turn ? lower + 2 * kPi : joint.upper - margin;
     rolls_.demand(problem.variables.joints[k], name + "its joint is not free");
-    rolls_.demand(std::abs(lower - least) <= kSame && std::abs(upper - most) <= kSame,
-                  name + "does not end at the joint's limits");
-    rolls_.demand(std::abs(family.length - (upper - lower)) <= kSame, name + "its length");
+    rolls_.demand(
+        std::abs(lower - least) <= kShared.rounding && std::abs(upper - most) <= kShared.rounding,
+        name + "does not end at the joint's limits");
+    rolls_.demand(std::abs(family.length - (upper - lower)) <= kShared.rounding,
+                  name + "its length");
     rolls_.demand(family.is_closed == is_turn && family.is_complete, name + "its ends");
     Configuration at = family.points.front();
     const auto numbers = [&] {
@@ -298,11 +297,13 @@ class Curves {
     for (const Candidate& candidate : context_.plan.candidates) {
       if (candidate.family != number) continue;
       const double angle = candidate.configuration.phi[k];
-      rolls_.demand(is_turn || (angle >= lower - kSame && angle <= upper + kSame),
-                    name + "its candidate is beyond the ends");
+      rolls_.demand(
+          is_turn || (angle >= lower - kShared.rounding && angle <= upper + kShared.rounding),
+          name + "its candidate is beyond the ends");
       at.phi[k] = angle;
-      rolls_.demand(Place(problem, at).distance({problem, candidate.configuration}) <= kSame,
-                    name + "its candidate differs in other joints");
+      rolls_.demand(
+          Place(problem, at).distance({problem, candidate.configuration}) <= kShared.rounding,
+          name + "its candidate differs in other joints");
     }
   }
 
@@ -325,7 +326,7 @@ class Curves {
     bool all_at_limits = true;
     for (const Configuration* end : {&family.points.front(), &family.points.back()}) {
       const double gap = distance_to_end({context_.problem, *end}, along);
-      if (gap <= kAtLimit) continue;
+      if (gap <= kRecord.reached) continue;
       all_at_limits = false;
       ends_.demand(!family.is_complete,
                    fmt::format("{}an end is {:.3g} from the nearest limit", name, gap));
@@ -357,7 +358,7 @@ class Curves {
 /// more open than that, and less than a verified plan may.
 bool has_free_roll(const Context& context, const Configuration& at) {
   constexpr int kAngles = 16;
-  constexpr double kSame = kFreeRoll / 100;
+  constexpr double kSame = kRecord.unchanged / 100;
   const CaptureProblem& problem = context.problem;
   const RobotModel& robot = problem.robot;
   if (robot.hand_body == kBase) return false;
@@ -403,11 +404,10 @@ bool has_better_beside(const Context& context, const Configuration& at) {
   constexpr int kDirections = 32;
   constexpr double kStep = 1e-3;     // rad, m, s: minima are known to much less
   constexpr double kSmaller = 1e-5;  // relative
-  constexpr int kMostSamples = 60;   // of the cone, before the refinement
   const Situation here(context.problem, at);
   const FeasibleManifold manifold(here.problem, at);
   if (!manifold.objection().empty() || manifold.dimension() == 0) return false;
-  const int samples = std::min(kMostSamples, context.cone_samples());
+  const int samples = std::min(kRecord.cone_samples, context.cone_samples());
   const double value = measure_value(here, samples);
   Random random(11);
   for (int i = 0; i < kDirections && !context.options.stop.reached(); ++i) {

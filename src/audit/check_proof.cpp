@@ -12,6 +12,7 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "audit/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
@@ -72,7 +73,7 @@ void check_statement(const Context& context, ClaimList& claims) {
     }
     objections.demand(
         least.has_value() == proof.gap.has_value() &&
-            (!least || std::abs(*least - *proof.gap) <= kGapRounding * std::abs(*least)),
+            (!least || std::abs(*least - *proof.gap) <= kRecord.gap * std::abs(*least)),
         "the gap is not that of the best candidate");
   }
   demand_statement(context, objections);
@@ -106,11 +107,9 @@ void check_completeness(const Context& context, const FreeVariables& variables,
                                 recount.starts, recount.solutions.size()));
 }
 
-constexpr double kRounding = 1e-9;  ///< relative
 constexpr int kBoundStarts = 100;
 constexpr int kDescents = 4;  ///< of the best starts
 constexpr int kSteps = 60;    ///< of each descent
-constexpr int kConeSamples = 60;
 
 /// Configurations with the hand at its contact that the problem allows, and their measure.
 class AllowedConfigurations {
@@ -134,7 +133,7 @@ class AllowedConfigurations {
 
   double measure(const Eigen::VectorXd& x) const {
     return measure_value(Situation(context_.problem, variables_.at(x)),
-                         std::min(kConeSamples, context_.options.cone_samples));
+                         std::min(kRecord.cone_samples, context_.options.cone_samples));
   }
   double measure(const JointBox& box) const { return measure(variables_.middle_of(box)); }
 
@@ -230,10 +229,10 @@ double check_bound_statement(const Context& context, double bound, ClaimList& cl
     if (!(candidate.max_violation <= context.options.constraint_tolerance)) continue;
     least = std::min(least, candidate.value);
     const double gap = candidate.value - bound;
-    is_gap = is_gap || (proof.gap && std::abs(*proof.gap - gap) <= kGapRounding * bound);
+    is_gap = is_gap || (proof.gap && std::abs(*proof.gap - gap) <= kRecord.gap * bound);
   }
   objections.demand(is_gap, "the gap is that of no candidate");
-  objections.demand(!proof.gap || least - bound <= *proof.gap + kGapRounding * bound,
+  objections.demand(!proof.gap || least - bound <= *proof.gap + kRecord.gap * bound,
                     "a candidate is nearer to the bound than the gap");
   claims.none_wrong("proof_bound_statement", objections, "words, boxes and gap of the bound fit");
   return least;
@@ -311,7 +310,7 @@ void check_bound(const Context& context, ClaimList& claims) {
   const double bound = *proof.lower_bound;
   const std::string unit = objective_unit_name(context.problem);
   const double least = check_bound_statement(context, bound, claims);
-  claims.at_least("proof_bound", least, bound, kRounding * bound, unit,
+  claims.at_least("proof_bound", least, bound, kRecord.bound * bound, unit,
                   fmt::format("least measure of the candidates; none may be below {:.9g}", bound));
 
   const AllowedConfigurations configurations(context);
@@ -320,7 +319,7 @@ void check_bound(const Context& context, ClaimList& claims) {
   const std::optional<double> found = counts_case ? least_of_solutions(proof, configurations)
                                                   : search_below(context, configurations);
   if (!found) return;  // a random search does not reach so few configurations
-  claims.at_least("proof_bound_searched", *found, bound, kRounding * bound, unit,
+  claims.at_least("proof_bound_searched", *found, bound, kRecord.bound * bound, unit,
                   fmt::format("least measure of random configurations; none may be below {:.9g} "
                               "(a search, no proof)",
                               bound));

@@ -8,15 +8,15 @@
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
 #include "audit/smooth_parts.hpp"
+#include "audit/tolerances.hpp"
 #include "plan/proof_words.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
 namespace {
 
-constexpr double kLimitMargin = 1e-7;    ///< nearer to a limit than this is undecided
-constexpr double kBoundRounding = 1e-9;  ///< relative
-constexpr double kInsideCone = 1e-10;    ///< rad towards the axis: no direction is outside
+constexpr double kLimitMargin = 1e-7;  ///< nearer to a limit than this is undecided
+constexpr double kInsideCone = 1e-10;  ///< rad towards the axis: no direction is outside
 constexpr int kRimDirections = 24;
 /// Boxes of a repeated bound, which from other directions may progress slowly: so many times those
 /// stated, and so many more, which are not what an altered plan says.
@@ -187,16 +187,16 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
   const MinimumBound found = prover.prove_minimum(problem, known, enclosed, best, options);
   double least = kInfinity;
   for (const Configuration& at : found.suspects) least = std::min(least, options.value_at(at));
-  if (least < bound * (1 - kBoundRounding)) {
-    return claims.at_least(name, least, bound, kBoundRounding * bound, unit,
+  if (least < bound * (1 - kRecord.bound)) {
+    return claims.at_least(name, least, bound, kRecord.bound * bound, unit,
                            "measure of a configuration that the prover found");
   }
-  if (found.lower_bound < bound * (1 - kBoundRounding)) {
+  if (found.lower_bound < bound * (1 - kRecord.bound)) {
     return claims.not_verified(
         name, fmt::format("repeated, the bound reaches {:.6g} of the stated {:.6g} {} in {} boxes",
                           found.lower_bound, bound, unit, found.boxes));
   }
-  claims.at_least(name, found.lower_bound, bound, kBoundRounding * bound, unit,
+  claims.at_least(name, found.lower_bound, bound, kRecord.bound * bound, unit,
                   fmt::format("the bound repeated: {} boxes examined", found.boxes));
 }
 

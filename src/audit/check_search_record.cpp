@@ -13,17 +13,16 @@
 #include "audit/exclusions.hpp"
 #include "audit/manifold.hpp"
 #include "audit/search_record.hpp"
+#include "audit/tolerances.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
 
-constexpr double kStationary = 1e-6;         ///< largest KKT residual of an optimal plan
 constexpr int kFirstStarts = 64;             ///< at least, where the problem states no number
 constexpr int kIsolatedStarts = 1024;        ///< the same where the equations leave no freedom
 constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan whose starts went on in rounds
-constexpr double kZeroMeasure = 1e-8;        ///< of the typical objective
 constexpr double kProvenGap = 1e-3;          ///< relative: the prover goes no further
-constexpr double kCopied = 1e-9;             ///< rad, s: copied numbers differ by rounding only
 constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
 
 /// @param problem whole turns of its joints count as nothing
@@ -172,7 +171,7 @@ void check_status(const Context& context, ClaimList& claims) {
                   [](const Candidate& candidate) { return candidate.is_judged; });
   objections.demand(all_judged || (was_cut && simulates_turn(context.problem)),
                     "worst cases that are not evaluated without a limit that was reached");
-  const bool is_stationary = certificate.kkt_residual <= kStationary;
+  const bool is_stationary = certificate.kkt_residual <= kRecord.stationary;
   objections.demand(plan.status != PlanStatus::Optimal || is_stationary,
                     "stated to be optimal with a large KKT residual");
   check_rounds(context, objections);
@@ -234,7 +233,7 @@ void check_polish(const Context& context, ClaimList& claims) {
   const double stated = approach.after_polish;
   claims.at_most("approach_polish", stated - approach.before_polish, 0, "s or rad",
                  "the polished path is no worse than the planned one");
-  claims.at_most("approach_polish_stated", std::abs(stated - polished(approach)), kCopied,
+  claims.at_most("approach_polish_stated", std::abs(stated - polished(approach)), kShared.rounding,
                  "s or rad", "stated result of the polish");
 }
 
@@ -320,7 +319,7 @@ double least_value(const Context& context) {
 bool is_zero(const Context& context, double value) {
   if (!context.plan.objective.user_terms.empty()) return false;
   const double size = objective_power(context.problem).length(value);
-  return size <= kZeroMeasure * typical_objective(context.problem);
+  return size <= kRecord.zero * typical_objective(context.problem);
 }
 
 void check_search_record(const Context& context, ClaimList& claims) {

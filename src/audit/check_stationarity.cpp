@@ -14,6 +14,7 @@
 #include "audit/differences.hpp"
 #include "audit/manifold.hpp"
 #include "audit/smooth_parts.hpp"
+#include "audit/tolerances.hpp"
 #include "verification/arrival.hpp"
 
 namespace stillbase::audit {
@@ -104,7 +105,7 @@ class Stationarity {
       : problem_(problem), here_(problem, at), manifold_(problem, at), parts_(here_) {
     const std::vector<double> distances = distances_from_limits(here_, &limits_);
     for (std::size_t i = 0; i < distances.size(); ++i) {
-      if (std::abs(distances[i]) <= kReached) active_.push_back(i);
+      if (std::abs(distances[i]) <= kRecord.reached) active_.push_back(i);
     }
     if (objection().empty()) differentiate();
   }
@@ -409,7 +410,7 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
     return claims.not_verified("kkt_residual", kKinked);
   }
   // Also a minimum that other candidates are better than is one.
-  if (context.plan.status == PlanStatus::Optimal || stated <= kStatedMinimum) {
+  if (context.plan.status == PlanStatus::Optimal || stated <= kRecord.stationary) {
     claims.at_most("kkt_residual", found.residual(), limit, "1", how);
     return;
   }
@@ -513,7 +514,7 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (!found.objection().empty()) return give_up(found.objection());
   check_residual(context, found, claims);
   check_curvature(context, found, claims);
-  const double error = std::max(found.residual(), simulates ? kSlopeSimulated : kStatedMinimum);
+  const double error = std::max(found.residual(), simulates ? kSlopeSimulated : kRecord.stationary);
   check_binding(context, found.reached(error), found.has_kink() ? kKinked : "", claims);
 }
 

@@ -8,12 +8,11 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "audit/tolerances.hpp"
+#include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
-
-constexpr double kSameValue = 1e-7;  ///< relative to the terms that the objective is made of
-constexpr double kSlack = 1e-9;      ///< rad: an angle at its limit is within it
 
 /// A configuration with all joints as many turns down, or up, as is stated.
 Configuration turned(const CaptureProblem& problem, const Candidate& candidate, bool up) {
@@ -53,7 +52,7 @@ class Turns {
 
   void claim(ClaimList& claims) const {
     if (!any_) return;
-    claims.at_most("candidates_turns", changed_, kSameValue, "1",
+    claims.at_most("candidates_turns", changed_, kRecord.unchanged, "1",
                    "largest change of objective or measure over the stated whole turns, relative "
                    "to the terms that the objective is made of");
     claims.none_wrong("candidates_turns_stated", stated_,
@@ -70,8 +69,8 @@ class Turns {
       if (joint.type == JointType::Continuous || !reaches_every_angle(problem, k)) continue;
       if (is_free(candidate, k)) continue;
       any_ = true;
-      const double lower = joint.lower + problem.constraints.joint_limit_margin - kSlack;
-      const double upper = joint.upper - problem.constraints.joint_limit_margin + kSlack;
+      const double lower = joint.lower + problem.constraints.joint_limit_margin - kShared.rounding;
+      const double upper = joint.upper - problem.constraints.joint_limit_margin + kShared.rounding;
       int least = 0, most = 0;
       while (candidate.configuration.phi[k] + 2 * kPi * (least - 1) >= lower) --least;
       while (candidate.configuration.phi[k] + 2 * kPi * (most + 1) <= upper) ++most;

@@ -60,9 +60,6 @@ double least_value(const Context& context);
 /// nothing recomputes.
 bool is_zero(const Context& context, double value);
 
-/// Largest error of a stated gap, relative to the values that it is a difference of.
-inline constexpr double kGapRounding = 1e-12;
-
 /// The enclosed solutions and the candidates are the same; no check without a proof.
 void check_proof(const Context& context, ClaimList& claims);
 

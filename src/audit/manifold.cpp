@@ -10,15 +10,13 @@
 #include <stillbase/core/random.hpp>
 
 #include "audit/equations.hpp"
+#include "audit/tolerances.hpp"
 #include "verification/limits.hpp"
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
 namespace {
 
-/// Singular values of the equations, in 1 per rad (m): what is above `kRestricts` restricts
-/// variables, what is below `kRestrictsNot` does not, and between them neither is certain.
-constexpr double kRestricts = 1e-4, kRestrictsNot = 1e-7;
 constexpr double kOnManifold = 1e-12;  ///< norm of the residual
 constexpr int kCorrections = 40;
 constexpr double kSameDistance = 1e-9;  ///< m
@@ -50,8 +48,8 @@ FeasibleManifold::FeasibleManifold(const CaptureProblem& problem, const Configur
   const Eigen::MatrixXd J = equations_.jacobian(x_) * units_.cwiseInverse().asDiagonal();
   const Svd svd = right_svd(J);
   const auto above = [&](double size) { return (svd.sigma.array() > size).count(); };
-  const Eigen::Index rank = above(kRestricts);
-  if (rank != above(kRestrictsNot)) {
+  const Eigen::Index rank = above(kRecord.restricts);
+  if (rank != above(kRecord.restricts_not)) {
     objection_ = "the equations nearly depend on each other there";
     return;
   }
@@ -59,7 +57,7 @@ FeasibleManifold::FeasibleManifold(const CaptureProblem& problem, const Configur
   correction_ = Eigen::MatrixXd::Zero(n, J.rows());
   if (rank > 0) {
     const Eigen::MatrixXd V = svd.V.leftCols(rank);
-    correction_ = V * pseudo_inverse(J * V, kRestrictsNot);
+    correction_ = V * pseudo_inverse(J * V, kRecord.restricts_not);
   }
 }
 

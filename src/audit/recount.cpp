@@ -5,14 +5,13 @@
 
 #include "audit/checks.hpp"
 #include "audit/equations.hpp"
+#include "audit/tolerances.hpp"
 
 namespace stillbase::audit {
 namespace {
 
-constexpr double kSameSolution = 1e-5;   ///< rad, m: distance of equal solutions
-constexpr double kZeroResidual = 1e-11;  ///< residual of a zero
-constexpr double kOpen = 1e-7;           ///< singular value of a free direction, by differences
-constexpr double kRestricted = 1e-4;     ///< the same of a direction that the equations restrict
+constexpr double kSameSolution = 1e-5;              ///< rad, m: distance of equal solutions
+constexpr double kZeroResidual = 1e-11;             ///< residual of a zero
 constexpr int kRecountStarts[] = {100, 400, 1000};  ///< by the number of variables
 
 Eigen::VectorXd start_point(const FreeVariables& variables, int index) {
@@ -48,7 +47,7 @@ bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at
   if (!(equations.residual(x).cwiseAbs().maxCoeff() <= kZeroResidual)) return false;
   const Eigen::VectorXd sizes = singular_values(equations.jacobian(x));
   if (sizes.size() < n) return false;  // fewer equations: several directions are free
-  return sizes[n - 1] <= kOpen && sizes[n - 2] >= kRestricted;
+  return sizes[n - 1] <= kRecord.restricts_not && sizes[n - 2] >= kRecord.restricts;
 }
 
 Recount search_solutions(const Context& context) {
