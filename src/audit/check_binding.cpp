@@ -13,13 +13,16 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kSameMultiplier = 0.01;  ///< relative
-/// Relative: with a larger error nothing is said of a multiplier.
-constexpr double kLargestError = 0.3;
-constexpr double kSameStatedLimit =
-    1e-9;  ///< relative to 1 + the limit: two codes copy or square it
-/// Of the value, per unit of a limit: twice the multiplier from which a plan lists a limit.
-constexpr double kLeastListed = 2e-6;
+/// Tolerances of the list of limits.
+struct BindingOptions {
+  double same_multiplier = 0.01;  ///< relative, beside the error of the differences
+  double largest_error = 0.3;     ///< relative: with a larger one nothing is said of a multiplier
+  double same_limit = 1e-9;       ///< relative to 1 + the limit: two codes copy or square it
+  /// Of the value, per unit of a limit: twice the multiplier from which a plan lists a limit.
+  double least_listed = 2e-6;
+  double zero = 1e-6;  ///< of the typical objective: a smaller one falls no further
+};
+constexpr BindingOptions kBinding;
 
 std::string end_of(const std::string& name, bool is_upper) {
   return name + (is_upper ? " upper" : " lower");
@@ -53,7 +56,7 @@ double distance_from_limit(const Situation& at, const BindingLimit& stated) {
 void demand_entry(const Context& context, const BindingLimit& stated, const NamedLimit& limit,
                   Objections& objections) {
   const std::string name = end_of(stated.name, stated.is_upper);
-  const double same = kSameStatedLimit * (1 + std::abs(limit.value));
+  const double same = kBinding.same_limit * (1 + std::abs(limit.value));
   objections.demand(
       std::abs(stated.value - limit.value) <= same,
       fmt::format("{} is stated at {:.9g}, not {:.9g}", name, stated.value, limit.value));
@@ -122,18 +125,19 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
     objections.demand(std::count_if(list.begin(), list.end(), repeats) == 1, name + " is repeated");
     objections.demand(i == 0 || stated.multiplier <= list[i - 1].multiplier,
                       name + " saves more than the one before it");
-    if (!are_known || !found->is_known || found->error > kLargestError * found->multiplier) {
+    if (!are_known || !found->is_known ||
+        found->error > kBinding.largest_error * found->multiplier) {
       open.add(name);
       continue;
     }
     ++compared;
     const double multiplier = found->multiplier * relative_slope;
-    const double same = kSameMultiplier * multiplier + found->error * relative_slope;
+    const double same = kBinding.same_multiplier * multiplier + found->error * relative_slope;
     worst = std::max(worst, std::abs(stated.multiplier - multiplier) / std::max(same, 1e-300));
   }
   // Zero falls no further.
   const bool is_zero = std::pow(plan.objective.value, 1 / exponent) <=
-                       kRecord.stationary * typical_objective(context.problem);
+                       kBinding.zero * typical_objective(context.problem);
   const bool is_minimum = plan.certificate.kkt_residual <= kRecord.stationary;
   objections.demand(is_minimum || list.empty(), "limits of a configuration that is no minimum");
   Names perhaps;
@@ -142,7 +146,7 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
     if (!is_minimum || is_zero || std::any_of(list.begin(), list.end(), is_stated)) continue;
     const std::string name = end_of(limit.limit.name, limit.limit.is_upper);
     const double multiplier = limit.multiplier * relative_slope;
-    const double least = kLeastListed * plan.objective.value;
+    const double least = kBinding.least_listed * plan.objective.value;
     if (!are_known || (!limit.is_known && multiplier > least)) {
       perhaps.add(name);
     } else if (multiplier > least) {

@@ -14,6 +14,13 @@
 namespace stillbase::audit {
 namespace {
 
+/// Tolerances of candidates and of the nominal optimum.
+struct CandidateOptions {
+  double least_size = 1e-6;  ///< of the scale: smaller worst cases are compared as if of this one
+  double above_nominal = 1e-6;  ///< of the scale: minima of two solves that are one
+};
+constexpr CandidateOptions kCandidates;
+
 /// Differences of a candidate's stated numbers from the recomputed ones.
 struct Differences {
   double objective = 0, worst_case = 0, value = 0;
@@ -41,7 +48,8 @@ Differences differences(const Context& context, const Situation& at, const Candi
       context.problem.uncertainty.cone_half_angle > 0 && !simulates_turn(context.problem);
   const auto relative = [&](double stated, double sampled) {
     if (!is_sampled) return relative_error(stated, sampled, found.scale);
-    return std::abs(stated - sampled) / std::max(std::abs(sampled), 1e-6 * found.scale);
+    return std::abs(stated - sampled) /
+           std::max(std::abs(sampled), kCandidates.least_size * found.scale);
   };
   const bool is_worst_case = context.problem.measure.kind == RiskMeasure::WorstCase;
   Differences out{relative_error(candidate.objective, found.nominal, found.scale),
@@ -177,7 +185,8 @@ void check_nominal_optimum(const Context& context, ClaimList& claims) {
     lowest = std::min(lowest, candidate.objective);
   }
   claims.at_most("nominal_optimum_is_lowest",
-                 (found.nominal - lowest) / std::max(found.scale, 1e-300), 1e-6, "1",
+                 (found.nominal - lowest) / std::max(found.scale, 1e-300),
+                 kCandidates.above_nominal, "1",
                  "its nominal value above that of the candidates, relative to the scale");
 }
 

@@ -10,10 +10,13 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kSameMeasure =
-    1e-6;                           ///< relative: smaller differences of the measure do not count
-constexpr double kSameZero = 1e-7;  ///< the same of the objective's typical size
-constexpr double kSameLoss = 1e-6;  ///< relative
+/// Tolerances of the choice among the candidates.
+struct ChoiceOptions {
+  double same_measure = 1e-6;  ///< relative: smaller differences of the measure do not count
+  double same_zero = 1e-7;     ///< the same of the objective's typical size
+  double same_loss = 1e-6;     ///< relative
+};
+constexpr ChoiceOptions kChoice;
 
 /// The candidate at the plan's configuration; null: none.
 const Candidate* chosen_candidate(const Plan& plan) {
@@ -36,7 +39,8 @@ void check_choice(const Context& context, ClaimList& claims) {
   if (chosen == nullptr || plan.status == PlanStatus::Limit) return;
   if (plan.choice.better < 0) return claims.not_verified("choice", "the plan does not state it");
   const double value = chosen->value;
-  const double same = kSameMeasure * value + kSameZero * typical_objective(context.problem);
+  const double same =
+      kChoice.same_measure * value + kChoice.same_zero * typical_objective(context.problem);
   double least = value;
   int excluded = 0;
   Objections objections;
@@ -55,7 +59,7 @@ void check_choice(const Context& context, ClaimList& claims) {
       fmt::format("{} candidates are excluded, {} are better", excluded, plan.choice.better));
   const auto& stated = plan.choice.loss_percent;
   const double loss = 100 * (value - least) / least;
-  const bool is_loss = stated && std::abs(*stated - loss) <= kSameLoss * loss;
+  const bool is_loss = stated && std::abs(*stated - loss) <= kChoice.same_loss * loss;
   if (least < value - 2 * same) {
     objections.demand(plan.status != PlanStatus::Optimal,
                       "stated to be optimal, but a candidate is better");
@@ -63,7 +67,8 @@ void check_choice(const Context& context, ClaimList& claims) {
                       fmt::format("the loss is {:.6g} %", loss));
   } else {
     // The planner may tell values apart that are one here.
-    objections.demand(!stated || is_loss || *stated <= 300 * kSameMeasure, "there is no loss");
+    objections.demand(!stated || is_loss || *stated <= 300 * kChoice.same_measure,
+                      "there is no loss");
   }
   claims.none_wrong("choice", objections, "candidates before the chosen one, and what it costs");
 }

@@ -15,19 +15,23 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr int kSamples = 8;     ///< configurations at which a constraint may show that it matters
-constexpr double kIdle = 1e-9;  ///< largest change, or violation, of one that does not matter
-constexpr double kIdleBound = 1e-6;  ///< the same of a bound that is never near
-constexpr double kNever = 1e-3;      ///< this far from it, relative; 1000 times what it changes by
-constexpr double kRank = 1e-8;       ///< of a group's values over the samples, relative
-constexpr double kRankOf = 1e-9;     ///< of the coupling matrix, relative
+/// When a constraint of the problem may be missing in the list, and when two are one.
+struct ConstraintListOptions {
+  int samples = 8;              ///< configurations at which a constraint may show that it matters
+  double idle = 1e-9;           ///< largest change, or violation, of one that does not matter
+  double idle_bound = 1e-6;     ///< the same of a bound that is never near
+  double never_near = 1e-3;     ///< this far from it, relative; 1000 times what it changes by
+  double group_rank = 1e-8;     ///< of a group's values over the samples, relative
+  double coupling_rank = 1e-9;  ///< of the coupling matrix, relative
+};
+constexpr ConstraintListOptions kList;
 
 /// Constraints at evenly spread configurations of the problem.
 class Samples {
  public:
   explicit Samples(const CaptureProblem& problem) {
     const FreeVariables variables(problem);
-    for (int i = 0; i < kSamples; ++i) {
+    for (int i = 0; i < kList.samples; ++i) {
       const Eigen::VectorXd u = low_discrepancy_point(i, variables.size(), 2);
       situations_.push_back(
           std::make_unique<Situation>(problem, variables.at(variables.sample(u))));
@@ -45,18 +49,18 @@ class Samples {
       const double value = *known->find(name)->value, size = 1 + std::abs(value);
       const double change = std::abs(value - *first->value);
       const double room = std::min(value - first->lower, first->upper - value);
-      return (change <= kIdle * size && room >= -kIdle) ||
-             (change <= kIdleBound * size && room >= kNever * size);
+      return (change <= kList.idle * size && room >= -kList.idle) ||
+             (change <= kList.idle_bound * size && room >= kList.never_near * size);
     });
   }
 
   /// Number of components in which a group's vector varies.
   int rank(const std::string& group) const {
-    Eigen::MatrixXd vectors(3, kSamples);
-    for (int i = 0; i < kSamples; ++i) vectors.col(i) = known_[i]->group(group).vector;
+    Eigen::MatrixXd vectors(3, kList.samples);
+    for (int i = 0; i < kList.samples; ++i) vectors.col(i) = known_[i]->group(group).vector;
     const Eigen::VectorXd sizes = singular_values(vectors);
-    if (!(sizes[0] > kIdle)) return 0;
-    return numerical_rank(sizes, kRank);
+    if (!(sizes[0] > kList.idle)) return 0;
+    return numerical_rank(sizes, kList.group_rank);
   }
 
   /// Largest rank of the coupling matrix.
@@ -64,7 +68,7 @@ class Samples {
     int rank = 0;
     for (const auto& situation : situations_) {
       const Eigen::VectorXd sizes = singular_values(situation->response.dynamics.Htilde_omegaphi);
-      rank = std::max(rank, numerical_rank(sizes, kRankOf));
+      rank = std::max(rank, numerical_rank(sizes, kList.coupling_rank));
     }
     return rank;
   }

@@ -18,10 +18,27 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kSpacing = 0.1;     ///< largest distance of neighbouring points
-constexpr double kClosed = 1e-9;     ///< distance of the ends of a closed curve
-constexpr double kSameCurve = 0.01;  ///< distance from the chords between points
-constexpr double kSameRoll = 1e-5;   ///< the same of the range of a free joint, which is straight
+/// How curves are compared; lengths in rad, m and s.
+struct ContinuaOptions {
+  double spacing = 0.1;      ///< largest distance of neighbouring points
+  double turn = 0.25;        ///< rad, by which a curve bends at most between them
+  double arc_error = 2e-6;   ///< relative: turn^4 / 2880 of the planner's cubics, and some
+  double straight = 1e-6;    ///< half the angle of an arc, rad, that is no longer than its chord
+  double closed = 1e-9;      ///< distance of the ends of a closed curve
+  double same_curve = 0.01;  ///< distance from the chords between points
+  double same_roll = 1e-5;   ///< the same of the range of a free joint, which is straight
+  int roll_angles = 12;      ///< parts of that range, at whose ends everything has to hold
+};
+constexpr ContinuaOptions kContinua;
+
+/// The search for curves that a plan does not list.
+struct UnlistedOptions {
+  int angles = 16;        ///< parts of the range of a joint that may be free
+  int directions = 32;    ///< random ones, in which a smaller measure is looked for
+  double step = 1e-3;     ///< rad, m, s: minima are known to much less
+  double smaller = 1e-5;  ///< relative, by which a measure is certainly smaller
+};
+constexpr UnlistedOptions kUnlisted;
 
 /// The variables of a configuration as lengths of curves count them: joints, rotation vector of the
 /// base from its stated attitude, time.
@@ -87,7 +104,7 @@ double curvature_of(double a, double b, double c) {
 /// Part by which an arc of this curvature is longer than its chord.
 double excess_of_arc(double curvature, double chord) {
   const double sine = std::min(1.0, curvature * chord / 2);  // of half the angle
-  return sine > 1e-6 ? std::asin(sine) / sine - 1 : 0;
+  return sine > kContinua.straight ? std::asin(sine) / sine - 1 : 0;
 }
 
 /// Length of a curve through points, and how far that may be wrong.
@@ -97,8 +114,6 @@ struct Length {
   /// Of arcs in place of the chords, on the circles through neighbouring points; where both ends of
   /// a chord differ in theirs, the length is uncertain by that much.
   explicit Length(const std::vector<Place>& places, bool is_closed) {
-    constexpr double kTurn = 0.25;      // rad, between neighbouring points of a plan, at most
-    constexpr double kRounding = 2e-6;  // kTurn^4 / 2880 of the planner's cubics, and some
     if (places.size() < 2) return;
     const std::size_t chords = places.size() - 1;
     std::vector<double> chord(chords), curvature(places.size(), 0);
@@ -120,10 +135,11 @@ struct Length {
       value += chord[i] * (1 + (before + after) / 2);
       // The bend at an end of the curve is that of the point beside it.
       const bool is_end = !is_closed && (i == 0 || i + 1 == chords);
-      open += chord[i] * (kRounding + std::abs(before - after) + (is_end ? before / 2 : 0));
+      open +=
+          chord[i] * (kContinua.arc_error + std::abs(before - after) + (is_end ? before / 2 : 0));
     }
     // The bend between two points alone is not known.
-    if (chords == 1) open += chord.front() * kTurn * kTurn / 24;
+    if (chords == 1) open += chord.front() * kContinua.turn * kContinua.turn / 24;
   }
 };
 
@@ -141,7 +157,7 @@ struct Curve {
 
   /// Whether a place is nearer than `same` to one of the chords.
   /// @param step largest distance of neighbouring points; 0: not known
-  bool passes(const Place& place, double step, double same = kSameCurve) const {
+  bool passes(const Place& place, double step, double same = kContinua.same_curve) const {
     std::size_t i = 0;
     while (i < places.size()) {
       const double here = place.distance(places[i]);
@@ -197,7 +213,7 @@ class Curves {
                    "largest nominal objective of a point of a continuum of zeros");
     claims.none_wrong("families_points_allowed", objections_,
                       "points of curves that the problem does not allow");
-    claims.at_most("families_points_apart", step_, kSpacing, "1",
+    claims.at_most("families_points_apart", step_, kContinua.spacing, "1",
                    "largest distance of neighbouring points");
     claims.at_most("families_length", length_, 1, "1",
                    "stated length from that of arcs through the points, over the error that their "
@@ -205,7 +221,7 @@ class Curves {
     claims.none_wrong("families_ends", ends_,
                       "closed curves with a gap, open ones without, complete ones that do not end "
                       "at limits, and others that do");
-    claims.at_most("families_members", astray_, kSpacing, "1",
+    claims.at_most("families_members", astray_, kContinua.spacing, "1",
                    "largest distance of a candidate from the nearest point of its curve");
     claims.none_wrong("families_starts", wrong_starts(),
                       "curves that no start reached, and more ends than starts");
@@ -250,7 +266,7 @@ class Curves {
         if (i == j || curves_[i].feature != curves_[j].feature) continue;
         const std::vector<Place>& places = curves_[i].places;
         const auto common = std::count_if(places.begin(), places.end(), [&](const Place& place) {
-          return curves_[j].is_roll ? curves_[j].passes(place, 0, kSameRoll)
+          return curves_[j].is_roll ? curves_[j].passes(place, 0, kContinua.same_roll)
                                     : curves_[j].passes(place, step_);
         });
         out.demand(2 * static_cast<std::size_t>(common) <= places.size(),
@@ -262,7 +278,6 @@ class Curves {
 
   /// The whole range of a joint on whose angle nothing depends.
   void judge_roll(const SolutionFamily& family, int k, int number, const std::string& name) {
-    constexpr int kAngles = 12;
     has_roll_ = true;
     const CaptureProblem& problem = context_.problem;
     const Joint& joint = problem.robot.joints[k];
@@ -283,8 +298,8 @@ class Curves {
       return objective_numbers(Situation(problem, at), context_.cone_samples());
     };
     const ObjectiveNumbers first = numbers();
-    for (int i = 0; i <= kAngles; ++i) {
-      at.phi[k] = lower + (upper - lower) * i / kAngles;
+    for (int i = 0; i <= kContinua.roll_angles; ++i) {
+      at.phi[k] = lower + (upper - lower) * i / kContinua.roll_angles;
       for (const std::string& objection :
            configuration_objections(Situation(problem, at), context_.options)) {
         objections_.add(name + objection);
@@ -309,12 +324,14 @@ class Curves {
 
   void judge_length(const SolutionFamily& family, const std::vector<Place>& places) {
     const Length own(places, family.is_closed);
-    length_ = std::max(length_, std::abs(family.length - own.value) / (own.open + kClosed));
+    length_ =
+        std::max(length_, std::abs(family.length - own.value) / (own.open + kContinua.closed));
   }
 
   void judge_ends(const SolutionFamily& family, const std::vector<Place>& places,
                   const std::string& name) {
-    const bool is_closed = places.size() > 2 && places.front().distance(places.back()) <= kClosed;
+    const bool is_closed =
+        places.size() > 2 && places.front().distance(places.back()) <= kContinua.closed;
     ends_.demand(family.is_closed == is_closed,
                  name + (is_closed ? "its ends coincide" : "its ends are apart"));
     ends_.demand(!family.is_closed || family.is_complete, name + "closed, but not complete");
@@ -357,8 +374,7 @@ class Curves {
 /// what the search asks for: a hand whose axis is tilted by the rounding of a robot file leaves
 /// more open than that, and less than a verified plan may.
 bool has_free_roll(const Context& context, const Configuration& at) {
-  constexpr int kAngles = 16;
-  constexpr double kSame = kRecord.unchanged / 100;
+  constexpr double same = kRecord.unchanged / 100;
   const CaptureProblem& problem = context.problem;
   const RobotModel& robot = problem.robot;
   if (robot.hand_body == kBase) return false;
@@ -373,7 +389,7 @@ bool has_free_roll(const Context& context, const Configuration& at) {
   if (!(upper > lower)) return false;
   const auto turned = [&](int part) {
     Configuration there = at;
-    there.phi[k] = lower + (upper - lower) * part / kAngles;
+    there.phi[k] = lower + (upper - lower) * part / kUnlisted.angles;
     return there;
   };
   VerifyOptions strict = context.options;
@@ -382,18 +398,18 @@ bool has_free_roll(const Context& context, const Configuration& at) {
   const Situation here(problem, at);
   const double nominal = objective_along(here, here.event.n);
   const double scale = std::max(scale_along(here, here.event.n), 1e-300);
-  for (int i = 0; i <= kAngles; ++i) {
+  for (int i = 0; i <= kUnlisted.angles; ++i) {
     const Situation there(problem, turned(i));
     const double value = objective_along(there, there.event.n);
-    if (!(std::abs(value - nominal) <= kSame * scale)) return false;
+    if (!(std::abs(value - nominal) <= same * scale)) return false;
     if (!configuration_objections(there, strict).empty()) return false;
   }
   if (problem.measure.kind == RiskMeasure::Nominal) return true;
   const double measure = objective_numbers(here, context.cone_samples()).measure;
-  for (int i = 0; i <= kAngles; i += kAngles / 4) {
+  for (int i = 0; i <= kUnlisted.angles; i += kUnlisted.angles / 4) {
     const Situation there(problem, turned(i));
     const double value = objective_numbers(there, context.cone_samples()).measure;
-    if (!(std::abs(value - measure) <= kSame * scale)) return false;
+    if (!(std::abs(value - measure) <= same * scale)) return false;
   }
   return true;
 }
@@ -401,22 +417,19 @@ bool has_free_roll(const Context& context, const Configuration& at) {
 /// Whether the measure is certainly smaller beside a configuration: then it is no minimum of the
 /// measure, and only a search for zeros can have found it.
 bool has_better_beside(const Context& context, const Configuration& at) {
-  constexpr int kDirections = 32;
-  constexpr double kStep = 1e-3;     // rad, m, s: minima are known to much less
-  constexpr double kSmaller = 1e-5;  // relative
   const Situation here(context.problem, at);
   const FeasibleManifold manifold(here.problem, at);
   if (!manifold.objection().empty() || manifold.dimension() == 0) return false;
   const int samples = std::min(kRecord.cone_samples, context.cone_samples());
   const double value = measure_value(here, samples);
   Random random(11);
-  for (int i = 0; i < kDirections && !context.options.stop.reached(); ++i) {
+  for (int i = 0; i < kUnlisted.directions && !context.options.stop.reached(); ++i) {
     Eigen::VectorXd u(manifold.dimension());
     for (double& entry : u) entry = random.normal();
-    const std::optional<Configuration> beside = manifold.at(kStep * u.normalized());
+    const std::optional<Configuration> beside = manifold.at(kUnlisted.step * u.normalized());
     if (!beside) continue;
     const Situation there(context.problem, *beside);
-    if (measure_value(there, samples) < (1 - kSmaller) * value &&
+    if (measure_value(there, samples) < (1 - kUnlisted.smaller) * value &&
         configuration_objections(there, context.options).empty()) {
       return true;
     }

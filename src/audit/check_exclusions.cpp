@@ -19,9 +19,14 @@
 namespace stillbase::audit {
 namespace {
 
-/// Relative, of a limit after the impact: another integration may see it just kept.
-constexpr double kNearly = 1e-3;
-constexpr double kDigits = 1e-3;  ///< relative: reasons have numbers of four digits
+/// How reasons are compared.
+struct ExclusionOptions {
+  /// Relative, of a limit after the impact, of a stop rad (m): another integration may see it just
+  /// kept.
+  double nearly = 1e-3;
+  double digits = 1e-3;  ///< relative: reasons have numbers of four digits
+};
+constexpr ExclusionOptions kExclusions;
 
 /// What follows a prefix; empty: the text does not begin with it.
 std::optional<std::string> after_prefix(const std::string& text, const std::string& prefix) {
@@ -129,7 +134,7 @@ AfterContact simulate(const Situation& at, const StopCondition& stop, const IsSo
 IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failure) {
   const RobotModel& robot = problem.robot;
   const PostImpactSpec& spec = problem.post_impact;
-  constexpr double kMost = 1 - kNearly;
+  constexpr double kMost = 1 - kExclusions.nearly;
   if (failure == exclusion::kAttitude) {
     return [&spec](const SimulationSummary& x) {
       return x.attitude_turned > kMost * spec.attitude_change_max;
@@ -159,8 +164,8 @@ IsSo limit_of_an_instant(const CaptureProblem& problem, const std::string& failu
     return [&robot, k](const SimulationSummary& x) {
       if (x.lowest_positions.size() == 0) return false;  // before the first step
       const Joint& joint = robot.joints[k];
-      const bool is_near = x.lowest_positions[k] <= joint.lower + kNearly ||
-                           x.highest_positions[k] >= joint.upper - kNearly;
+      const bool is_near = x.lowest_positions[k] <= joint.lower + kExclusions.nearly ||
+                           x.highest_positions[k] >= joint.upper - kExclusions.nearly;
       // An enforced stop is reached within a step.
       return is_near || std::any_of(x.limits.begin(), x.limits.end(), [k](const LimitEvent& event) {
                const LimitKind kind = event.kind;
@@ -191,9 +196,9 @@ bool is_use(const LimitUses& uses, const std::string& words) {
       if (!ending) return false;
       // A run that ended at the limit had not seen the largest value.
       const bool was_ended = ending->rfind(" after ", 0) == 0;
-      const double same = kDigits * use.value;
-      return (ending->empty() || was_ended) && use.value > (1 - kNearly) * use.most &&
-             value > (1 - kNearly) * use.most && value <= use.value + same &&
+      const double same = kExclusions.digits * use.value;
+      return (ending->empty() || was_ended) && use.value > (1 - kExclusions.nearly) * use.most &&
+             value > (1 - kExclusions.nearly) * use.most && value <= use.value + same &&
              (was_ended || value >= use.value - same);
     }
   }
@@ -222,11 +227,11 @@ bool is_exceeded(const Situation& at, const std::string& failure, const StopCond
   if (failure == to_string(run.simulation.status)) return true;
   if (run.simulation.status != SimulationStatus::Finished) return false;
   if (failure == exclusion::kBaseRate) {
-    return summary.residual_base_rate > (1 - kNearly) * spec.residual_base_rate_max;
+    return summary.residual_base_rate > (1 - kExclusions.nearly) * spec.residual_base_rate_max;
   }
   if (is_restless) {
     return chooses(spec, ControllerKind::Detumble) &&
-           summary.rest_time.value_or(kInfinity) > (1 - kNearly) * spec.horizon;
+           summary.rest_time.value_or(kInfinity) > (1 - kExclusions.nearly) * spec.horizon;
   }
   if (is_endless) {
     return run.encounter && run.encounter->contact.phase == ContactPhase::Touching;

@@ -107,9 +107,16 @@ void check_completeness(const Context& context, const FreeVariables& variables,
                                 recount.starts, recount.solutions.size()));
 }
 
-constexpr int kBoundStarts = 100;
-constexpr int kDescents = 4;  ///< of the best starts
-constexpr int kSteps = 60;    ///< of each descent
+/// The search for a configuration below a bound.
+struct BoundSearchOptions {
+  int starts = 100;
+  int descents = 4;         ///< from the best starts
+  int steps = 60;           ///< of each descent
+  double first_step = 0.3;  ///< in each variable, in its unit
+  double longer = 1.5;      ///< factor of the step after one that found less
+  double shorter = 0.85;    ///< after one that did not: steady where two in seven do
+};
+constexpr BoundSearchOptions kBoundSearch;
 
 /// Configurations with the hand at its contact that the problem allows, and their measure.
 class AllowedConfigurations {
@@ -155,24 +162,24 @@ std::optional<double> search_below(const Context& context,
                                    const AllowedConfigurations& configurations) {
   const StopCondition& stop = context.options.stop;
   std::vector<Found> found;
-  for (int s = 0; s < kBoundStarts && !stop.reached(); ++s) {
+  for (int s = 0; s < kBoundSearch.starts && !stop.reached(); ++s) {
     const auto x = configurations.project(configurations.start(s));
     if (x) found.push_back({*x, configurations.measure(*x)});
   }
   if (found.empty()) return std::nullopt;
   std::sort(found.begin(), found.end());
-  if (found.size() > kDescents) found.resize(kDescents);
+  if (found.size() > kBoundSearch.descents) found.resize(kBoundSearch.descents);
   for (std::size_t i = 0; i < found.size(); ++i) {
     Random random(7, i);
-    double step = 0.3;
-    for (int k = 0; k < kSteps && !stop.reached(); ++k) {
+    double step = kBoundSearch.first_step;
+    for (int k = 0; k < kBoundSearch.steps && !stop.reached(); ++k) {
       Eigen::VectorXd x = found[i].x;
       for (double& entry : x) entry += step * random.uniform(-1, 1);
       const auto next = configurations.project(x);
       const double value = next ? configurations.measure(*next) : kInfinity;
       const bool is_better = value < found[i].value;
       if (is_better) found[i] = {*next, value};
-      step *= is_better ? 1.5 : 0.85;
+      step *= is_better ? kBoundSearch.longer : kBoundSearch.shorter;
     }
   }
   return std::min_element(found.begin(), found.end())->value;

@@ -15,13 +15,17 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kLimitMargin = 1e-7;  ///< nearer to a limit than this is undecided
-constexpr double kInsideCone = 1e-10;  ///< rad towards the axis: no direction is outside
-constexpr int kRimDirections = 24;
-/// Boxes of a repeated bound, which from other directions may progress slowly: so many times those
-/// stated, and so many more, which are not what an altered plan says.
-constexpr long kMoreBoxes = 3, kBoxesAtLeast = 10'000;
-constexpr double kNearlyBest = 1.02;  ///< of the least measure: their worst directions count
+/// What a repeated proof begins with, and how far it goes.
+struct RepeatedProofOptions {
+  double limit_margin = 1e-7;  ///< nearer to a limit than this is undecided
+  double inside_cone = 1e-10;  ///< rad towards the axis: no direction is outside
+  int rim_directions = 24;     ///< that a bound of a worst case begins with
+  /// Boxes of a repeated bound, which from other directions may progress slowly: so many times
+  /// those stated, and so many more, which are not what an altered plan says.
+  long more_boxes = 3, boxes_at_least = 10'000;
+  double nearly_best = 1.02;  ///< of the least measure: their worst directions count
+};
+constexpr RepeatedProofOptions kRepeatedProof;
 
 /// Whether a box's middle keeps the limits on rates, singular values and distances.
 WithinLimits judge_limits(const CaptureProblem& problem, const JointBox& box) {
@@ -37,8 +41,8 @@ WithinLimits judge_limits(const CaptureProblem& problem, const JointBox& box) {
     }
   }
   const double room = least_margin(Situation(problem, at));
-  if (room < -kLimitMargin) return WithinLimits::No;
-  return room > kLimitMargin ? WithinLimits::Yes : WithinLimits::Undecided;
+  if (room < -kRepeatedProof.limit_margin) return WithinLimits::No;
+  return room > kRepeatedProof.limit_margin ? WithinLimits::Yes : WithinLimits::Undecided;
 }
 
 bool overlap(const JointBox& a, const JointBox& b) {
@@ -77,7 +81,8 @@ std::vector<WorstEncounter> worst_at(const CaptureProblem& problem,
   for (const Vector3d& d : SmoothParts(at).worst_directions(at)) {
     const double length = std::sqrt(square_of(problem, at.response, at.impulse(d)));
     out.push_back({nominal, objective_power(problem).value(length)});
-    out.back().scenario.direction = (R_EB * d + kInsideCone * nominal.direction).normalized();
+    out.back().scenario.direction =
+        (R_EB * d + kRepeatedProof.inside_cone * nominal.direction).normalized();
   }
   return out;
 }
@@ -93,15 +98,15 @@ std::vector<Scenario> scenarios_of(const Context& context, double best) {
   // The plane of a wedge may rotate with the base: then only its middle is known beforehand.
   const bool is_known = is_in_base || !problem.uncertainty.cone_plane_normal;
   std::vector<Scenario> out =
-      rim_scenarios(problem, is_worst_case && is_known ? kRimDirections : 0);
+      rim_scenarios(problem, is_worst_case && is_known ? kRepeatedProof.rim_directions : 0);
   out.resize(is_worst_case && is_known ? out.size() : 1);
   if (!is_worst_case || !is_known) return out;
   const Vector3d n = out.front().direction;
   for (std::size_t i = 1; i < out.size(); ++i) {
-    out[i].direction = (out[i].direction + kInsideCone * n).normalized();
+    out[i].direction = (out[i].direction + kRepeatedProof.inside_cone * n).normalized();
   }
   for (const Candidate& candidate : context.plan.candidates) {
-    if (candidate.value > kNearlyBest * best) continue;
+    if (candidate.value > kRepeatedProof.nearly_best * best) continue;
     for (const WorstEncounter& worst : worst_at(problem, candidate.configuration, out.front())) {
       out.push_back(worst.scenario);
     }
@@ -171,7 +176,8 @@ void check_repeated_bound(const Context& context, const Prover& prover, const Pr
   MinimumOptions options;
   options.stop = context.options.stop;
   const long stated = std::min(context.plan.certificate.proof.boxes, options.max_boxes);
-  options.max_boxes = std::min(options.max_boxes, kMoreBoxes * stated + kBoxesAtLeast);
+  options.max_boxes = std::min(options.max_boxes,
+                               kRepeatedProof.more_boxes * stated + kRepeatedProof.boxes_at_least);
   options.relative_gap = std::max(0.0, (best - bound) / best);
   options.value_at = [&](const Configuration& at) {
     const Situation there(problem, at);

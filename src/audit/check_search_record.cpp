@@ -19,11 +19,15 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr int kFirstStarts = 64;             ///< at least, where the problem states no number
-constexpr int kIsolatedStarts = 1024;        ///< the same where the equations leave no freedom
-constexpr double kUnseenLevel = 0.05;        ///< of an optimal plan whose starts went on in rounds
-constexpr double kProvenGap = 1e-3;          ///< relative: the prover goes no further
-constexpr double kSameConfiguration = 5e-6;  ///< rad, m, s: distance of equal solutions
+/// What a search does without being told, and how its record is compared.
+struct SearchRecordOptions {
+  int first_starts = 64;             ///< at least, where the problem states no number
+  int isolated_starts = 1024;        ///< the same where the equations leave no freedom
+  double unseen_level = 0.05;        ///< of an optimal plan whose starts went on in rounds
+  double proven_gap = 1e-3;          ///< relative: the prover goes no further
+  double same_configuration = 5e-6;  ///< rad, m, s: distance of equal solutions
+};
+constexpr SearchRecordOptions kSearch;
 
 /// @param problem whole turns of its joints count as nothing
 bool is_same(const CaptureProblem& problem, const Configuration& a, const Configuration& b) {
@@ -31,9 +35,9 @@ bool is_same(const CaptureProblem& problem, const Configuration& a, const Config
   for (int k = 0; k < apart.size(); ++k) {
     if (reaches_every_angle(problem, k)) apart[k] = std::remainder(apart[k], 2 * kPi);
   }
-  return a.feature == b.feature && apart.norm() <= kSameConfiguration &&
-         std::abs(a.contact_time - b.contact_time) <= kSameConfiguration &&
-         pose_error(a.base, b.base).largest() <= kSameConfiguration;
+  return a.feature == b.feature && apart.norm() <= kSearch.same_configuration &&
+         std::abs(a.contact_time - b.contact_time) <= kSearch.same_configuration &&
+         pose_error(a.base, b.base).largest() <= kSearch.same_configuration;
 }
 
 void check_list(const Context& context, ClaimList& claims) {
@@ -122,7 +126,7 @@ void check_rounds(const Context& context, Objections& objections) {
                     "rounds of starts that the problem does not ask for");
   const bool is_solved =
       context.plan.status == PlanStatus::Optimal || context.plan.status == PlanStatus::Feasible;
-  const bool may_be_isolated = certificate.starts >= kIsolatedStarts;
+  const bool may_be_isolated = certificate.starts >= kSearch.isolated_starts;
   objections.demand(!are_possible || !is_solved || may_be_isolated || certificate.had_rounds,
                     "no rounds of starts, which the problem asks for");
   if (!certificate.had_rounds) return;
@@ -152,7 +156,7 @@ void check_status(const Context& context, ClaimList& claims) {
     objections.demand(calls >= 1, fmt::format("{} calls of {}", calls, name));
   }
   const int asked = context.problem.search.starts;
-  const int least_starts = was_cut ? 1 : asked == kAutomaticStarts ? kFirstStarts : asked;
+  const int least_starts = was_cut ? 1 : asked == kAutomaticStarts ? kSearch.first_starts : asked;
   objections.demand(certificate.starts >= least_starts,
                     fmt::format("{} starts of {}", certificate.starts, least_starts));
   const auto calls_of_optimizer = plan.solver_calls.find(plan.optimizer);
@@ -176,7 +180,7 @@ void check_status(const Context& context, ClaimList& claims) {
                     "stated to be optimal with a large KKT residual");
   check_rounds(context, objections);
   // Too few starts may have ended at the best minimum of a worst case.
-  const bool may_be_missed = certificate.had_rounds && certificate.unseen > kUnseenLevel;
+  const bool may_be_missed = certificate.had_rounds && certificate.unseen > kSearch.unseen_level;
   objections.demand(plan.status != PlanStatus::Optimal || !may_be_missed,
                     fmt::format("stated to be optimal with a better minimum missed with a "
                                 "probability of {}",
@@ -250,7 +254,8 @@ bool is_best_there_is(const Context& context) {
   if (plan.choice.better != 0) return false;
   const double value = plan.objective.value;
   const bool is_bounded = proof.lower_bound && *proof.lower_bound > 0;
-  return is_bounded ? value - *proof.lower_bound <= kProvenGap * value : is_zero(context, value);
+  return is_bounded ? value - *proof.lower_bound <= kSearch.proven_gap * value
+                    : is_zero(context, value);
 }
 
 /// What only a repeated search can confirm.

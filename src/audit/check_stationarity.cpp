@@ -20,33 +20,39 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kGradientStep = 2e-3;   ///< rad, m, s; the longest
-constexpr double kCurvatureStep = 1e-2;  ///< likewise
-constexpr double kKinkStep = 2.5e-4;     ///< likewise; what bends strongly is no kink within it
-/// The same by differences.
-constexpr double kMinimum = 1e-5;
-/// The same where each value is a simulation: two integrators agree to a part of 1e-5.
-constexpr double kMinimumSimulated = 1e-3;
-/// Error of a slope there, relative to the largest one.
-constexpr double kSlopeSimulated = 1e-4;
-/// By how much the slopes of a limit on both sides may differ beyond its curvature, per unit of a
-/// step: more is a kink, as of two boxes that change their separating axis.
-constexpr double kKink = 1e-3;
-/// Slopes of a limit per unit of a step, all of them smaller: differences do not tell it from one
-/// that nothing changes, as the distance of two bodies on one axis.
-constexpr double kNoSlope = 1e-7;
+/// Derivatives by differences, and how well they are known.
+struct StationarityOptions {
+  double gradient_step = 2e-3;   ///< rad, m, s; the longest
+  double curvature_step = 1e-2;  ///< likewise
+  double kink_step = 2.5e-4;     ///< likewise; what bends strongly is no kink within it
+  double minimum = 1e-5;         ///< KKT residual of a minimum, by differences
+  /// The same where each value is a simulation: two integrators agree to a part of 1e-5.
+  double minimum_simulated = 1e-3;
+  double slope_simulated = 1e-4;  ///< error of a slope there, relative to the largest one
+  /// By how much the slopes of a limit on both sides may differ beyond its curvature, per unit of a
+  /// step: more is a kink, as of two boxes that change their separating axis.
+  double kink = 1e-3;
+  /// Slopes of a limit per unit of a step, all of them smaller: differences do not tell it from one
+  /// that nothing changes, as the distance of two bodies on one axis.
+  double no_slope = 1e-7;
+  /// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies
+  /// with a common end, differ by rounding alone.
+  double same_limit = 1e-7;
+  /// Least over largest singular value of what decides the joint rates of a hand that moves: below,
+  /// they change within the shortest step of the differences.
+  double smooth_match = 1e-4;
+  double narrow_cone = 1e-4;     ///< rad: the longest steps are twenty times that
+  double same_residual = 0.01;   ///< relative, between stated and recomputed large ones
+  double same_curvature = 1e-3;  ///< relative, and of the largest curvature
+  double no_curvature = 1e-9;    ///< smaller ones are compared as if of this size
+  double same_bend = 1e-5;       ///< of two estimates of a curvature, relative to the largest one
+  double no_descent = 1e-13;     ///< relative, of a slope of least squares: rounding
+};
+constexpr StationarityOptions kStationarity;
+
 constexpr const char* kKinked =
     "an active limit has no gradient here: its slopes on both sides differ, as of the distance of "
     "boxes with two equally wide gaps";
-/// Singular values of the limits' slopes, relative: two limits that are one, as of two bodies with
-/// a common end, differ by rounding alone.
-constexpr double kSameLimit = 1e-7;
-/// Least over largest singular value of what decides the joint rates of a hand that moves: below,
-/// they change within the shortest step of the differences.
-constexpr double kSmoothMatch = 1e-4;
-constexpr double kSameResidual = 0.01;   ///< relative, between stated and recomputed large ones
-constexpr double kSameCurvature = 1e-3;  ///< relative, and of the largest curvature
-constexpr double kSameBend = 1e-5;       ///< of two estimates of a curvature, likewise
 
 /// min |C y + b| over y >= 0 (Lawson and Hanson, Solving Least Squares Problems, 1974).
 Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::VectorXd& b) {
@@ -60,7 +66,7 @@ Eigen::VectorXd nonnegative_solution(const Eigen::MatrixXd& C, const Eigen::Vect
   for (Eigen::Index pass = 0; pass < 3 * k + 10; ++pass) {
     const Eigen::VectorXd slope = -C.transpose() * (C * y + b);
     Eigen::Index entering = -1;
-    double steepest = 1e-13 * b.norm();
+    double steepest = kStationarity.no_descent * b.norm();
     for (Eigen::Index j = 0; j < k; ++j) {
       const double relative = slope[j] / std::max(C.col(j).norm(), 1e-300);
       if (is_in(used, j) || is_in(refused, j) || relative <= steepest) continue;
@@ -140,7 +146,7 @@ class Stationarity {
     Eigen::VectorXd sizes(0);
     if (system_.size() > 0) {
       const Svd svd = right_svd(system_);
-      const Eigen::Index rank = numerical_rank(svd.sigma, kSameLimit);
+      const Eigen::Index rank = numerical_rank(svd.sigma, kStationarity.same_limit);
       known = svd.V.leftCols(rank);
       sizes = svd.sigma.head(rank);
     }
@@ -163,7 +169,7 @@ class Stationarity {
       one.multiplier = sum.dot(multipliers_);
       const Eigen::VectorXd along = known.transpose() * sum;
       one.error = size_ * error * along.cwiseQuotient(sizes).norm();
-      one.is_known = (known * along - sum).norm() <= kSameLimit * sum.norm();
+      one.is_known = (known * along - sum).norm() <= kStationarity.same_limit * sum.norm();
     }
     return out;
   }
@@ -210,8 +216,9 @@ class Stationarity {
     const auto differences = [&](Eigen::Index count, const auto& value) {
       Eigen::MatrixXd out;
       for (Eigen::Index i = 0; i < count; ++i) {
-        const Eigen::VectorXd slope = slopes_at_zero(
-            [&](double h) { return value(h * Eigen::VectorXd::Unit(count, i)); }, kGradientStep);
+        const Eigen::VectorXd slope =
+            slopes_at_zero([&](double h) { return value(h * Eigen::VectorXd::Unit(count, i)); },
+                           kStationarity.gradient_step);
         out.conservativeResize(slope.size(), count);
         out.col(i) = slope;
       }
@@ -239,7 +246,7 @@ class Stationarity {
       open_ = Eigen::MatrixXd::Identity(k, k);
       if (limits.cols() > 0) {
         const Svd svd = right_svd(limits.transpose());
-        open_ = svd.V.rightCols(k - numerical_rank(svd.sigma, kSameLimit));
+        open_ = svd.V.rightCols(k - numerical_rank(svd.sigma, kStationarity.same_limit));
       }
     } else {
       multipliers_.setZero(m + static_cast<Eigen::Index>(active_.size()));
@@ -273,18 +280,19 @@ class Stationarity {
         const Eigen::VectorXd u = step * direction;
         return Eigen::VectorXd((values_at(u) + values_at(Eigen::VectorXd(-u)) - 2 * here) / step);
       };
-      return Eigen::VectorXd(
-          (2 * bend(kKinkStep) - bend(2 * kKinkStep)).segment(parts, m).cwiseAbs());
+      return Eigen::VectorXd((2 * bend(kStationarity.kink_step) - bend(2 * kStationarity.kink_step))
+                                 .segment(parts, m)
+                                 .cwiseAbs());
     };
     Eigen::MatrixXd along(m, n);
     for (Eigen::Index k = 0; k < n; ++k) along.col(k) = jumps(Eigen::VectorXd::Unit(n, k));
     for (Eigen::Index i = 0; i < m; ++i) {
       Eigen::Index first = 0;
       const double largest = along.row(i).maxCoeff(&first);
-      if (!(largest > kKink)) continue;
+      if (!(largest > kStationarity.kink)) continue;
       Eigen::VectorXd d = along.row(i).transpose();
       for (Eigen::Index k = 0; k < n; ++k) {
-        if (k == first || !(d[k] > kKink)) continue;
+        if (k == first || !(d[k] > kStationarity.kink)) continue;
         const Eigen::VectorXd both = Eigen::VectorXd::Unit(n, first) + Eigen::VectorXd::Unit(n, k);
         const double jump = jumps(both)[i];
         const bool is_same_sign =
@@ -308,7 +316,7 @@ class Stationarity {
     std::iota(rows.begin(), rows.end(), Eigen::Index{0});
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const Eigen::Index row = parts + static_cast<Eigen::Index>(i);
-      if (!has_kink[i] && slopes.row(row).cwiseAbs().maxCoeff() <= kNoSlope) continue;
+      if (!has_kink[i] && slopes.row(row).cwiseAbs().maxCoeff() <= kStationarity.no_slope) continue;
       changing.push_back(active_[i]);
       rows.push_back(row);
     }
@@ -376,8 +384,8 @@ class Stationarity {
           1, values.head(m).dot(multipliers_.head(m)) -
                  values.tail(values.size() - m).dot(multipliers_.tail(values.size() - m)));
     };
-    const double bend =
-        bends_at_zero(lagrangian, kCurvatureStep, kSameBend * largest_curvature_)[0];
+    const double bend = bends_at_zero(lagrangian, kStationarity.curvature_step,
+                                      kStationarity.same_bend * largest_curvature_)[0];
     largest_curvature_ = std::max(largest_curvature_, std::abs(bend));
     return bend;
   }
@@ -401,7 +409,8 @@ class Stationarity {
 
 void check_residual(const Context& context, const Stationarity& found, ClaimList& claims) {
   const double stated = context.plan.certificate.kkt_residual;
-  const double limit = simulates_turn(context.problem) ? kMinimumSimulated : kMinimum;
+  const double limit =
+      simulates_turn(context.problem) ? kStationarity.minimum_simulated : kStationarity.minimum;
   const std::string how = fmt::format(
       "first-order conditions by differences along the configurations that keep the equations, {} "
       "active limits",
@@ -430,7 +439,7 @@ void check_residual(const Context& context, const Stationarity& found, ClaimList
   }
   claims.at_most("kkt_residual",
                  larger <= limit ? 0.0 : std::abs(stated - found.residual()) / larger,
-                 kSameResidual, "1",
+                 kStationarity.same_residual, "1",
                  fmt::format("stated {:.6g} from {:.6g} recomputed, relative: {}", stated,
                              found.residual(), how));
 }
@@ -455,8 +464,9 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
   const auto curvature = found.curvature();
   if (!curvature) return claims.not_verified(name, found.objection());
   const double size = std::max(std::abs(curvature->first), std::abs(curvature->second));
-  claims.at_most(name, std::abs(*stated - curvature->first) / std::max(size, 1e-9), kSameCurvature,
-                 "1",
+  claims.at_most(name,
+                 std::abs(*stated - curvature->first) / std::max(size, kStationarity.no_curvature),
+                 kStationarity.same_curvature, "1",
                  fmt::format("stated {:.6g} from {:.6g} by differences, relative to the largest "
                              "curvature {:.3g}",
                              *stated, curvature->first, size));
@@ -465,11 +475,11 @@ void check_curvature(const Context& context, Stationarity& found, ClaimList& cla
 /// Whether the measure is the norm of something that is nearly zero: smooth only within less than
 /// the cone's half angle.
 bool bends_at_once(const Context& context) {
-  constexpr double kNarrow = 1e-4;  // rad, of the cone: the longest steps are twenty times that
   const ObjectiveValue& objective = context.plan.objective;
   const UncertaintySpec& uncertainty = context.problem.uncertainty;
   return context.problem.measure.kind == RiskMeasure::WorstCase && !uncertainty.residual_velocity &&
-         uncertainty.cone_half_angle > 0 && uncertainty.cone_half_angle < kNarrow &&
+         uncertainty.cone_half_angle > 0 &&
+         uncertainty.cone_half_angle < kStationarity.narrow_cone &&
          objective.nominal < objective.worst_case / 2;
 }
 
@@ -503,7 +513,7 @@ void check_stationarity(const Context& context, ClaimList& claims) {
         problem.uncertainty.cone_half_angle * 180 / kPi));
   }
   const double condition = verification::match_condition({problem, plan.configuration});
-  if (condition < kSmoothMatch) {
+  if (condition < kStationarity.smooth_match) {
     return give_up(fmt::format(
         "the posture is nearly singular for the components of the hand's velocity that it matches, "
         "least over largest singular value {:.2g}: differences say nothing of the joint rates; "
@@ -514,7 +524,8 @@ void check_stationarity(const Context& context, ClaimList& claims) {
   if (!found.objection().empty()) return give_up(found.objection());
   check_residual(context, found, claims);
   check_curvature(context, found, claims);
-  const double error = std::max(found.residual(), simulates ? kSlopeSimulated : kRecord.stationary);
+  const double error =
+      std::max(found.residual(), simulates ? kStationarity.slope_simulated : kRecord.stationary);
   check_binding(context, found.reached(error), found.has_kink() ? kKinked : "", claims);
 }
 

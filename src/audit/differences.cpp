@@ -7,9 +7,14 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr int kHalvings = 6;
-/// Of two estimates of a slope, relative to the largest one or to 1: their errors are a fifteenth.
-constexpr double kSameSlope = 1e-7;
+/// How far steps are halved.
+struct DifferenceOptions {
+  int halvings = 6;  ///< at most: shorter steps leave rounding
+  /// Of two estimates of a slope, relative to the largest one or to 1: their errors are a
+  /// fifteenth.
+  double same_slope = 1e-7;
+};
+constexpr DifferenceOptions kDifferences;
 
 /// @param combine of what is near and what is far, at one and two steps, and the step
 template <class Pair, class Combine, class IsDone>
@@ -18,7 +23,7 @@ Eigen::VectorXd halved(const Pair& pair, const Combine& combine, double step,
   Eigen::VectorXd near = pair(step);
   Eigen::VectorXd last = combine(near, pair(2 * step), step), best = last;
   Eigen::VectorXd change = Eigen::VectorXd::Constant(last.size(), kInfinity);
-  for (int halving = 0; halving < kHalvings && !is_done(best, change); ++halving) {
+  for (int halving = 0; halving < kDifferences.halvings && !is_done(best, change); ++halving) {
     step /= 2;
     const Eigen::VectorXd far = near;
     near = pair(step);
@@ -43,7 +48,7 @@ Eigen::VectorXd slopes_at_zero(const AlongLine& values, double step) {
                 step,
                 [](const Eigen::VectorXd& best, const Eigen::VectorXd& change) {
                   const double size = std::max(1.0, best.cwiseAbs().maxCoeff());
-                  return (change.array() <= kSameSlope * size).all();
+                  return (change.array() <= kDifferences.same_slope * size).all();
                 });
 }
 

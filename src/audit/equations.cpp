@@ -11,12 +11,24 @@
 namespace stillbase::audit {
 namespace {
 
-/// Candidates satisfy their constraints to 1e-9; distinct solutions are further apart than this.
-constexpr double kNear = 1e-6;      ///< rad, m
-constexpr double kNearTime = 1e-5;  ///< s: targets are slow
-/// Distance of a configuration from the solution that it is taken for: the tolerance of 1e-9 leaves
-/// a double one an extent of its root.
-constexpr double kSolvedNearby = 1e-4;
+/// How the equations are solved, and when a configuration is a solution of them.
+struct EquationOptions {
+  /// Beyond the ends of a box, rad (m): candidates satisfy their constraints to 1e-9, and distinct
+  /// solutions are further apart than this.
+  double near = 1e-6;
+  double near_time = 1e-5;  ///< s, likewise: targets are slow
+  /// Distance of a configuration from the solution that it is taken for: the tolerance of 1e-9
+  /// leaves a double one an extent of its root.
+  double solved_nearby = 1e-4;
+  double solved = 1e-10;      ///< norm of the residual
+  double difference = 1e-6;   ///< rad, m; step of the differences
+  double independent = 1e-5;  ///< singular value of an equation that restricts variables
+  double inside = 1e-6;       ///< margin of inequalities, for rounding
+  int iterations = 25;        ///< of Gauss-Newton
+  int halvings = 4;           ///< tries of each step, each half as long as the one before
+  double beyond_time = 0.5;   ///< s beyond the bounds: so far the target's motion is known
+};
+constexpr EquationOptions kEquations;
 
 double wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
@@ -24,11 +36,6 @@ double beyond(double apart, const double lower, const double upper) {
   return std::abs(apart) - (upper - lower) / 2;
 }
 
-constexpr double kSolved = 1e-10;      ///< norm of the residual
-constexpr double kDifference = 1e-6;   ///< rad, m; step of the differences
-constexpr double kIndependent = 1e-5;  ///< singular value of an equation that restricts variables
-constexpr double kInside = 1e-6;       ///< margin of inequalities
-constexpr int kIterations = 25;
 constexpr int kHandRows = 6, kRows = 15;
 constexpr Vector3d reference::Impact::*kMomenta[] = {
     &reference::Impact::total, &reference::Impact::base, &reference::Impact::coupling};
@@ -138,11 +145,11 @@ Configuration FreeVariables::at(const Eigen::VectorXd& x) const {
     i += 3;
   }
   if (has_time_) {
-    // A Newton step may leave the bounds; the target's motion is known up to this far beyond them.
-    constexpr double kBeyond = 0.5;  // s
+    // A Newton step may leave the bounds.
     const VariableSpec& variables = problem_.variables;
-    out.contact_time = std::clamp(x[i] * time_unit_, variables.contact_time_lower - kBeyond,
-                                  variables.contact_time_upper + kBeyond);
+    out.contact_time =
+        std::clamp(x[i] * time_unit_, variables.contact_time_lower - kEquations.beyond_time,
+                   variables.contact_time_upper + kEquations.beyond_time);
   }
   return out;
 }
@@ -188,7 +195,7 @@ bool FreeVariables::holds(const JointBox& box, const Configuration& at) const {
   for (int k = 0; k < problem_.robot.n(); ++k) {
     double apart = at.phi[k] - (box.lower[k] + box.upper[k]) / 2;
     if (reaches_every_angle(problem_, k)) apart = wrapped(apart);
-    if (!(beyond(apart, box.lower[k], box.upper[k]) <= kNear)) return false;
+    if (!(beyond(apart, box.lower[k], box.upper[k]) <= kEquations.near)) return false;
   }
   if (has_angle_ != box.base_angle.has_value() || has_time_ != box.contact_time.has_value()) {
     return false;
@@ -196,12 +203,12 @@ bool FreeVariables::holds(const JointBox& box, const Configuration& at) const {
   if (has_angle_) {
     const Ends& ends = *box.base_angle;
     const double apart = wrapped(base_angle(at) - (ends.lower + ends.upper) / 2);
-    if (!(beyond(apart, ends.lower, ends.upper) <= kNear)) return false;
+    if (!(beyond(apart, ends.lower, ends.upper) <= kEquations.near)) return false;
   }
   if (has_time_) {
     const Ends& ends = *box.contact_time;
     const double apart = at.contact_time - (ends.lower + ends.upper) / 2;
-    if (!(beyond(apart, ends.lower, ends.upper) <= kNearTime)) return false;
+    if (!(beyond(apart, ends.lower, ends.upper) <= kEquations.near_time)) return false;
   }
   return true;
 }
@@ -263,7 +270,7 @@ double hand_residual(const Situation& situation) {
 
 int rank_of(const Eigen::MatrixXd& jacobian) {
   const Eigen::VectorXd sigma = singular_values(jacobian);
-  return static_cast<int>((sigma.array() > kIndependent).count());
+  return static_cast<int>((sigma.array() > kEquations.independent).count());
 }
 
 Equations::Equations(const CaptureProblem& problem, const FreeVariables& variables, Demand demand)
@@ -308,22 +315,22 @@ Eigen::MatrixXd Equations::jacobian(const Eigen::VectorXd& x) const {
   const Eigen::Index n = x.size();
   Eigen::MatrixXd J(kRows, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::VectorXd step = kDifference * Eigen::VectorXd::Unit(n, i);
-    J.col(i) = (residual(x + step) - residual(x - step)) / (2 * kDifference);
+    const Eigen::VectorXd step = kEquations.difference * Eigen::VectorXd::Unit(n, i);
+    J.col(i) = (residual(x + step) - residual(x - step)) / (2 * kEquations.difference);
   }
   return J;
 }
 
 std::optional<Eigen::VectorXd> Equations::solve(Eigen::VectorXd x) const {
   Eigen::VectorXd r = residual(x);
-  for (int i = 0; i < kIterations; ++i) {
-    if (r.norm() <= kSolved) return x;
+  for (int i = 0; i < kEquations.iterations; ++i) {
+    if (r.norm() <= kEquations.solved) return x;
     const double threshold = Eigen::NumTraits<double>::epsilon() *
                              static_cast<double>(std::min<Eigen::Index>(kRows, x.size()));
     Eigen::VectorXd step = -least_norm_solution(jacobian(x), r, threshold);
     if (step.norm() > 1) step *= 1 / step.norm();
     bool better = false;
-    for (int halved = 0; halved < 4 && !better; ++halved, step /= 2) {
+    for (int halved = 0; halved < kEquations.halvings && !better; ++halved, step /= 2) {
       const Eigen::VectorXd next = residual(x + step);
       if (!(next.norm() < r.norm())) continue;
       x += step;
@@ -340,7 +347,7 @@ bool Equations::leads_to(const JointBox& box, const Configuration& at) const {
   if (variables_.holds(box, at)) return true;
   const Eigen::VectorXd x = variables_.of(at);
   const auto solved = solve(x);
-  return solved && variables_.distance(*solved, x) <= kSolvedNearby &&
+  return solved && variables_.distance(*solved, x) <= kEquations.solved_nearby &&
          variables_.holds(box, variables_.at(*solved));
 }
 
@@ -359,14 +366,15 @@ bool Equations::keeps_inequalities(const Configuration& at) const {
   }
   const bool time_is_free = variables.contact_time_upper > variables.contact_time_lower;
   if (event.feature && (time_is_free || problem_.impulse.source != ImpulseSource::Given) &&
-      closing_speed(problem_, event, event.n) < problem_.constraints.closing_speed_min + kInside) {
+      closing_speed(problem_, event, event.n) <
+          problem_.constraints.closing_speed_min + kEquations.inside) {
     return false;
   }
   if (variables.base_position != PositionFreedom::Box || !has_hand_point(problem_)) return true;
   const Vector3d point = hand.position ? *hand.position : event.feature->point;
   const Vector3d station = point - at.base.orientation * Vector3d(dynamics.hand_position);
-  return ((station - variables.base_position_lower).array() >= kInside).all() &&
-         ((variables.base_position_upper - station).array() >= kInside).all();
+  return ((station - variables.base_position_lower).array() >= kEquations.inside).all() &&
+         ((variables.base_position_upper - station).array() >= kEquations.inside).all();
 }
 
 bool Equations::keeps_margins(Configuration at) const {
@@ -377,7 +385,7 @@ bool Equations::keeps_margins(Configuration at) const {
     at.base.position =
         event.feature->point - at.base.orientation * Vector3d(dynamics.hand_position);
   }
-  return !(least_margin(Situation(problem_, at)) < kInside);
+  return !(least_margin(Situation(problem_, at)) < kEquations.inside);
 }
 
 }  // namespace stillbase::audit

@@ -17,9 +17,17 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kOnManifold = 1e-12;  ///< norm of the residual
-constexpr int kCorrections = 40;
-constexpr double kSameDistance = 1e-9;  ///< m
+/// Corrections onto the equations, limits of shapes, and the typical size of an objective.
+struct ManifoldOptions {
+  double on_manifold = 1e-12;  ///< norm of the residual
+  int corrections = 40;        ///< with one matrix: they converge linearly
+  /// m, of two boxes: within it their distance is that of two of their features.
+  double same_distance = 1e-9;
+  int typical_samples = 15;  ///< configurations whose median is the typical size
+  /// Of the total angular momentum: below, the objective vanishes everywhere.
+  double vanishes = 1e-12;
+};
+constexpr ManifoldOptions kManifold;
 
 Equations::Demand demand_of(const CaptureProblem& problem) {
   return problem.constraints.impact_case == CaseConstraint::None ? Equations::Demand::Hand
@@ -72,9 +80,9 @@ Configuration FeasibleManifold::with_station(Configuration at) const {
 
 std::optional<Configuration> FeasibleManifold::at(const Eigen::VectorXd& u) const {
   Eigen::VectorXd x = x_ + (Z_ * u).cwiseQuotient(units_);
-  for (int i = 0; i < kCorrections; ++i) {
+  for (int i = 0; i < kManifold.corrections; ++i) {
     const Eigen::VectorXd residual = equations_.residual(x);
-    if (residual.norm() <= kOnManifold) return with_station(variables_.at(x));
+    if (residual.norm() <= kManifold.on_manifold) return with_station(variables_.at(x));
     x -= (correction_ * residual).cwiseQuotient(units_);
   }
   return std::nullopt;
@@ -151,7 +159,7 @@ std::vector<double> distances_from_limits(const Situation& situation,
       bool is_of_feature = false;
       for (const double of_feature : shapes.feature_distances(i, j)) {
         add(of_feature - *wanted.clearance, limit);
-        is_of_feature = is_of_feature || of_feature <= least + kSameDistance;
+        is_of_feature = is_of_feature || of_feature <= least + kManifold.same_distance;
       }
       add(is_of_feature ? kInfinity : least - *wanted.clearance, limit);
     }
@@ -197,8 +205,7 @@ Eigen::Quaterniond sampled_rotation(const CaptureProblem& problem, const Vector3
 }  // namespace
 
 double typical_objective(const CaptureProblem& problem) {
-  constexpr int kSamples = 15;
-  constexpr double kRounding = 1e-12;  // of the total angular momentum: the objective vanishes
+  constexpr int kSamples = kManifold.typical_samples;
   const FreeVariables variables(problem);
   std::vector<double> sizes, larger;
   for (int sample = 0; sample < kSamples; ++sample) {
@@ -223,7 +230,7 @@ double typical_objective(const CaptureProblem& problem) {
     return values[kSamples / 2];
   };
   const double size = median(sizes), whole = median(larger);
-  if (size > kRounding * whole) return size;
+  if (size > kManifold.vanishes * whole) return size;
   return whole > 0 ? whole : 1;
 }
 

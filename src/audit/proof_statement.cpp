@@ -17,7 +17,11 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kStatedRounding = 1e-9;  ///< relative, of a value before it is written
+/// How words are compared with numbers.
+struct StatementOptions {
+  double rounding = 1e-9;  ///< relative, of a value before it is written with few digits
+};
+constexpr StatementOptions kStatement;
 constexpr const char* kStopped = ", stopped at the limit";
 constexpr const char* kNoLess = "; the best one is zero, no less is possible";
 constexpr const char* kNotIsolated = ", so the solutions are not isolated points";
@@ -204,7 +208,7 @@ bool take_bound(const Context& context, StatedWords& words) {
   if (!is_posture && !is_configuration) return false;
   // A value that is halfway between two roundings may be written as either.
   const auto take_value = [&](double value, const auto& write) {
-    for (const double factor : {1.0, 1 - kStatedRounding, 1 + kStatedRounding}) {
+    for (const double factor : {1.0, 1 - kStatement.rounding, 1 + kStatement.rounding}) {
       if (words.take(write(value * factor))) return true;
     }
     return false;

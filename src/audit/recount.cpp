@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/core/random.hpp>
@@ -10,9 +11,13 @@
 namespace stillbase::audit {
 namespace {
 
-constexpr double kSameSolution = 1e-5;              ///< rad, m: distance of equal solutions
-constexpr double kZeroResidual = 1e-11;             ///< residual of a zero
-constexpr int kRecountStarts[] = {100, 400, 1000};  ///< by the number of variables
+/// The search for all solutions of a small problem.
+struct RecountOptions {
+  double same_solution = 1e-5;                ///< rad, m: distance of equal solutions
+  double zero_residual = 1e-11;               ///< residual of a zero
+  std::array<int, 3> starts{100, 400, 1000};  ///< by the number of variables
+};
+constexpr RecountOptions kRecount;
 
 Eigen::VectorXd start_point(const FreeVariables& variables, int index) {
   const Eigen::VectorXd u = low_discrepancy_point(index, variables.size(), 0);
@@ -44,7 +49,7 @@ bool is_on_curve_of_zeros(const CaptureProblem& problem, const Configuration& at
   const Equations constraints(problem, variables, Equations::Demand::HandAndCase);
   if (rank_of(constraints.jacobian(x)) >= n) return false;
   const Equations equations(problem, variables, Equations::Demand::Zero);
-  if (!(equations.residual(x).cwiseAbs().maxCoeff() <= kZeroResidual)) return false;
+  if (!(equations.residual(x).cwiseAbs().maxCoeff() <= kRecount.zero_residual)) return false;
   const Eigen::VectorXd sizes = singular_values(equations.jacobian(x));
   if (sizes.size() < n) return false;  // fewer equations: several directions are free
   return sizes[n - 1] <= kRecord.restricts_not && sizes[n - 2] >= kRecord.restricts;
@@ -74,7 +79,7 @@ Recount search_solutions(const Context& context) {
     out.not_done = "the equations leave freedom";
     return out;
   }
-  out.starts = kRecountStarts[n - 1];
+  out.starts = kRecount.starts[static_cast<std::size_t>(n - 1)];
   std::vector<Eigen::VectorXd> points;
   for (int s = 0; s < out.starts && !context.options.stop.reached(); ++s) {
     auto x = equations->solve(start_point(variables, s));
@@ -82,7 +87,7 @@ Recount search_solutions(const Context& context) {
     const Configuration at = variables.at(*x);
     if (!equations->keeps_inequalities(at) || !equations->keeps_margins(at)) continue;
     const auto is_same = [&](const Eigen::VectorXd& other) {
-      return variables.distance(*x, other) <= kSameSolution;
+      return variables.distance(*x, other) <= kRecount.same_solution;
     };
     if (std::any_of(points.begin(), points.end(), is_same)) continue;
     points.push_back(*x);

@@ -11,10 +11,22 @@
 namespace stillbase::audit {
 namespace {
 
-/// Relative: squares this near to the largest one count as largest.
-constexpr double kActiveMaximum = 1e-5;
-constexpr double kZero = 1e-9;           ///< of the typical objective
-constexpr double kSameDirection = 1e-4;  ///< rad between maxima that are one
+/// How the largest values are found, and which of them are parts of the measure.
+struct SmoothPartsOptions {
+  double active = 1e-5;        ///< relative: squares this near to the largest one count as largest
+  double zero = 1e-9;          ///< of the typical objective: a size that is rounding
+  int rings = 12;              ///< of a cone, from which maxima are climbed to; of a wedge twice
+  int azimuths = 72;           ///< of each ring
+  double finest_climb = 1e-7;  ///< of their spacing, the last step of a climb
+  double same_direction = 1e-4;  ///< rad between maxima that are one
+  double on_rim = 1e-9;          ///< relative, from the half-angle
+  /// rad, of the differences of Newton's method: errors grow with its eighth power. Where the value
+  /// bends over 0.1 rad, 0.02 is too long.
+  double newton_step = 0.005;
+  int newton_rounds = 3;     ///< from places that values alone leave 1e-6 rad away
+  double no_weight = 1e-12;  ///< rounding of sums of weights, which are 1 together
+};
+constexpr SmoothPartsOptions kSmoothParts;
 
 double square_along(const Situation& at, const Vector3d& d) {
   return square_of(at.problem, at.response, at.impulse(d));
@@ -41,11 +53,8 @@ Vector6d turned_to(const Eigen::Quaterniond& R, const Vector6d& V) {
 /// @param value of a place
 template <class Value>
 ConePlace refined(const UncertaintySpec& cone, const Value& value, const ConePlace& found) {
-  // rad; errors grow with its eighth power: where the value bends over 0.1 rad, 0.02 is too long.
-  constexpr double kStep = 0.005;
-  constexpr int kRounds = 3;
   const bool is_wedge = cone.cone_plane_normal.has_value();
-  const bool is_on_rim = std::abs(found.angle) >= cone.cone_half_angle * (1 - 1e-9);
+  const bool is_on_rim = std::abs(found.angle) >= cone.cone_half_angle * (1 - kSmoothParts.on_rim);
   if (is_wedge && is_on_rim) return found;
   // Along the rim by the azimuth; inside by coordinates that are smooth on the axis too.
   const auto moved = [&](const ConePlace& from, const Eigen::Vector2d& u) {
@@ -64,9 +73,9 @@ ConePlace refined(const UncertaintySpec& cone, const Value& value, const ConePla
   };
   const Eigen::Index count = is_wedge || is_on_rim ? 1 : 2;
   ConePlace place = found;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSmoothParts.newton_rounds; ++round) {
     const auto f = [&](double a, double b) {
-      return value(moved(place, kStep * Eigen::Vector2d(a, b)));
+      return value(moved(place, kSmoothParts.newton_step * Eigen::Vector2d(a, b)));
     };
     Eigen::Vector2d slope = Eigen::Vector2d::Zero();
     Eigen::Matrix2d bend = -Eigen::Matrix2d::Identity();
@@ -82,7 +91,7 @@ ConePlace refined(const UncertaintySpec& cone, const Value& value, const ConePla
     if (!(bend(0, 0) < 0) || !(bend.determinant() * bend(0, 0) < 0)) return found;
     const Eigen::Vector2d step = -bend.inverse() * slope;
     if (!(step.norm() < 1)) return found;  // outside of what the differences know
-    place = moved(place, kStep * step);
+    place = moved(place, kSmoothParts.newton_step * step);
   }
   return std::abs(place.angle) <= cone.cone_half_angle ? place : found;
 }
@@ -93,8 +102,8 @@ template <class Value>
 std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& value) {
   const double half = cone.cone_half_angle;
   const bool is_wedge = cone.cone_plane_normal.has_value();
-  constexpr int kRings = 12, kAzimuths = 72;
-  const int rings = is_wedge ? 2 * kRings : kRings, azimuths = is_wedge ? 1 : kAzimuths;
+  const int rings = is_wedge ? 2 * kSmoothParts.rings : kSmoothParts.rings,
+            azimuths = is_wedge ? 1 : kSmoothParts.azimuths;
   const double lowest = is_wedge ? -half : 0, step = (half - lowest) / rings;
   const auto at = [&](double angle, double azimuth) {
     ConePlace out{std::clamp(angle, lowest, half), azimuth, 0};
@@ -123,7 +132,7 @@ std::vector<ConePlace> local_maxima(const UncertaintySpec& cone, const Value& va
     for (int j = 0; j < azimuths; ++j) {
       if (!is_highest(i, j)) continue;
       ConePlace best = grid[i][j];
-      for (double scale = 1; scale > 1e-7;) {
+      for (double scale = 1; scale > kSmoothParts.finest_climb;) {
         ConePlace better = best;
         for (const double sign : {-1.0, 1.0}) {
           const ConePlace a = at(best.angle + sign * scale * step, best.azimuth);
@@ -163,7 +172,7 @@ SmoothParts::SmoothParts(const Situation& situation)
       break;
   }
   // What vanishes but for rounding has no size of its own.
-  if (!(size_ > kZero * kZero * typical)) size_ = typical;
+  if (!(size_ > kSmoothParts.zero * kSmoothParts.zero * typical)) size_ = typical;
 }
 
 Eigen::VectorXd SmoothParts::values(const Situation& at) const {
@@ -200,10 +209,10 @@ void SmoothParts::find_maxima(const Situation& situation) {
   };
   for (const ConePlace& place : local_maxima(problem_.uncertainty, value)) {
     if (maxima_.empty()) size_ = place.value;
-    if (place.value < (1 - kActiveMaximum) * size_) break;
+    if (place.value < (1 - kSmoothParts.active) * size_) break;
     const auto is_same = [&](const ConePlace& other) {
       return angle_between(direction(situation, place), direction(situation, other)) <
-             kSameDirection;
+             kSmoothParts.same_direction;
     };
     if (std::none_of(maxima_.begin(), maxima_.end(), is_same)) maxima_.push_back(place);
   }
@@ -215,7 +224,7 @@ void SmoothParts::find_velocities(const Situation& situation) {
   for (const Vector6d& s : local_maxima(residual)) {
     const double value = residual.square(residual.at(s));
     if (velocities_.empty()) size_ = value;
-    if (value < (1 - kActiveMaximum) * size_) break;
+    if (value < (1 - kSmoothParts.active) * size_) break;
     if (!is_isolated(residual, s)) {
       objection_ =
           "equally bad velocities of the ellipsoid form a curve, or nearly do: no gradient";
@@ -251,13 +260,13 @@ void SmoothParts::find_tail(const Situation& situation) {
   double left = share, quantile = 0;
   for (const std::size_t i : order) {
     quantile = squares[i].square;
-    if (left - squares[i].weight <= 1e-12) break;
+    if (left - squares[i].weight <= kSmoothParts.no_weight) break;
     left -= squares[i].weight;
   }
   left = share;
   weights_.setZero(static_cast<Eigen::Index>(squares.size()));
   for (const std::size_t i : order) {
-    if (std::abs(squares[i].square - quantile) <= kActiveMaximum * quantile) {
+    if (std::abs(squares[i].square - quantile) <= kSmoothParts.active * quantile) {
       at_quantile_.push_back(static_cast<Eigen::Index>(i));
     } else if (squares[i].square > quantile) {
       weights_[static_cast<Eigen::Index>(i)] = squares[i].weight / share;
