@@ -23,7 +23,7 @@ std::vector<ReachedLimit> limits_at(const CaptureProblem& problem, const Configu
 /// The plan's list of limits that decide its value: none that is not reached, none left out, each
 /// multiplier as recomputed.
 /// @param objection why no multiplier is known; empty: they are
-void check_binding(const Context& context, const std::vector<ReachedLimit>& reached,
-                   const std::string& objection, ClaimList& claims);
+void check_binding(const verification::Context& context, const std::vector<ReachedLimit>& reached,
+                   const std::string& objection, verification::ClaimList& claims);
 
 }  // namespace stillbase::audit

@@ -11,6 +11,9 @@
 #include "verification/known_constraints.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// Tolerances of the list of limits.

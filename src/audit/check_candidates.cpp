@@ -12,6 +12,9 @@
 #include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// Tolerances of candidates and of the nominal optimum.

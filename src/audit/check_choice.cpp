@@ -8,6 +8,9 @@
 #include "audit/manifold.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// Tolerances of the choice among the candidates.

@@ -13,6 +13,9 @@
 #include "verification/known_constraints.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// When a constraint of the problem may be missing in the list, and when two are one.

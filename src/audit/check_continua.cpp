@@ -16,6 +16,9 @@
 #include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// How curves are compared; lengths in rad, m and s.

@@ -17,6 +17,9 @@
 #include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// How reasons are compared.

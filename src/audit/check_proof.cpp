@@ -15,6 +15,9 @@
 #include "audit/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 bool has_index(const std::vector<Candidate>& candidates, int c) {

@@ -13,6 +13,9 @@
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// What a repeated proof begins with, and how far it goes.

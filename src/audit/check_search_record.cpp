@@ -17,6 +17,9 @@
 #include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// What a search does without being told, and how its record is compared.

@@ -18,6 +18,9 @@
 #include "verification/arrival.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// Derivatives by differences, and how well they are known.
@@ -512,7 +515,7 @@ void check_stationarity(const Context& context, ClaimList& claims) {
         "a worst case over a cone of {:.3g} deg about a zero bends within the steps of differences",
         problem.uncertainty.cone_half_angle * 180 / kPi));
   }
-  const double condition = verification::match_condition({problem, plan.configuration});
+  const double condition = match_condition({problem, plan.configuration});
   if (condition < kStationarity.smooth_match) {
     return give_up(fmt::format(
         "the posture is nearly singular for the components of the hand's velocity that it matches, "

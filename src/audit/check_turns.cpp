@@ -12,6 +12,9 @@
 #include "verification/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// A configuration with all joints as many turns down, or up, as is stated.

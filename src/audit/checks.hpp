@@ -5,36 +5,34 @@
 
 namespace stillbase::audit {
 
-using namespace verification;
-
 /// All candidates, and that the configuration is one of them.
-void check_candidates(const Context& context, ClaimList& claims);
+void check_candidates(const verification::Context& context, verification::ClaimList& claims);
 
 /// Whole turns of joints that candidates state; no check where no joint has room for one.
-void check_turns(const Context& context, ClaimList& claims);
+void check_turns(const verification::Context& context, verification::ClaimList& claims);
 
 /// The configuration that the nominal objective alone would choose. Without a limit that was
 /// reached, every plan states one.
-void check_nominal_optimum(const Context& context, ClaimList& claims);
+void check_nominal_optimum(const verification::Context& context, verification::ClaimList& claims);
 
 /// The list of constraints: all that the problem demands, each once.
-void check_constraint_list(const Context& context, ClaimList& claims);
+void check_constraint_list(const verification::Context& context, verification::ClaimList& claims);
 
 /// The candidates that rank before the chosen one, what the choice costs, and that only the best
 /// one is optimal. Left open for a plan that does not state its choice.
-void check_choice(const Context& context, ClaimList& claims);
+void check_choice(const verification::Context& context, verification::ClaimList& claims);
 
 /// First-order conditions and curvature of the chosen configuration, by differences on the feasible
 /// manifold. No check for a plan of a search that a limit ended.
-void check_stationarity(const Context& context, ClaimList& claims);
+void check_stationarity(const verification::Context& context, verification::ClaimList& claims);
 
 /// Points, lengths and ends of the continua of solutions; no check without any.
-void check_continua(const Context& context, ClaimList& claims);
+void check_continua(const verification::Context& context, verification::ClaimList& claims);
 
 /// Configurations of the plan on a curve of solutions, or a free roll, that it does not list. Of a
 /// robust measure the nominal optimum and candidates that are no minima of the measure: such minima
 /// may be on curves that no start reached.
-std::vector<std::string> unlisted_curves(const Context& context);
+std::vector<std::string> unlisted_curves(const verification::Context& context);
 
 /// What the statement of a proof says, read from its words.
 struct ProofStatement {
@@ -51,27 +49,27 @@ struct ProofStatement {
 ProofStatement read_statement(const Proof& proof);
 
 /// What the statement of the proof says that the other fields of the plan do not; empty: nothing.
-std::string statement_objection(const Context& context);
+std::string statement_objection(const verification::Context& context);
 
 /// The least measure of the candidates that satisfy the constraints; infinite without one.
-double least_value(const Context& context);
+double least_value(const verification::Context& context);
 
 /// Whether a value of the measure is zero but for rounding. Never with terms of the user, which
 /// nothing recomputes.
-bool is_zero(const Context& context, double value);
+bool is_zero(const verification::Context& context, double value);
 
 /// The enclosed solutions and the candidates are the same; no check without a proof.
-void check_proof(const Context& context, ClaimList& claims);
+void check_proof(const verification::Context& context, verification::ClaimList& claims);
 
 /// The lower bound of the measure, when it is above zero: no candidate and no configuration that a
 /// search of its own finds is better.
-void check_bound(const Context& context, ClaimList& claims);
+void check_bound(const verification::Context& context, verification::ClaimList& claims);
 
 /// The proof and the bound again, by the prover of the options; no check where nothing was proven.
-void check_repeated_proof(const Context& context, ClaimList& claims);
+void check_repeated_proof(const verification::Context& context, verification::ClaimList& claims);
 
 /// List of the candidates, counts and status of the search, certificate.
-void check_search_record(const Context& context, ClaimList& claims);
+void check_search_record(const verification::Context& context, verification::ClaimList& claims);
 
 /// A search for the solutions of a small problem, apart from the planner's and from its proof:
 /// Gauss-Newton by `reference` from evenly spread starts.
@@ -87,7 +85,7 @@ struct Recount {
 /// the inequalities, among them limits on rates, singular values and clearances. Where the
 /// equations leave freedom, the objective is zero as well. For problems with one to three variables
 /// among joints, base angle about an axis and time.
-Recount search_solutions(const Context& context);
+Recount search_solutions(const verification::Context& context);
 
 /// Whether a configuration is on a self-motion curve of zeros of the nominal objective: the
 /// equations leave freedom, and together with the zero one direction. True only where this is

@@ -9,6 +9,9 @@
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// How the equations are solved, and when a configuration is a solution of them.

@@ -10,8 +10,6 @@
 
 namespace stillbase::audit {
 
-using namespace verification;
-
 /// Whether angles of joint k that are whole turns apart are one posture, all of them allowed but
 /// for their number: a continuous joint, or a free revolute one whose limits leave room for a turn.
 bool reaches_every_angle(const CaptureProblem& problem, int k);
@@ -60,11 +58,11 @@ class FreeVariables {
 
 /// Hand's offset from its point (3, m) and sines of the rotation of its axes (3), in B; zero where
 /// the problem demands nothing.
-Vector6d hand_rows(const CaptureProblem& problem, const ContactEvent& event,
+Vector6d hand_rows(const CaptureProblem& problem, const verification::ContactEvent& event,
                    const Configuration& at, const reference::Dynamics& dynamics);
 
 /// Largest of |hand_rows()|.
-double hand_residual(const Situation& situation);
+double hand_residual(const verification::Situation& situation);
 
 /// Number of singular values above a threshold: equations that are independent at a point.
 int rank_of(const Eigen::MatrixXd& jacobian);
@@ -96,7 +94,7 @@ class Equations {
   bool keeps_margins(Configuration at) const;
 
  private:
-  ContactEvent event_at(const Configuration& at) const;
+  verification::ContactEvent event_at(const Configuration& at) const;
 
   const CaptureProblem& problem_;
   const FreeVariables& variables_;

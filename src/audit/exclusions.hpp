@@ -8,7 +8,7 @@
 namespace stillbase::audit {
 
 /// Collisions of candidates, and the reasons against them.
-void check_exclusions(const Context& context, ClaimList& claims);
+void check_exclusions(const verification::Context& context, verification::ClaimList& claims);
 
 /// The candidates, with the reasons against them that only the search knows; empty: there are none.
 std::string exclusions_by_search(const Plan& plan);

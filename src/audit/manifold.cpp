@@ -15,6 +15,9 @@
 #include "verification/margins.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// Corrections onto the equations, limits of shapes, and the typical size of an objective.

@@ -54,7 +54,7 @@ struct NamedLimit {
 /// points to is missing: it cannot change where the equations hold.
 /// @param limits unless null: each limit, of the same length. Several distances of two bodies are
 /// one limit, and have one name
-std::vector<double> distances_from_limits(const Situation& situation,
+std::vector<double> distances_from_limits(const verification::Situation& situation,
                                           std::vector<NamedLimit>* limits = nullptr);
 
 /// Median of |y| over 15 evenly spread configurations, by which the stated curvature is divided.

@@ -15,6 +15,9 @@
 #include "verification/known_constraints.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// How words are compared with numbers.

@@ -9,6 +9,9 @@
 #include "audit/tolerances.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// The search for all solutions of a small problem.

@@ -9,6 +9,9 @@
 #include "audit/manifold.hpp"
 
 namespace stillbase::audit {
+
+using namespace verification;
+
 namespace {
 
 /// How the largest values are found, and which of them are parts of the measure.

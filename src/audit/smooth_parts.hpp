@@ -18,23 +18,23 @@ struct ConePlace {
 /// for each sample at the quantile of a tail.
 class SmoothParts {
  public:
-  explicit SmoothParts(const Situation& situation);
+  explicit SmoothParts(const verification::Situation& situation);
 
   /// Why the measure has no such parts there; empty: it has.
   const std::string& objection() const { return objection_; }
   /// The largest ones at the configuration of the constructor, at another configuration.
-  Eigen::VectorXd values(const Situation& at) const;
+  Eigen::VectorXd values(const verification::Situation& at) const;
   /// The worst directions of the cone in B, at the configuration of the constructor; none of other
   /// measures.
-  std::vector<Vector3d> worst_directions(const Situation& situation) const;
+  std::vector<Vector3d> worst_directions(const verification::Situation& situation) const;
 
  private:
-  Vector3d direction(const Situation& at, const ConePlace& place) const;
-  void find_maxima(const Situation& situation);
-  void find_velocities(const Situation& situation);
-  void find_tail(const Situation& situation);
-  Eigen::VectorXd over_velocity(const Situation& at) const;
-  Eigen::VectorXd sampled(const Situation& at) const;
+  Vector3d direction(const verification::Situation& at, const ConePlace& place) const;
+  void find_maxima(const verification::Situation& situation);
+  void find_velocities(const verification::Situation& situation);
+  void find_tail(const verification::Situation& situation);
+  Eigen::VectorXd over_velocity(const verification::Situation& at) const;
+  Eigen::VectorXd sampled(const verification::Situation& at) const;
 
   const CaptureProblem& problem_;
   Vector3d n_;
