@@ -6,12 +6,11 @@
 
 #include <stillbase/core/linear_algebra.hpp>
 
+#include "verification/carrier.hpp"
 #include "verification/limits.hpp"
 
 namespace stillbase::verification {
 namespace {
-
-constexpr int kTarget = -2;
 
 /// How singular values and distances are found.
 struct MarginOptions {
@@ -188,7 +187,7 @@ ContactShapes::ContactShapes(const CaptureProblem& problem, const Configuration&
   }
   if (!problem.target || target == nullptr) return;
   for (const TargetShape& shape : problem.target->shapes) {
-    shapes_.push_back({kTarget, "target", false, N * *target * shape.pose, &shape.geometry});
+    shapes_.push_back({kOnTarget, "target", false, N * *target * shape.pose, &shape.geometry});
   }
 }
 
@@ -230,7 +229,7 @@ double crossing_distance(const std::pair<Vector3d, Vector3d>& one,
 
 std::vector<double> ContactShapes::feature_distances(int i, int j) const {
   std::vector<double> out;
-  if (shape(i).body != kBase || shape(j).body != kTarget) return out;
+  if (shape(i).body != kBase || shape(j).body != kOnTarget) return out;
   const auto box_of = [](const Shape& shape) {
     return shape.geometry == nullptr ? nullptr : std::get_if<Box>(shape.geometry);
   };
@@ -263,7 +262,8 @@ bool ContactShapes::must_be_apart(int i, int j) const {
     if ((one == a.name && other == b.name) || (one == b.name && other == a.name)) return false;
   }
   const int hand = problem_.robot.hand_body;
-  if ((a.body == kTarget && b.body == hand) || (b.body == kTarget && a.body == hand)) return false;
+  if ((a.body == kOnTarget && b.body == hand) || (b.body == kOnTarget && a.body == hand))
+    return false;
   return !are_neighbours(i, j);
 }
 

@@ -43,7 +43,7 @@ class ContactShapes {
 
  private:
   struct Shape {
-    int body;  ///< kBase, a body, or kTarget
+    int body;  ///< kBase, a body, or kOnTarget
     std::string name;
     bool is_obstacle = false;
     Pose pose;  ///< in B

@@ -5,14 +5,10 @@
 
 #include <stillbase/reference/reference.hpp>
 
+#include "verification/carrier.hpp"
 #include "verification/recomputation.hpp"
 
 namespace stillbase::verification {
-namespace {
-
-constexpr int kInertial = -2, kOnTarget = -3;
-
-}  // namespace
 
 MovingShapes::MovingShapes(const CaptureProblem& problem, const CollisionScene& scene)
     : problem_(problem) {

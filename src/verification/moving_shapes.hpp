@@ -48,7 +48,7 @@ class MovingShapes {
 
  private:
   struct Shape {
-    int body;  ///< kBase, a body, or one of the two below
+    int body;  ///< kBase, a body, kInertial or kOnTarget
     std::string name;
     Pose pose;  ///< in the axes of what carries it
     const Geometry* geometry;
