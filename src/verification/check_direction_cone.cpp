@@ -50,16 +50,9 @@ class Features {
  public:
   Features(const CaptureProblem& problem, const ContactFeature& feature)
       : state_(problem.target_state), is_point_mass_(problem.target->is_point_mass) {
-    Matrix3d axes = Matrix3d::Identity();
-    if (!is_point_mass_) {
-      const SymmetricEigen3 principal = symmetric_eigen3(problem.target->inertia);
-      axes = principal.vectors;
-      if (axes.determinant() < 0) axes.col(2) *= -1;
-      moments_ = principal.values;
-    }
-    R_TP_ = Eigen::Quaterniond(axes);
-    normal_P_ = R_TP_.conjugate() * feature.normal;
-    point_P_ = R_TP_.conjugate() * feature.point;
+    if (!is_point_mass_) axes_ = principal_axes(problem.target->inertia);
+    normal_P_ = axes_.R_TP.conjugate() * feature.normal;
+    point_P_ = axes_.R_TP.conjugate() * feature.point;
   }
 
   std::vector<Feature> at(const std::vector<double>& times, const DrawnError& error) const {
@@ -84,17 +77,14 @@ class Features {
 
  private:
   FreeBody erroneous(const DrawnError& error) const {
-    FreeBody body{moments_.cwiseProduct(error.moments.array().exp().matrix()),
-                  state_.pose.orientation * rotation_exp(error.orientation) * R_TP_,
-                  Vector3d::Zero()};
-    if (!is_point_mass_) body.w = body.q.conjugate() * (state_.angular_velocity + error.rate);
+    FreeBody body = erroneous_body(axes_, state_, error.orientation, error.rate, error.moments);
+    if (is_point_mass_) body.w.setZero();
     return body;
   }
 
   TargetState state_;
   bool is_point_mass_;
-  Vector3d moments_ = Vector3d::Ones();
-  Eigen::Quaterniond R_TP_;
+  PrincipalAxes axes_;
   Vector3d normal_P_, point_P_;
 };
 

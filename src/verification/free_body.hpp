@@ -3,9 +3,24 @@
 
 #include <cmath>
 
+#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/rotation.hpp>
 #include <stillbase/core/types.hpp>
+#include <stillbase/target/target.hpp>
 
 namespace stillbase::verification {
+
+struct PrincipalAxes {
+  Vector3d moments = Vector3d::Ones();                       ///< kg m^2
+  Eigen::Quaterniond R_TP = Eigen::Quaterniond::Identity();  ///< P the principal axes
+};
+/// @param inertia in T
+inline PrincipalAxes principal_axes(const Matrix3d& inertia) {
+  const SymmetricEigen3 principal = symmetric_eigen3(inertia);
+  Matrix3d axes = principal.vectors;
+  if (axes.determinant() < 0) axes.col(2) *= -1;
+  return {principal.values, Eigen::Quaterniond(axes)};
+}
 
 /// Torque-free rotation by Euler's equations in principal axes, classical Runge-Kutta.
 struct FreeBody {
@@ -45,5 +60,17 @@ struct FreeBody {
     q = Eigen::Quaterniond(e);
   }
 };
+
+/// The body of an estimate with errors: of its attitude a rotation vector in N, rad, of its angular
+/// velocity in N, rad/s, and of its principal moments their logarithms.
+inline FreeBody erroneous_body(const PrincipalAxes& axes, const TargetState& estimate,
+                               const Vector3d& orientation, const Vector3d& rate,
+                               const Vector3d& moments) {
+  FreeBody body{axes.moments.cwiseProduct(moments.array().exp().matrix()),
+                estimate.pose.orientation * rotation_exp(orientation) * axes.R_TP,
+                Vector3d::Zero()};
+  body.w = body.q.conjugate() * (estimate.angular_velocity + rate);
+  return body;
+}
 
 }  // namespace stillbase::verification

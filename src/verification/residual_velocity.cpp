@@ -34,21 +34,15 @@ class FeatureVelocity {
         duration_(time - problem.target_state.time),
         rotates_(!problem.target->is_point_mass) {
     if (!rotates_) return;
-    const SymmetricEigen3 principal = symmetric_eigen3(problem.target->inertia);
-    Matrix3d axes = principal.vectors;
-    if (axes.determinant() < 0) axes.col(2) *= -1;
-    moments_ = principal.values;
-    R_TP_ = Eigen::Quaterniond(axes);
-    point_P_ = R_TP_.conjugate() * feature.point;
+    axes_ = principal_axes(problem.target->inertia);
+    point_P_ = axes_.R_TP.conjugate() * feature.point;
   }
 
   Vector6d with(const Vector3d& orientation, const Vector3d& rate, const Vector3d& moments) const {
     Vector6d out;
     out << state_.linear_velocity, Vector3d::Zero();
     if (!rotates_) return out;
-    FreeBody body{moments_.cwiseProduct(moments.array().exp().matrix()),
-                  state_.pose.orientation * rotation_exp(orientation) * R_TP_, Vector3d::Zero()};
-    body.w = body.q.conjugate() * (state_.angular_velocity + rate);
+    FreeBody body = erroneous_body(axes_, state_, orientation, rate, moments);
     body.advance(duration_, kResidual.angle_per_step);
     const Vector3d omega = body.q * body.w;
     out.head<3>() += omega.cross(body.q * point_P_);
@@ -61,8 +55,8 @@ class FeatureVelocity {
   TargetState state_;
   double duration_;
   bool rotates_;
-  Vector3d moments_ = Vector3d::Ones(), point_P_ = Vector3d::Zero();
-  Eigen::Quaterniond R_TP_ = Eigen::Quaterniond::Identity();
+  PrincipalAxes axes_;
+  Vector3d point_P_ = Vector3d::Zero();
 };
 
 /// In N: of independent errors, each at sqrt(3) of its deviation to both sides.
