@@ -18,14 +18,8 @@ struct ArrivalOptions {
 };
 constexpr ArrivalOptions kArrival;
 
-/// Of the base per joint rates, the robot without momentum, 6 x n.
-Eigen::MatrixXd base_motion(const reference::Dynamics& d) {
-  return -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, d.H.cols() - 6));
-}
-
 Eigen::MatrixXd decided_jacobian(const reference::Dynamics& d, const DecidedVelocity& wanted) {
-  const Eigen::Index n = d.H.cols() - 6;
-  return wanted.rows * (d.J.leftCols(6) * base_motion(d) + d.J.rightCols(n));
+  return wanted.rows * hand_response(d);
 }
 
 }  // namespace
@@ -94,7 +88,7 @@ void move_hand(const CaptureProblem& problem, const ContactEvent& event, const C
   Eigen::VectorXd phidot = row_space * reduced.colPivHouseholderQr().solve(wanted.values);
   if (problem.hand_motion.rates == ArrivalRates::LeastBaseRate && free.cols() > 0) {
     const double weight = std::sqrt(kJointRateWeight);
-    const Eigen::MatrixXd turning = base_motion(d).bottomRows(3);
+    const Eigen::MatrixXd turning = base_response(d).bottomRows(3);
     Eigen::MatrixXd A(3 + n, free.cols());
     A << turning * free, weight * free;
     Eigen::VectorXd b(3 + n);

@@ -48,14 +48,10 @@ void check_ends(const Context& context, const Approach& path, ClaimList& claims)
 /// The stated retreat: the joints come to rest evenly, and meanwhile travel what takes the hand by
 /// this much along the normal, to first order and without turning it.
 void check_retreat(const Context& context, const Approach& path, ClaimList& claims) {
-  const Eigen::Index n = context.problem.robot.n();
   const auto d = reference::compute(context.problem.robot, {context.situation.at.phi, {}, {}});
-  const Eigen::MatrixXd base =
-      -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, n));
-  const Eigen::MatrixXd J = d.J.leftCols(6) * base + d.J.rightCols(n);
   Vector6d along = Vector6d::Zero();
   along.head<3>() = context.situation.event.n;
-  const Eigen::VectorXd per_metre = J.completeOrthogonalDecomposition().solve(along);
+  const Eigen::VectorXd per_metre = hand_response(d).completeOrthogonalDecomposition().solve(along);
   const double duration = path.times.back() - path.times.front();
   const Eigen::VectorXd travel = path.joint_positions.back() - path.joint_positions.front() -
                                  duration / 2 * path.joint_velocities.front();

@@ -161,12 +161,7 @@ double coupling_singular_value(const PostureResponse& response) {
 }
 
 double jacobian_singular_value(const PostureResponse& response, double length) {
-  const Eigen::MatrixXd& H = response.dynamics.H;
-  const Eigen::MatrixXd& J = response.dynamics.J;
-  const Eigen::Index n = H.cols() - 6;
-  Eigen::MatrixXd Jhat =
-      J.rightCols(n) -
-      J.leftCols(6) * reference::solve_definite(H.topLeftCorner(6, 6), H.topRightCorner(6, n));
+  Eigen::MatrixXd Jhat = hand_response(response.dynamics);
   Jhat.bottomRows(3) *= length;
   return smallest_of_rank(Jhat);
 }

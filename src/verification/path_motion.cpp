@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <stillbase/reference/reference.hpp>
+#include "verification/recomputation.hpp"
 
 namespace stillbase::verification {
 
@@ -52,8 +52,7 @@ Eigen::VectorXd HermiteSegment::peak_rates(double s0, double s1) const {
 }
 
 Eigen::MatrixXd base_response(const RobotModel& robot, const Eigen::VectorXd& phi) {
-  const reference::Dynamics d = reference::compute(robot, {phi, {}, {}});
-  return -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, phi.size()));
+  return base_response(reference::compute(robot, {phi, {}, {}}));
 }
 
 Vector6d drifting_base_velocity(const RobotModel& robot, const Eigen::VectorXd& phi,

@@ -139,6 +139,14 @@ std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& probl
                  *impulse.direction);
 }
 
+Eigen::MatrixXd base_response(const reference::Dynamics& d) {
+  return -reference::solve_definite(d.H.topLeftCorner(6, 6), d.H.topRightCorner(6, d.H.cols() - 6));
+}
+
+Eigen::MatrixXd hand_response(const reference::Dynamics& d) {
+  return d.J.leftCols(6) * base_response(d) + d.J.rightCols(d.H.cols() - 6);
+}
+
 Eigen::VectorXd velocity_jump(const reference::Impact& impact) {
   Eigen::VectorXd x(6 + impact.Delta_phidot.size());
   x << impact.Delta_Omega, impact.Delta_phidot;

@@ -54,6 +54,11 @@ std::optional<Eigen::Quaterniond> demanded_hand_axes(const CaptureProblem& probl
 /// [Delta Omega; Delta phidot], 6 + n.
 Eigen::VectorXd velocity_jump(const reference::Impact& impact);
 
+/// Velocity [v; omega] of the base per joint rates, the robot without momentum, 6 x n.
+Eigen::MatrixXd base_response(const reference::Dynamics& d);
+/// The same of the hand: its Jacobian with the base that follows.
+Eigen::MatrixXd hand_response(const reference::Dynamics& d);
+
 /// Angular momentum that a held target brings along, about the common centroid.
 struct HeldMomentum {
   Vector3d total = Vector3d::Zero();  ///< in B, N m s
