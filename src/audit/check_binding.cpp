@@ -70,17 +70,6 @@ void demand_entry(const Context& context, const BindingLimit& stated, const Name
   objections.demand(stated.multiplier > 0, name + " decides nothing");
 }
 
-/// Names in the order of a list.
-class Names {
- public:
-  void add(const std::string& name) { text_ += (text_.empty() ? "" : ", ") + name; }
-  bool none() const { return text_.empty(); }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
 }  // namespace
 
 std::vector<ReachedLimit> limits_at(const CaptureProblem& problem, const Configuration& at) {
@@ -107,14 +96,14 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
   const double relative_slope = plan.objective.value * exponent / 2;
   const bool are_known = objection.empty();
   Objections objections;
-  Names open;
+  std::vector<std::string> open;  // names
   double worst = 0;
   int compared = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const BindingLimit& stated = list[i];
     const std::string name = end_of(stated.name, stated.is_upper);
     if (is_of_user(context, stated.name)) {
-      open.add(name);
+      open.push_back(name);
       continue;
     }
     const auto found = std::find_if(reached.begin(), reached.end(),
@@ -130,7 +119,7 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
                       name + " saves more than the one before it");
     if (!are_known || !found->is_known ||
         found->error > kBinding.largest_error * found->multiplier) {
-      open.add(name);
+      open.push_back(name);
       continue;
     }
     ++compared;
@@ -143,7 +132,7 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
                        kBinding.zero * typical_objective(context.problem);
   const bool is_minimum = plan.certificate.kkt_residual <= kRecord.stationary;
   objections.demand(is_minimum || list.empty(), "limits of a configuration that is no minimum");
-  Names perhaps;
+  std::vector<std::string> perhaps;  // likewise
   for (const ReachedLimit& limit : reached) {
     const auto is_stated = [&](const BindingLimit& other) { return is_same(limit, other); };
     if (!is_minimum || is_zero || std::any_of(list.begin(), list.end(), is_stated)) continue;
@@ -151,10 +140,10 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
     const double multiplier = limit.multiplier * relative_slope;
     const double least = kBinding.least_listed * plan.objective.value;
     if (!are_known || (!limit.is_known && multiplier > least)) {
-      perhaps.add(name);
+      perhaps.push_back(name);
     } else if (multiplier > least) {
       const bool is_certain = multiplier > least + 2 * limit.error * relative_slope;
-      if (!is_certain) perhaps.add(name);
+      if (!is_certain) perhaps.push_back(name);
       objections.demand(!is_certain,
                         fmt::format("{} is reached, with a multiplier of {:.3g}, and not stated",
                                     name, multiplier));
@@ -167,13 +156,16 @@ void check_binding(const Context& context, const std::vector<ReachedLimit>& reac
                                "the error of the differences",
                                compared));
   }
-  if (open.none() && perhaps.none()) return;
+  if (open.empty() && perhaps.empty()) return;
   std::string text =
       are_known
           ? "the gradients of the limits depend on each other, or are too small for differences"
           : objection;
-  if (!open.none()) text += "; multipliers of " + open.text();
-  if (!perhaps.none()) text += "; whether limits are left out that are reached: " + perhaps.text();
+  if (!open.empty()) text += fmt::format("; multipliers of {}", fmt::join(open, ", "));
+  if (!perhaps.empty()) {
+    text +=
+        fmt::format("; whether limits are left out that are reached: {}", fmt::join(perhaps, ", "));
+  }
   claims.not_verified(are_known ? "binding_undecided" : "binding_multipliers", text);
 }
 
