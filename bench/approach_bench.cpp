@@ -53,7 +53,7 @@ bool measure(const CaptureProblem& problem, int seeds) {
   const CollisionJudge collisions(problem);
   SearchOptions options;
   options.optimizer = problem.search.optimizer;
-  options.starts = first_starts(problem.search);
+  options.starts = number_of_starts(problem.search);
   options.seed = problem.search.seed;
   options.max_candidates = problem.search.max_candidates;
   SearchResult found = search(problem, formulation, options);

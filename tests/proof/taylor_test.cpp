@@ -170,7 +170,7 @@ TEST_CASE("what is unbounded stays unbounded, and zero stays zero") {
   CHECK_FALSE((inverse_of(x) * inverse_of(x)).is_bounded());
   CHECK((inverse_of(x) * Flat(0.0)).is_zero());
   CHECK((Flat(1e300) * x * Flat(1e300)).range().upper() >= 1e300);
-  CHECK(least(inverse_of(x), Part<2>{{Interval(-1, 1), Interval(-1, 1)}}) == -kInfinite);
+  CHECK(least(inverse_of(x), Part<2>{{Interval(-1, 1), Interval(-1, 1)}}) == -kInfinity);
 }
 
 TEST_CASE("a mixture is never above the larger of both") {
@@ -202,7 +202,7 @@ TEST_CASE("the least value over a part is below all values, and sharp where the 
       part[i] = Interval(std::fmin(a, b), std::fmax(a, b));
     }
     const double low = least(form, part);
-    double smallest = kInfinite;
+    double smallest = kInfinity;
     for (int i = 0; i <= 40; ++i) {
       for (int j = 0; j <= 40; ++j) {
         const std::array<Wide, 2> eps{part[0].lower() + Wide(width_of(part[0])) * i / 40,
