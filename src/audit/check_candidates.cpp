@@ -17,12 +17,11 @@ using namespace verification;
 
 namespace {
 
-/// Tolerances of candidates and of the nominal optimum.
-struct CandidateOptions {
-  double least_size = 1e-6;  ///< of the scale: smaller worst cases are compared as if of this one
-  double above_nominal = 1e-6;  ///< of the scale: minima of two solves that are one
+/// Tolerances of the nominal optimum.
+struct NominalOptimumOptions {
+  double above_lowest = 1e-6;  ///< of the scale: minima of two solves that are one
 };
-constexpr CandidateOptions kCandidates;
+constexpr NominalOptimumOptions kNominalOptimum;
 
 /// Differences of a candidate's stated numbers from the recomputed ones.
 struct Differences {
@@ -52,7 +51,7 @@ Differences differences(const Context& context, const Situation& at, const Candi
   const auto relative = [&](double stated, double sampled) {
     if (!is_sampled) return relative_error(stated, sampled, found.scale);
     return std::abs(stated - sampled) /
-           std::max(std::abs(sampled), kCandidates.least_size * found.scale);
+           std::max(std::abs(sampled), kShared.least_worst_case * found.scale);
   };
   const bool is_worst_case = context.problem.measure.kind == RiskMeasure::WorstCase;
   Differences out{relative_error(candidate.objective, found.nominal, found.scale),
@@ -129,7 +128,7 @@ void check_candidates(const Context& context, ClaimList& claims) {
     const Situation at(context.problem, candidate.configuration);
     worst.include(differences(context, at, candidate));
     for (const std::string& objection : configuration_objections(at, context.options)) {
-      forbidden.add(name + ": " + objection);
+      forbidden.add(fmt::format("{}: {}", name, objection));
     }
     forbidden.demand(candidate.max_violation >= 0 &&
                          candidate.max_violation <= context.options.constraint_tolerance,
@@ -189,7 +188,7 @@ void check_nominal_optimum(const Context& context, ClaimList& claims) {
   }
   claims.at_most("nominal_optimum_is_lowest",
                  (found.nominal - lowest) / std::max(found.scale, 1e-300),
-                 kCandidates.above_nominal, "1",
+                 kNominalOptimum.above_lowest, "1",
                  "its nominal value above that of the candidates, relative to the scale");
 }
 

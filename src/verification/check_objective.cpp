@@ -10,6 +10,12 @@
 namespace stillbase::verification {
 namespace {
 
+/// Tolerances of a stated worst velocity.
+struct WorstVelocityOptions {
+  double outside = 1e-6;  ///< of the ellipsoid's size: variances that nearly vanish divide rounding
+};
+constexpr WorstVelocityOptions kWorstVelocity;
+
 void check_terms(const Context& context, ClaimList& claims) {
   const Vector6d Fbar = context.situation.impulse();
   double worst = 0;
@@ -63,8 +69,9 @@ void check_worst_case(const Context& context, ClaimList& claims) {
     return;
   }
   const WorstDirection worst = worst_direction(situation, context.cone_samples());
-  const double excess = (worst.value - stated.worst_case) /
-                        std::max(std::abs(stated.worst_case), 1e-6 * scale_along(situation, n));
+  const double excess =
+      (worst.value - stated.worst_case) /
+      std::max(std::abs(stated.worst_case), kShared.least_worst_case * scale_along(situation, n));
   claims.at_most("worst_case_sampled", excess, context.options.cone_tolerance, "1",
                  fmt::format("{:.9g} {} found along ({:.6f}, {:.6f}, {:.6f}), relative excess over "
                              "the stated worst case",
@@ -105,7 +112,8 @@ void check_residual(const Context& context, const ResidualCase& residual, ClaimL
               fmt::format("{:g} of the problem", residual.deviations));
 
   const ResidualNumbers found = residual_numbers(context.problem, residual);
-  claims.at_most("worst_velocity", residual.distance(said.worst_velocity), 1 + 1e-6, "1",
+  claims.at_most("worst_velocity", residual.distance(said.worst_velocity),
+                 1 + kWorstVelocity.outside, "1",
                  "distance of the stated worst velocity from the nominal one, relative to the "
                  "ellipsoid");
   // The terms that cancel grow with the velocities of the ellipsoid.
@@ -118,7 +126,7 @@ void check_residual(const Context& context, const ResidualCase& residual, ClaimL
               fmt::format("{:.9g} {} at the stated velocity", there, stated.unit));
   claims.at_most("worst_case_bound",
                  (found.worst_case_bound - stated.worst_case) /
-                     std::max(std::abs(stated.worst_case), 1e-6 * scale),
+                     std::max(std::abs(stated.worst_case), kShared.least_worst_case * scale),
                  context.options.cone_tolerance, "1",
                  fmt::format("no velocity of the ellipsoid exceeds {:.9g} {}: relative excess over "
                              "the stated worst case",

@@ -9,6 +9,12 @@
 namespace stillbase::verification {
 namespace {
 
+/// Tolerances of the motion after a contact.
+struct FateOptions {
+  double rounding = 1e-9;  ///< of the closing speed: points that separate slower move on together
+};
+constexpr FateOptions kFate;
+
 /// Velocity [v; omega] of the target's contact point per impulse [f; t] there: the force moves the
 /// centroid and rotates the body about it.
 Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& event) {
@@ -28,7 +34,7 @@ Matrix6d target_response(const CaptureProblem& problem, const ContactEvent& even
 
 /// @param target_speed of the target's contact point along n after the contact, m/s
 std::string words(double target_speed, double separation, double closing) {
-  const double least = 1e-9 * closing;
+  const double least = kFate.rounding * closing;
   if (separation <= least) {
     return fmt::format("stays at the hand without being held: both move on at {:.4g} m/s",
                        target_speed);
@@ -50,8 +56,8 @@ void check_jump(const Context& context, ClaimList& claims) {
   const double hand = n.dot((context.situation.response.W * Fbar).head<3>());
   const double target = closing - n.dot((target_response(problem, event) * Fbar).head<3>());
   const double separation = hand - target;
-  claims.at_least("target_fate", separation, problem.impulse.restitution * closing, 1e-9 * closing,
-                  "m/s", words(target, separation, closing));
+  claims.at_least("target_fate", separation, problem.impulse.restitution * closing,
+                  kFate.rounding * closing, "m/s", words(target, separation, closing));
 }
 
 /// Both points move on together; nothing holds them.

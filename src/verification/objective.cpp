@@ -16,7 +16,10 @@ struct ObjectiveOptions {
   double relative_step = 1e-10, absolute_step = 1e-12;
   /// Relative difference of two integrations: fixed steps of the planner, adaptive ones here.
   double simulated = 1e-5;
-  double carried = 1e-7;  ///< the same of the errors of an estimate, carried to the contact
+  double carried = 1e-7;       ///< the same of the errors of an estimate, carried to the contact
+  std::size_t climbs = 8;      ///< compass searches, from the best samples
+  double apart = 2.5;          ///< spacings of the samples between their beginnings
+  double finest_climb = 1e-6;  ///< of the spacing, the last step of a search
 };
 constexpr ObjectiveOptions kObjective;
 
@@ -243,10 +246,10 @@ WorstDirection worst_over_cone(const std::function<double(const Vector3d&)>& val
   for (const ConePoint& sample : grid) {
     const Vector3d d = direction(sample);
     const bool is_near = std::any_of(apart.begin(), apart.end(), [&](const ConePoint& other) {
-      return (direction(other) - d).norm() < 2.5 * angle_step;
+      return (direction(other) - d).norm() < kObjective.apart * angle_step;
     });
     if (!is_near) apart.push_back(sample);
-    if (apart.size() == 8) break;
+    if (apart.size() == kObjective.climbs) break;
   }
   grid = std::move(apart);
   const std::size_t kept = grid.size();
@@ -254,7 +257,7 @@ WorstDirection worst_over_cone(const std::function<double(const Vector3d&)>& val
   for (std::size_t i = 0; i < kept && half_angle > 0; ++i) {
     ConePoint p = grid[i];
     double scale = 1;
-    while (scale > 1e-6) {
+    while (scale > kObjective.finest_climb) {
       ConePoint better = p;
       for (const double sign : {-1.0, 1.0}) {
         const ConePoint a = at(p.angle + sign * scale * angle_step, p.azimuth);

@@ -13,6 +13,15 @@ namespace {
 
 using Law = reference::ControlLaw;
 
+/// The second integration against the first.
+struct OwnMotionOptions {
+  double lead = 0.01;  ///< s before a contact that takes time; less where the period of control is
+  /// Rates, momenta and torques (SI) that are smaller are compared as if of this size: those of
+  /// rounding size stay of rounding size.
+  double least_size = 1e-6;
+};
+constexpr OwnMotionOptions kOwnMotion;
+
 constexpr std::pair<ControllerKind, Law::Kind> kLaws[] = {
     {ControllerKind::None, Law::Kind::Free},
     {ControllerKind::JointDamping, Law::Kind::JointDamping},
@@ -101,7 +110,7 @@ struct CompliantStart {
       contact.servo_damping = problem.resistance.damping;
       contact.servo_posture = at.at.phi;
     }
-    lead = std::min(problem.post_impact.control_period, 0.01);
+    lead = std::min(problem.post_impact.control_period, kOwnMotion.lead);
     target = {met.state.pose, met.state.velocity, met.state.angular_velocity};
     target.pose.position -= lead * target.velocity;
     const double angle = lead * target.rate.norm();
@@ -214,9 +223,9 @@ class Deviation {
     return (a - b).lpNorm<Eigen::Infinity>();
   }
 
-  /// Rates of rounding size stay of rounding size.
-  double base_size_ = 1e-6, joint_size_ = 1e-6, momentum_size_ = 1e-6;
-  double target_size_ = 1e-6, spin_size_ = 1e-6;
+  double base_size_ = kOwnMotion.least_size, joint_size_ = kOwnMotion.least_size;
+  double momentum_size_ = kOwnMotion.least_size, target_size_ = kOwnMotion.least_size;
+  double spin_size_ = kOwnMotion.least_size;
   Largest largest_;
 };
 
@@ -258,7 +267,8 @@ void check_own_motion(const Context& context, const std::string& controller,
   Largest largest = deviation.largest();
   const auto compare_peaks = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b,
                                  const char* what) {
-    largest.take((a - b).lpNorm<Eigen::Infinity>() / std::max(1e-6, a.lpNorm<Eigen::Infinity>()),
+    largest.take((a - b).lpNorm<Eigen::Infinity>() /
+                     std::max(kOwnMotion.least_size, a.lpNorm<Eigen::Infinity>()),
                  what);
   };
   const SimulationSummary& summary = run.simulation.summary;

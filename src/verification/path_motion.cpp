@@ -67,10 +67,11 @@ struct PoseRate {
   Eigen::Vector4d orientation;
 };
 
-/// Integration steps of a segment.
+/// Integration steps of a segment, and what lies between them.
 struct BaseTrackOptions {
   double fewest_steps = 4;  ///< at low rates the travel asks for few although the rate changes
   double most_steps = 1e4;  ///< 50 rad at 0.005 rad
+  double between = 1.1;     ///< of the largest response at steps, for those between them
 };
 constexpr BaseTrackOptions kBaseTrack;
 
@@ -161,7 +162,7 @@ BaseTrack::Travel BaseTrack::bound(double s0, double s1, const Eigen::VectorXd& 
   const auto last = static_cast<std::size_t>(std::ceil(index(s1)));
   Eigen::Matrix2Xd largest = nodes_[first].response;
   for (std::size_t i = first + 1; i <= last; ++i) largest = largest.cwiseMax(nodes_[i].response);
-  const Eigen::Vector2d sum = 1.1 * largest * travel;
+  const Eigen::Vector2d sum = kBaseTrack.between * largest * travel;
   return {sum[0], sum[1]};
 }
 

@@ -13,6 +13,9 @@ struct SharedTolerances {
   /// m: error of the planner's distances between two flat shapes, by which a path may be too close
   /// and by which two codes may differ.
   double flat_distance = 5e-4;
+  /// Of the terms that an objective is a sum and difference of: worst cases are compared relative
+  /// to themselves, smaller ones relative to this, for a sampled maximum is slightly low.
+  double least_worst_case = 1e-6;
 };
 inline constexpr SharedTolerances kShared;
 

@@ -16,12 +16,14 @@ namespace stillbase {
 namespace verification {
 namespace {
 
-/// Steps of a trial, which is one of many.
+/// Steps and errors of a trial, which is one of many.
 struct TrialSimulationOptions {
   double longest_step = 0.01;  ///< s; shorter where the period of control is
   /// Errors of a step of a compliant contact: trials are random, unlike verified motions.
   double relative_step = 1e-7, absolute_step = 1e-9;
   double just_kept = 1 + 1e-6;  ///< of a limit that is kept but for the integration
+  /// Half ranges of what a problem with a target does not state: relative, and s.
+  double closing_speed = 0.05, contact_time = 0.1;
 };
 constexpr TrialSimulationOptions kTrial;
 
@@ -273,9 +275,9 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
 Perturbations perturbations_for(const CaptureProblem& problem) {
   Perturbations sizes;
   sizes.cone_half_angle = problem.uncertainty.cone_half_angle;
-  sizes.closing_speed = 0.05;
+  sizes.closing_speed = verification::kTrial.closing_speed;
   const bool is_predicted = problem.target && !problem.impulse.direction;
-  sizes.contact_time = is_predicted ? 0.1 : 0;
+  sizes.contact_time = is_predicted ? verification::kTrial.contact_time : 0;
   // The problem's own statements come first.
   const UncertaintySpec& stated = problem.uncertainty;
   const auto take = [](double from, double& size) {
