@@ -40,7 +40,7 @@ double beyond(double apart, const double lower, const double upper) {
 }
 
 constexpr int kHandRows = 6, kRows = 15;
-constexpr Vector3d reference::Impact::*kMomenta[] = {
+constexpr std::array<Vector3d reference::Impact::*, 3> kMomenta = {
     &reference::Impact::total, &reference::Impact::base, &reference::Impact::coupling};
 
 bool has_hand_point(const CaptureProblem& problem) {
@@ -283,7 +283,7 @@ Equations::Equations(const CaptureProblem& problem, const FreeVariables& variabl
     if (demand == Demand::Zero) {
       momenta.push_back(record_of(problem.objective.front().quantity).momentum);
     }
-    for (std::size_t i = 0; i < vanishes_.size(); ++i) {
+    for (std::size_t i = 0; i < kMomenta.size(); ++i) {
       vanishes_[i] = std::find(momenta.begin(), momenta.end(), kMomenta[i]) != momenta.end();
     }
   }
@@ -307,7 +307,7 @@ Eigen::VectorXd Equations::residual(const Eigen::VectorXd& x) const {
   const Vector6d unit = case_wrench(problem_, event, response);
   const reference::Impact impact = response.impact(unit);
   const double scale = response.momentum_scale(unit);
-  for (std::size_t i = 0; i < vanishes_.size(); ++i) {
+  for (std::size_t i = 0; i < kMomenta.size(); ++i) {
     if (!vanishes_[i]) continue;
     rows.segment<3>(kHandRows + 3 * static_cast<Eigen::Index>(i)) = impact.*kMomenta[i] / scale;
   }
