@@ -123,7 +123,16 @@ double rate_used(const JointPath& path, const MotionLimits& limits) {
   return used;
 }
 
+/// n . (v_target - v_hand) at the contact, m/s, n the feature's normal.
+double closing_speed(const ApproachTask& task, const Vector6d& relative_velocity) {
+  const Configuration& goal = task.goal;
+  const ContactState contact =
+      task.target->contact(chosen_feature(task.problem), goal.contact_time);
+  return contact.normal.dot(goal.base.orientation * Vector3d(relative_velocity.head<3>()));
+}
+
 /// Whether the hand leaves the target along the feature's normal, to the clearance at the end.
+/// @pre they do not close in at the contact: then they would pass through each other at once
 bool leaves_target(const ApproachTask& task, const TimedMotion& motion, double rounding) {
   const ContactFeature& feature = chosen_feature(task.problem);
   double gap = 0;
@@ -167,6 +176,13 @@ Arrival plan_arrival(const ApproachTask& task, const ArrivalOptions& options) {
   out.rest.base = out.run.base_poses.front();
   out.rest.contact_time = out.run.path.times.front();
   if (!problem.approach.abort) return out;
+  const double closing = closing_speed(task, impact.before->relative_velocity);
+  if (closing > options.no_closing) {
+    out.failure = fmt::format(
+        "no path to stop on if the grasp does not close: hand and target close in at {:.3g} m/s",
+        closing);
+    return out;
+  }
 
   const EncounterModel model = encounter_model(problem);
   const Vector3d n = encounter_at(model, task.goal).F.head<3>();

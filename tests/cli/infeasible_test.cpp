@@ -70,6 +70,9 @@ TEST_CASE("what may help where nothing leads away from a target that closes in h
   INFO(open.err);
   REQUIRE(open.code == 9);
   CHECK(open.says("contact.hand_velocity.linear of zero along the normal, approach.abort: false"));
+  CHECK(open.says("hand and target close in at"));
+  // They close in slowly here, and between two samples of such a path.
+  CHECK(plan("{angular: [0, 0, 0.01]}").code == 9);
   CHECK(plan("{angular: [0.2 deg/s, 0, 0], linear: [0, 0, 0]}").code == 0);
   shop.write_changed("problem.yaml", "problems/matched_light.yaml", "hand_velocity: match_all",
                      "hand_velocity: {angular: [0.2 deg/s, 0, 0]}");

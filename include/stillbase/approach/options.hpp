@@ -151,6 +151,7 @@ struct ArrivalOptions {
   int samples = 16;            ///< intervals of either
   double rate_slack = 1e-7;    ///< relative: the search leaves rates as far beyond their limits
   double gap_rounding = 1e-7;  ///< m that the hand may be within the target's surface
+  double no_closing = 1e-7;    ///< m/s: velocities that match have a rounding
 };
 
 struct ApproachOptions {
