@@ -59,12 +59,20 @@ bool have_same_remarks(const RobotModel& one, const RobotModel& other) {
                     });
 }
 
+std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
 /// Differences of a plan's problem from its file. The command line may choose optimizer, seed and
 /// starts, and a file may have been renamed.
-std::vector<std::string> changes_of_problem(const CaptureProblem& planned,
-                                            const std::string& path) {
+/// @param stated the problem's file as the plan names it
+std::vector<std::string> changes_of_problem(const CaptureProblem& planned, const std::string& path,
+                                            const std::string& stated) {
   std::vector<std::string> changes;
   CaptureProblem problem = read_problem(path);
+  const bool is_named_by_file = problem.name == stem_of(path);
+  const std::string name = is_named_by_file ? stem_of(stated) : problem.name;
+  if (planned.name != name) {
+    changes.push_back(fmt::format("the problem's name is {}, not {}", planned.name, name));
+  }
   if (problem.urdf != planned.urdf) changes.push_back("the robot is another one");
   if (!have_same_remarks(problem.robot, planned.robot)) {
     changes.push_back("the remarks on the robot's file are others");
@@ -122,16 +130,13 @@ Claim inputs_check(const PlanFile& file, const std::string& plan_path,
     return claim;
   }
   std::vector<std::string> changes;
-  for (const InputFile& stated : file.inputs) {
-    const std::string stem = std::filesystem::path(stated.path).stem().string();
-    if (stated.role == "problem" && stem != file.plan.problem.name) {
-      changes.push_back(fmt::format("the problem's name is {}, not that of its file, {}",
-                                    file.plan.problem.name, stem));
-    }
+  std::string stated = *path;
+  for (const InputFile& input : file.inputs) {
+    if (input.role == "problem") stated = input.path;
   }
   try {
     if (!file.inputs.empty()) changes_of_inputs(file.inputs, input_files(*path), changes);
-    const auto more = changes_of_problem(file.plan.problem, *path);
+    const auto more = changes_of_problem(file.plan.problem, *path, stated);
     changes.insert(changes.end(), more.begin(), more.end());
   } catch (const std::exception& error) {
     changes.push_back(error.what());

@@ -292,3 +292,43 @@ TEST_CASE("report refuses a verdict against its own checks, and one of another p
   shop.write("with.json", plan.dump());
   CHECK(shop.run("report with.json -o g.html").code == 3);
 }
+
+TEST_CASE("plans as they were written pass, whatever their problem states") {
+  const Workshop shop;
+  const auto verdict = [&](const std::string& problem,
+                           const std::vector<std::pair<std::string, std::string>>& parts,
+                           const std::string& options = "") {
+    shop.write("problem.yaml", altered(problem, parts));
+    const Outcome plan = shop.run("plan problem.yaml -o plan.json --force" + options);
+    INFO(plan.err);
+    REQUIRE(plan.code == 0);
+    const Outcome verified = shop.run("verify plan.json");
+    INFO(verified.err);
+    CHECK(verified.code == 0);
+    return ordered_json::parse(verified.out);
+  };
+  SECTION("a name that is not that of the file") {
+    const auto passed =
+        verdict("planar_two_link_c2_a", {{"version: 1\n", "version: 1\nname: my_capture\n"}});
+    CHECK(claim_of(passed, "inputs_unchanged").at("pass") == true);
+    ordered_json plan = ordered_json::parse(shop.text("plan.json"));
+    plan["problem"]["name"] = "problem";
+    shop.write("other.json", plan.dump());
+    const auto other = ordered_json::parse(shop.run("verify other.json").out);
+    CHECK_THAT(claim_of(other, "inputs_unchanged").at("detail").get<std::string>(),
+               Catch::Contains("the problem's name is problem, not my_capture"));
+  }
+  SECTION("a momentum about an axis without a wheel") {
+    verdict("servicer_handback",
+            {{"  wheel_torque: 0.2 N m\n  wheel_momentum: 4 N m s\n",
+              "  wheels: {torque: [0, 1, 0]}\n"},
+             {"  thrusters: {torque: 1 N m, gain: 0.5 1/s, dead_band: 0.02 deg/s}\n", ""}});
+    CHECK(shop.text("plan.json").find("and there is no wheel about") != std::string::npos);
+  }
+  SECTION("an objective that is zero in every posture") {
+    verdict("planar_three_link_client",
+            {{"joint_resistance: free", "joint_resistance: {model: locked, locked: all}"},
+             {"quantity: base_angular_momentum", "quantity: joint_rate_norm"}},
+            " --starts 8");
+  }
+}
