@@ -16,6 +16,12 @@ struct WorstVelocityOptions {
 };
 constexpr WorstVelocityOptions kWorstVelocity;
 
+/// Of a value over a stated one. Where all that is added up is zero there is none.
+double relative_excess(double found, double stated, double scale) {
+  if (found == stated) return 0;
+  return (found - stated) / std::max(std::abs(stated), kShared.least_worst_case * scale);
+}
+
 void check_terms(const Context& context, ClaimList& claims) {
   const Vector6d Fbar = context.situation.impulse();
   double worst = 0;
@@ -69,9 +75,7 @@ void check_worst_case(const Context& context, ClaimList& claims) {
     return;
   }
   const WorstDirection worst = worst_direction(situation, context.cone_samples());
-  const double excess =
-      (worst.value - stated.worst_case) /
-      std::max(std::abs(stated.worst_case), kShared.least_worst_case * scale_along(situation, n));
+  const double excess = relative_excess(worst.value, stated.worst_case, scale_along(situation, n));
   claims.at_most("worst_case_sampled", excess, context.options.cone_tolerance, "1",
                  fmt::format("{:.9g} {} found along ({:.6f}, {:.6f}, {:.6f}), relative excess over "
                              "the stated worst case",
@@ -125,8 +129,7 @@ void check_residual(const Context& context, const ResidualCase& residual, ClaimL
   claims.same("objective_worst_case", relative_error(stated.worst_case, there, scale), tolerance,
               fmt::format("{:.9g} {} at the stated velocity", there, stated.unit));
   claims.at_most("worst_case_bound",
-                 (found.worst_case_bound - stated.worst_case) /
-                     std::max(std::abs(stated.worst_case), kShared.least_worst_case * scale),
+                 relative_excess(found.worst_case_bound, stated.worst_case, scale),
                  context.options.cone_tolerance, "1",
                  fmt::format("no velocity of the ellipsoid exceeds {:.9g} {}: relative excess over "
                              "the stated worst case",
