@@ -320,10 +320,11 @@ void compare_held(const Context& context, const AfterContact& run, Objections& o
                         time_near(load, kNearLimit + kManaged.integrations, result);
     // Both integrations end their steps at the instants of control.
     const double slack = (period > 0 ? 4 * period : sampled) + kManaged.extremes * counted + open;
-    const double certain =
-        std::max(counted - slack, time_near(load, kNearLimit + kManaged.samples, result) - sampled);
-    const double possible =
-        std::min(counted + slack, time_near(load, kNearLimit - kManaged.samples, result) + sampled);
+    const double seen = time_near(load, kNearLimit + kManaged.samples, result) - sampled;
+    const double certain = std::min(counted, std::max(counted - slack, seen));
+    const double possible = std::max(
+        counted, std::min(counted + slack,
+                          time_near(load, kNearLimit - kManaged.samples, result) + sampled));
     const double time = stated ? stated->time : 0;
     const std::string name = to_string(load.limit) + " of " + load.place;
     objections.demand(certain <= time,
