@@ -43,7 +43,7 @@ struct StationarityOptions {
   double same_limit = 1e-7;
   /// Least over largest singular value of what decides the joint rates of a hand that moves: below,
   /// they change within the shortest step of the differences.
-  double smooth_match = 1e-4;
+  double smooth_match = 1e-3;
   double narrow_cone = 1e-4;     ///< rad: the longest steps are twenty times that
   double same_residual = 0.01;   ///< relative, between stated and recomputed large ones
   double same_curvature = 1e-3;  ///< relative, and of the largest curvature
