@@ -159,8 +159,11 @@ ResidualRoot::ResidualRoot(const CaptureProblem& problem) {
     for (std::size_t N = kFewestNodes; series_[0].empty(); N = 2 * N - 1) {
       if (N > kMostNodes) {
         throw std::invalid_argument(
-            "the covariance of the relative velocity at the contact is too close to a singular one "
-            "to be followed over the contact times; state hand_tracking");
+            "the covariance of the relative velocity at the contact changes too much to be "
+            "followed "
+            "over the contact times: it is close to a singular one (state hand_tracking), or the "
+            "target's estimate is too uncertain (smaller deviations, a shorter "
+            "variables.contact_time)");
       }
       std::vector<double> times;
       for (std::size_t j = 0; j < N; ++j) {
