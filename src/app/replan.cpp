@@ -33,7 +33,7 @@ struct ReplanRequest {
 };
 
 constexpr io::Range kTimeLimit{.lower = 0, .upper = kLongestTimeLimit, .is_lower_open = true};  // s
-constexpr io::Range kStayWithin{.lower = 0, .upper = 1e6, .is_lower_open = true};  // rad, m
+constexpr io::Range kStayWithin{.lower = 0, .upper = 3e7, .is_lower_open = true};  // rad, m
 
 StopCondition stop_after(double seconds) {
   StopCondition stop = stop_condition();

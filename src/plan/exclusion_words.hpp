@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include <fmt/format.h>
-
 namespace stillbase::exclusion {
 
 // What the candidate alone shows: what touches, or the limit that is exceeded, follows.
@@ -36,8 +34,7 @@ inline constexpr const char* kRateLimit = " exceeds its rate limit";
 inline constexpr const char* kTorqueLimit = " exceeds its torque limit";
 /// Begins what is said of a contact that goes on.
 inline constexpr const char* kStillTouching = "hand and target still touch after the horizon";
-inline std::string not_at_rest(double horizon) {
-  return fmt::format("robot and target do not rest within the horizon of {:.4g} s", horizon);
-}
+/// @param horizon s
+std::string not_at_rest(double horizon);
 
 }  // namespace stillbase::exclusion
