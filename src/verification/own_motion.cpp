@@ -252,6 +252,7 @@ void check_own_motion(const Context& context, const std::string& controller,
     lead = contact.lead;
   }
   std::vector<double> times;
+  times.reserve(trace.size());
   for (const TraceSample& sample : trace) times.push_back(sample.time + lead);
   const auto own = reference::controlled_motion(robot, law, first, times,
                                                 context.options.second_integration_step_error,
