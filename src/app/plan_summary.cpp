@@ -15,6 +15,7 @@
 #include "app/abort_words.hpp"
 #include "app/search_advice.hpp"
 #include "app/words.hpp"
+#include "io/names.hpp"
 #include "plan/exclusion_words.hpp"
 #include "planner/capture_limits.hpp"
 #include "planner/choice.hpp"
