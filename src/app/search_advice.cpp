@@ -42,6 +42,7 @@ std::vector<std::string> loosening_advice(const Plan& plan) {
   }
   std::sort(found.begin(), found.end());
   std::vector<std::string> out;
+  out.reserve(found.size());
   for (auto& [order, advice] : found) out.push_back(std::move(advice));
   return out;
 }
