@@ -121,7 +121,8 @@ bool DenseQp::add_to_active(int row) {
 void DenseQp::drop_from_active(int place) {
   is_active_[static_cast<std::size_t>(active_[static_cast<std::size_t>(place)])] = 0;
   for (int i = place; i + 1 < size_; ++i) {
-    active_[static_cast<std::size_t>(i)] = active_[static_cast<std::size_t>(i + 1)];
+    const auto k = static_cast<std::size_t>(i);
+    active_[k] = active_[k + 1];
     R_.col(i).head(size_) = R_.col(i + 1).head(size_);
   }
   for (int i = place; i < size_; ++i) u_[i] = u_[i + 1];  // that of the entering row is behind them

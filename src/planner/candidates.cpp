@@ -82,7 +82,7 @@ std::optional<std::string> AfterImpactJudge::known(const Configuration& configur
 std::string AfterImpactJudge::simulated(const Configuration& configuration) {
   const ImpactSummary impact =
       impact_at(problem_, model_, encounter_at(model_, configuration), configuration.phi);
-  const std::string failure = post_impact_failure(problem_, model_, configuration, impact, stop_);
+  std::string failure = post_impact_failure(problem_, model_, configuration, impact, stop_);
   const std::lock_guard lock(mutex_);
   known_.emplace_back(configuration, failure);
   return failure;

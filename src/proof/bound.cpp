@@ -141,6 +141,7 @@ class Search {
 
   Bound run(const std::vector<Box<N>>& domain) {
     std::vector<Node> boxes;
+    boxes.reserve(domain.size());
     for (const Box<N>& box : domain) {
       boxes.push_back({.lower = -kInfinity, .serial = 0, .box = box});
     }

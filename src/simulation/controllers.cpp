@@ -113,6 +113,7 @@ std::optional<ControllerKind> controller_from_name(std::string_view name) {
 
 std::vector<std::string> controller_names() {
   std::vector<std::string> names;
+  names.reserve(kNames.size());
   for (const auto& entry : kNames) names.emplace_back(entry.second);
   return names;
 }

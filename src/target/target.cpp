@@ -118,9 +118,10 @@ void MotionTable::restart(const TargetState& from, double new_horizon) {
   angular_momentum = q * L;
   spacing = horizon / side;
   middle = side;
-  nodes.resize(static_cast<std::size_t>(2 * side + 1));
+  nodes.resize(2 * static_cast<std::size_t>(side) + 1);
   const auto node = [&](int i) -> Eigen::Quaterniond& {
-    return nodes[static_cast<std::size_t>(side + i)];
+    const int place = side + i;
+    return nodes[static_cast<std::size_t>(place)];
   };
   const FreeRotation rotation{inverse_inertia, angular_momentum};
   node(0) = q;
@@ -135,8 +136,9 @@ Eigen::Quaterniond MotionTable::orientation(double dt) const {
     return (rotation_exp(dt * constant_rate) * estimate.pose.orientation).normalized();
   }
   const int nearest = static_cast<int>(std::lround(dt / spacing));
-  return step({inverse_inertia, angular_momentum},
-              nodes[static_cast<std::size_t>(nearest + middle)], dt - nearest * spacing);
+  const int place = nearest + middle;
+  return step({inverse_inertia, angular_momentum}, nodes[static_cast<std::size_t>(place)],
+              dt - nearest * spacing);
 }
 
 Vector3d MotionTable::angular_velocity(const Eigen::Quaterniond& q) const {

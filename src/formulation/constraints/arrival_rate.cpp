@@ -17,8 +17,7 @@ namespace {
 void require_rank(const CaptureModel& model) {
   const MatchedPart part = model.encounter.matched;
   const int rank = generic_rank(model, [&](const PostureImpact<double>& posture) {
-    const Eigen::MatrixXd J =
-        compute_hat_inertia<double>(posture.inertia, posture.jacobian).Jhat_phi;
+    Eigen::MatrixXd J = compute_hat_inertia<double>(posture.inertia, posture.jacobian).Jhat_phi;
     if (part == MatchedPart::All) return J;
     return Eigen::MatrixXd(part == MatchedPart::Angular ? J.bottomRows(3) : J.topRows(3));
   });

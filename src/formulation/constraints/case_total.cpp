@@ -14,7 +14,7 @@ void add_case_total(const CaptureModel& model, ConstraintSet& out) {
                                            ScalarGradient<S>* gradient) -> S {
       const Matrix3<S>& R_EB = at.placement.contact.R_EB;
       const Vector3<S>& total = at.impact.response.total;
-      const Vector3<S> e = axis.cast<S>();
+      const Vector3<S>& e = axis.cast<S>();
       if (gradient != nullptr) {
         ResponseWeights<S> weights;
         weights.total = R_EB.transpose() * e;
