@@ -194,11 +194,8 @@ bool is_use(const LimitUses& uses, const std::string& words) {
       if (!numbers) continue;
       char* end = nullptr;
       const double value = std::strtod(numbers->c_str(), &end);
-      const bool has_wheel = limit != CaptureLimit::WheelMomentum || use.most > 0;
-      const std::string most = has_wheel
-                                   ? fmt::format(" of {:.4g} {}", use.most, use.unit)
-                                   : fmt::format(", and there is no wheel about {}", use.place);
-      const auto ending = after_prefix(end, fmt::format(" {}{}", use.unit, most));
+      const auto ending =
+          after_prefix(end, fmt::format(" {}{}", use.unit, exclusion::of_most(use)));
       if (!ending) return false;
       // A run that ended at the limit had not seen the largest value.
       const bool was_ended = ending->rfind(" after ", 0) == 0;

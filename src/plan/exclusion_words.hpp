@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <stillbase/plan/plan.hpp>
+
 namespace stillbase::exclusion {
 
 // What the candidate alone shows: what touches, or the limit that is exceeded, follows.
@@ -36,5 +38,7 @@ inline constexpr const char* kTorqueLimit = " exceeds its torque limit";
 inline constexpr const char* kStillTouching = "hand and target still touch after the horizon";
 /// @param horizon s
 std::string not_at_rest(double horizon);
+/// Ends what is said of a demand on grip or wheels: " of 10 N m s", or that there is no wheel.
+std::string of_most(const LimitUse& use);
 
 }  // namespace stillbase::exclusion

@@ -8,6 +8,8 @@
 
 #include <stillbase/core/constants.hpp>
 
+#include "plan/exclusion_words.hpp"
+
 namespace stillbase {
 
 namespace {
@@ -249,12 +251,8 @@ bool has_no_wheel(const LimitUse& use) {
 std::string limit_words(const LimitUse& use) {
   std::string name = to_string(use.limit);
   std::replace(name.begin(), name.end(), '_', ' ');
-  if (has_no_wheel(use)) {
-    return fmt::format("{} of {}: {:.4g} {}, and there is no wheel about {}", name, use.place,
-                       use.value, use.unit, use.place);
-  }
-  return fmt::format("{} of {}: {:.4g} {} of {:.4g} {}", name, use.place, use.value, use.unit,
-                     use.most, use.unit);
+  return fmt::format("{} of {}: {:.4g} {}{}", name, use.place, use.value, use.unit,
+                     exclusion::of_most(use));
 }
 
 }  // namespace stillbase
