@@ -150,17 +150,21 @@ std::string approach_advice(const Plan& plan) {
       return "another robot.start, or the pair in robot.allowed_contacts";
     case ApproachStatus::GoalInvalid:
     case ApproachStatus::HitEarly: {
-      std::string text = "constraints.clearance for the search, a shorter approach.wait";
+      const std::string text = "constraints.clearance for the search, a shorter approach.wait";
       const HandMotionSpec& hand = problem.hand_motion;
       if (!hand.moves()) return text;
-      text +=
+      const std::string of_hand =
+          text +
           ", a larger approach.acceleration_limit or approach.velocity_scale, a larger "
           "constraints.joint_limit_margin";
-      if (!problem.approach.abort) return text;
+      const std::string no_abort = "approach.abort: false where no path to rest is asked for";
+      if (!problem.approach.abort) return of_hand;
+      // A target whose linear velocity is not matched mostly closes in.
       if (hand.velocity == HandVelocity::Stated && !hand.linear) {
-        text += ", contact.hand_velocity.linear of zero along the normal";
+        return "contact.hand_velocity.linear of zero along the normal, " + no_abort + ", " +
+               of_hand;
       }
-      return text + ", approach.abort: false where no path to rest is asked for";
+      return of_hand + ", " + no_abort;
     }
     case ApproachStatus::TimeOut:
     case ApproachStatus::Interrupted:

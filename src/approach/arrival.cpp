@@ -17,6 +17,8 @@ namespace stillbase {
 
 namespace {
 
+constexpr const char* kNoStop = "no path to stop on if the grasp does not close: ";
+
 /// A path of one cubic as samples at even times.
 JointPath sampled(const JointPath& cubic, int samples) {
   JointPath out;
@@ -178,9 +180,7 @@ Arrival plan_arrival(const ApproachTask& task, const ArrivalOptions& options) {
   if (!problem.approach.abort) return out;
   const double closing = closing_speed(task, impact.before->relative_velocity);
   if (closing > options.no_closing) {
-    out.failure = fmt::format(
-        "no path to stop on if the grasp does not close: hand and target close in at {:.3g} m/s",
-        closing);
+    out.failure = kNoStop + fmt::format("hand and target close in at {:.3g} m/s", closing);
     return out;
   }
 
@@ -211,7 +211,7 @@ Arrival plan_arrival(const ApproachTask& task, const ArrivalOptions& options) {
       return out;
     }
   }
-  out.failure = "no path to stop on if the grasp does not close: " + failure;
+  out.failure = kNoStop + failure;
   return out;
 }
 
