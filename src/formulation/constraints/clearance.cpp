@@ -27,7 +27,7 @@ Vector3d origin(const ClearanceShape& shape, const TargetPlacement& target,
 /// Axes of a shape, from those of its body.
 template <class S>
 Matrix3<S> axes(const Matrix3<S>& R, const ClearanceShape& shape) {
-  if (!shape.is_turned) return R;
+  if (!shape.is_turned()) return R;
   return R * shape.R.cast<S>();
 }
 

@@ -23,7 +23,6 @@ std::optional<ClearanceShape> shape_of(int body, const std::string& name, const 
   out.body = body;
   out.name = name;
   out.R = pose.orientation.toRotationMatrix();
-  out.is_turned = out.R != Matrix3d::Identity();
   out.p = pose.position;
   if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
     out.radius = sphere->radius;

@@ -22,13 +22,14 @@ struct ClearanceShape {
   int body = kBase;                   ///< index of a body, kBase or kTargetBody
   std::string name;                   ///< link, obstacle or "target"
   Matrix3d R = Matrix3d::Identity();  ///< axes of the shape in its body's frame
-  bool is_turned = false;             ///< they are not those of the body
   Vector3d p = Vector3d::Zero();      ///< origin there, m
   bool is_box = false;
   bool is_cylinder = false;          ///< with its segment, its radius and the box about both
   Vector3d half = Vector3d::Zero();  ///< half edges of the box; z: half length of the segment, m
   double radius = 0;                 ///< m
 
+  /// Its axes are not those of the body.
+  bool is_turned() const { return R != Matrix3d::Identity(); }
   /// Which closed forms it has: that of a box, that of what is round.
   bool may_count_as(bool box) const { return is_cylinder || box == is_box; }
   /// No point is further from the origin, m; of a cylinder no point of its capsule.
