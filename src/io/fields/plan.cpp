@@ -20,8 +20,6 @@ void inconsistent(Table& t, const std::string& message) {
   t.reader()->context().add(t.reader()->line(), "inconsistent", message);
 }
 
-const About kJoints = needed("rad (m)");
-
 /// The normalised copy of the problem, about the robot of the plan.
 struct ProblemCopy : Value {
   ProblemCopy(CaptureProblem& problem, const std::optional<std::string>& urdf)
@@ -51,8 +49,8 @@ struct Verdict : Value {
   }
 };
 
-/// A quaternion of a plan was written by a program: it is a unit quaternion to rounding and is kept
-/// bit for bit, or somebody has changed it.
+}  // namespace
+
 Map written_pose(Pose& pose) {
   return Map(
       [&pose](Table& t) {
@@ -78,10 +76,8 @@ Map written_pose(Pose& pose) {
       {.name = "pose"});
 }
 
-}  // namespace
-
 void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration) {
-  t("joint_positions", Numbers(configuration.phi, robot.n()), "in joint order", kJoints);
+  t("joint_positions", Numbers(configuration.phi, robot.n()), "in joint order", kPerJoint);
   t("base_pose", written_pose(configuration.base), "pose of B", needed("m", "N"));
   t("contact_time", Number(configuration.contact_time), "on the clock of the problem", needed("s"));
 }
@@ -255,92 +251,6 @@ static void fields(Table& t, JointTurns& turns) {
 
 namespace {
 
-void ends_field(Table& t, const char* key, std::optional<Ends>& ends, bool is_variable,
-                const char* text, const char* unit) {
-  std::vector<double> both{0, 0};
-  if (ends) both = {ends->lower, ends->upper};
-  const bool is_there = t.reader() != nullptr ? is_variable : ends.has_value();
-  t(key, Numbers(both, 2), text, {.unit = unit, .when = is_there});
-  if (is_there) ends = Ends{both[0], both[1]};
-}
-
-void box_fields(Table& t, const CaptureProblem& problem, JointBox& box) {
-  const VariableSpec& variables = problem.variables;
-  t("lower", Numbers(box.lower, problem.robot.n()), "lower ends of the joint positions", kJoints);
-  t("upper", Numbers(box.upper, problem.robot.n()), "upper ends", kJoints);
-  ends_field(t, "base_angle", box.base_angle, variables.base_attitude == AttitudeFreedom::Axis,
-             "ends, of the base about its axis from the stated attitude, where it is a variable",
-             "rad");
-  ends_field(t, "contact_time", box.contact_time,
-             variables.contact_time_upper > variables.contact_time_lower,
-             "ends, where it is a variable", "s");
-}
-
-void proof_fields(Table& t, const CaptureProblem& problem, Proof& proof) {
-  const auto boxes = [&problem](std::vector<JointBox>& list) {
-    return List(list, [&problem](JointBox& box) {
-      return Map([&](Table& m) { box_fields(m, problem, box); });
-    });
-  };
-  t("status", Word(proof.status, proof_status_names()),
-    "`complete`: every solution is enclosed; `undecided`: solutions may also be in the boxes of "
-    "`undecided`; `not_applicable`: `statement` says why",
-    kNeeded);
-  t("statement", Text(proof.statement),
-    "the same in words, with the reason; `verify` compares all of it with the other fields",
-    kNeeded);
-  t("solutions", boxes(proof.solutions),
-    "boxes, rounded outwards, each proven to contain exactly one solution", kNeeded);
-  t("candidates", List(proof.candidates, [](int& index) { return Integer(index, -1, kMany); }),
-    "per solution the index of its candidate, or -1", kNeeded);
-  t("undecided", boxes(proof.undecided), "boxes that may contain solutions", kNeeded);
-  t("found_by_search", Integer(proof.found_by_search, 0, kMany),
-    "solutions that the search had found by itself", kNeeded);
-  t("boxes", Integer(proof.boxes, 0, kMany), "boxes that branch and bound evaluated", kNeeded);
-  t("lower_bound", OrNull(Number(proof.lower_bound), !proof.lower_bound),
-    "no posture has a smaller measure; zero: of the nominal objective; null: none",
-    needed("`objective.unit`"));
-  t("gap", OrNull(Number(proof.gap), !proof.gap), "best candidate minus lower bound; null: none",
-    needed("`objective.unit`"));
-  MapReader* map = t.reader();
-  if (map == nullptr || !map->context().findings.empty()) return;
-  if (proof.candidates.size() == proof.solutions.size()) return;
-  map->context().add(map->line(), "wrong-length",
-                     "certificate.proof: solutions and candidates must have the same length");
-}
-
-void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& certificate) {
-  t("kkt_residual",
-    OrNull(Number(certificate.kkt_residual, kNonNegative), std::isinf(certificate.kkt_residual),
-           [&] { certificate.kkt_residual = kInfinity; }),
-    "residual of the first-order conditions, multipliers by non-negative least squares; null: a "
-    "limit came first",
-    kNeeded);
-  t("max_violation", Number(certificate.max_violation, kNonNegative),
-    "largest violation of a constraint", kOwnUnit);
-  t("reduced_hessian_min_eigenvalue",
-    OrNull(Number(certificate.reduced_hessian_min_eigenvalue),
-           !certificate.reduced_hessian_min_eigenvalue),
-    "smallest curvature of the Lagrangian along the directions that the active constraints leave, "
-    "objective in typical sizes; positive: strict local minimum; zero: a continuum of equally good "
-    "ones; negative: no minimum; null: no direction is left",
-    needed("1/rad^2 (1/m^2, 1/s^2)"));
-  t("starts", Integer(certificate.starts, 0, kMany), "of the search", kNeeded);
-  t("distinct_solutions", Integer(certificate.distinct_solutions, 0, kMany),
-    "solutions that differ", kNeeded);
-  t("unseen", Number(certificate.unseen, {.lower = 0, .upper = 1}),
-    "estimated probability that one more start ends at a solution of the nominal problem that none "
-    "has reached; with `had_rounds`: that a better minimum of the measure, as easy to reach, was "
-    "missed, which above 0.05 makes a plan `feasible`",
-    kNeeded);
-  t("had_rounds", Flag(certificate.had_rounds),
-    "whether the starts of a worst case, or of a mean over the residual velocity, went on in "
-    "rounds (no stated `search.starts`)",
-    kNeeded);
-  t("proof", Map([&](Table& m) { proof_fields(m, problem, certificate.proof); }),
-    "what branch and bound with intervals says of all solutions", kNeeded);
-}
-
 void candidate_fields(Table& t, const CaptureProblem& problem, int families, Candidate& candidate) {
   configuration_fields(t, problem, candidate.configuration);
   t("objective", Number(candidate.objective), "nominal value", needed("`objective.unit`"));
@@ -384,108 +294,6 @@ void family_fields(Table& t, const CaptureProblem& problem, SolutionFamily& fami
     "along the curve, at most 0.1 apart; a closed one ends with its first point; of a free joint "
     "the ends of its range, of a continuous one also the middle",
     kNeeded);
-}
-
-/// A list of vectors of one size.
-template <class V>
-List<V> vectors(std::vector<V>& list, int size) {
-  return List<V>(
-      list, [size](V& v) { return Numbers(v, size); }, {}, V::Zero(size));
-}
-
-/// A least distance; none where nothing is near.
-Value clearance_of(double& distance) {
-  return OrNull(Number(distance), std::isinf(distance), [&distance] { distance = kInfinity; });
-}
-
-void abort_fields(Table& t, const CaptureProblem& problem, AbortPath& abort) {
-  const int n = problem.robot.n();
-  t("times", Numbers(abort.times), "of the samples; the first one is the contact time",
-    needed("s"));
-  t("joint_positions", vectors(abort.joint_positions, n), "per sample", kJoints);
-  t("joint_velocities", vectors(abort.joint_velocities, n), "zero at the last sample",
-    needed("rad/s (m/s)"));
-  t("base_poses", List(abort.base_poses, [](Pose& pose) { return written_pose(pose); }),
-    "poses of B", needed("m", "N"));
-  t("retreat", Number(abort.retreat, kNonNegative), "along the normal, as asked for", needed("m"));
-  t("min_clearance", clearance_of(abort.min_clearance),
-    "minimum distance among pairs that may not touch, hand and target left out; null: nothing near",
-    needed("m"));
-  t("effort_used", Number(abort.effort_used, kNonNegative),
-    "largest part of a joint's torque limit", kNeeded);
-}
-
-void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach) {
-  const int n = problem.robot.n();
-  t("status", Word(approach.status, approach_status_names()), "`found`, or which kind of failure",
-    kNeeded);
-  t("detail", Text(approach.detail), "what failed, by how much, in words", kNeeded);
-  t("times", Numbers(approach.times), "of the samples; the last one is the contact time",
-    needed("s"));
-  t("joint_positions", vectors(approach.joint_positions, n), "per sample", kJoints);
-  t("joint_velocities", vectors(approach.joint_velocities, n), "per sample", needed("rad/s (m/s)"));
-  t("joint_accelerations", vectors(approach.joint_accelerations, n),
-    "at the begin of the segment after each sample; zero at the last one",
-    needed("rad/s^2 (m/s^2)"));
-  t("joint_torques", vectors(approach.joint_torques, n),
-    "at the same instants, by the dynamics of the robot without friction", needed("N m (N)"));
-  t("base_poses", List(approach.base_poses, [](Pose& pose) { return written_pose(pose); }),
-    "poses of B", needed("m", "N"));
-  t("base_velocities", vectors(approach.base_velocities, 6), "linear, then angular",
-    needed("m/s, rad/s", "B"));
-  t("duration", Number(approach.duration), "of the motion, without the wait", needed("s"));
-  t("path_length", Number(approach.path_length), "in joint space", needed("rad"));
-  t("attitude_excursion", Number(approach.attitude_excursion),
-    "largest rotation angle of the base from its final attitude", needed("rad"));
-  t("min_clearance", clearance_of(approach.min_clearance),
-    "minimum distance among pairs that may not touch, hand and target left out; null: nothing near",
-    needed("m"));
-  t("effort_used", Number(approach.effort_used, kNonNegative),
-    "largest part of a joint's torque limit", kNeeded);
-  t("hand_error", Map([&](Table& m) {
-      m("position", Number(approach.hand_position_error, kNonNegative), "distance from its place",
-        needed("m"));
-      m("angle", Number(approach.hand_angle_error, kNonNegative), "of its axes", needed("rad"));
-    }),
-    "of the hand at the end of the path", kNeeded);
-  t("late_by", Number(approach.late_by, kNonNegative),
-    "status `too_slow`: by which the path takes longer than there is time", needed("s"));
-  t("polish", Map([&](Table& m) {
-      m("quantity", Word(approach.polish, kPathPolishNames),
-        "what was reduced: `none`, `attitude` or `time`", kNeeded);
-      m("before", Number(approach.before_polish, kNonNegative), "of the planner's path",
-        needed("rad or s"));
-      m("after", Number(approach.after_polish, kNonNegative), "of the path as it is",
-        needed("rad or s"));
-    }),
-    "reduction by the polish, of the path to rest: a hand that moves runs to the contact from "
-    "there",
-    kNeeded);
-  AbortPath abort = approach.abort.value_or(AbortPath{});
-  t("abort",
-    Map([&](Table& m) { abort_fields(m, problem, abort); },
-        {.is_written = approach.abort.has_value()}),
-    "path to rest if the grasp of a hand that moves does not close",
-    {.without = "none was asked for"});
-  MapReader* map = t.reader();
-  if (map != nullptr && map->has("abort")) approach.abort = abort;
-  if (map == nullptr || !map->context().findings.empty()) return;
-  if (abort.joint_positions.size() != abort.times.size() ||
-      abort.joint_velocities.size() != abort.times.size() ||
-      abort.base_poses.size() != abort.times.size()) {
-    map->context().add(map->line(), "wrong-length",
-                       "approach.abort: times, joint_positions, joint_velocities and base_poses "
-                       "must have the same number of samples");
-  }
-  const std::size_t samples = approach.times.size();
-  if (approach.joint_positions.size() != samples || approach.joint_velocities.size() != samples ||
-      approach.joint_accelerations.size() != samples || approach.joint_torques.size() != samples ||
-      approach.base_poses.size() != samples || approach.base_velocities.size() != samples) {
-    map->context().add(
-        map->line(), "wrong-length",
-        "approach: times, joint_positions, joint_velocities, joint_accelerations, "
-        "joint_torques, base_poses and base_velocities must have the same number of samples");
-  }
 }
 
 }  // namespace

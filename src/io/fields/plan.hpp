@@ -15,6 +15,17 @@ namespace stillbase::io {
 /// written, and not read.
 void plan_fields(Table& t, PlanFile& file, const std::string& verification);
 
+// Parts of it.
+void certificate_fields(Table& t, const CaptureProblem& problem, Certificate& certificate);
+void approach_result_fields(Table& t, const CaptureProblem& problem, Approach& approach);
+
+/// A number per joint.
+inline const About kPerJoint = needed("rad (m)");
+
+/// A quaternion of a plan was written by a program: it is a unit quaternion to rounding and is kept
+/// bit for bit, or somebody has changed it.
+Map written_pose(Pose& pose);
+
 /// Joint positions, base pose and contact time.
 void posture_fields(Table& t, const RobotModel& robot, Configuration& configuration);
 
