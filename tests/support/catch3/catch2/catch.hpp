@@ -10,7 +10,8 @@ using Catch::Approx;
 
 namespace Catch {
 
-/// Version 2's name of ContainsSubstring.
+/// Version 2's names of matchers.
 inline auto Contains(const std::string& text) { return Matchers::ContainsSubstring(text); }
+inline auto StartsWith(const std::string& text) { return Matchers::StartsWith(text); }
 
 }  // namespace Catch
