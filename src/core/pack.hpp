@@ -1,7 +1,8 @@
 // A few doubles side by side in one vector register, used like one double.
 //
-// Arithmetic is per lane. Comparisons are for shortcuts ("nothing to do when all weights are
-// zero"): == holds when all lanes are equal, != when any lane differs; there is no order.
+// Arithmetic is per lane. Comparisons with an operator are for shortcuts ("nothing to do when all
+// weights are zero"): == holds when all lanes are equal, != when any lane differs. What depends on
+// the order of two numbers is chosen per lane, by max(), min() or where(at_least(a, b), x, y).
 //
 // Source files that use this type are compiled for different instruction sets, so the type carries
 // the set in its name: a function template on it is never merged with that of another file.
@@ -50,6 +51,10 @@ class Pack {
   using Lanes = typename Register<N>::Lanes;
   using Bits = typename Register<N>::Bits;
 
+  struct Truth {
+    Bits lanes;  ///< all bits set, or none
+  };
+
   Pack() = default;                   // not initialised, like a double
   Pack(double x) : v(x - Lanes{}) {}  // NOLINT: implicit, so that it mixes with doubles
   explicit Pack(const Lanes& lanes) : v(lanes) {}
@@ -83,24 +88,34 @@ class Pack {
     for (int i = 0; i < N; ++i) out.v[i] = std::sqrt(a.v[i]);
     return out;
   }
+  friend Pack tanh(const Pack& a) {
+    Pack out;
+    for (int i = 0; i < N; ++i) out.v[i] = std::tanh(a.v[i]);
+    return out;
+  }
+  friend Pack abs(const Pack& a) { return Pack(a.v < 0 ? -a.v : a.v); }
+  friend Pack max(const Pack& a, const Pack& b) { return Pack(a.v < b.v ? b.v : a.v); }
+  friend Pack min(const Pack& a, const Pack& b) { return Pack(b.v < a.v ? b.v : a.v); }
+  /// a >= b, a truth per lane.
+  friend Truth at_least(const Pack& a, const Pack& b) { return {a.v >= b.v}; }
+  friend Pack where(const Truth& holds, const Pack& a, const Pack& b) {
+    return Pack(holds.lanes ? a.v : b.v);
+  }
   /// max(a, 0) per lane.
   friend Pack positive_part(const Pack& a) { return Pack(a.v > 0 ? a.v : Lanes{}); }
-  friend Pack sin(const Pack& x) { return sin_of_quadrant(x, 0); }
-  friend Pack cos(const Pack& x) { return sin_of_quadrant(x, 1); }
 
-  Lanes v;
-
- private:
-  /// sin(x + shift pi/2): pi/2 is taken off in three parts (Cody and Waite, exact products up to
+  /// Sine and cosine. pi/2 is taken off in three parts (Cody and Waite, exact products up to
   /// kLargest), then the polynomials of fdlibm's k_sin.c and k_cos.c on [-pi/4, pi/4].
-  static Pack sin_of_quadrant(const Pack& x, std::int64_t shift) {
+  friend void sin_and_cos(const Pack& x, Pack& sine_of_x, Pack& cosine_of_x) {
     constexpr double kLargest = 1e6;
     bool small = true;  // false for NaN, too
     for (int i = 0; i < N; ++i) small = small && std::abs(x.v[i]) < kLargest;
     if (!small) {
-      Pack out;
-      for (int i = 0; i < N; ++i) out.v[i] = shift == 0 ? std::sin(x.v[i]) : std::cos(x.v[i]);
-      return out;
+      for (int i = 0; i < N; ++i) {
+        sine_of_x.v[i] = std::sin(x.v[i]);
+        cosine_of_x.v[i] = std::cos(x.v[i]);
+      }
+      return;
     }
     constexpr double kTwoOverPi = 6.36619772367581382433e-01;
     constexpr double kPart1 = 1.57079632673412561417e+00;  // the first 33 bits of pi/2
@@ -111,7 +126,6 @@ class Pack {
     const Lanes k = shifted - kRounder;
     Bits quadrant;
     std::memcpy(&quadrant, &shifted, sizeof(quadrant));
-    quadrant += shift;
 
     // y + tail = x - k pi/2
     const Lanes a = x.v - k * kPart1;
@@ -141,10 +155,15 @@ class Pack {
     const Lanes cosine = top + (((1.0 - top) - half) + (z * cos_series - y * tail));
 
     const Bits odd = (quadrant & 1) != 0;
-    const Bits negative = (quadrant & 2) != 0;
-    const Lanes value = odd ? cosine : sine;
-    return Pack(negative ? -value : value);
+    const Bits negative_sine = (quadrant & 2) != 0;
+    const Bits negative_cosine = ((quadrant + 1) & 2) != 0;
+    const Lanes s = odd ? cosine : sine;
+    const Lanes c_x = odd ? sine : cosine;
+    sine_of_x = Pack(negative_sine ? -s : s);
+    cosine_of_x = Pack(negative_cosine ? -c_x : c_x);
   }
+
+  Lanes v;
 };
 
 }  // namespace avx512, avx2 or any_machine

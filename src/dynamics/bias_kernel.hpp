@@ -8,9 +8,11 @@
 
 namespace stillbase {
 
-template <class S>
-BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, const Matrix3<S>* I,
-                           const Vector6<S>& Omega, const JointVector<S>& phidot) {
+namespace kernel {
+
+template <class S, class Robot>
+BiasForces<S> bias(const Robot& robot, const Kinematics<S>& kin, const Matrix3<S>* I,
+                   const Vector6<S>& Omega, const JointVector<S>& phidot) {
   const int n = kin.n;  // bodies
   const std::vector<Joint>& tree = robot.tree();
   const bool is_coupled = robot.is_coupled();
@@ -86,6 +88,14 @@ BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, co
   out.c_b.template head<3>() = f_b;
   out.c_b.template tail<3>() = t_b;
   return out;
+}
+
+}  // namespace kernel
+
+template <class S>
+BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kin, const Matrix3<S>* I,
+                           const Vector6<S>& Omega, const JointVector<S>& phidot) {
+  return kernel::bias<S>(robot, kin, I, Omega, phidot);
 }
 
 template <class S>

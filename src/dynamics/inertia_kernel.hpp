@@ -13,8 +13,8 @@ namespace stillbase {
 
 /// The twist of body k's joint under unit rate of its coordinate, about the base centroid: linear
 /// and angular part.
-template <class S>
-[[gnu::always_inline]] inline void put_axis(const RobotModel& robot, const Joint& joint,
+template <class S, class Robot>
+[[gnu::always_inline]] inline void put_axis(const Robot& robot, const Joint& joint,
                                             const Kinematics<S>& kin, int k, Vector3<S>& v,
                                             Vector3<S>& w) {
   const Vector3<S> z = kin.z(k);
@@ -31,8 +31,10 @@ template <class S>
   w *= ratio;
 }
 
-template <class S>
-InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kin) {
+namespace kernel {
+
+template <class S, class Robot>
+InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
   const int bodies = kin.n, n = robot.n();
   const std::vector<Joint>& tree = robot.tree();
   const bool is_coupled = robot.is_coupled();
@@ -94,6 +96,13 @@ InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>&
   out.r_bg = total.h / total.m;
   out.H_b = spatial_inertia(total);
   return out;
+}
+
+}  // namespace kernel
+
+template <class S>
+InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kin) {
+  return kernel::inertia<S>(robot, kin);
 }
 
 /// Column k of Htilde_omegaphi, see TildeInertia.

@@ -9,9 +9,19 @@
 namespace stillbase {
 
 template <class S>
-Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& phi) {
+void sin_and_cos(const S& x, S& sine, S& cosine) {
   using std::cos;
   using std::sin;
+  sine = sin(x);
+  cosine = cos(x);
+}
+
+// Everywhere in these kernels, a Robot is a RobotModel or has its members as far as they are read:
+// robots with mass properties of another number type (simulation/lane_robot.hpp).
+namespace kernel {
+
+template <class S, class Robot>
+Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
   assert(phi.size() == robot.n());
   Kinematics<S> kin;
   kin.n = robot.num_bodies();
@@ -42,8 +52,8 @@ Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& 
       R[k] = A;
       o[k] += A.col(2) * phi_k;
     } else {
-      const S c = cos(phi_k);
-      const S s = sin(phi_k);
+      S s, c;
+      sin_and_cos(phi_k, s, c);
       R[k].col(0) = A.col(0) * c + A.col(1) * s;
       R[k].col(1) = A.col(1) * c - A.col(0) * s;
       R[k].col(2) = A.col(2);
@@ -60,6 +70,13 @@ Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& 
     kin.r_bh.noalias() += kin.R[robot.hand_body] * robot.p_hand.template cast<S>();
   }
   return kin;
+}
+
+}  // namespace kernel
+
+template <class S>
+Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& phi) {
+  return kernel::kinematics<S>(robot, phi);
 }
 
 }  // namespace stillbase

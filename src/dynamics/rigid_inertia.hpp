@@ -21,16 +21,16 @@ inline Matrix3<S> parallel_axis(const S& m, const Vector3<S>& c) {
 }
 
 /// Inertia of body k about its own centroid, in B axes: R I R'.
-template <class S>
-inline Matrix3<S> inertia_in_base_axes(const RobotModel& robot, const Kinematics<S>& kin, int k) {
+template <class S, class Robot>
+inline Matrix3<S> inertia_in_base_axes(const Robot& robot, const Kinematics<S>& kin, int k) {
   const Matrix3<S> RI = kin.R[k] * robot.bodies[k].inertia.template cast<S>();
   return RI * kin.R[k].transpose();
 }
 
 /// Body k about the base centroid.
 /// @param I from inertia_in_base_axes()
-template <class S>
-inline RigidInertia<S> inertia_about_base(const RobotModel& robot, const Kinematics<S>& kin, int k,
+template <class S, class Robot>
+inline RigidInertia<S> inertia_about_base(const Robot& robot, const Kinematics<S>& kin, int k,
                                           const Matrix3<S>& I) {
   const S m(robot.bodies[k].mass);
   return {m, kin.c[k] * m, I + parallel_axis(m, kin.c[k])};

@@ -23,9 +23,10 @@ constexpr BatchKernel pack_kernel(bool (*runs_here)()) {
     find_null_velocities<P>(robot, free, columns, P::kLanes);
   };
   const auto sin_cos = [](const double* x, double* sine, double* cosine) {
-    const P angle = P::load(x);
-    sin(angle).store(sine);
-    cos(angle).store(cosine);
+    P s, c;
+    sin_and_cos(P::load(x), s, c);
+    s.store(sine);
+    c.store(cosine);
   };
   return {P::kLanes, kMaxJointsOf<P>, runs_here, run, null_velocities, sin_cos};
 }

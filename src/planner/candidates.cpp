@@ -11,10 +11,18 @@
 
 #include "formulation/measures/measure.hpp"
 #include "plan/exclusion_words.hpp"
+#include "planner/after_impact.hpp"
 #include "planner/choice.hpp"
 #include "planner/contact_case.hpp"
 
 namespace stillbase {
+
+namespace {
+
+/// Configurations whose time after the impact is simulated side by side.
+constexpr std::size_t kSimulatedTogether = 8;
+
+}  // namespace
 
 // A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string CollisionJudge::first_collision(const Configuration& configuration) const {
@@ -79,28 +87,36 @@ std::optional<std::string> AfterImpactJudge::known(const Configuration& configur
   return at != known_.end() ? std::optional(at->second) : std::nullopt;
 }
 
-std::string AfterImpactJudge::simulated(const Configuration& configuration) {
-  const ImpactSummary impact =
-      impact_at(problem_, model_, encounter_at(model_, configuration), configuration.phi);
-  std::string failure = post_impact_failure(problem_, model_, configuration, impact, stop_);
+void AfterImpactJudge::simulate(const std::vector<Configuration>& configurations) {
+  std::vector<ImpactSummary> impacts;
+  for (const Configuration& at : configurations) {
+    impacts.push_back(impact_at(problem_, model_, encounter_at(model_, at), at.phi));
+  }
+  const auto failures = post_impact_failures(problem_, model_, configurations, impacts, stop_);
   const std::lock_guard lock(mutex_);
-  known_.emplace_back(configuration, failure);
-  return failure;
+  for (std::size_t i = 0; i < failures.size(); ++i) {
+    known_.emplace_back(configurations[i], failures[i]);
+  }
 }
 
 std::string AfterImpactJudge::failure(const Configuration& configuration) {
-  if (auto failure = known(configuration)) return *failure;
+  if (const auto failure = known(configuration)) return *failure;
   if (stop_.reached()) return exclusion::kNotJudged;
   const PhaseClock::Phase phase(clock_, "after_impact");
-  return simulated(configuration);
+  simulate({configuration});
+  return *known(configuration);
 }
 
 void AfterImpactJudge::judge_all(const std::vector<Configuration>& configurations) {
   const PhaseClock::Phase phase(clock_, "after_impact");
-  for_each_index(jobs_, static_cast<int>(configurations.size()), stop_, [&](int i) {
-    const Configuration& at = configurations[static_cast<std::size_t>(i)];
-    if (!known(at)) simulated(at);
-  });
+  std::vector<std::vector<Configuration>> groups;
+  for (const Configuration& at : configurations) {
+    if (known(at)) continue;
+    if (groups.empty() || groups.back().size() == kSimulatedTogether) groups.emplace_back();
+    groups.back().push_back(at);
+  }
+  for_each_index(jobs_, static_cast<int>(groups.size()), stop_,
+                 [&](int i) { simulate(groups[static_cast<std::size_t>(i)]); });
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,

@@ -1,9 +1,6 @@
 // The contact in a configuration as the simulation takes it.
 #pragma once
 
-#include <string>
-
-#include <stillbase/core/interrupt.hpp>
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/plan/plan.hpp>
 #include <stillbase/simulation/after_contact.hpp>
@@ -17,9 +14,5 @@ ContactCase contact_case(const CaptureProblem& problem, const Configuration& con
 /// that takes longer than what follows.
 ContactCase contact_case(const CaptureProblem& problem, const EncounterModel& model,
                          const Configuration& configuration, const ImpactSummary& impact);
-/// post_impact_failure() in the same way.
-std::string post_impact_failure(const CaptureProblem& problem, const EncounterModel& model,
-                                const Configuration& configuration, const ImpactSummary& impact,
-                                const StopCondition& stop);
 
 }  // namespace stillbase

@@ -65,10 +65,10 @@ EncounterPlant compliant_plant(const ContactCase& subject, double stiffness,
   return plant;
 }
 
-AfterContact after_latch(const ContactCase& subject, const PostImpactSpec& spec,
-                         const Controller& controller, SimulationOptions options) {
+/// The run after a latch, and in `result` what is known without it.
+PostImpactRun run_after_latch(const ContactCase& subject, const PostImpactSpec& spec,
+                              SimulationOptions options, AfterContact& result) {
   const LatchedRobot latched = latch_target(subject);
-  AfterContact result;
   result.robot = latched.robot;
   result.is_held = latched.impulse.status == ContactStatus::Hit;
   result.latch_impulse = latched.impulse.Fbar;
@@ -88,9 +88,7 @@ AfterContact after_latch(const ContactCase& subject, const PostImpactSpec& spec,
     options.controller_robot = known;
     options.grasp.known = HeldTarget{body, latched.hand_target};
   }
-  result.simulation =
-      simulate_post_impact(latched.robot, subject.resistance, latched.state, controller, options);
-  return result;
+  return {latched.robot, subject.resistance, latched.state, std::move(options)};
 }
 
 AfterContact through_compliant_contact(const ContactCase& subject, const ContactSpec& contact,
@@ -151,9 +149,13 @@ bool is_in_contact(const ContactCase& subject) {
   return is_grasp || (subject.impulse > 0 && subject.closing_speed > 0);
 }
 
-AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
-                                    const Controller& controller,
-                                    const SimulationOptions& options) {
+namespace {
+
+/// The run of a case whose contact takes no time, and in `result` what is known without it; of
+/// another case that is all, and there is no run.
+std::optional<PostImpactRun> prepare(const ContactCase& subject, const PostImpactSpec& spec,
+                                     const Controller& controller, const SimulationOptions& options,
+                                     AfterContact& result) {
   const bool is_contact = is_in_contact(subject);
   const bool is_compliant = spec.contact.model == ContactModel::Compliant;
   const bool is_latch = subject.law == ContactLaw::Latch;
@@ -163,15 +165,46 @@ AfterContact simulate_after_contact(const ContactCase& subject, const PostImpact
   if (is_compliant && subject.law != ContactLaw::Frictionless) {
     throw std::invalid_argument("a compliant contact neither sticks nor latches");
   }
-  if (is_contact && is_latch) return after_latch(subject, spec, controller, options);
+  if (is_contact && is_latch) return run_after_latch(subject, spec, options, result);
   if (is_contact && is_compliant) {
-    return through_compliant_contact(subject, spec.contact, controller, options);
+    result = through_compliant_contact(subject, spec.contact, controller, options);
+    return std::nullopt;
   }
-  AfterContact result;
   result.robot = subject.robot;
-  result.simulation =
-      simulate_post_impact(subject.robot, subject.resistance, subject.after, controller, options);
+  return PostImpactRun{subject.robot, subject.resistance, subject.after, options};
+}
+
+}  // namespace
+
+AfterContact simulate_after_contact(const ContactCase& subject, const PostImpactSpec& spec,
+                                    const Controller& controller,
+                                    const SimulationOptions& options) {
+  AfterContact result;
+  if (const auto run = prepare(subject, spec, controller, options, result)) {
+    result.simulation =
+        simulate_post_impact(run->robot, run->resistance, run->initial, controller, run->options);
+  }
   return result;
+}
+
+std::vector<AfterContact> simulate_after_contacts(const std::vector<ContactCase>& subjects,
+                                                  const PostImpactSpec& spec,
+                                                  const Controller& controller,
+                                                  const std::vector<SimulationOptions>& options) {
+  std::vector<AfterContact> results(subjects.size());
+  std::vector<PostImpactRun> runs;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    auto run = prepare(subjects[i], spec, controller, options[i], results[i]);
+    if (!run) continue;
+    runs.push_back(std::move(*run));
+    places.push_back(i);
+  }
+  std::vector<SimulationResult> found = simulate_post_impacts(runs, controller);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    results[places[k]].simulation = std::move(found[k]);
+  }
+  return results;
 }
 
 std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,

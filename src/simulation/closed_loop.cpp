@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stillbase/core/constants.hpp>
+
+#include "simulation/controller_kernel.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -82,13 +86,31 @@ Sensing::Sensing(const SensorSpec& sensors, double control_period)
       delay_(is_exact_ ? 0 : static_cast<std::size_t>(std::lround(sensors.delay / control_period))),
       random_(sensors.seed, sensors.stream) {}
 
+/// Both numbers of Box and Muller's pair: half the work of Random::normal().
+double Sensing::normal() {
+  if (spare_) {
+    const double x = *spare_;
+    spare_.reset();
+    return x;
+  }
+  const double radius = std::sqrt(-2 * std::log(1 - random_.uniform()));  // 1 - u is in (0, 1]
+  const double angle = 2 * kPi * random_.uniform();
+  spare_ = radius * std::sin(angle);
+  return radius * std::cos(angle);
+}
+
+template <class Vector>
+void Sensing::disturb(double deviation, Vector&& values) {
+  if (deviation == 0) return;
+  for (double& x : values) x += deviation * normal();
+}
+
 PlantState Sensing::measure(const PlantState& state) {
   PlantState measured = state;
-  for (int i = 3; i < 6; ++i) measured.Omega[i] += sensors_.base_rate_error * random_.normal();
-  for (Eigen::Index k = 0; k < state.phi.size(); ++k) {
-    measured.phi[k] += sensors_.joint_position_error * random_.normal();
-    measured.phidot[k] += sensors_.joint_rate_error * random_.normal();
-  }
+  disturb(sensors_.base_rate_error, measured.Omega.tail<3>());
+  disturb(sensors_.joint_position_error, measured.phi);
+  disturb(sensors_.joint_rate_error, measured.phidot);
+  if (delay_ == 0) return measured;
   delayed_.push_back(std::move(measured));
   if (delayed_.size() > delay_ + 1) delayed_.pop_front();
   return delayed_.front();
@@ -105,6 +127,14 @@ ClosedLoop::ClosedLoop(const RobotModel& robot, const JointVectord& rotor_inerti
       sensing_(options.sensors, options.control_period),
       command_{JointVectord::Zero(robot.n())},
       demanded_(JointVectord::Zero(robot.n())) {}
+
+void ClosedLoop::go_on_from(const Sensing& sensing, const ControlCommand& command,
+                            const JointVectord& demanded, bool saturated) {
+  sensing_ = sensing;
+  command_ = command;
+  demanded_ = demanded;
+  saturated_ = saturated;
+}
 
 const PlantTerms& ClosedLoop::terms_at(const StateVector& x, const PlantState& state) {
   if (!terms_ || terms_x_.size() != x.size() || terms_x_ != x) {
@@ -143,11 +173,9 @@ void ClosedLoop::limit(const JointVectord& phidot) {
   for (int k = 0; k < n(); ++k) {
     const Joint& joint = robot_.joints[k];
     double& tau = command_.tau[k];
-    const bool is_fast = std::abs(phidot[k]) >= joint.max_velocity;
-    if (options_.rate_limits && is_fast && tau * phidot[k] > 0) tau = 0;
-    if (!options_.torque_limits) continue;
-    if (std::abs(tau) > joint.max_effort) saturated_ = true;
-    tau = std::clamp(tau, -joint.max_effort, joint.max_effort);
+    tau =
+        limited_torque<double>(joint, options_.torque_limits, options_.rate_limits, phidot[k], tau);
+    saturated_ = saturated_ || is_cut(joint, demanded_[k], tau);
   }
   const Vector3d& most = options_.wheels.torque;
   command_.wheel_torque = command_.wheel_torque.cwiseMax(-most).cwiseMin(most);
@@ -209,7 +237,9 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
       recorder->observe_target(unpack_target(x, n()), touches ? hand_load(x, state, terms).force_N
                                                               : Vector3d(Vector3d::Zero()));
     }
-    recorder->observe(t, state, terms, command_, demanded_, saturated_);
+    Observation now{t, state, command_, demanded_, saturated_};
+    observe_terms(controller_, terms, now);
+    recorder->observe(now);
   }
 
   const Eigen::Index N = n();

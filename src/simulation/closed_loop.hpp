@@ -9,6 +9,7 @@
 #include <stillbase/simulation/contact.hpp>
 
 #include "simulation/recorder.hpp"
+#include "simulation/ticks.hpp"
 
 namespace stillbase {
 
@@ -40,10 +41,16 @@ class Sensing {
   PlantState measure(const PlantState& state);
 
  private:
+  /// Adds errors of this standard deviation.
+  template <class Vector>
+  void disturb(double deviation, Vector&& values);
+  double normal();
+
   SensorSpec sensors_;
   bool is_exact_;
   std::size_t delay_;  ///< control periods
   Random random_;
+  std::optional<double> spare_;  ///< the second number of a pair
   std::deque<PlantState> delayed_;
 };
 
@@ -62,6 +69,10 @@ class ClosedLoop {
   ClosedLoop(const RobotModel& robot, const JointVectord& rotor_inertia,
              const Controller& controller, const SimulationOptions& options,
              const EncounterPlant* encounter = nullptr);
+
+  /// Goes on for a loop that has done without events so far, from within a control period.
+  void go_on_from(const Sensing& sensing, const ControlCommand& command,
+                  const JointVectord& demanded, bool saturated);
 
   int n() const { return robot_.n(); }
   /// A control instant: measures and commands, and holds the command until the next one. Nothing to
@@ -137,7 +148,22 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
                       const PlantState& initial, const Controller& controller,
                       const SimulationOptions& options);
 
-/// From x at options.start_time over the horizon; x and t end where the run ended.
+/// What a run has beside its state.
+struct Course {
+  Recorder recorder;
+  Ticks control, output;  ///< instants that are still to come
+  long steps = 0;         ///< of the integrator
+
+  Course(const RobotModel& robot, const Controller& controller, const SimulationOptions& options)
+      : recorder(robot, controller, options),
+        control(options.start_time, options.control_period),
+        output(options.start_time, options.output_period) {}
+};
+
+/// From x at t to the end of the horizon; x and t end where the run ended.
+SimulationResult run_on(ClosedLoop& loop, StateVector& x, double& t, Course& course,
+                        const SimulationOptions& options);
+/// The same from options.start_time on.
 SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
                           const Controller& controller, const SimulationOptions& options);
 

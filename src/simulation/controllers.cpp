@@ -5,8 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include <stillbase/core/linear_algebra.hpp>
-
+#include "simulation/controller_kernel.hpp"
 #include "simulation/wheels.hpp"
 
 namespace stillbase {
@@ -22,56 +21,18 @@ constexpr std::array<std::pair<ControllerKind, std::string_view>, 7> kNames{{
     {ControllerKind::Detumble, "detumble"},
 }};
 
-/// (22) and (23) as a joint acceleration, with the moment t_b on the base.
-JointVectord wanted_joint_acceleration(const Controller& controller, const PlantTerms& terms,
-                                       const PlantState& state, const Vector3d& t_b) {
-  const Matrix3Xd& A = terms.tilde.Htilde_omegaphi;
-  const Vector3d omega = state.Omega.tail<3>();
-  const Vector3d coupling = A * state.phidot;
-  const Vector3d L_g = terms.tilde.Htilde_omega * omega + coupling;
-  const MomentumTransfer transfer = compute_momentum_transfer(controller, A, L_g);
-  const TildeBias<double> bias = compute_tilde_bias(terms.inertia, terms.bias);
-  const Vector3d dot_omega = -controller.K_omega * omega;
-  const Vector3d wanted = terms.tilde.Htilde_omega * dot_omega + bias.ctilde_omega - t_b;
-  JointVectord phiddot = -transfer.joint_rates(A, wanted);
-  if (controller.kind != ControllerKind::Rns) {
-    const JointVectord rns = state.phidot - transfer.joint_rates(A, coupling);
-    phiddot -= controller.K_phi * rns;
-  }
-  return phiddot;
-}
-
 /// Joint torques (18) for a moment t_b on the base.
-JointVectord joint_torque(const Controller& controller, const RobotModel& robot,
-                          const PlantTerms& terms, const PlantState& state, const Vector3d& t_b) {
-  if (controller.kind == ControllerKind::None) return JointVectord::Zero(robot.n());
-  const JointVectord chat = compute_hat_bias(terms.inertia, terms.bias);
-  if (controller.kind == ControllerKind::JointDampingLiteral) {
-    return chat - controller.K_phi * state.phidot;
-  }
-  const JointVectord phiddot = is_reaction_null_space_control(controller.kind)
-                                   ? wanted_joint_acceleration(controller, terms, state, t_b)
-                                   : JointVectord(-controller.K_phi * state.phidot);
-  const HandJacobian<double> jacobian = compute_hand_jacobian(robot, terms.kinematics);
-  const HatInertia<double> hat = compute_hat_inertia(terms.inertia, jacobian);
-  JointVectord tau = chat + hat.Hhat_phi * phiddot;  // (18)
-  if (!t_b.isZero(0)) {
-    // With F_b, (18) reads Hhat_phi phi'' + chat = tau - H_bphi' H_b^-1 F_b.
-    Vector6d F_b;
-    F_b << Vector3d::Zero(), t_b;
-    const Vector6d Omega_per_wrench = terms.inertia.H_b.ldlt().solve(F_b);
-    tau.noalias() += terms.inertia.H_bphi.transpose() * Omega_per_wrench;
-  }
-  return tau;
+JointVectord torque_with(const Controller& controller, const PlantTerms& terms,
+                         const PlantState& state, const Vector3d& t_b) {
+  return joint_torque<double>(controller, terms, terms.tilde, state.Omega.tail<3>(), state.phidot,
+                              t_b);
 }
 
-JointVectord compensated_friction(const Controller& controller, const RobotModel& robot,
-                                  const JointVectord& phidot) {
+JointVectord friction_torques(const Controller& controller, const RobotModel& robot,
+                              const JointVectord& phidot) {
   JointVectord torque(phidot.size());
   for (int k = 0; k < robot.n(); ++k) {
-    const Joint& joint = robot.joints[k];
-    torque[k] = joint.viscous_friction * phidot[k] +
-                joint.coulomb_friction * std::tanh(phidot[k] / controller.friction_transition_rate);
+    torque[k] = compensated_friction<double>(controller, robot.joints[k], phidot[k]);
   }
   return torque;
 }
@@ -146,46 +107,14 @@ bool chooses(const PostImpactSpec& spec, ControllerKind kind) {
   return controller && controller->kind == kind;
 }
 
-JointVectord MomentumTransfer::joint_rates(const Matrix3Xd& A, const Vector3d& b) const {
-  const Vector3d along = inverse.cwiseProduct(U.transpose() * b);
-  const Vector3d scaled = U * along;
-  return A.transpose() * scaled;
-}
+template double momentum_edge(const Controller&, const double&, const double&);
+template struct MomentumTransfer<double>;
+template MomentumTransfer<double> compute_momentum_transfer(const Controller&, const Matrix3Xd&,
+                                                            const Vector3d&);
 
-Vector3d MomentumTransfer::unreachable(const Vector3d& momentum) const {
-  const Vector3d along = (Vector3d::Ones() - share).cwiseProduct(U.transpose() * momentum);
-  return U * along;
-}
-
-double momentum_edge(const Controller& controller, double sigma_max, double L_g) {
-  return std::max(controller.rank_edge * sigma_max, L_g / controller.joint_rate_edge);
-}
-
-MomentumTransfer compute_momentum_transfer(const Controller& controller,
-                                           const Matrix3Xd& Htilde_omegaphi, const Vector3d& L_g) {
-  // The 3x3 eigenproblem of A A' instead of a singular value decomposition of A: it squares the
-  // condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
-  const SymmetricEigen3 eigen = symmetric_eigen3(Htilde_omegaphi * Htilde_omegaphi.transpose());
-  MomentumTransfer transfer;
-  transfer.U = eigen.vectors.rowwise().reverse();
-  transfer.sigma = eigen.values.reverse().cwiseMax(0.0).cwiseSqrt();
-  transfer.share.setZero();
-  transfer.inverse.setZero();
-  if (transfer.sigma[0] <= 0) return transfer;
-  const double edge = momentum_edge(controller, transfer.sigma[0], L_g.norm());
-  for (int i = 0; i < 3; ++i) {
-    const double ratio = transfer.sigma[i] / edge;
-    const double larger = std::max(transfer.sigma[i], edge);
-    transfer.share[i] = std::min(1.0, ratio * ratio);
-    transfer.inverse[i] = 1 / (larger * larger);
-    if (ratio >= 1) ++transfer.rank;
-  }
-  return transfer;
-}
-
-JointVectord control_torque(const Controller& controller, const RobotModel& robot,
-                            const PlantTerms& terms, const PlantState& state) {
-  return joint_torque(controller, robot, terms, state, Vector3d::Zero());
+JointVectord control_torque(const Controller& controller, const PlantTerms& terms,
+                            const PlantState& state) {
+  return torque_with(controller, terms, state, Vector3d::Zero());
 }
 
 Vector3d thruster_torque(const ThrusterSpec& thrusters, const PlantTerms& terms,
@@ -204,7 +133,7 @@ ControlCommand control_command(const Controller& controller, const WheelSpec& wh
   if (controller.kind == ControllerKind::Detumble) {
     command = detumble_command(controller, wheels, grasp, robot, terms, state, period);
     if (controller.friction_compensation) {
-      command.tau += compensated_friction(controller, robot, state.phidot);
+      command.tau += friction_torques(controller, robot, state.phidot);
     }
     return command;
   }
@@ -217,9 +146,9 @@ ControlCommand control_command(const Controller& controller, const WheelSpec& wh
     }
     t_b = command.wheel_torque - state.Omega.tail<3>().cross(state.wheel_momentum);
   }
-  command.tau = joint_torque(controller, robot, terms, state, t_b);
+  command.tau = torque_with(controller, terms, state, t_b);
   if (controller.friction_compensation && controller.kind != ControllerKind::None) {
-    command.tau += compensated_friction(controller, robot, state.phidot);
+    command.tau += friction_torques(controller, robot, state.phidot);
   }
   return command;
 }

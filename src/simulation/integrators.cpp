@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "simulation/ticks.hpp"
+
 namespace stillbase {
 
 SimulationStatus Integrator::advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
@@ -59,8 +61,7 @@ class FixedIntegrator final : public Integrator {
                         Recorder& recorder) override {
     const SimulationStatus status = check_stop(options_, steps_);
     if (status != SimulationStatus::Finished) return status;
-    // The allowance keeps rounding of the interval from making two steps of one.
-    const double count = std::max(1.0, std::ceil((t1 - t) / options_.step - 1e-6));
+    const double count = number_of_steps(t, t1, options_.step);
     const double h = (t1 - t) / count;
     StateVector y = x;
     step_(loop, t, h, y, &recorder);

@@ -2,19 +2,9 @@
 
 #include <stillbase/impact/gradient.hpp>
 
+#include "simulation/motion_kernel.hpp"
+
 namespace stillbase {
-namespace {
-
-InertiaMatrices<double> inertia_with_rotors(const RobotModel& robot,
-                                            const Kinematics<double>& kinematics,
-                                            const JointVectord& rotor_inertia) {
-  InertiaMatrices<double> inertia = compute_inertia(robot, kinematics);
-  inertia.H_phi.diagonal() += rotor_inertia;
-  return inertia;
-}
-
-}  // namespace
-
 PlantState state_at_rest(const Pose& base, const JointVectord& phi) {
   return {base, phi, Vector6d::Zero(), JointVectord::Zero(phi.size())};
 }
@@ -22,7 +12,7 @@ PlantState state_at_rest(const Pose& base, const JointVectord& phi) {
 PlantTerms::PlantTerms(const RobotModel& robot, const JointVectord& rotor_inertia,
                        const PlantState& state)
     : kinematics(compute_kinematics(robot, state.phi)),
-      inertia(inertia_with_rotors(robot, kinematics, rotor_inertia)),
+      inertia(kernel::inertia_with_rotors<double>(robot, kinematics, rotor_inertia)),
       tilde(compute_tilde_inertia(inertia)),
       bias(compute_bias(robot, kinematics, inertia, state.Omega, state.phidot)) {}
 
@@ -30,11 +20,9 @@ PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& 
                                        const JointVectord& tau, const std::vector<bool>& held) {
   // The jump (6) and the motion (3) have the same matrix; H_phi already holds the rotors.
   const JointVectord nothing_added = JointVectord::Zero(tau.size());
-  const InertiaFactor<double> factor = factorize_inertia(terms.inertia, nothing_added, held);
-  const Vector6d base = F_b - terms.bias.c_b;
-  const JointVectord joints = tau - terms.bias.c_phi;
-  const GeneralizedMotion<double> solution = solve_inertia(factor, base, joints);
-  return {solution.Omega, solution.phidot};
+  const auto factor = factorize_inertia<double>(terms.inertia, terms.tilde, nothing_added, held);
+  const auto motion = acceleration_of<double>(factor, terms.bias, F_b, tau);
+  return {motion.Omega, motion.phidot};
 }
 
 JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,
@@ -58,10 +46,7 @@ void impose_joint_rate(const PlantTerms& terms, int k, double rate, const std::v
 }
 
 double kinetic_energy(const InertiaMatrices<double>& inertia, const PlantState& state) {
-  const Vector6d base = inertia.H_b * state.Omega;
-  const Vector6d coupling = inertia.H_bphi * state.phidot;
-  const JointVectord arm = inertia.H_phi * state.phidot;
-  return 0.5 * state.Omega.dot(base) + state.Omega.dot(coupling) + 0.5 * state.phidot.dot(arm);
+  return kinetic_energy_of<double>(inertia, state.Omega, state.phidot);
 }
 
 PlantState state_after_impact(const RobotModel& robot, const JointResistance& resistance,

@@ -13,37 +13,44 @@ constexpr double kNoMomentum = 1e-9;
 /// by its integration.
 constexpr double kNoRotation = 1e-6;
 
-TraceSample make_sample(double t, const PlantState& state, const PlantTerms& terms,
-                        const Momentum<double>& momentum, const ControlCommand& command,
-                        const JointVectord& demanded) {
+/// The tilde inertia of an observation; it does not depend on the rotors.
+TildeInertia<double> tilde_of(const RobotModel& robot, const Observation& now) {
+  if (now.terms != nullptr) return now.terms->tilde;
+  return compute_tilde_inertia(compute_inertia(robot, compute_kinematics(robot, now.state.phi)));
+}
+
+TraceSample make_sample(const RobotModel& robot, const Observation& now) {
   TraceSample sample;
-  sample.time = t;
-  sample.state = state;
-  sample.base = momentum.base;
-  sample.coupling = momentum.coupling;
-  sample.total = momentum.L_g;
-  sample.total_N = state.base.orientation * momentum.L_g;
-  sample.P_N = state.base.orientation * momentum.P;
+  sample.time = now.time;
+  sample.state = now.state;
+  sample.base = now.momentum.base;
+  sample.coupling = now.momentum.coupling;
+  sample.total = now.momentum.L_g;
+  sample.total_N = now.state.base.orientation * now.momentum.L_g;
+  sample.P_N = now.state.base.orientation * now.momentum.P;
   const JointVelocityParts parts =
-      decompose_joint_velocity(angular_reaction_null_space(terms.tilde), state.phidot);
+      decompose_joint_velocity(angular_reaction_null_space(tilde_of(robot, now)), now.state.phidot);
   sample.rns = parts.rns;
   sample.orthogonal = parts.orthogonal;
-  sample.tau = command.tau;
-  sample.demanded_tau = demanded;
-  sample.wheel_torque = command.wheel_torque;
-  sample.thruster_torque = command.thruster_torque;
-  sample.kinetic_energy = kinetic_energy(terms.inertia, state);
+  sample.tau = now.command.tau;
+  sample.demanded_tau = now.demanded;
+  sample.wheel_torque = now.command.wheel_torque;
+  sample.thruster_torque = now.command.thruster_torque;
+  sample.kinetic_energy = now.kinetic_energy;
   return sample;
 }
 
 /// Whether the sensors do not tell an angular momentum from none: L_g' C^-1 L_g <= 1 with the
 /// covariance C of what they measure of it, sigma_base^2 Htilde_omega Htilde_omega' +
 /// sigma_joint^2 Htilde_omegaphi Htilde_omegaphi'.
-bool is_unseen(const SensorSpec& sensors, const TildeInertia<double>& tilde, const Vector3d& L_g) {
+bool is_unseen(const SensorSpec& sensors, const RobotModel& robot, const Observation& now) {
   const double base = sensors.base_rate_error, joints = sensors.joint_rate_error;
+  if (!(base > 0 || joints > 0)) return false;
+  const TildeInertia<double> tilde = tilde_of(robot, now);
   const Eigen::LLT<Matrix3d> C(base * base * tilde.Htilde_omega * tilde.Htilde_omega.transpose() +
                                joints * joints * tilde.Htilde_omegaphi *
                                    tilde.Htilde_omegaphi.transpose());
+  const Vector3d& L_g = now.momentum.L_g;
   return C.info() == Eigen::Success && L_g.dot(C.solve(L_g)) <= 1;
 }
 
@@ -63,6 +70,20 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
+void observe_terms(const Controller& controller, const PlantTerms& terms, Observation& out) {
+  const PlantState& state = out.state;
+  out.momentum = compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
+  out.kinetic_energy = kinetic_energy(terms.inertia, state);
+  out.mass = terms.inertia.mass;
+  out.central_inertia = terms.tilde.Htilde_omega.trace();
+  out.terms = &terms;
+  if (!is_reaction_null_space_control(controller.kind)) return;
+  const auto transfer =
+      compute_momentum_transfer<double>(controller, terms.tilde.Htilde_omegaphi, out.momentum.L_g);
+  out.rank = static_cast<int>(transfer.rank);
+  out.unreachable = transfer.unreachable(out.momentum.L_g);
+}
+
 Recorder::Recorder(const RobotModel& robot, const Controller& controller,
                    const SimulationOptions& options)
     : robot_(robot), controller_(controller), options_(options) {
@@ -73,14 +94,12 @@ Recorder::Recorder(const RobotModel& robot, const Controller& controller,
   result_.summary.near_limit.joint_torques = JointVectord::Zero(robot.n());
 }
 
-void Recorder::observe(double t, const PlantState& state, const PlantTerms& terms,
-                       const ControlCommand& command, const JointVectord& demanded,
-                       bool saturated) {
+void Recorder::observe(const Observation& now) {
+  const PlantState& state = now.state;
+  const ControlCommand& command = now.command;
   const JointVectord& tau = command.tau;
   SimulationSummary& summary = result_.summary;
-  const Momentum<double> momentum =
-      compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
-  if (!started_) start(state, terms, momentum);
+  if (!started_) start(now);
 
   summary.residual_base_rate = state.Omega.tail<3>().norm();
   summary.peak_base_rate = std::max(summary.peak_base_rate, summary.residual_base_rate);
@@ -90,7 +109,7 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   summary.peak_joint_rate = std::max(summary.peak_joint_rate, summary.residual_joint_rate);
   summary.peak_joint_rates = summary.peak_joint_rates.cwiseMax(state.phidot.cwiseAbs());
   summary.peak_torques = summary.peak_torques.cwiseMax(tau.cwiseAbs());
-  summary.peak_demanded_torques = summary.peak_demanded_torques.cwiseMax(demanded.cwiseAbs());
+  summary.peak_demanded_torques = summary.peak_demanded_torques.cwiseMax(now.demanded.cwiseAbs());
   summary.peak_wheel_torque =
       std::max(summary.peak_wheel_torque, command.wheel_torque.lpNorm<Eigen::Infinity>());
   summary.peak_wheel_torques = summary.peak_wheel_torques.cwiseMax(command.wheel_torque.cwiseAbs());
@@ -99,45 +118,43 @@ void Recorder::observe(double t, const PlantState& state, const PlantTerms& term
   if (!started_) summary.lowest_positions = summary.highest_positions = state.phi;
   summary.lowest_positions = summary.lowest_positions.cwiseMin(state.phi);
   summary.highest_positions = summary.highest_positions.cwiseMax(state.phi);
-  watch_loads(t, state, command, demanded);
-  watch_rest(t, state, terms, momentum);
-  watch_momentum(state, momentum);
-  if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(terms, momentum);
-  if (saturated) {
+  watch_loads(now);
+  watch_rest(now);
+  watch_momentum(now);
+  if (is_reaction_null_space_control(controller_.kind)) watch_lost_momentum(now);
+  if (now.saturated) {
     for (int k = 0; k < robot_.n(); ++k) {
       const double limit = robot_.joints[k].max_effort;
-      if (std::abs(tau[k]) >= limit) note(k, LimitKind::Torque, t);
+      if (std::abs(tau[k]) >= limit) note(k, LimitKind::Torque, now.time);
     }
   }
-  watch_limits(t, state);
+  watch_limits(now.time, state);
 
   if (record_now_) {
-    result_.trace.push_back(make_sample(t, state, terms, momentum, command, demanded));
+    result_.trace.push_back(make_sample(robot_, now));
     result_.trace.back().target = target_;
     result_.trace.back().contact_force = contact_force_;
     result_.trace.back().grip_wrench = grip_wrench_;
     record_now_ = false;
   }
   started_ = true;
-  t_ = t;
+  t_ = now.time;
   state_ = state;
 }
 
-void Recorder::start(const PlantState& state, const PlantTerms& terms,
-                     const Momentum<double>& momentum) {
+void Recorder::start(const Observation& now) {
+  const PlantState& state = now.state;
   first_attitude_ = state.base.orientation;
-  first_P_N_ = state.base.orientation * momentum.P;
-  first_L_N_ = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum) -
+  first_P_N_ = state.base.orientation * now.momentum.P;
+  first_L_N_ = state.base.orientation * Vector3d(now.momentum.L_g + state.wheel_momentum) -
                state.thruster_impulse;
-  const double T = kinetic_energy(terms.inertia, state);
-  P_scale_ = std::sqrt(2 * terms.inertia.mass * T);
-  L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
+  P_scale_ = std::sqrt(2 * now.mass * now.kinetic_energy);
+  L_scale_ = std::sqrt(2 * now.central_inertia * now.kinetic_energy);
 }
 
-void Recorder::watch_loads(double t, const PlantState& state, const ControlCommand& command,
-                           const JointVectord& demanded) {
+void Recorder::watch_loads(const Observation& now) {
   if (started_ && !result_.summary.rest_time) {
-    const double h = t - t_;
+    const double h = now.time - t_;
     LoadTimes& times = result_.summary.near_limit;
     times.joint_rates += h * near_.joint_rates;
     times.joint_torques += h * near_.joint_torques;
@@ -152,18 +169,20 @@ void Recorder::watch_loads(double t, const PlantState& state, const ControlComma
   near_.joint_torques.resize(robot_.n());
   for (int k = 0; k < robot_.n(); ++k) {
     const Joint& joint = robot_.joints[k];
-    near_.joint_rates[k] = is_near(state.phidot[k], joint.max_velocity);
-    near_.joint_torques[k] = is_near(demanded[k], joint.max_effort);
+    near_.joint_rates[k] = is_near(now.state.phidot[k], joint.max_velocity);
+    near_.joint_torques[k] = is_near(now.demanded[k], joint.max_effort);
   }
   for (int i = 0; i < 3; ++i) {
-    near_.wheel_torques[i] = is_near(command.wheel_torque[i], options_.wheels.torque[i]);
+    near_.wheel_torques[i] = is_near(now.command.wheel_torque[i], options_.wheels.torque[i]);
   }
   const GripSpec& grip = options_.grasp.limits;
   near_.grip_force = is_near(grip_wrench_.head<3>().norm(), grip.force.value_or(0));
   near_.grip_moment = is_near(grip_wrench_.tail<3>().norm(), grip.moment.value_or(0));
 }
 
-void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& momentum) {
+void Recorder::watch_momentum(const Observation& now) {
+  const PlantState& state = now.state;
+  const Momentum<double>& momentum = now.momentum;
   SimulationSummary& summary = result_.summary;
   const double P_drift = (state.base.orientation * momentum.P - first_P_N_).norm();
   const Vector3d L_N = state.base.orientation * Vector3d(momentum.L_g + state.wheel_momentum) -
@@ -177,27 +196,25 @@ void Recorder::watch_momentum(const PlantState& state, const Momentum<double>& m
   }
 }
 
-void Recorder::watch_lost_momentum(const PlantTerms& terms, const Momentum<double>& momentum) {
+void Recorder::watch_lost_momentum(const Observation& now) {
   SimulationSummary& summary = result_.summary;
-  const MomentumTransfer transfer =
-      compute_momentum_transfer(controller_, terms.tilde.Htilde_omegaphi, momentum.L_g);
-  summary.lowest_rank = std::min(summary.lowest_rank, transfer.rank);
-  summary.lost_momentum = transfer.unreachable(momentum.L_g);
+  summary.lowest_rank = std::min(summary.lowest_rank, now.rank);
+  summary.lost_momentum = now.unreachable;
   const double lost = summary.lost_momentum.norm();
   summary.peak_lost_momentum = std::max(summary.peak_lost_momentum, lost);
   summary.lost_direction = Vector3d::Zero();
-  const double scale = momentum.base.norm() + momentum.coupling.norm();
+  const double scale = now.momentum.base.norm() + now.momentum.coupling.norm();
   if (lost > kNoMomentum * scale) summary.lost_direction = summary.lost_momentum / lost;
 }
 
-void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& terms,
-                          const Momentum<double>& momentum) {
+void Recorder::watch_rest(const Observation& now) {
+  const PlantState& state = now.state;
+  const double L_g = now.momentum.L_g.norm();
   // What comes to rest is what the contact leaves: sizes are those after it.
   const bool touches = !contact_force_.isZero(0);
   if (!started_ || (touched_ && !touches)) {
-    const double T = kinetic_energy(terms.inertia, state);
-    rest_L_g_ = momentum.L_g.norm();
-    rest_L_scale_ = std::sqrt(2 * terms.tilde.Htilde_omega.trace() * T);
+    rest_L_g_ = L_g;
+    rest_L_scale_ = std::sqrt(2 * now.central_inertia * now.kinetic_energy);
   }
   touched_ = touches;
   const double rate = state.phidot.size() > 0 ? state.phidot.lpNorm<Eigen::Infinity>() : 0;
@@ -206,10 +223,10 @@ void Recorder::watch_rest(double t, const PlantState& state, const PlantTerms& t
   const bool rests =
       !touches &&
       rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error}) &&
-      (momentum.L_g.norm() <= least || is_unseen(options_.sensors, terms.tilde, momentum.L_g));
+      (L_g <= least || is_unseen(options_.sensors, robot_, now));
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();
-  if (rests && !since) since = std::max(t, 0.0);  // a compliant contact starts before zero
+  if (rests && !since) since = std::max(now.time, 0.0);  // a compliant contact starts before zero
 }
 
 void Recorder::observe_grip(const Vector6d& wrench) {

@@ -5,6 +5,25 @@
 
 namespace stillbase {
 
+/// A run at the beginning of a step.
+struct Observation {
+  double time = 0;  ///< s
+  const PlantState& state;
+  const ControlCommand& command;  ///< after limits
+  const JointVectord& demanded;   ///< joint torques before them, n
+  bool saturated = false;         ///< a limit has cut them
+  Momentum<double> momentum = {};
+  double kinetic_energy = 0;                ///< J
+  double mass = 0;                          ///< kg
+  double central_inertia = 0;               ///< trace of Htilde_omega, kg m^2
+  int rank = 3;                             ///< directions that the arm fully reaches
+  Vector3d unreachable = Vector3d::Zero();  ///< momentum that it does not take over
+  const PlantTerms* terms = nullptr;        ///< null: computed from the state where needed
+};
+
+/// What follows from the terms of (3).
+void observe_terms(const Controller& controller, const PlantTerms& terms, Observation& out);
+
 class Recorder {
  public:
   /// @param options of the run; enforced stops are reported by stop_reached(), and the errors of
@@ -13,9 +32,8 @@ class Recorder {
 
   /// The next observed state goes into the trace.
   void record_next() { record_now_ = true; }
-  /// A step begins: state, terms of (3), command after limits and joint torques before them.
-  void observe(double t, const PlantState& state, const PlantTerms& terms,
-               const ControlCommand& command, const JointVectord& demanded, bool saturated);
+  /// A step begins.
+  void observe(const Observation& now);
   /// Before observe(), in runs with a target.
   void observe_target(const TargetPlantState& target, const Vector3d& contact_force);
   /// Before observe(), in runs with a held target: the wrench on it at the hand, in B.
@@ -27,13 +45,11 @@ class Recorder {
   SimulationResult take(SimulationStatus status, long steps);
 
  private:
-  void start(const PlantState& state, const PlantTerms& terms, const Momentum<double>& momentum);
-  void watch_momentum(const PlantState& state, const Momentum<double>& momentum);
-  void watch_lost_momentum(const PlantTerms& terms, const Momentum<double>& momentum);
-  void watch_rest(double t, const PlantState& state, const PlantTerms& terms,
-                  const Momentum<double>& momentum);
-  void watch_loads(double t, const PlantState& state, const ControlCommand& command,
-                   const JointVectord& demanded);
+  void start(const Observation& now);
+  void watch_momentum(const Observation& now);
+  void watch_lost_momentum(const Observation& now);
+  void watch_rest(const Observation& now);
+  void watch_loads(const Observation& now);
   void watch_limits(double t, const PlantState& state);
   void watch_stops(int k, double t, const PlantState& state);
   void note(int joint, LimitKind kind, double time);

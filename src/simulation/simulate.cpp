@@ -108,29 +108,6 @@ void check_simulation(const RobotModel& robot, const JointResistance& resistance
   if (!findings.empty()) throw InputError(std::move(findings));
 }
 
-namespace {
-
-/// Instants start + i * period; none when the period is zero.
-class Ticks {
- public:
-  Ticks(double start, double period) : start_(start), period_(period) {}
-  double next() const {
-    return period_ > 0 ? start_ + static_cast<double>(count_) * period_ : kInfinity;
-  }
-  /// True when t is the next instant (up to rounding); moves on to the one after.
-  bool fires_at(double t) {
-    if (period_ <= 0 || next() > t + 1e-9 * period_) return false;
-    ++count_;
-    return true;
-  }
-
- private:
-  double start_, period_;
-  long count_ = 0;
-};
-
-}  // namespace
-
 std::string to_string(SimulationStatus status) {
   constexpr const char* kNames[] = {"finished", "interrupted", "time_limit", "step_limit",
                                     "diverged"};
@@ -142,33 +119,38 @@ std::string to_string(LimitKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
-SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
-                          const Controller& controller, const SimulationOptions& options) {
-  Recorder recorder(robot, controller, options);
+SimulationResult run_on(ClosedLoop& loop, StateVector& x, double& t, Course& course,
+                        const SimulationOptions& options) {
+  Recorder& recorder = course.recorder;
   const bool is_adaptive = options.integrator == IntegratorKind::Dopri5 ||
                            options.integrator == IntegratorKind::Fehlberg78;
   const std::unique_ptr<Integrator> integrator =
       is_adaptive ? make_adaptive_integrator(options) : make_fixed_integrator(options);
-  normalise_attitude(x, loop.n());
-  t = options.start_time;
   const double end = options.start_time + options.horizon;
-  Ticks control(t, options.control_period), output(t, options.output_period);
   SimulationStatus status = SimulationStatus::Finished;
   const auto is_over = [&] {
     return loop.is_over() || (options.ends_when && options.ends_when(recorder.so_far()));
   };
   while (t < end && status == SimulationStatus::Finished && !is_over()) {
-    if (control.fires_at(t)) loop.sample(t, x);
-    if (output.fires_at(t)) recorder.record_next();
-    double next = std::min({control.next(), output.next(), end});
-    if (end - next < 1e-9 * (next - t)) next = end;
+    if (course.control.fires_at(t)) loop.sample(t, x);
+    if (course.output.fires_at(t)) recorder.record_next();
+    const double next =
+        end_of_stretch(t, std::min(course.control.next(), course.output.next()), end);
     status = integrator->advance(loop, x, t, next, recorder);
   }
   // The last state, after any end of the run.
   recorder.record_next();
   StateVector unused;
   loop.derivative(t, x, unused, &recorder);
-  return recorder.take(status, integrator->steps());
+  return recorder.take(status, course.steps + integrator->steps());
+}
+
+SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,
+                          const Controller& controller, const SimulationOptions& options) {
+  Course course(robot, controller, options);
+  normalise_attitude(x, loop.n());
+  t = options.start_time;
+  return run_on(loop, x, t, course, options);
 }
 
 SimulationResult simulate_post_impact(const RobotModel& robot, const JointResistance& resistance,

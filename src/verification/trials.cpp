@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include <stillbase/core/linear_algebra.hpp>
@@ -21,6 +22,7 @@ struct TrialSimulationOptions {
   double longest_step = 0.01;  ///< s; shorter where the period of control is
   /// Errors of a step of a compliant contact: trials are random, unlike verified motions.
   double relative_step = 1e-7, absolute_step = 1e-9;
+  int together = 8;             ///< trials that are simulated side by side
   double just_kept = 1 + 1e-6;  ///< of a limit that is kept but for the integration
   /// Half ranges of what a problem with a target does not state: relative, and s.
   double closing_speed = 0.05, contact_time = 0.1;
@@ -38,15 +40,18 @@ Vector3d drawn_direction(const CaptureProblem& problem, const Vector3d& n, doubl
   return cone_direction(n, plane, angle, around);
 }
 
-void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
-                    const Perturbations& sizes, ContactCase subject, std::uint64_t seed, int trial,
-                    const StopCondition& stop, TrialOutcome& outcome) {
-  const PostImpactSpec& spec = truth.post_impact;
-  const auto controller = chosen_controller(spec);
-  if (!controller) throw std::invalid_argument("no controller " + spec.controllers.front());
-  // The controller's model is the robot of the plan, with the errors that the problem states.
-  const RobotModel& planned = nominal.problem.robot;
-  subject.known_target = nominal.problem.target;
+/// A trial as drawn: its impact is known, the motion after it is still to be simulated.
+struct DrawnTrial {
+  CaptureProblem truth;
+  TrialOutcome outcome;
+  std::optional<ContactCase> subject;  ///< empty: nothing moves after the impact
+  SimulationOptions options;
+};
+
+/// The controller's model is the robot of the plan, with the errors that the problem states.
+SimulationOptions trial_options(const PostImpactSpec& spec, const RobotModel& planned,
+                                const Perturbations& sizes, std::uint64_t seed, int trial,
+                                const StopCondition& stop) {
   SimulationOptions options = plant_options_of(spec, planned);
   options.step = std::min(kTrial.longest_step, spec.control_period);
   options.output_period = 0;
@@ -56,7 +61,6 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
     options.integrator = IntegratorKind::Dopri5;
     options.relative_tolerance = kTrial.relative_step;
     options.absolute_tolerance = kTrial.absolute_step;
-    subject.restitution = std::max(subject.restitution, kLeastRestitution);
   }
   options.sensors.base_rate_error = sizes.base_rate_error;
   options.sensors.joint_rate_error = sizes.joint_rate_error;
@@ -64,8 +68,11 @@ void simulate_trial(const CaptureProblem& truth, const Situation& nominal,
   // Streams of the sensors are apart from those that draw the trials.
   options.sensors.stream = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(trial);
   options.stop = stop;
-  const SimulationResult run =
-      simulate_after_contact(subject, spec, *controller, options).simulation;
+  return options;
+}
+
+void put_motion(const CaptureProblem& truth, const SimulationResult& run, TrialOutcome& outcome) {
+  const PostImpactSpec& spec = truth.post_impact;
   const SimulationSummary& summary = run.summary;
   outcome.finished = run.status == SimulationStatus::Finished;
   outcome.residual_base_rate = summary.residual_base_rate;
@@ -134,12 +141,13 @@ bool is_hit(const CaptureProblem& truth, const ContactEvent& event, const Postur
   return !would_pull && closing_speed(truth, event, d) >= least;
 }
 
-TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
-                       int trial, const StopCondition& stop) {
+DrawnTrial draw_trial(const Situation& nominal, const Perturbations& sizes, std::uint64_t seed,
+                      int trial, const StopCondition& stop) {
   Random random(seed, static_cast<std::uint64_t>(trial));
-  CaptureProblem truth = nominal.problem;
+  DrawnTrial drawn_trial{nominal.problem, {}, {}, {}};
+  CaptureProblem& truth = drawn_trial.truth;
+  TrialOutcome& outcome = drawn_trial.outcome;
   Configuration at = nominal.at;
-  TrialOutcome outcome;
   const auto draw = [&](double size) {
     const double x = size * random.uniform(-1, 1);
     outcome.inputs.push_back(x);
@@ -258,15 +266,48 @@ TrialOutcome run_trial(const Situation& nominal, const Perturbations& sizes, std
   outcome.objective = objective_value(truth, response, Fbar, &nominal.problem.robot);
   const reference::Impact impact = response.impact(Fbar);
   outcome.base_rate_jump = impact.Delta_Omega.tail<3>().norm();
-  if (truth.post_impact.controllers.empty()) {
-    outcome.finished = true;
-  } else {
-    const ContactCase subject =
-        contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster, velocity_error);
-    simulate_trial(truth, nominal, sizes, subject, seed, trial, stop, outcome);
+  outcome.finished = truth.post_impact.controllers.empty();
+  if (outcome.finished) return drawn_trial;
+  drawn_trial.options =
+      trial_options(truth.post_impact, nominal.problem.robot, sizes, seed, trial, stop);
+  ContactCase subject =
+      contact_case(truth, motion, event, response, at, d, Fbar, 1 + faster, velocity_error);
+  subject.known_target = nominal.problem.target;
+  if (truth.post_impact.contact.model == ContactModel::Compliant) {
+    subject.restitution = std::max(subject.restitution, kLeastRestitution);
   }
-  outcome.success = trial_failure(outcome, truth.post_impact).empty();
-  return outcome;
+  drawn_trial.subject = std::move(subject);
+  return drawn_trial;
+}
+
+/// Trials first .. first + count - 1, simulated side by side.
+std::vector<TrialOutcome> run_together(const Situation& nominal, const Perturbations& sizes,
+                                       std::uint64_t seed, int first, int count,
+                                       const StopCondition& stop) {
+  std::vector<DrawnTrial> trials;
+  std::vector<ContactCase> subjects;
+  std::vector<SimulationOptions> options;
+  for (int i = 0; i < count; ++i) {
+    trials.push_back(draw_trial(nominal, sizes, seed, first + i, stop));
+    if (!trials.back().subject) continue;
+    subjects.push_back(std::move(*trials.back().subject));
+    options.push_back(std::move(trials.back().options));
+  }
+  if (!subjects.empty()) {
+    const PostImpactSpec& spec = nominal.problem.post_impact;
+    const auto controller = chosen_controller(spec);
+    if (!controller) throw std::invalid_argument("no controller " + spec.controllers.front());
+    const auto runs = simulate_after_contacts(subjects, spec, *controller, options);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      put_motion(trials[i].truth, runs[i].simulation, trials[i].outcome);
+    }
+  }
+  std::vector<TrialOutcome> outcomes;
+  for (DrawnTrial& trial : trials) {
+    trial.outcome.success = trial_failure(trial.outcome, trial.truth.post_impact).empty();
+    outcomes.push_back(std::move(trial.outcome));
+  }
+  return outcomes;
 }
 
 }  // namespace
@@ -338,21 +379,26 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   const verification::Situation nominal(plan.problem, plan.configuration, earliest);
   if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
 
-  std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(count));
-  std::vector<char> is_done(outcomes.size(), 0);
+  // As many trials at a time as the widest registers have lanes; the last may be fewer.
+  const int groups = (count + verification::kTrial.together - 1) / verification::kTrial.together;
+  std::vector<std::vector<TrialOutcome>> found(static_cast<std::size_t>(groups));
   const auto work = [&](int i) {
-    const auto k = static_cast<std::size_t>(i);
-    outcomes[k] = verification::run_trial(nominal, sizes, seed, first + i, stop);
-    is_done[k] = !stop.reached();
+    const int before = i * verification::kTrial.together;
+    const int size = std::min(verification::kTrial.together, count - before);
+    auto outcomes = verification::run_together(nominal, sizes, seed, first + before, size, stop);
+    if (!stop.reached()) found[static_cast<std::size_t>(i)] = std::move(outcomes);
   };
   const auto take = [&](int i) {
-    if (on_progress) on_progress(i + 1, count);
+    if (on_progress) on_progress(std::min(count, (i + 1) * verification::kTrial.together), count);
   };
-  for_each_index(workers, count, stop, work, take);
+  for_each_index(workers, groups, stop, work, take);
   // Nothing is known of those that were stopped. What follows them is left out, too: the place of
   // an outcome is the number of its trial.
-  const auto end = std::find(is_done.begin(), is_done.end(), 0);
-  outcomes.resize(static_cast<std::size_t>(end - is_done.begin()));
+  std::vector<TrialOutcome> outcomes;
+  for (auto& group : found) {
+    if (group.empty()) break;
+    std::move(group.begin(), group.end(), std::back_inserter(outcomes));
+  }
   return outcomes;
 }
 

@@ -29,9 +29,9 @@ JointVectord torque_as_printed(const Controller& c, const PlantTerms& terms,
   return tau;
 }
 
-PlantAcceleration closed_loop(const Controller& c, const RobotModel& robot, const PlantTerms& terms,
+PlantAcceleration closed_loop(const Controller& c, const PlantTerms& terms,
                               const PlantState& state) {
-  return compute_acceleration(terms, Vector6d::Zero(), control_torque(c, robot, terms, state));
+  return compute_acceleration(terms, Vector6d::Zero(), control_torque(c, terms, state));
 }
 
 PlantState struck(const RobotModel& robot, Random& random, double impulse) {
@@ -67,12 +67,12 @@ TEST_CASE("with full rank the reaction null space torque is (24)", "[simulation]
     for (const ControllerKind kind : {ControllerKind::Rns, ControllerKind::RnsDamped}) {
       c.kind = kind;
       const JointVectord printed = torque_as_printed(c, terms, state);
-      const JointVectord torque = control_torque(c, robot, terms, state);
+      const JointVectord torque = control_torque(c, terms, state);
       CHECK((torque - printed).norm() < 1e-9 * printed.norm());
       ++compared;
     }
     // (23): the decay that the controller wants comes out.
-    const PlantAcceleration acceleration = closed_loop(c, robot, terms, state);
+    const PlantAcceleration acceleration = closed_loop(c, terms, state);
     const Vector3d wanted = -c.K_omega * state.Omega.tail<3>();
     CHECK((acceleration.dot_Omega.tail<3>() - wanted).norm() < 1e-9 * wanted.norm());
   }
@@ -86,11 +86,11 @@ TEST_CASE("joint damping makes the joint rates decay by (18)", "[simulation]") {
   const PlantTerms terms(robot, JointVectord::Constant(6, 0.3), state);
   Controller c;
   c.kind = ControllerKind::JointDamping;
-  const PlantAcceleration acceleration = closed_loop(c, robot, terms, state);
+  const PlantAcceleration acceleration = closed_loop(c, terms, state);
   CHECK((acceleration.phiddot + c.K_phi * state.phidot).norm() < 1e-10 * state.phidot.norm());
 
   c.kind = ControllerKind::JointDampingLiteral;
-  const PlantAcceleration literal = closed_loop(c, robot, terms, state);
+  const PlantAcceleration literal = closed_loop(c, terms, state);
   const HatInertia<double> hat =
       compute_hat_inertia(terms.inertia, compute_hand_jacobian(robot, terms.kinematics));
   CHECK((hat.Hhat_phi * literal.phiddot + c.K_phi * state.phidot).norm() < 1e-9);
@@ -105,9 +105,9 @@ TEST_CASE("null-space damping does not touch the base", "[simulation]") {
   c.rank_edge = 1e-4;
   c.joint_rate_edge = 1e6;
   c.kind = ControllerKind::Rns;
-  const PlantAcceleration without = closed_loop(c, robot, terms, state);
+  const PlantAcceleration without = closed_loop(c, terms, state);
   c.kind = ControllerKind::RnsDamped;
-  const PlantAcceleration with = closed_loop(c, robot, terms, state);
+  const PlantAcceleration with = closed_loop(c, terms, state);
   CHECK((with.dot_Omega - without.dot_Omega).tail<3>().norm() < 1e-10);
   CHECK((with.phiddot - without.phiddot).norm() > 0.1);
 }
@@ -124,7 +124,7 @@ TEST_CASE("with rank loss the reachable directions have the wanted acceleration"
     Controller c;
     c.kind = ControllerKind::RnsDamped;
     c.joint_rate_edge = 1e6;
-    const PlantAcceleration acceleration = closed_loop(c, robot, terms, state);
+    const PlantAcceleration acceleration = closed_loop(c, terms, state);
     const TildeBias<double> bias = compute_tilde_bias(terms.inertia, terms.bias);
     const Vector3d omega = state.Omega.tail<3>();
     const Vector3d got = terms.tilde.Htilde_omega * acceleration.dot_Omega.tail<3>();
@@ -189,8 +189,8 @@ TEST_CASE("the SPART arm leaves the lost momentum in the base, with bounded torq
 }
 
 TEST_CASE("without any reachable direction the controller's torques are finite", "[simulation]") {
-  const MomentumTransfer none =
-      compute_momentum_transfer(Controller{}, Matrix3Xd::Zero(3, 4), Vector3d(1, 2, 3));
+  const MomentumTransfer<double> none =
+      compute_momentum_transfer<double>(Controller{}, Matrix3Xd::Zero(3, 4), Vector3d(1, 2, 3));
   CHECK(none.rank == 0);
   CHECK(none.joint_rates(Matrix3Xd::Zero(3, 4), Vector3d(1, 2, 3)).norm() == 0);
   CHECK((none.unreachable(Vector3d(1, 2, 3)) - Vector3d(1, 2, 3)).norm() < 1e-15);
@@ -199,11 +199,11 @@ TEST_CASE("without any reachable direction the controller's torques are finite",
 TEST_CASE("joint rates for the base grow no further than the edge allows", "[simulation]") {
   Controller c;
   const Vector3d L_g(0, 0.3, 4);
-  const double edge = momentum_edge(c, 2, L_g.norm());
+  const double edge = momentum_edge<double>(c, 2, L_g.norm());
   for (double sigma = 1; sigma > 1e-12; sigma /= 3) {
     Matrix3Xd A = Matrix3Xd::Zero(3, 3);
     A.diagonal() = Vector3d(2, 1, sigma);
-    const MomentumTransfer transfer = compute_momentum_transfer(c, A, L_g);
+    const MomentumTransfer<double> transfer = compute_momentum_transfer<double>(c, A, L_g);
     CHECK(transfer.joint_rates(A, L_g).norm() <= L_g.norm() / edge * (1 + 1e-12));
     const Vector3d carried = A * transfer.joint_rates(A, L_g);
     CHECK((carried + transfer.unreachable(L_g) - L_g).norm() < 1e-12);

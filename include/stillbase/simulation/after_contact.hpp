@@ -61,6 +61,13 @@ struct AfterContact {
                                                   const Controller& controller,
                                                   const SimulationOptions& options);
 
+/// simulate_after_contact() of each case, side by side where simulate_post_impacts() can.
+/// @param options one per case
+/// @throws as simulate_after_contact()
+[[nodiscard]] std::vector<AfterContact> simulate_after_contacts(
+    const std::vector<ContactCase>& subjects, const PostImpactSpec& spec,
+    const Controller& controller, const std::vector<SimulationOptions>& options);
+
 /// What the joints do after the horizon: where one still moves, the same run goes on to ten
 /// horizons, or to the first joint that reaches its stop.
 /// @param run of the same arguments

@@ -78,27 +78,31 @@ bool chooses(const PostImpactSpec& spec, ControllerKind kind);
 /// arms on light satellites have sigma_min / sigma_max of 0.01 in ordinary postures, so it must be
 /// small). The second bounds the joint rates and accelerations, folded-in postures included: it
 /// leaves in the base what the arm could only carry by spinning.
-double momentum_edge(const Controller& controller, double sigma_max, double L_g);
+template <class S>
+S momentum_edge(const Controller& controller, const S& sigma_max, const S& L_g);
 
 /// How much base momentum the arm can take: the angular coupling matrix A = Htilde_omegaphi in its
 /// singular directions U (in B), sigma descending.
+template <class S>
 struct MomentumTransfer {
-  Matrix3d U;        ///< columns: directions of base angular momentum
-  Vector3d sigma;    ///< singular values of A
-  Vector3d share;    ///< min(1, (sigma / edge)^2), edge as momentum_edge() says
-  Vector3d inverse;  ///< 1 / max(sigma, edge)^2; 0 when A = 0
-  int rank = 0;      ///< directions with full share
+  Matrix3<S> U;        ///< columns: directions of base angular momentum
+  Vector3<S> sigma;    ///< singular values of A
+  Vector3<S> share;    ///< min(1, (sigma / edge)^2), edge as momentum_edge() says; 0 when A = 0
+  Vector3<S> inverse;  ///< 1 / max(sigma, edge)^2; 0 when A = 0
+  S rank;              ///< directions with full share
 
   /// A^d b = A' U diag(inverse) U' b: joint accelerations for a rate b of coupling momentum. The
   /// pseudoinverse where the share is 1; nowhere larger than |b| / edge.
-  JointVectord joint_rates(const Matrix3Xd& A, const Vector3d& b) const;
+  JointVector<S> joint_rates(const Matrix3X<S>& A, const Vector3<S>& b) const;
   /// The part of an angular momentum (B components) that the arm cannot take over.
-  Vector3d unreachable(const Vector3d& momentum) const;
+  Vector3<S> unreachable(const Vector3<S>& momentum) const;
 };
 
 /// @param L_g angular momentum about the system centroid (any axes), N m s
-MomentumTransfer compute_momentum_transfer(const Controller& controller,
-                                           const Matrix3Xd& Htilde_omegaphi, const Vector3d& L_g);
+template <class S>
+MomentumTransfer<S> compute_momentum_transfer(const Controller& controller,
+                                              const Matrix3X<S>& Htilde_omegaphi,
+                                              const Vector3<S>& L_g);
 
 /// Joint torques that the controller commands (n), before any limit, N m or N.
 ///
@@ -119,8 +123,8 @@ MomentumTransfer compute_momentum_transfer(const Controller& controller,
 ///   (18) then takes the dot_omega that really comes. Angular momentum along a lost direction u
 ///   stays in the base: u' Htilde_omega omega = u' L_g.
 /// Joint coordinates of different units (prismatic beside revolute) are weighed as they stand.
-JointVectord control_torque(const Controller& controller, const RobotModel& robot,
-                            const PlantTerms& terms, const PlantState& state);
+JointVectord control_torque(const Controller& controller, const PlantTerms& terms,
+                            const PlantState& state);
 
 struct ControlCommand {
   JointVectord tau;                             ///< n, before any limit, N m or N

@@ -199,6 +199,25 @@ struct SimulationResult {
                                                     const Controller& controller,
                                                     const SimulationOptions& options);
 
+/// What simulate_post_impact() takes beside the controller.
+struct PostImpactRun {
+  RobotModel robot;
+  JointResistance resistance;
+  PlantState initial;
+  SimulationOptions options;
+};
+
+/// simulate_post_impact() of each run, in their order. Runs at fixed steps that differ in masses,
+/// states and sensors alone are simulated side by side in wide registers, where the processor has
+/// them; their numbers then differ from those of single runs by rounding. A run with friction or a
+/// contact, or whose controller uses the wheels, is a single one, and one that meets a joint stop
+/// goes on as one.
+///
+/// What becomes of a run does not depend on its neighbours. An interruption ends all of them.
+/// @throws InputError when sizes or options make no sense.
+[[nodiscard]] std::vector<SimulationResult> simulate_post_impacts(
+    const std::vector<PostImpactRun>& runs, const Controller& controller);
+
 /// Runs the controller for `lead_time`, applies the impulse, and runs on for options.horizon: the
 /// paper's Figs. 6 to 8 (from rest, impact at 0.1 s). The trace shows the impact as two samples at
 /// the same time; the summary is that of the time after the impact.

@@ -88,8 +88,8 @@ std::vector<std::string> trial_input_names();
 
 /// Trials first .. first + count - 1 of the plan, in this order whatever the number of workers.
 /// Fewer when stopped: those before the first one that was not done.
-/// @param on_progress called after each trial with (done, count), by one worker at a time; may be
-/// empty
+/// @param on_progress called after every few trials, which are simulated side by side, with
+/// (done, count), by one worker at a time; may be empty
 /// @throws InputError, std::invalid_argument for a plan that verify_plan() would not evaluate
 std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& sizes,
                                      std::uint64_t seed, int first, int count, int workers,

@@ -1,0 +1,25 @@
+// The limits of the time after the impact, of many configurations.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <stillbase/encounter/encounter.hpp>
+#include <stillbase/plan/plan.hpp>
+#include <stillbase/simulation/simulate.hpp>
+
+namespace stillbase {
+
+/// As precise as limits are judged by.
+SimulationOptions judging_options(const CaptureProblem& problem, const StopCondition& stop);
+
+/// post_impact_failure() of configurations that meet one contact feature, simulated side by side.
+/// @param model the encounter with that feature: to make it takes longer than what follows
+/// @param impacts one per configuration
+std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
+                                              const EncounterModel& model,
+                                              const std::vector<Configuration>& configurations,
+                                              const std::vector<ImpactSummary>& impacts,
+                                              const StopCondition& stop);
+
+}  // namespace stillbase

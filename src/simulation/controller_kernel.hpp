@@ -1,0 +1,179 @@
+// The laws of <stillbase/simulation/controllers.hpp>, for any number type.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <stillbase/simulation/controllers.hpp>
+
+#include "core/select.hpp"
+#include "dynamics/bias_kernel.hpp"
+#include "simulation/symmetric_eigen3.hpp"
+
+namespace stillbase {
+
+template <class S>
+S momentum_edge(const Controller& controller, const S& sigma_max, const S& L_g) {
+  using std::max;
+  return max(S(controller.rank_edge) * sigma_max, L_g / S(controller.joint_rate_edge));
+}
+
+template <class S>
+JointVector<S> MomentumTransfer<S>::joint_rates(const Matrix3X<S>& A, const Vector3<S>& b) const {
+  Vector3<S> scaled = Vector3<S>::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3<S> direction = U.col(i);
+    scaled += direction * (inverse[i] * direction.dot(b));
+  }
+  JointVector<S> rates(A.cols());
+  for (Eigen::Index k = 0; k < A.cols(); ++k) rates[k] = A.col(k).dot(scaled);
+  return rates;
+}
+
+template <class S>
+Vector3<S> MomentumTransfer<S>::unreachable(const Vector3<S>& momentum) const {
+  Vector3<S> out = Vector3<S>::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3<S> direction = U.col(i);
+    out += direction * ((S(1) - share[i]) * direction.dot(momentum));
+  }
+  return out;
+}
+
+template <class S>
+MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, const Matrix3X<S>& A,
+                                              const Vector3<S>& L_g) {
+  using std::max;
+  using std::min;
+  using std::sqrt;
+  // The 3x3 eigenproblem of A A' instead of a singular value decomposition of A: it squares the
+  // condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
+  Matrix3<S> square = Matrix3<S>::Zero();
+  for (Eigen::Index k = 0; k < A.cols(); ++k) {
+    const Vector3<S> column = A.col(k);
+    square += column * column.transpose();
+  }
+  MomentumTransfer<S> out;
+  Vector3<S> values;
+  descending_eigen3(square, values, out.U);
+  for (Eigen::Index i = 0; i < 3; ++i) out.sigma[i] = sqrt(max(values[i], S(0)));
+  const S edge = momentum_edge<S>(controller, out.sigma[0], sqrt(L_g.dot(L_g)));
+  const auto is_zero = at_least(S(0), out.sigma[0]);
+  out.rank = S(0);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const S ratio = out.sigma[i] / edge;
+    const S larger = max(out.sigma[i], edge);
+    out.share[i] = where(is_zero, S(0), min(S(1), ratio * ratio));
+    out.inverse[i] = where(is_zero, S(0), S(1) / (larger * larger));
+    out.rank += where(at_least(out.share[i], S(1)), S(1), S(0));
+  }
+  return out;
+}
+
+/// Htilde_omegaphi phidot, (2).
+template <class S>
+Vector3<S> coupling_momentum(const TildeInertia<S>& tilde, const JointVector<S>& phidot) {
+  Vector3<S> out = Vector3<S>::Zero();
+  for (Eigen::Index k = 0; k < phidot.size(); ++k) out += tilde.Htilde_omegaphi.col(k) * phidot[k];
+  return out;
+}
+
+/// (22) and (23) as a joint acceleration, with the moment t_b on the base.
+template <class S>
+JointVector<S> null_space_acceleration(const Controller& controller, const TildeInertia<S>& tilde,
+                                       const TildeBias<S>& bias, const Vector3<S>& omega,
+                                       const JointVector<S>& phidot, const Vector3<S>& t_b) {
+  const Matrix3X<S>& A = tilde.Htilde_omegaphi;
+  const Vector3<S> coupling = coupling_momentum(tilde, phidot);
+  const Vector3<S> own = tilde.Htilde_omega * omega;
+  const Vector3<S> L_g = own + coupling;
+  const MomentumTransfer<S> transfer = compute_momentum_transfer<S>(controller, A, L_g);
+  const Vector3<S> wanted = bias.ctilde_omega - own * S(controller.K_omega) - t_b;
+  JointVector<S> phiddot = -transfer.joint_rates(A, wanted);
+  if (controller.kind == ControllerKind::Rns) return phiddot;
+  const JointVector<S> carrying = transfer.joint_rates(A, coupling);
+  for (Eigen::Index k = 0; k < phidot.size(); ++k) {
+    phiddot[k] -= S(controller.K_phi) * (phidot[k] - carrying[k]);
+  }
+  return phiddot;
+}
+
+/// The joint torques that give phi'', (18) with the moment t_b on the base:
+///   tau = Htilde_phi phi'' + ctilde_phi - Htilde_omegaphi' x,
+///   Htilde_omega x = Htilde_omegaphi phi'' + ctilde_omega - t_b,
+/// which is Hhat_phi phi'' + chat - H_bphi' H_b^-1 [0; -t_b] without its matrices.
+template <class S>
+JointVector<S> torque_for(const TildeInertia<S>& tilde, const TildeBias<S>& bias,
+                          const JointVector<S>& phiddot, const Vector3<S>& t_b) {
+  Vector3<S> x = bias.ctilde_omega - t_b + coupling_momentum(tilde, phiddot);
+  Matrix3<S> factor = tilde.Htilde_omega;
+  factorize_cholesky(factor);
+  solve_cholesky(factor, x);
+  JointVector<S> tau = bias.ctilde_phi;
+  for (Eigen::Index k = 0; k < phiddot.size(); ++k) {
+    tau[k] -= tilde.Htilde_omegaphi.col(k).dot(x);
+    for (Eigen::Index j = 0; j < phiddot.size(); ++j) tau[k] += tilde.Htilde_phi(k, j) * phiddot[j];
+  }
+  return tau;
+}
+
+/// Joint torques (18) of every controller but `detumble`, for a moment t_b on the base.
+/// @param terms with members `inertia` and `bias`
+template <class S, class Terms>
+JointVector<S> joint_torque(const Controller& controller, const Terms& terms,
+                            const TildeInertia<S>& tilde, const Vector3<S>& omega,
+                            const JointVector<S>& phidot, const Vector3<S>& t_b) {
+  const Eigen::Index n = phidot.size();
+  JointVector<S> phiddot(n);
+  for (Eigen::Index k = 0; k < n; ++k) phiddot[k] = S(0);
+  if (controller.kind == ControllerKind::None) return phiddot;
+  const TildeBias<S> bias = compute_tilde_bias<S>(terms.inertia, terms.bias);
+  if (controller.kind == ControllerKind::JointDampingLiteral) {
+    const Vector3<S> no_moment = Vector3<S>::Zero();
+    JointVector<S> tau = torque_for<S>(tilde, bias, phiddot, no_moment);
+    for (Eigen::Index k = 0; k < n; ++k) tau[k] -= S(controller.K_phi) * phidot[k];
+    return tau;
+  }
+  if (controller.kind == ControllerKind::JointDamping) {
+    for (Eigen::Index k = 0; k < n; ++k) phiddot[k] = -S(controller.K_phi) * phidot[k];
+  } else {
+    phiddot = null_space_acceleration<S>(controller, tilde, bias, omega, phidot, t_b);
+  }
+  return torque_for<S>(tilde, bias, phiddot, t_b);
+}
+
+/// The torque that the friction of joint k takes.
+template <class S>
+S compensated_friction(const Controller& controller, const Joint& joint, const S& rate) {
+  using std::tanh;
+  S torque = S(joint.viscous_friction) * rate;
+  if (joint.coulomb_friction != 0) {
+    torque += S(joint.coulomb_friction) * tanh(rate / S(controller.friction_transition_rate));
+  }
+  return torque;
+}
+
+/// The part of a torque that a joint gives.
+/// @param torque_limit whether it is clipped at max_effort
+/// @param rate_limit whether a joint at its largest rate gives none in that direction
+template <class S>
+S limited_torque(const Joint& joint, bool torque_limit, bool rate_limit, const S& rate,
+                 const S& tau) {
+  using std::abs;
+  using std::max;
+  using std::min;
+  S out = tau;
+  if (rate_limit) {
+    const auto keeps = at_least(S(0), tau * rate);
+    out = where(at_least(abs(rate), S(joint.max_velocity)), where(keeps, tau, S(0)), tau);
+  }
+  if (torque_limit) out = max(S(-joint.max_effort), min(S(joint.max_effort), out));
+  return out;
+}
+
+/// Whether the joint's largest torque has cut what was demanded.
+inline bool is_cut(const Joint& joint, double demanded, double tau) {
+  return tau != demanded && (tau >= joint.max_effort || tau <= -joint.max_effort);
+}
+
+}  // namespace stillbase
