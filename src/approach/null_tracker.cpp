@@ -251,6 +251,10 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, Knots& kno
   int steps = options_.coarse_steps;
   double damping = options_.first_damping;
   curve = follow(knots, steps);
+  // d(end less goal) / d(knots). It costs as much as many curves, so a step updates it by what the
+  // step itself has shown (Broyden), for as long as steps go well.
+  Eigen::MatrixXd J;
+  bool is_updated = false;
   for (int newton = 0; newton < options_.newton_steps; ++newton) {
     const Eigen::VectorXd error = missing(curve);  // also sets the goal of this very curve
     if (!error.allFinite()) return std::nullopt;
@@ -263,24 +267,35 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, Knots& kno
       curve = follow(knots, steps);
       continue;
     }
-    const JointPath coarse =
-        steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
-    const Eigen::MatrixXd J = directions_asked(goal, curve.phi.back()) *
-                              end_jacobian(knots, coarse, options_.coarse_steps);
+    if (J.size() == 0) {
+      const JointPath coarse =
+          steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
+      J = directions_asked(goal, curve.phi.back()) *
+          end_jacobian(knots, coarse, options_.coarse_steps);
+      is_updated = false;
+    }
     const Eigen::MatrixXd square = J * J.transpose();
     bool better = false;
-    for (int trial = 0; trial < options_.dampings && !better && !stop_.reached(); ++trial) {
+    const int dampings = is_updated ? options_.dampings_of_update : options_.dampings;
+    for (int trial = 0; trial < dampings && !better && !stop_.reached(); ++trial) {
       const Eigen::MatrixXd damped = square + damping * Eigen::MatrixXd::Identity(m, m);
       const Eigen::VectorXd shift = J.transpose() * damped.ldlt().solve(error);
       Knots there = shifted_knots(knots, shift);
       JointPath moved = follow(there, steps);
-      better = missing(moved).norm() < error.norm();
+      const Eigen::VectorXd left = missing(moved);
+      better = left.norm() < error.norm();
       damping = better ? damping / 8 : damping * 6;
       if (!better) continue;
+      const Eigen::VectorXd step = (there - knots).rightCols(knots.cols() - 1).reshaped();
+      J += (error - left - J * step) * step.transpose() / step.squaredNorm();
+      is_updated = true;
+      if (left.norm() > options_.good_step * error.norm()) J.resize(0, 0);
       knots = std::move(there);
       curve = std::move(moved);
     }
-    if (!better) return std::nullopt;
+    if (better) continue;
+    if (!is_updated) return std::nullopt;
+    J.resize(0, 0);
   }
   return std::nullopt;
 }

@@ -33,8 +33,14 @@ template <class S, class Robot>
 
 namespace kernel {
 
-template <class S, class Robot>
+enum class InertiaParts {
+  All,
+  Coupling  ///< H_phi is left empty
+};
+
+template <class S, InertiaParts parts = InertiaParts::All, class Robot>
 InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
+  constexpr bool has_arm = parts == InertiaParts::All;
   const int bodies = kin.n, n = robot.n();
   const std::vector<Joint>& tree = robot.tree();
   const bool is_coupled = robot.is_coupled();
@@ -54,8 +60,10 @@ InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
 
   out.H_bphi.resize(6, n);
   if (is_coupled) out.H_bphi.setZero();
-  out.H_phi.resize(n, n);
-  out.H_phi.setZero();
+  if (has_arm) {
+    out.H_phi.resize(n, n);
+    out.H_phi.setZero();
+  }
   for (int k = bodies - 1; k >= 0; --k) {
     const RigidInertia<S>& subtree = subtrees[k];
     const Joint& joint = tree[k];
@@ -69,11 +77,13 @@ InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
       out.H_bphi.template block<3, 1>(0, row) += p;
       out.H_bphi.template block<3, 1>(3, row) += L;
       const double ratio = robot.couplings[k].ratio;
-      out.H_phi(row, row) += axis_v[k].dot(p) + axis_w[k].dot(L);
-      if (joint.rotor_inertia != 0) {
-        out.H_phi(row, row) += S(ratio * ratio * joint.reflected_inertia());
+      if (has_arm) {
+        out.H_phi(row, row) += axis_v[k].dot(p) + axis_w[k].dot(L);
+        if (joint.rotor_inertia != 0) {
+          out.H_phi(row, row) += S(ratio * ratio * joint.reflected_inertia());
+        }
       }
-      for (int j = joint.parent; j != kBase; j = tree[j].parent) {
+      for (int j = joint.parent; has_arm && j != kBase; j = tree[j].parent) {
         const int column = robot.coordinate(j);
         const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
         out.H_phi(row, column) += value;
@@ -82,12 +92,12 @@ InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
     } else {
       out.H_bphi.template block<3, 1>(0, k) = p;
       out.H_bphi.template block<3, 1>(3, k) = L;
-      for (int j = k; j != kBase; j = tree[j].parent) {
+      for (int j = k; has_arm && j != kBase; j = tree[j].parent) {
         const S value = axis_v[j].dot(p) + axis_w[j].dot(L);
         out.H_phi(j, k) = value;
         out.H_phi(k, j) = value;
       }
-      if (joint.rotor_inertia != 0) out.H_phi(k, k) += S(joint.reflected_inertia());
+      if (has_arm && joint.rotor_inertia != 0) out.H_phi(k, k) += S(joint.reflected_inertia());
     }
     (joint.parent == kBase ? total : subtrees[joint.parent]).add(subtree);
   }

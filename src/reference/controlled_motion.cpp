@@ -5,6 +5,7 @@
 
 #include <stillbase/core/random.hpp>
 
+#include "core/normal_pairs.hpp"
 #include "reference/resting_joints.hpp"
 
 namespace stillbase::reference {
@@ -133,11 +134,9 @@ class Run {
   Motion measured(const Motion& motion) {
     const Sensors& sensors = *subject_.sensors;
     Motion told = motion;
-    for (int i = 3; i < 6; ++i) told.state.Omega(i) += sensors.base_rate_error * random_->normal();
-    for (Eigen::Index k = 0; k < told.state.phi.size(); ++k) {
-      told.state.phi(k) += sensors.joint_position_error * random_->normal();
-      told.state.phidot(k) += sensors.joint_rate_error * random_->normal();
-    }
+    add_normals(*random_, sensors.base_rate_error, told.state.Omega.tail<3>());
+    add_normals(*random_, sensors.joint_position_error, told.state.phi);
+    add_normals(*random_, sensors.joint_rate_error, told.state.phidot);
     told_.push_back(told);
     return told_[told_.size() - 1 - std::min(told_.size() - 1, sensors.delay)];
   }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/core/constants.hpp>
-
+#include "core/normal_pairs.hpp"
 #include "simulation/controller_kernel.hpp"
 
 namespace stillbase {
@@ -86,30 +85,11 @@ Sensing::Sensing(const SensorSpec& sensors, double control_period)
       delay_(is_exact_ ? 0 : static_cast<std::size_t>(std::lround(sensors.delay / control_period))),
       random_(sensors.seed, sensors.stream) {}
 
-/// Both numbers of Box and Muller's pair: half the work of Random::normal().
-double Sensing::normal() {
-  if (spare_) {
-    const double x = *spare_;
-    spare_.reset();
-    return x;
-  }
-  const double radius = std::sqrt(-2 * std::log(1 - random_.uniform()));  // 1 - u is in (0, 1]
-  const double angle = 2 * kPi * random_.uniform();
-  spare_ = radius * std::sin(angle);
-  return radius * std::cos(angle);
-}
-
-template <class Vector>
-void Sensing::disturb(double deviation, Vector&& values) {
-  if (deviation == 0) return;
-  for (double& x : values) x += deviation * normal();
-}
-
 PlantState Sensing::measure(const PlantState& state) {
   PlantState measured = state;
-  disturb(sensors_.base_rate_error, measured.Omega.tail<3>());
-  disturb(sensors_.joint_position_error, measured.phi);
-  disturb(sensors_.joint_rate_error, measured.phidot);
+  add_normals(random_, sensors_.base_rate_error, measured.Omega.tail<3>());
+  add_normals(random_, sensors_.joint_position_error, measured.phi);
+  add_normals(random_, sensors_.joint_rate_error, measured.phidot);
   if (delay_ == 0) return measured;
   delayed_.push_back(std::move(measured));
   if (delayed_.size() > delay_ + 1) delayed_.pop_front();

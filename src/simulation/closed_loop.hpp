@@ -41,16 +41,10 @@ class Sensing {
   PlantState measure(const PlantState& state);
 
  private:
-  /// Adds errors of this standard deviation.
-  template <class Vector>
-  void disturb(double deviation, Vector&& values);
-  double normal();
-
   SensorSpec sensors_;
   bool is_exact_;
   std::size_t delay_;  ///< control periods
   Random random_;
-  std::optional<double> spare_;  ///< the second number of a pair
   std::deque<PlantState> delayed_;
 };
 

@@ -82,6 +82,8 @@ struct NullSpaceOptions {
   double nearly_reached = 1e-6;  ///< rad; from here on with fine steps
   double first_damping = 1e-2;   ///< of Newton's steps, beside squares of sensitivities of about 1
   int dampings = 10;             ///< tried in one step
+  int dampings_of_update = 2;    ///< the same where Newton's matrix is updated, not computed
+  double good_step = 0.3;        ///< of the distance that a step leaves: the matrix is kept
   double largest_shift = 0.7;    ///< rad, of a knot in one step
 
   int references = 8;          ///< to one goal: the straight line, then ever wider detours
